@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
 // The decomposition energy of chapter 3 (Eqs. 3.3–3.15) and the linear systems of its IRLS steps,
 // in double precision. This is the specification of kernels/intrinsic_thesis.
 //

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: LGPL-2.1-or-later
 // The counter-based random numbers that references and shaders share bit by bit.
 #pragma once
 
