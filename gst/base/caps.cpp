@@ -1,0 +1,113 @@
+#include "caps.hpp"
+
+#include <gst/video/video.h>
+
+#include "inverse_layers_meta.h"
+
+namespace inverse {
+namespace {
+
+// In the order of preference among equals: packed RGB needs the least work.
+constexpr const char* kFormats =
+    "{ RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, GRAY8, P010_10LE, I420_10LE, "
+    "RGBA64_LE }";
+constexpr const char* kGeometry =
+    "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
+
+GstCaps* pixel_caps() {
+  const std::string text =
+      std::string("video/x-raw, format = (string) ") + kFormats + ", " + kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+GstCaps* layer_caps() {
+  const std::string text = std::string("video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                                       "), format = (string) RGBA, layers = (string) intrinsic, ") +
+                           kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+}  // namespace
+
+GstCaps* template_caps(Flow flow) {
+  switch (flow) {
+    case Flow::pixels:
+      return pixel_caps();
+    case Flow::layers:
+      return layer_caps();
+    case Flow::pixels_or_layers: {
+      GstCaps* caps = pixel_caps();
+      gst_caps_append(caps, layer_caps());
+      return caps;
+    }
+    case Flow::layers_or_pixels: {
+      GstCaps* caps = layer_caps();
+      gst_caps_append(caps, pixel_caps());
+      return caps;
+    }
+  }
+  return nullptr;
+}
+
+bool carries_layers(const GstCaps* caps) {
+  return gst_caps_get_size(caps) > 0 &&
+         gst_caps_features_contains(gst_caps_get_features(caps, 0),
+                                    GST_CAPS_FEATURE_META_INVERSE_LAYERS);
+}
+
+GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
+  GstCaps* templates = template_caps(to);
+  GstCaps* result = gst_caps_new_empty();
+  for (guint t = 0; t < gst_caps_get_size(templates); ++t) {
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+      // What describes the picture's shape in space and time carries over; how it is coded does
+      // not.
+      GstStructure* structure = gst_structure_copy(gst_caps_get_structure(caps, i));
+      for (const char* field : {"format", "colorimetry", "chroma-site", "layers"})
+        gst_structure_remove_field(structure, field);
+      GstCaps* wide = gst_caps_new_full(structure, nullptr);
+      gst_caps_set_features(wide, 0, gst_caps_features_copy(gst_caps_get_features(templates, t)));
+      GstCaps* one = gst_caps_copy_nth(templates, t);
+      gst_caps_append(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));
+      gst_caps_unref(wide);
+      gst_caps_unref(one);
+    }
+  }
+  gst_caps_unref(templates);
+  result = gst_caps_simplify(result);
+  if (filter) {
+    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
+    gst_caps_unref(result);
+    result = filtered;
+  }
+  return result;
+}
+
+GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
+  // Only where pixels are at the head of the other side's wishes: layers are asked for by who wants
+  // them.
+  if (!carries_layers(caps) && !gst_caps_is_empty(other) && !carries_layers(other)) {
+    GstCaps* same = gst_caps_intersect_full(other, caps, GST_CAPS_INTERSECT_FIRST);
+    if (!gst_caps_is_empty(same)) {
+      gst_caps_unref(other);
+      return gst_caps_fixate(same);
+    }
+    gst_caps_unref(same);
+    // Same format with other colorimetry, else whatever comes first.
+    const GstStructure* in = gst_caps_get_structure(caps, 0);
+    if (const GValue* format = gst_structure_get_value(in, "format")) {
+      GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
+      gst_caps_set_value(wanted, "format", format);
+      GstCaps* like = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
+      gst_caps_unref(wanted);
+      if (!gst_caps_is_empty(like)) {
+        gst_caps_unref(other);
+        return gst_caps_fixate(like);
+      }
+      gst_caps_unref(like);
+    }
+  }
+  return gst_caps_fixate(gst_caps_truncate(other));
+}
+
+}  // namespace inverse

@@ -1,0 +1,19 @@
+// The list of elements, nothing else.
+#include "base/filter.hpp"
+#include "base/layers_meta.hpp"
+
+namespace inverse {
+extern const ElementInfo kIntrinsicDecomp;
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
+  inverse::register_layers_meta();
+  for (const inverse::ElementInfo* element : {&inverse::kIntrinsicDecomp})
+    if (!inverse::register_filter(plugin, *element)) return FALSE;
+  return TRUE;
+}
+
+GST_PLUGIN_DEFINE(
+    GST_VERSION_MAJOR, GST_VERSION_MINOR, inverse,
+    "Takes live video apart into reflectance and shading, and lets edits touch the layers",
+    plugin_init, VERSION, "LGPL", "gst-inverse", "gst-inverse")
