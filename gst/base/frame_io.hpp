@@ -4,14 +4,13 @@
 #include <optional>
 
 #include "gpu/commands.hpp"
+#include "image/convert.hpp"
 #include "image/layers.hpp"
-#include "image/pack.hpp"
-#include "image/unpack.hpp"
 #include "picture.hpp"
 
 namespace inverse {
 
-/// What GStreamer says of a frame in memory in the words of kernels/image. Throws
+/// What GStreamer says of a frame in memory, in the words of kernels/image. Throws
 /// Error(unsupported) where the format or its colorimetry cannot be handled, naming it.
 FrameFormat frame_format(const GstVideoInfo& info);
 
@@ -28,14 +27,15 @@ class FrameInput {
 
  private:
   GstVideoInfo info_;
-  FrameFormat format_;
+  FrameFormat format_;  // on the device: rows padded to words
   std::optional<Unpack> unpack_;
 };
 
 /// From planes to a buffer in system memory.
 class FrameOutput {
  public:
-  explicit FrameOutput(const GstVideoInfo& info);
+  /// `linear` writes linear light whatever the caps' transfer curve is.
+  explicit FrameOutput(const GstVideoInfo& info, bool linear = false);
   gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Records drawing `picture` into `readback`. Alpha comes from the input layer's w where there is

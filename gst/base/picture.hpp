@@ -5,10 +5,9 @@ namespace inverse {
 
 /// What a filter wants to be seen where pixels go out.
 struct Picture {
-  PlanePtr plane;       ///< rgb = linear colour, w = a scalar layer
-  bool scalar = false;  ///< draw w as grey instead of rgb
-  float gain = 1.0f;    ///< multiplied before clipping to [0, 1]
-  bool linear = false;  ///< keep linear values instead of the output's transfer curve
+  PlanePtr plane;       ///< rgb = linear color, w = a scalar layer
+  bool scalar = false;  ///< draw w as gray instead of rgb
+  float gain = 1.0f;    ///< multiplies linear light before clipping to [0, 1]
 };
 
 }  // namespace inverse
