@@ -1,0 +1,98 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "frame.glsl"
+#include "transfer.glsl"
+#include "draw.glsl"
+#include "yuv.glsl"
+
+// A plane to Y'CbCr frames. Each invocation writes the whole words of a block of 4 x 2 pixels, 8 x 2 where four chroma
+// samples share a word; pixels beyond the right edge repeat the last one.
+const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
+WORD_OUT(1, raw);
+
+void store(uint plane, uint row, uint index, uint word) {
+  STORE(raw, push.offset[plane] + row * push.stride[plane] + index, word);
+}
+
+vec4 luma(Quad q) {
+  return push.matrix.x * q.r + (1.0 - push.matrix.x - push.matrix.y) * q.g + push.matrix.y * q.b;
+}
+
+uvec2 chroma_code(vec2 value) { return code_of(value.xyxy, push.codes.z, push.codes.w).xy; }
+
+void store_luma(uint row, uint x, vec4 y) {
+  uvec4 code = code_of(y, push.codes.x, push.codes.y);
+  if (DEEP) {
+    code <<= SHIFT;
+    store(0u, row, x / 2u, word_of_halves(code.xy));
+    if (x + 2u < push.size.x) store(0u, row, x / 2u + 1u, word_of_halves(code.zw));
+  } else {
+    store(0u, row, x / 4u, word_of_bytes(code));
+  }
+}
+
+void store_packed(uint row, uint x, vec4 y, vec2 cb, vec2 cr) {
+  uvec4 code = code_of(y, push.codes.x, push.codes.y);
+  uvec2 u = chroma_code(cb), v = chroma_code(cr);
+  uvec4 left = uvec4(code.x, u.x, code.y, v.x), right = uvec4(code.z, u.y, code.w, v.y);
+  if (LAYOUT == kUyvy) {
+    left = left.yxwz;
+    right = right.yxwz;
+  }
+  store(0u, row, x / 2u, word_of_bytes(left));
+  if (x + 2u < push.size.x) store(0u, row, x / 2u + 1u, word_of_bytes(right));
+}
+
+void main() {
+  uint first = gl_GlobalInvocationID.x * BLOCKS * 4u;
+  uint pair = gl_GlobalInvocationID.y;
+  if (first >= push.size.x) return;
+  vec4 cb = vec4(0.0), cr = vec4(0.0);  // of up to four samples
+  for (uint block = 0u; block < BLOCKS; ++block) {
+    uint x = first + block * 4u;
+    vec2 sum_cb = vec2(0.0), sum_cr = vec2(0.0);
+    for (int step = COSITED_Y && !PACKED ? -1 : 0; step < 2; ++step) {
+      uint row = uint(clamp(int(pair * 2u) + step, 0, int(push.size.y) - 1));
+      bool own = step >= 0 && pair * 2u + uint(step) < push.size.y;
+      Quad quad = quad_at(row, x);
+      vec4 y = luma(quad);
+      vec2 left = vec2(0.0);
+      if (COSITED_X) {
+        vec4 p = color_at(row, max(x, 1u) - 1u);
+        vec4 beside = encode(sanitized(p * push.gain, push.ceiling), push.curve, push.power);
+        float beside_y = luma(Quad(beside.xxxx, beside.yyyy, beside.zzzz)).x;
+        left = beside.zx - beside_y;
+      }
+      vec2 row_cb = downsample(left.x, quad.b - y) * push.matrix.z;
+      vec2 row_cr = downsample(left.y, quad.r - y) * push.matrix.w;
+      if (PACKED) {
+        if (own && x < push.size.x) store_packed(row, x, y, row_cb, row_cr);
+      } else {
+        if (own && x < push.size.x) store_luma(row, x, y);
+        float weight = COSITED_Y && step != 0 ? 0.25 : 0.5;
+        sum_cb += weight * row_cb;
+        sum_cr += weight * row_cr;
+      }
+    }
+    cb = vec4(cb.zw, sum_cb);
+    cr = vec4(cr.zw, sum_cr);
+  }
+  if (PACKED) return;
+  uvec4 u = code_of(cb, push.codes.z, push.codes.w) << SHIFT;
+  uvec4 v = code_of(cr, push.codes.z, push.codes.w) << SHIFT;
+  if (LAYOUT == kSemiPlanar) {
+    if (DEEP) {
+      store(1u, pair, first / 2u, word_of_halves(uvec2(u.z, v.z)));
+      if (first + 2u < push.size.x) store(1u, pair, first / 2u + 1u, word_of_halves(uvec2(u.w, v.w)));
+    } else {
+      store(1u, pair, first / 4u, word_of_bytes(uvec4(u.z, v.z, u.w, v.w)));
+    }
+  } else if (DEEP) {
+    store(1u, pair, first / 4u, word_of_halves(u.zw));
+    store(2u, pair, first / 4u, word_of_halves(v.zw));
+  } else {
+    store(1u, pair, first / 8u, word_of_bytes(u));
+    store(2u, pair, first / 8u, word_of_bytes(v));
+  }
+}
