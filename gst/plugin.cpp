@@ -4,11 +4,15 @@
 
 namespace inverse {
 extern const ElementInfo kIntrinsicDecomp;
+extern const ElementInfo kIntrinsicDecompThesis;
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
-  for (const inverse::ElementInfo* element : {&inverse::kIntrinsicDecomp})
+  for (const inverse::ElementInfo* element : {
+           &inverse::kIntrinsicDecomp,
+           &inverse::kIntrinsicDecompThesis,
+       })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
   return TRUE;
 }

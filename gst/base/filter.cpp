@@ -194,8 +194,6 @@ void base_class_init(gpointer klass, gpointer) {
   parent_class = static_cast<GstBaseTransformClass*>(g_type_class_peek_parent(klass));
   GST_DEBUG_CATEGORY_INIT(inverse_debug, "inverse", 0, "inverse rendering elements");
   auto* object = G_OBJECT_CLASS(klass);
-  object->get_property = get_property;
-  object->set_property = set_property;
   object->finalize = finalize;
   auto* element = GST_ELEMENT_CLASS(klass);
   element->change_state = change_state;
@@ -234,6 +232,8 @@ void element_class_init(gpointer klass, gpointer data) {
   add_template(element, "sink", GST_PAD_SINK, info.sink);
   add_template(element, "src", GST_PAD_SRC, info.src);
   auto* object = G_OBJECT_CLASS(klass);
+  object->get_property = get_property;  // GObject does not inherit these two
+  object->set_property = set_property;
   if (info.sink == inverse::Flow::pixels)
     g_object_class_install_property(
         object, PROP_DEVICE,

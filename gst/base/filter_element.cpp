@@ -130,7 +130,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
 
-  FrameWork frame{*slot.commands, read_input(in, slot), fresh, {}};
+  FrameWork frame{*slot.commands, read_input(in, slot), fresh, !out_layers_, {}};
   if (!in_layers_) slot.commands->stage("unpack");
   filter_->process(frame);
   if (!out_layers_) {
