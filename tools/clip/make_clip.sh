@@ -42,8 +42,8 @@ if [ "$what" != truth ]; then
     filesrc location="$work/frames.rgb" ! \
     rawvideoparse format=rgb width=640 height=480 framerate=$rate/1 ! \
     videoconvert dither=none ! video/x-raw,format=I420,colorimetry=bt601 ! \
-    vp8enc deadline=0 cpu-used=0 end-usage=cq cq-level=6 min-quantizer=2 max-quantizer=16 \
-    target-bitrate=6000000 keyframe-max-dist=50 lag-in-frames=16 ! queue ! mux. \
+    vp8enc deadline=0 cpu-used=0 end-usage=cq cq-level=2 min-quantizer=0 max-quantizer=8 \
+    target-bitrate=8000000 keyframe-max-dist=50 lag-in-frames=16 ! queue ! mux. \
     filesrc location="$work/melody.wav" ! wavparse ! audioconvert ! vorbisenc quality=0.3 ! \
     queue ! mux. \
     webmmux name=mux writing-app=gst-inverse offset-to-zero=true ! \
