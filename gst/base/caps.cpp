@@ -44,11 +44,54 @@ GstCaps* with_images(GstCaps* caps) {
 /// Those structures of `caps` that have the features of the first.
 GstCaps* like_first(const GstCaps* caps) {
   GstCaps* alike = gst_caps_new_empty();
+  if (gst_caps_is_empty(caps)) return alike;
   const GstCapsFeatures* first = gst_caps_get_features(caps, 0);
   for (guint i = 0; i < gst_caps_get_size(caps); ++i)
     if (gst_caps_features_is_equal(gst_caps_get_features(caps, i), first))
       gst_caps_append(alike, gst_caps_copy_nth(caps, i));
   return alike;
+}
+
+/// Those of `other`, all in the same memory, that have the format and, where possible, all else of
+/// `caps`; null where none has, or where the other side prefers layers.
+GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
+  if (gst_caps_is_empty(other) || carries_layers(other)) return nullptr;
+  const GstCapsFeatures* features = gst_caps_get_features(other, 0);
+  GstCaps* like = gst_caps_copy(caps);
+  gst_caps_set_features_simple(like, gst_caps_features_copy(features));
+  GstCaps* same = gst_caps_intersect_full(other, like, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(like);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  const GValue* format = gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");
+  if (!format) return nullptr;
+  GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
+  gst_caps_set_value(wanted, "format", format);
+  gst_caps_set_features_simple(wanted, gst_caps_features_copy(features));
+  same = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(wanted);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  return nullptr;
+}
+
+/// Where the output's color is left open, labels it with the input's transfer curve and primaries:
+/// code values then mean the same on both sides, as users of videoconvert expect, and the label
+/// stays true.
+void keep_transfer(GstCaps* in, GstCaps* out) {
+  GstVideoInfo from, to;
+  if (!gst_caps_is_fixed(out) ||
+      gst_structure_has_field(gst_caps_get_structure(out, 0), "colorimetry"))
+    return;
+  if (!gst_video_info_from_caps(&from, in) || !gst_video_info_from_caps(&to, out)) return;
+  if (from.colorimetry.transfer == to.colorimetry.transfer &&
+      from.colorimetry.primaries == to.colorimetry.primaries)
+    return;
+  to.colorimetry.transfer = from.colorimetry.transfer;
+  to.colorimetry.primaries = from.colorimetry.primaries;
+  gchar* text = gst_video_colorimetry_to_string(&to.colorimetry);
+  gst_caps_set_simple(out, "colorimetry", G_TYPE_STRING, text, nullptr);
+  g_free(text);
 }
 
 }  // namespace
@@ -97,7 +140,7 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
       GstCaps* wide = gst_caps_new_full(structure, nullptr);
       gst_caps_set_features(wide, 0, gst_caps_features_copy(gst_caps_get_features(templates, t)));
       GstCaps* one = gst_caps_copy_nth(templates, t);
-      // Merging keeps the order, which gst_caps_simplify() would not.
+      // Merged in order: simplifying would sort, and the first is what others prefer.
       result = gst_caps_merge(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));
       gst_caps_unref(wide);
       gst_caps_unref(one);
@@ -113,32 +156,15 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
 }
 
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
-  // Only where pixels are at the head of the other side's wishes: layers are asked for by who wants
-  // them.
-  if (!carries_layers(caps) && !gst_caps_is_empty(other) && !carries_layers(other)) {
-    GstCaps* kind = like_first(other);
-    gst_caps_unref(other);
-    other = kind;
-    GstCapsFeatures* features = gst_caps_features_copy(gst_caps_get_features(other, 0));
-    // The same format and colorimetry, else the same format, else whatever comes first.
-    GstCaps* same = gst_caps_copy(caps);
-    gst_caps_set_features_simple(same, gst_caps_features_copy(features));
-    GstCaps* format = gst_caps_new_empty_simple("video/x-raw");
-    gst_caps_set_features_simple(format, features);
-    if (const GValue* value = gst_structure_get_value(gst_caps_get_structure(caps, 0), "format"))
-      gst_caps_set_value(format, "format", value);
-    for (GstCaps* wish : {same, format}) {
-      GstCaps* granted = gst_caps_intersect_full(other, wish, GST_CAPS_INTERSECT_FIRST);
-      gst_caps_unref(wish);
-      if (gst_caps_is_empty(granted)) {
-        gst_caps_unref(granted);
-      } else {
-        gst_caps_unref(other);
-        other = granted;
-      }
-    }
-  }
-  return gst_caps_fixate(gst_caps_truncate(other));
+  GstCaps* alike = like_first(other);
+  gst_caps_unref(other);
+  other = alike;
+  GstCaps* result = carries_layers(caps) ? nullptr : keep_format(caps, other);
+  result =
+      result ? gst_caps_fixate(result) : gst_caps_fixate(gst_caps_truncate(gst_caps_ref(other)));
+  gst_caps_unref(other);
+  keep_transfer(caps, result);
+  return result;
 }
 
 }  // namespace inverse

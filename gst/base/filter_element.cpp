@@ -112,7 +112,7 @@ GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
 }
 
 Layers FilterElement::read_input(GstBuffer* in, Slot& slot) {
-  if (in_layers_) return *layers_of(in);
+  if (in_layers_) return take_layers(in);
   Layers layers;
   layers.extent = planes_->extent();
   layers[Role::input] = planes_->acquire();
