@@ -1,5 +1,6 @@
-// Writes one Markdown page for each element of the plugin, from what the element says of itself (the same tables that
-// gst-inspect-1.0 shows), with the hand-written docs/elements/intro/<element>.md on top.
+// Writes one Markdown page for each element of the plugin, from what the element says of itself
+// (the same tables that gst-inspect-1.0 shows), with the hand-written
+// docs/elements/intro/<element>.md on top.
 //
 // usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
 #include <gst/gst.h>
@@ -14,7 +15,8 @@ namespace {
 
 /// Text for a cell of a Markdown table.
 std::string cell(std::string text) {
-  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
+    text.insert(at, 1, 0x5c);
   return text;
 }
 
@@ -45,6 +47,11 @@ Kind kind_of(GParamSpec* spec) {
   }
   if (G_IS_PARAM_SPEC_UINT(spec)) {
     auto* s = G_PARAM_SPEC_UINT(spec);
+    if (std::string(g_param_spec_get_blurb(spec)).find("0xAARRGGBB") != std::string::npos) {
+      char text[16];
+      g_snprintf(text, sizeof text, "0x%08x", s->default_value);
+      return {"color", "0xAARRGGBB", text};
+    }
     return {"unsigned", plain(s->minimum) + " … " + plain(s->maximum), plain(s->default_value)};
   }
   if (G_IS_PARAM_SPEC_BOOLEAN(spec))
@@ -73,18 +80,20 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   page << "# " << GST_OBJECT_NAME(factory) << "\n\n"
        << gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_DESCRIPTION) << ".\n\n"
        << intro << "\n## Pads\n\n";
-  for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item; item = item->next) {
+  for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item;
+       item = item->next) {
     auto* pad = static_cast<GstStaticPadTemplate*>(item->data);
     static const char* kPresence[] = {"always", "sometimes", "on request"};
-    page << "- `" << pad->name_template << "` (" << (pad->direction == GST_PAD_SRC ? "out" : "in") << ", "
-         << kPresence[pad->presence] << ")\n";
+    page << "- `" << pad->name_template << "` (" << (pad->direction == GST_PAD_SRC ? "out" : "in")
+         << ", " << kPresence[pad->presence] << ")\n";
     GstCaps* caps = gst_static_caps_get(&pad->static_caps);
     for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
       gchar* features = gst_caps_features_to_string(gst_caps_get_features(caps, i));
       const GstStructure* structure = gst_caps_get_structure(caps, i);
       const GValue* format = gst_structure_get_value(structure, "format");
       gchar* formats = format ? gst_value_serialize(format) : g_strdup("any");
-      page << "  - `" << gst_structure_get_name(structure) << "(" << features << ")`: " << formats << "\n";
+      page << "  - `" << gst_structure_get_name(structure) << "(" << features << ")`: " << formats
+           << "\n";
       g_free(formats);
       g_free(features);
     }
@@ -93,7 +102,8 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   GstElement* element = gst_element_factory_create(factory, nullptr);
   guint count = 0;
   GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
-  page << "\n## Properties\n\n| property | type | values | default | changes | meaning |\n|---|---|---|---|---|---|\n";
+  page << "\n## Properties\n\n| property | type | values | default | changes | meaning "
+          "|\n|---|---|---|---|---|---|\n";
   std::ostringstream choices;
   for (guint i = 0; i < count; ++i) {
     GParamSpec* spec = specs[i];
@@ -101,13 +111,15 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
         g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0)
       continue;
     const Kind kind = kind_of(spec);
-    page << "| `" << spec->name << "` | " << kind.type << " | " << cell(kind.range) << " | " << cell(kind.value) << " | "
-         << when(spec->flags) << " | " << cell(g_param_spec_get_blurb(spec)) << " |\n";
+    page << "| `" << spec->name << "` | " << kind.type << " | " << cell(kind.range) << " | "
+         << cell(kind.value) << " | " << when(spec->flags) << " | "
+         << cell(g_param_spec_get_blurb(spec)) << " |\n";
     if (G_IS_PARAM_SPEC_ENUM(spec)) {
       choices << "\n`" << spec->name << "`:\n";
       auto* values = G_PARAM_SPEC_ENUM(spec)->enum_class;
       for (guint k = 0; k < values->n_values; ++k)
-        choices << "- `" << values->values[k].value_nick << "`: " << values->values[k].value_name << "\n";
+        choices << "- `" << values->values[k].value_nick << "`: " << values->values[k].value_name
+                << "\n";
     }
   }
   page << choices.str();
