@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "../gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
@@ -88,7 +89,7 @@ void main() {
     uint row = pair * 2u;
     bool whole = row + 1u < push.size.y;
     vec4 cb = vec4(0.0), cr = vec4(0.0);  // of up to four samples
-    for (uint block = 0u; block < BLOCKS; ++block) {
+    [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
       uint x = first + block * 4u;
       bool own = x < push.size.x;
       Chroma upper = draw(row, x, own);
