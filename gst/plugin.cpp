@@ -3,12 +3,20 @@
 #include "base/layers_meta.hpp"
 
 namespace inverse {
+extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
+extern const ElementInfo kIntrinsicDecompThesis;
+extern const ElementInfo kIntrinsicRecolor;
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
-  for (const inverse::ElementInfo* element : {&inverse::kIntrinsicDecomp})
+  for (const inverse::ElementInfo* element : {
+           &inverse::kIntrinsicDecomp,
+           &inverse::kIntrinsicDecompThesis,
+           &inverse::kIntrinsicRecolor,
+           &inverse::kIntrinsicCompose,
+       })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
   return TRUE;
 }

@@ -18,7 +18,8 @@ struct FrameWork {
   Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
                   ///< to send on
   bool fresh;     ///< the filter was reset before this frame: start, caps change, flush, seek, gap
-  Picture picture;  ///< out: what to draw; only looked at where pixels go out
+  bool draw;      ///< pixels go out: set `picture`
+  Picture picture;  ///< out: what to draw
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,

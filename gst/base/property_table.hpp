@@ -43,25 +43,40 @@ inline const char* nick(const std::string& name) {
   return g_intern_string(text.c_str());
 }
 
-template <typename P, typename B, typename T>
-void bind(Property<P>& property, T B::*member) {
-  property.copy = [member](P& to, const P& from) { to.*member = from.*member; };
+/// The field that `access` names in `params`: a member pointer, or a function that reaches into
+/// nested structs.
+template <typename P, typename Access>
+auto& field(P& params, const Access& access) {
+  return std::invoke(access, params);
+}
+template <typename P, typename Access>
+const auto& field(const P& params, const Access& access) {
+  return std::invoke(access, const_cast<P&>(params));
+}
+template <typename P, typename Access>
+using FieldOf = std::remove_reference_t<std::invoke_result_t<Access, P&>>;
+
+template <typename P, typename Access>
+Property<P> named(const char* name, Access access) {
+  return {name, {}, {}, {}, [access](P& to, const P& from) {
+            field(to, access) = field(from, access);
+          }};
 }
 
 }  // namespace property_detail
 
-/// A numeric property: float, double, int or unsigned by the type of the field. `blurb` names the
-/// unit.
-template <typename P, typename B, typename T>
-Property<P> number(const char* name, T B::*member, std::type_identity_t<T> low,
+/// A numeric property: float, double, int or unsigned by the type of the field, which is a member
+/// pointer or a function `F& (P&)` into nested structs. `blurb` names the unit.
+template <typename P, typename Access, typename T = property_detail::FieldOf<P, Access>>
+Property<P> number(const char* name, Access access, std::type_identity_t<T> low,
                    std::type_identity_t<T> high, const char* blurb,
                    Mutable when = Mutable::playing) {
-  Property<P> property{name, {}, {}, {}, {}};
-  property_detail::bind<P>(property, member);
+  using property_detail::field;
+  Property<P> property = property_detail::named<P>(name, access);
   property.make_spec = [=](const P& defaults) {
     const char* nick = property_detail::nick(name);
     const GParamFlags flags = property_detail::flags(when);
-    const T value = defaults.*member;
+    const T value = field(defaults, access);
     if constexpr (std::is_same_v<T, float>)
       return g_param_spec_float(name, nick, blurb, low, high, value, flags);
     else if constexpr (std::is_same_v<T, double>)
@@ -71,41 +86,45 @@ Property<P> number(const char* name, T B::*member, std::type_identity_t<T> low,
     else
       return g_param_spec_uint(name, nick, blurb, low, high, value, flags);
   };
-  property.read = [member](const P& from, GValue* to) {
+  property.read = [access](const P& from, GValue* to) {
     if constexpr (std::is_same_v<T, float>)
-      g_value_set_float(to, from.*member);
+      g_value_set_float(to, field(from, access));
     else if constexpr (std::is_same_v<T, double>)
-      g_value_set_double(to, from.*member);
+      g_value_set_double(to, field(from, access));
     else if constexpr (std::is_signed_v<T>)
-      g_value_set_int(to, from.*member);
+      g_value_set_int(to, field(from, access));
     else
-      g_value_set_uint(to, from.*member);
+      g_value_set_uint(to, field(from, access));
   };
-  property.write = [member](P& to, const GValue* from) {
+  property.write = [access](P& to, const GValue* from) {
     if constexpr (std::is_same_v<T, float>)
-      to.*member = g_value_get_float(from);
+      field(to, access) = g_value_get_float(from);
     else if constexpr (std::is_same_v<T, double>)
-      to.*member = g_value_get_double(from);
+      field(to, access) = g_value_get_double(from);
     else if constexpr (std::is_signed_v<T>)
-      to.*member = g_value_get_int(from);
+      field(to, access) = g_value_get_int(from);
     else
-      to.*member = g_value_get_uint(from);
+      field(to, access) = g_value_get_uint(from);
   };
   return property;
 }
 
 /// A yes-or-no property.
-template <typename P, typename B>
-Property<P> flag(const char* name, bool B::*member, const char* blurb,
+template <typename P, typename Access>
+Property<P> flag(const char* name, Access access, const char* blurb,
                  Mutable when = Mutable::playing) {
-  Property<P> property{name, {}, {}, {}, {}};
-  property_detail::bind<P>(property, member);
+  using property_detail::field;
+  Property<P> property = property_detail::named<P>(name, access);
   property.make_spec = [=](const P& defaults) {
-    return g_param_spec_boolean(name, property_detail::nick(name), blurb, defaults.*member,
+    return g_param_spec_boolean(name, property_detail::nick(name), blurb, field(defaults, access),
                                 property_detail::flags(when));
   };
-  property.read = [member](const P& from, GValue* to) { g_value_set_boolean(to, from.*member); };
-  property.write = [member](P& to, const GValue* from) { to.*member = g_value_get_boolean(from); };
+  property.read = [access](const P& from, GValue* to) {
+    g_value_set_boolean(to, field(from, access));
+  };
+  property.write = [access](P& to, const GValue* from) {
+    field(to, access) = g_value_get_boolean(from);
+  };
   return property;
 }
 
@@ -120,31 +139,32 @@ struct Choice {
 GType enum_type(const char* type_name, const std::vector<Choice>& choices);
 
 /// A property that is one of the values of a C++ enum.
-template <typename P, typename B, typename E>
-Property<P> choice(const char* name, E B::*member, const char* type_name,
+template <typename P, typename Access>
+Property<P> choice(const char* name, Access access, const char* type_name,
                    std::vector<Choice> choices, const char* blurb,
                    Mutable when = Mutable::playing) {
+  using property_detail::field;
+  using E = property_detail::FieldOf<P, Access>;
   static_assert(std::is_enum_v<E>);
-  Property<P> property{name, {}, {}, {}, {}};
-  property_detail::bind<P>(property, member);
+  Property<P> property = property_detail::named<P>(name, access);
   property.make_spec = [=](const P& defaults) {
-    return g_param_spec_enum(name, property_detail::nick(name), blurb,
-                             enum_type(type_name, choices), static_cast<int>(defaults.*member),
-                             property_detail::flags(when));
+    return g_param_spec_enum(
+        name, property_detail::nick(name), blurb, enum_type(type_name, choices),
+        static_cast<int>(field(defaults, access)), property_detail::flags(when));
   };
-  property.read = [member](const P& from, GValue* to) {
-    g_value_set_enum(to, static_cast<int>(from.*member));
+  property.read = [access](const P& from, GValue* to) {
+    g_value_set_enum(to, static_cast<int>(field(from, access)));
   };
-  property.write = [member](P& to, const GValue* from) {
-    to.*member = static_cast<E>(g_value_get_enum(from));
+  property.write = [access](P& to, const GValue* from) {
+    field(to, access) = static_cast<E>(g_value_get_enum(from));
   };
   return property;
 }
 
-/// A colour: an unsigned 0xAARRGGBB as in other GStreamer elements (sRGB; alpha is ignored).
-template <typename P, typename B>
-Property<P> color(const char* name, uint32_t B::*member, const char* blurb) {
-  return number<P>(name, member, 0u, 0xffffffffu, blurb);
+/// A color: an unsigned 0xAARRGGBB as in other GStreamer elements (sRGB; alpha is ignored).
+template <typename P, typename Access>
+Property<P> color(const char* name, Access access, const char* blurb) {
+  return number<P>(name, access, 0u, 0xffffffffu, blurb);
 }
 
 template <typename P>
