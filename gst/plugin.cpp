@@ -3,8 +3,10 @@
 #include "base/layers_meta.hpp"
 
 namespace inverse {
+extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
+extern const ElementInfo kIntrinsicRecolor;
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
@@ -12,6 +14,8 @@ static gboolean plugin_init(GstPlugin* plugin) {
   for (const inverse::ElementInfo* element : {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
+           &inverse::kIntrinsicRecolor,
+           &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
   return TRUE;

@@ -1,6 +1,7 @@
 #include "layers_meta.hpp"
 
 #include <cstring>
+#include <utility>
 
 #include "gpu/commands.hpp"
 
@@ -102,6 +103,11 @@ void attach_layers(GstBuffer* buffer, const Layers& layers) {
 const Layers* layers_of(GstBuffer* buffer) {
   auto* meta = reinterpret_cast<GstInverseLayersMeta*>(gst_buffer_get_meta(buffer, meta_api()));
   return meta ? &layers_in(meta) : nullptr;
+}
+
+Layers take_layers(GstBuffer* buffer) {
+  auto* meta = reinterpret_cast<GstInverseLayersMeta*>(gst_buffer_get_meta(buffer, meta_api()));
+  return gst_buffer_is_writable(buffer) ? std::move(layers_in(meta)) : layers_in(meta);
 }
 
 }  // namespace inverse

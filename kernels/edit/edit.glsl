@@ -11,3 +11,5 @@ vec4 finite(vec4 value) {
   bits = mix(bits, ivec4(0), greaterThan(bits, ivec4(0x7f800000)));
   return intBitsToFloat(clamp(bits, ivec4(0), ivec4(floatBitsToInt(kLargest))));
 }
+
+const float kReflectanceFloor = 1e-3;  // what ln R is taken of at least

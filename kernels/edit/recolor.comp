@@ -5,6 +5,8 @@
 
 // Recolors what has the key's chromaticity c = R / mean R and, within the value tolerance, its value. With the light that
 // reaches the camera as weight, c = (R S + ε) / (mean R S + ε), so that the noise of deep shadows is not taken for color.
+float within(float distance, float tolerance) { return falling((distance - tolerance) * push.fall_off); }
+
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;

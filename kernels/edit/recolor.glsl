@@ -21,7 +21,8 @@ layout(push_constant) uniform Push {
   float tolerance;
   float value_tolerance;
   float fall_off;  // 1 / softness
-  int cluster;
+  int clusters;    // how many there are
+  int cluster;     // the one to recolor
 } push;
 
 // Mean reflectance below which value is not told apart: a coal cellar is 0.02.
@@ -32,9 +33,9 @@ const float kLightFloor = 5e-4;
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
 
-// 1 up to `tolerance`, then falling smoothly to 0 within one softness.
-float within(float distance, float tolerance) {
-  float t = clamp((distance - tolerance) * push.fall_off, 0.0, 1.0);
+// From 1 to 0 as t goes from 0 to 1.
+float falling(float t) {
+  t = clamp(t, 0.0, 1.0);
   return 1.0 - t * t * (3.0 - 2.0 * t);
 }
 

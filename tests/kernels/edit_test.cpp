@@ -200,6 +200,100 @@ TEST_F(EditTest, MaskMultipliesAndSelectionIsHandedOn) {
   }
 }
 
+/// Vertical stripes of flat colors under uneven light; every color has its noise.
+Pixels striped_pixels(Extent extent, const std::vector<reference::Rgb>& colors, unsigned seed) {
+  Pixels pixels = random_pixels(extent, seed, 0.97f, 1.03f);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const auto& color = colors[x * colors.size() / extent.width];
+      float* p = &pixels[4 * (static_cast<size_t>(y) * extent.width + x)];
+      for (size_t c = 0; c < 3; ++c) p[c] *= static_cast<float>(color[c]);
+      p[3] = 0.2f + 0.8f * static_cast<float>(y) / static_cast<float>(extent.height);
+    }
+  return pixels;
+}
+
+TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
+  const Extent extent{320, 200};  // larger than the palette's sample
+  const std::vector<reference::Rgb> colors{
+      {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {0.6, 0.1, 0.1}, {0.1, 0.2, 0.6}};
+  const Pixels pixels = striped_pixels(extent, colors, 1);
+  Recolor recolor(device, extent);
+  RecolorParams params;
+  params.clusters = 6;
+  params.target = {0.1f, 0.7f, 0.2f};
+  params.texture = 0;
+  std::vector<bool> found(colors.size());
+  for (params.cluster = 0; params.cluster < params.clusters; ++params.cluster) {
+    Layers frame = layers(extent, pixels);
+    run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+    const Pixels got = download(frame[Role::intrinsic]->buffer);
+    ASSERT_NE(recolor.palette(), nullptr);
+    const auto clusters =
+        Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+    const int stands = clusters[static_cast<size_t>(params.cluster)].index;
+    size_t changed = 0;
+    std::vector<size_t> by_stripe(colors.size());
+    for (uint32_t n = 0; n < extent.pixels(); ++n)
+      if (got[4 * n] != pixels[4 * n]) {
+        ++changed;
+        ++by_stripe[n % extent.width * colors.size() / extent.width];
+      }
+    if (stands < 0) {
+      EXPECT_EQ(changed, 0u) << "a cluster without pixels changed something";
+      continue;
+    }
+    const size_t stripe = static_cast<size_t>(std::max_element(by_stripe.begin(), by_stripe.end()) -
+                                              by_stripe.begin());
+    EXPECT_EQ(by_stripe[stripe], changed) << "more than one stripe changed";
+    EXPECT_EQ(changed, extent.pixels() / colors.size()) << "the stripe changed in part";
+    found[stripe] = true;
+  }
+  EXPECT_EQ(found, std::vector<bool>(colors.size(), true));
+}
+
+TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true}) {
+      const Pixels pixels =
+          hostile ? hostile_pixels(extent, 21) : random_pixels(extent, 21, 0, 1.5f);
+      const Pixels already = random_pixels(extent, 22);  // edited before
+      Layers frame = layers(extent, pixels);
+      frame[Role::intrinsic] = shared_plane(extent, already);
+      Recolor recolor(device, extent);
+      RecolorParams params;
+      params.cluster = 2;
+      params.clusters = 7;
+      params.texture = 0.5f;
+      run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+      const auto clusters =
+          Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+      const int chosen = clusters[2].index;
+      std::vector<reference::Rgb> others;
+      reference::Rgb own{};
+      double key_value = 1e-3;
+      for (int k = 0; k < params.clusters; ++k) {
+        const auto& cluster = clusters[static_cast<size_t>(k)];
+        if (cluster.index != k) continue;
+        const reference::Rgb color{cluster.log_color[0], cluster.log_color[1],
+                                   cluster.log_color[2]};
+        if (k != chosen) others.push_back(color);
+        if (k != chosen) continue;
+        own = color;
+        for (const double c : color) key_value += std::exp(c) / 3;
+      }
+      ASSERT_NO_FATAL_FAILURE(expect_pixels(
+          download(frame[Role::intrinsic]->buffer),
+          [&](size_t n) {
+            const double selected = chosen < 0 ? 0
+                                               : reference::selection(pixel_of(pixels, n), own,
+                                                                      others, params.softness);
+            return reference::recolor(pixel_of(already, n), selected, key_value, spec_of(params));
+          },
+          2e-4, hostile ? "hostile" : "random"));
+    }
+}
+
 TEST_F(EditTest, StrengthZeroRecordsNothing) {
   Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
   const Layers before = frame;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kLargest = 65504;
 constexpr double kValueFloor = 1e-3;
 constexpr double kLightFloor = 5e-4;
+constexpr double kReflectanceFloor = 1e-3;
 constexpr double kRatioFloor = 2e-3;
 constexpr double kMiddleGray = 0.21404;
 
@@ -43,6 +44,23 @@ double selection(const Rgba& layers, const RecolorSpec& spec) {
     result *= within(std::abs(std::log((mean(p) + kValueFloor) / (key + kValueFloor))),
                      spec.value_tolerance, spec.softness);
   return result;
+}
+
+double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& others,
+                 double softness) {
+  const Rgba p = finite(layers);
+  const auto distance = [&](const Rgb& color) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double off = std::log(std::max(p[c], kReflectanceFloor)) - color[c];
+      sum += off * off;
+    }
+    return std::sqrt(sum);
+  };
+  double nearest = 1e15;
+  for (const Rgb& other : others) nearest = std::min(nearest, distance(other));
+  const double margin = (nearest - distance(own)) / std::max(softness, 1e-6);
+  return within(0.5 - margin, 0, 1);
 }
 
 Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec) {

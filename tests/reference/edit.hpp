@@ -21,6 +21,11 @@ struct RecolorSpec {
 /// How much of a pixel (R.rgb, S) the key selects, 0…1.
 double selection(const Rgba& layers, const RecolorSpec& spec);
 
+/// The same for the pixels nearest to a cluster: `own` is the ln of its color, `others` those of
+/// the rest.
+double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& others,
+                 double softness);
+
 /// (R', S) for a pixel (R, S) that is selected by this much.
 Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec);
 
