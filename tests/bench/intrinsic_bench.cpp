@@ -84,7 +84,7 @@ struct Run {
 void print(const char* name, Extent extent, const Run& run) {
   std::printf("%5ux%-5u %-5s wall %7.2f ms (best %.2f) processor %.2f ms %6.1f ns/pixel |", extent.width, extent.height, name,
               median(run.wall), *std::min_element(run.wall.begin(), run.wall.end()), median(run.processor), median(run.wall) * 1e6 / static_cast<double>(extent.pixels()));
-  for (const auto& stage : run.order) std::printf(" %s %.2f", stage.c_str(), median(run.stages.at(stage)));
+  for (const auto& stage : run.order) std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)), *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
   std::printf("\n");
 }
 
