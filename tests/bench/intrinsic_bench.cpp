@@ -1,6 +1,6 @@
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
-//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--steps N] [--warm N] [--cycles N]
+//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
 //
 // Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height float RGBA, linear
 // light, any number of such frames one after another) they are its frames in turn, and --out writes the last frame's
@@ -128,8 +128,7 @@ int main(int argc, char** argv) try {
     if (option == "--frames") count = std::max(1, std::atoi(value.c_str()));
     else if (option == "--dump") dump = value;
     else if (option == "--out") out = value;
-    else if (option == "--steps") params.steps = static_cast<uint32_t>(std::atoi(value.c_str()));
-    else if (option == "--warm") params.warm_steps = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--warm") params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--cycles") params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--size") {
       Extent extent;
