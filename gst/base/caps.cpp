@@ -27,6 +27,43 @@ GstCaps* layer_caps() {
   return gst_caps_from_string(text.c_str());
 }
 
+/// Those of `other` that have the format and, where possible, all else of `caps`; null where none
+/// has, or where the other side prefers layers.
+GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
+  if (gst_caps_is_empty(other) || carries_layers(other)) return nullptr;
+  GstCaps* same = gst_caps_intersect_full(other, caps, GST_CAPS_INTERSECT_FIRST);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  const GValue* format = gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");
+  if (!format) return nullptr;
+  GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
+  gst_caps_set_value(wanted, "format", format);
+  same = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(wanted);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  return nullptr;
+}
+
+/// Where the output's color is left open, labels it with the input's transfer curve and primaries:
+/// code values then mean the same on both sides, as users of videoconvert expect, and the label
+/// stays true.
+void keep_transfer(GstCaps* in, GstCaps* out) {
+  GstVideoInfo from, to;
+  if (!gst_caps_is_fixed(out) ||
+      gst_structure_has_field(gst_caps_get_structure(out, 0), "colorimetry"))
+    return;
+  if (!gst_video_info_from_caps(&from, in) || !gst_video_info_from_caps(&to, out)) return;
+  if (from.colorimetry.transfer == to.colorimetry.transfer &&
+      from.colorimetry.primaries == to.colorimetry.primaries)
+    return;
+  to.colorimetry.transfer = from.colorimetry.transfer;
+  to.colorimetry.primaries = from.colorimetry.primaries;
+  gchar* text = gst_video_colorimetry_to_string(&to.colorimetry);
+  gst_caps_set_simple(out, "colorimetry", G_TYPE_STRING, text, nullptr);
+  g_free(text);
+}
+
 }  // namespace
 
 GstCaps* template_caps(Flow flow) {
@@ -68,13 +105,13 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
       GstCaps* wide = gst_caps_new_full(structure, nullptr);
       gst_caps_set_features(wide, 0, gst_caps_features_copy(gst_caps_get_features(templates, t)));
       GstCaps* one = gst_caps_copy_nth(templates, t);
-      gst_caps_append(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));
+      // Merged in order: simplifying would sort, and the first is what others prefer.
+      result = gst_caps_merge(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));
       gst_caps_unref(wide);
       gst_caps_unref(one);
     }
   }
   gst_caps_unref(templates);
-  result = gst_caps_simplify(result);
   if (filter) {
     GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
     gst_caps_unref(result);
@@ -84,30 +121,12 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
 }
 
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
-  // Only where pixels are at the head of the other side's wishes: layers are asked for by who wants
-  // them.
-  if (!carries_layers(caps) && !gst_caps_is_empty(other) && !carries_layers(other)) {
-    GstCaps* same = gst_caps_intersect_full(other, caps, GST_CAPS_INTERSECT_FIRST);
-    if (!gst_caps_is_empty(same)) {
-      gst_caps_unref(other);
-      return gst_caps_fixate(same);
-    }
-    gst_caps_unref(same);
-    // Same format with other colorimetry, else whatever comes first.
-    const GstStructure* in = gst_caps_get_structure(caps, 0);
-    if (const GValue* format = gst_structure_get_value(in, "format")) {
-      GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
-      gst_caps_set_value(wanted, "format", format);
-      GstCaps* like = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
-      gst_caps_unref(wanted);
-      if (!gst_caps_is_empty(like)) {
-        gst_caps_unref(other);
-        return gst_caps_fixate(like);
-      }
-      gst_caps_unref(like);
-    }
-  }
-  return gst_caps_fixate(gst_caps_truncate(other));
+  GstCaps* result = carries_layers(caps) ? nullptr : keep_format(caps, other);
+  result =
+      result ? gst_caps_fixate(result) : gst_caps_fixate(gst_caps_truncate(gst_caps_ref(other)));
+  gst_caps_unref(other);
+  keep_transfer(caps, result);
+  return result;
 }
 
 }  // namespace inverse

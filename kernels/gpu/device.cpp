@@ -303,6 +303,11 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
+  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
+  // fail as a driver would.
+  static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
+  static std::atomic<uint32_t> submits{0};
+  if (lost_at && ++submits >= lost_at) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
   if (owned_) {
     std::lock_guard lock(queue_mutex_);

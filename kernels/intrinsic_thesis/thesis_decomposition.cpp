@@ -1,6 +1,7 @@
 #include "thesis_decomposition.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -45,6 +46,18 @@ int halton(int n, int base) {
     denominator *= base;
   }
   return kBlock * digits / denominator;
+}
+
+/// How many of `slots` sample frames share a buffer of at most `largest` elements: one of the four
+/// divisions that frames.glsl knows. `INVERSE_SAMPLE_SLOTS=6|3|2|1` overrides it.
+int slots_per_buffer(uint64_t slots, uint64_t pixels, uint64_t largest) {
+  const char* wanted = std::getenv("INVERSE_SAMPLE_SLOTS");
+  for (const int division : {6, 3, 2}) {
+    const bool fits =
+        std::min<uint64_t>(slots, static_cast<uint64_t>(division)) * pixels <= largest;
+    if (wanted ? std::atoi(wanted) == division : fits) return division;
+  }
+  return 1;
 }
 
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
@@ -158,13 +171,7 @@ void ThesisDecomposition::build_levels() {
     level.image = plane(1);
     level.solution = plane(1);
     const auto slots = static_cast<uint64_t>(params_.keyframes + 1);
-    level.slots = 6;  // frames.glsl knows these four divisions
-    if (slots * extent.pixels() > largest) {
-      for (const int division : {3, 2, 1}) {
-        level.slots = division;
-        if (static_cast<uint64_t>(division) * extent.pixels() <= largest) break;
-      }
-    }
+    level.slots = slots_per_buffer(slots, extent.pixels(), largest);
     const auto per_buffer = std::min<uint64_t>(static_cast<uint64_t>(level.slots), slots);
     for (uint64_t first = 0; first < slots; first += per_buffer) {
       level.frames.push_back(plane(per_buffer));
@@ -246,6 +253,11 @@ void ThesisDecomposition::pack(gpu::Commands& commands, size_t level, int slot) 
   push.slot = slot % at.slots;
   commands.dispatch(pack_, {at.image, at.solution, at.frames[static_cast<size_t>(slot / at.slots)]},
                     push, pixels_of(at.extent));
+}
+
+Plane ThesisDecomposition::sample_frame(int level) const {
+  const Level& at = levels_.at(static_cast<size_t>(level));
+  return {at.extent, at.frames.front()};
 }
 
 void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step,

@@ -61,6 +61,11 @@ class ThesisDecomposition {
 
   /// (r, s) of the finest level in the solver's gauge: valid until the next record.
   const Plane& solution() const { return solution_; }
+  /// (r_cluster, index) that the last frame's finest level was pulled to, where stats say
+  /// clustered.
+  Plane clusters() const { return {extent_, clusters_}; }
+  /// (r, packed chromaticity) of a level, as the current frame's samples saw it.
+  Plane sample_frame(int level) const;
   const Palette& palette() const { return palette_; }
 
  private:

@@ -5,7 +5,8 @@
 #include "palette.glsl"
 
 // One workgroup: k-means++ for clusters without pixels: all of them at the start, later those that died. A cluster is
-// drawn among the bins with probability proportional to pixels × squared distance to the nearest cluster.
+// drawn among the bins with probability proportional to pixels × squared distance to the nearest cluster, which must be
+// at least a bin's width away: a duplicate would take over the color, and its index change.
 PLANE_IN(0, list);
 WORD_IN(1, list_length);
 PLANE_INOUT(2, clusters);  // (color, pixels)
@@ -21,7 +22,7 @@ float mass(vec4 bin) {
     vec3 d = bin.rgb - centers[k].rgb;
     nearest = centers[k].w > 0.0 ? min(nearest, dot(d, d)) : nearest;
   }
-  return bin.w * (nearest < 3e38 ? nearest : 1.0);
+  return bin.w * (nearest < 3e38 ? (nearest * float(kBins * kBins) < 1.0 ? 0.0 : nearest) : 1.0);
 }
 
 void main() {

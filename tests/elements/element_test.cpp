@@ -168,6 +168,27 @@ std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value) {
   return std::vector<uint8_t>(frame_size(caps), value);
 }
 
+std::vector<uint8_t> visible(const std::string& text, const std::vector<uint8_t>& frame) {
+  GstCaps* caps = gst_caps_from_string(text.c_str());
+  GstVideoInfo info;
+  gst_video_info_from_caps(&info, caps);
+  gst_caps_unref(caps);
+  std::vector<uint8_t> bytes;
+  for (guint plane = 0; plane < GST_VIDEO_INFO_N_PLANES(&info) && frame.size() >= info.size;
+       ++plane) {
+    guint component = 0;
+    while (GST_VIDEO_INFO_COMP_PLANE(&info, component) != plane) ++component;
+    const size_t row_bytes = static_cast<size_t>(GST_VIDEO_INFO_COMP_WIDTH(&info, component)) *
+                             static_cast<size_t>(GST_VIDEO_INFO_COMP_PSTRIDE(&info, component));
+    for (gint row = 0; row < GST_VIDEO_INFO_COMP_HEIGHT(&info, component); ++row) {
+      const auto start =
+          frame.begin() + static_cast<ptrdiff_t>(info.offset[plane]) + row * info.stride[plane];
+      bytes.insert(bytes.end(), start, start + static_cast<ptrdiff_t>(row_bytes));
+    }
+  }
+  return bytes;
+}
+
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   if (a.size() != b.size()) return 256;
   int largest = 0;

@@ -65,6 +65,8 @@ class VideoHarness {
 std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed);
 /// Bytes of a frame of these caps with every byte the same.
 std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value);
+/// The bytes of a frame that are pixels: without the padding of its rows. Empty where the frame is too short.
+std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>& frame);
 /// The largest difference between two frames, byte by byte; 256 where their sizes differ.
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
 

@@ -67,21 +67,24 @@ Pixels scene(Extent extent, unsigned seed, uint32_t shift = 0) {
   return pixels;
 }
 
-std::vector<reference::Vec3> log_colors(const ThesisDecomposition::Stats& stats) {
-  std::vector<reference::Vec3> colors;
-  if (!stats.clustered) return colors;
-  for (size_t k = 0; k < stats.clusters.size(); ++k) {
-    const Palette::Cluster& cluster = stats.clusters[k];
-    if (cluster.index != static_cast<int>(k)) continue;
-    colors.push_back({cluster.log_color[0], cluster.log_color[1], cluster.log_color[2]});
-  }
-  return colors;
-}
-
 }  // namespace
 
 class ThesisTest : public GpuTest {
  protected:
+  /// The chromaticities that samples compare are the reference's own, but for a step of their grid.
+  static void check_chromaticities(const reference::IntrinsicThesis& expected,
+                                   const std::vector<reference::Plane>& got) {
+    for (size_t n = 0; n < got.size(); ++n) {
+      const reference::Plane& own = expected.levels()[n].chromaticity;
+      for (size_t k = 0; k < own.size(); ++k) {
+        const double a = reference::pack_chromaticity(own.data[k]), b = got[n].data[k][3];
+        const double red = std::floor(a / 4096) - std::floor(b / 4096);
+        ASSERT_LE(std::abs(red), 1) << "level " << n << ", pixel " << k;
+        ASSERT_LE(std::abs(a - b - 4096 * red), 1) << "level " << n << ", pixel " << k;
+      }
+    }
+  }
+
   /// Feeds the same frames to both and compares every frame's solution and energy.
   void compare(Extent extent, ThesisParams params, const std::vector<Pixels>& frames) {
     params.energy = true;
@@ -97,8 +100,17 @@ class ThesisTest : public GpuTest {
       const Pixels got = download(method.solution().buffer);
       for (const float value : got) ASSERT_TRUE(std::isfinite(value));
 
-      expected.set_clusters(log_colors(stats));
+      std::vector<reference::Plane> chromaticities;
+      for (int n = 0; n < stats.levels; ++n) {
+        const Plane level = method.sample_frame(n);
+        chromaticities.push_back(to_reference(level.extent, download(level.buffer)));
+      }
+      expected.set_chromaticities(chromaticities);
+      expected.set_clusters(stats.clustered
+                                ? to_reference(extent, download(method.clusters().buffer))
+                                : reference::Plane());
       const reference::Plane x = expected.decompose(to_reference(extent, frames[t]));
+      check_chromaticities(expected, chromaticities);
       double gauge = 0;
       for (size_t n = 0; n < x.size(); ++n) {
         for (size_t c = 0; c < 3; ++c) gauge += got[4 * n + c] - x.data[n][c];
@@ -282,6 +294,26 @@ TEST_F(ThesisTest, SameSeedGivesTheSameBits) {
     results.push_back(download(layers[Role::intrinsic]->buffer));
   }
   EXPECT_EQ(results[0], results[1]);
+}
+
+TEST_F(ThesisTest, DividedSampleFramesGiveTheSameBits) {
+  const Extent extent{31, 20};
+  std::vector<Pixels> results;
+  for (const char* slots : {"6", "3", "2", "1"}) {
+    setenv("INVERSE_SAMPLE_SLOTS", slots, 1);
+    ThesisDecomposition method(device, extent);
+    unsetenv("INVERSE_SAMPLE_SLOTS");
+    ThesisParams params;
+    params.keyframe_spacing = 1;
+    method.set_params(params);
+    Layers layers;
+    for (uint32_t t = 0; t < 7; ++t) {
+      const Plane frame = plane(extent, scene(extent, t, t));
+      run([&](gpu::Commands& commands) { method.record(commands, frame, layers); });
+    }
+    results.push_back(download(layers[Role::intrinsic]->buffer));
+    EXPECT_EQ(results.back(), results.front()) << slots;
+  }
 }
 
 TEST_F(ThesisTest, ResetForgetsThePast) {

@@ -208,6 +208,11 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
   solutions_.assign(static_cast<std::size_t>(count), Plane());
   levels_.emplace_back(image, params_);
   for (int n = 1; n < count; ++n) levels_.emplace_back(downsample(levels_.back().image), params_);
+  for (std::size_t n = 0; n < chromaticities_.size(); ++n) {
+    for (std::size_t k = 0; k < levels_[n].packed.size(); ++k) {
+      levels_[n].packed[k] = chromaticities_[n].data[k][3];
+    }
+  }
   used_keyframes_.assign(keyframes_.begin(), keyframes_.end());
 
   cluster_plane_ = Plane();
@@ -226,15 +231,17 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
                   level.image.height);
     }
     if (n == 0 && count > 1) {
-      if (!clusters_) palette_.update(solutions_[1]);
-      const std::vector<Vec3> colors = clusters_ ? *clusters_ : palette_.log_colors();
-      if (!colors.empty()) cluster_plane_ = Plane(x.width, x.height);
+      if (clusters_) {
+        cluster_plane_ = *clusters_;
+      } else {
+        palette_.update(solutions_[1]);
+        cluster_plane_ = clustered(x, palette_.log_colors());
+      }
       for (std::size_t k = 0; k < cluster_plane_.size(); ++k) {
-        const Vec3& color = colors[nearest_color(x.data[k], colors)];
-        for (int c = 0; c < 3; ++c) cluster_plane_.data[k][c] = color[c];
-        cluster_plane_.data[k][3] =
+        const double weight =
             params_.w_clustering *
             std::exp(-params_.alpha_clustering * level.chromaticity.data[k][3]);  // (3.15)
+        cluster_plane_.data[k][3] = cluster_plane_.data[k][3] < 0 ? 0 : weight;
       }
     }
     solve_level(n);

@@ -63,9 +63,16 @@ class IntrinsicThesis {
   void set_converged(bool converged) { converged_ = converged; }
   void set_trace(Trace trace) { trace_ = std::move(trace); }
 
-  /// Uses these clusters (natural logarithms of reflectance in the solver's gauge) instead of its
-  /// own palette from the next frame on; empty: no cluster prior.
-  void set_clusters(std::vector<Vec3> clusters) { clusters_ = std::move(clusters); }
+  /// Uses this clustered reflectance r_cluster (w < 0: no cluster) instead of its own palette from
+  /// the next frame on; an empty plane: no cluster prior.
+  void set_clusters(Plane clusters) { clusters_ = std::move(clusters); }
+
+  /// Packed chromaticities (w) by level, finest first, for the next frame instead of its own: which
+  /// samples agree is decided on a grid, and single precision may fall on its other side.
+  void set_chromaticities(std::vector<Plane> planes) { chromaticities_ = std::move(planes); }
+
+  /// What the last frame's levels knew before they were solved.
+  const std::vector<ThesisLevel>& levels() const { return levels_; }
 
   /// linear: RGB in linear light, any values. Gives (r, s) for every pixel.
   Plane decompose(const Plane& linear);
@@ -87,7 +94,8 @@ class IntrinsicThesis {
 
   ThesisParams params_;
   Palette palette_;
-  std::optional<std::vector<Vec3>> clusters_;
+  std::optional<Plane> clusters_;
+  std::vector<Plane> chromaticities_;
   Trace trace_;
   bool converged_ = false;
   std::uint32_t frame_ = 0;

@@ -31,7 +31,7 @@ void for_each_sample(const ThesisLevel& level, const std::vector<const SampleFra
                      const ThesisParams& params, F f) {
   const auto width = static_cast<std::uint32_t>(level.image.width);
   const auto height = static_cast<std::uint32_t>(level.image.height);
-  const double own = pack_chromaticity(level.chromaticity.data[pixel]);
+  const double own = level.packed[pixel];
   const double own_red = std::floor(own / 4096);
   const double own_blue = own - own_red * 4096;
   const double threshold = params.tau_cc * 4095 / 3;
@@ -75,6 +75,7 @@ ThesisLevel::ThesisLevel(const Plane& linear, const ThesisParams& params)
     }
     log_image.data[n][3] = 1 - params.w_intensity * (1 - intensity);  // (3.6)
     chromaticity.data[n][3] = intensity;
+    packed.push_back(pack_chromaticity(chromaticity.data[n]));
   }
   const auto link = [&](std::size_t a, std::size_t b, int slot) {
     const double distance = std::sqrt(squared_distance(chromaticity.data[a], chromaticity.data[b]));
@@ -101,7 +102,7 @@ double pack_chromaticity(const Vec4& chromaticity) {
 SampleFrame make_sample_frame(const ThesisLevel& level, const Plane& x) {
   SampleFrame frame = x;
   for (std::size_t n = 0; n < frame.size(); ++n) {
-    frame.data[n][3] = pack_chromaticity(level.chromaticity.data[n]);
+    frame.data[n][3] = level.packed[n];
   }
   return frame;
 }

@@ -50,6 +50,7 @@ struct ThesisLevel {
   Plane log_image;     ///< i = ln max(I, log_floor); w: ω_iw (3.6)
   Plane chromaticity;  ///< c = (I + ε_c)/mean(I + ε_c), mean 1; w: |I| clamped to 0 … 1
   Plane edges;  ///< right and down: W = 2 w_r ω_cs, then V = w_s (ω_iw + ω_iw')(1 − ω_cs)
+  std::vector<double> packed;  ///< chromaticity as samples carry it
 
   ThesisLevel(const Plane& linear, const ThesisParams& params);
 };

@@ -132,7 +132,7 @@ TEST(IntrinsicThesisReference, ConsistentIrlsNeverRaisesTheEnergyOnALevel) {
   for (const bool schwarz : {false, true}) {
     params.schwarz = schwarz;
     IntrinsicThesis method(params);
-    method.set_clusters({});
+    method.set_clusters(Plane());
     double previous = 0;
     int level_before = -1;
     method.set_trace([&](int level, int, const ThesisEnergy& energy) {
@@ -156,14 +156,14 @@ TEST(IntrinsicThesisReference, EnoughIterationsReachTheConvergedEnergy) {
   params.epsilon = 0.03;
   const Plane picture = checkers(40, 30);
   IntrinsicThesis converged(params);
-  converged.set_clusters({});
+  converged.set_clusters(Plane());
   converged.set_converged(true);
   const double best = converged.energy(converged.decompose(picture)).total();
   double previous = 1e300;
   for (const int irls : {1, 4, 400}) {
     params.irls_iterations = irls;
     IntrinsicThesis method(params);
-    method.set_clusters({});
+    method.set_clusters(Plane());
     const double energy = method.energy(method.decompose(picture)).total();
     EXPECT_GE(energy, best * (1 - 1e-6));
     EXPECT_LE(energy, previous);

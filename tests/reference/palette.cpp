@@ -98,6 +98,8 @@ void Palette::seed_clusters() {
           nearest = std::min(nearest, squared_distance(mean_color(histogram_[n]), other.color));
         }
       }
+      // Closer than a bin's width: a duplicate.
+      if (nearest * kHistogramBins * kHistogramBins < 1) continue;
       mass[n] = histogram_[n][0] * (std::isinf(nearest) ? 1 : nearest);
       total += mass[n];
     }
@@ -193,6 +195,17 @@ std::size_t nearest_color(const Vec4& r, const std::vector<Vec3>& colors) {
     }
   }
   return best;
+}
+
+Plane clustered(const Plane& r, const std::vector<Vec3>& colors) {
+  if (colors.empty()) return {};
+  Plane result(r.width, r.height);
+  for (std::size_t n = 0; n < r.size(); ++n) {
+    const std::size_t nearest = nearest_color(r.data[n], colors);
+    const Vec3& color = colors[nearest];
+    result.data[n] = {color[0], color[1], color[2], static_cast<double>(nearest)};
+  }
+  return result;
 }
 
 }  // namespace inverse::reference

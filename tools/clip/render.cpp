@@ -1,7 +1,7 @@
 // Renders frames of the bundled clip with their ground truth. Usage:
 //
-//   render --size=WxH --frames=0,10,20 | --frames=0-124 --out=DIR [--samples=25] [--soft=12]
-//          [--length=125] [--threads=2] --write=video|truth|flat
+//   render --size=WxH --frames=0,10,20 | --frames=0-124 --out=DIR [--samples=25] [--soft=8]
+//          [--length=125] [--threads=2] --write=video|truth|flat|sheet
 //
 // video: DIR/NNN.rgb, 8-bit RGB with the BT.601 transfer curve; frames that exist are kept.
 // truth: DIR/NNN_{input,reflectance,shading}.png; input and reflectance 8-bit sRGB, shading
@@ -9,6 +9,7 @@
 // flat:  DIR/clip.f32, all frames in one file: the text line "F32 width height 9 frames", then
 //        little-endian float32, frame by frame, row by row, nine values a pixel: input,
 //        reflectance, shading as linear RGB with input = reflectance · shading.
+// sheet: DIR/NNN_sheet.png, input, reflectance and shading (halved) side by side, 8-bit sRGB.
 
 #include <bit>
 #include <chrono>
@@ -16,6 +17,7 @@
 #include <cstdlib>
 #include <exception>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -90,9 +92,11 @@ Options parse(int argc, char** argv) {
       options.quality.samples < 1 || options.quality.soft_samples < 1) {
     throw std::runtime_error("sizes, counts and threads must be positive");
   }
-  if (options.write != "video" && options.write != "truth" && options.write != "flat") {
-    throw std::runtime_error("--write takes video, truth or flat");
+  static const std::set<std::string> kinds{"video", "truth", "flat", "sheet"};
+  if (!kinds.contains(options.write)) {
+    throw std::runtime_error("--write takes video, truth, flat or sheet");
   }
+  if (options.frames.empty()) throw std::runtime_error("--frames is missing");
   return options;
 }
 
@@ -122,37 +126,57 @@ std::string numbered(int frame, const char* suffix) {
   return name;
 }
 
+void write_video(const Options& options, int frame, const Decomposed& layers) {
+  auto bytes = to_bytes(layers.input, encode_video);
+  auto partial = options.out / numbered(frame, ".part");  // so that a frame is there or is not
+  write_bytes(partial, bytes.data(), bytes.size());
+  std::filesystem::rename(partial, options.out / numbered(frame, ".rgb"));
+}
+
+void write_truth(const Options& options, int frame, const Decomposed& layers) {
+  int w = options.width, h = options.height;
+  write_png8(options.out / numbered(frame, "_input.png"), layers.input, w, h);
+  write_png8(options.out / numbered(frame, "_reflectance.png"), layers.reflectance, w, h);
+  write_png16(options.out / numbered(frame, "_shading.png"), layers.shading, w, h, kShadingScale);
+}
+
+void write_sheet(const Options& options, int frame, const Decomposed& layers) {
+  std::vector<Vec3> sheet;
+  for (int y = 0; y < options.height; ++y) {
+    size_t row = static_cast<size_t>(y) * options.width;
+    for (const auto* plane : {&layers.input, &layers.reflectance, &layers.shading}) {
+      float scale = plane == &layers.shading ? kShadingScale : 1;
+      for (int x = 0; x < options.width; ++x) sheet.push_back((*plane)[row + x] * scale);
+    }
+  }
+  write_png8(options.out / numbered(frame, "_sheet.png"), sheet, 3 * options.width, options.height);
+}
+
+void append_flat(std::vector<char>& flat, const Decomposed& layers) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Vec3) == 12);
+  for (size_t i = 0; i < layers.input.size(); ++i) {
+    for (const auto* plane : {&layers.input, &layers.reflectance, &layers.shading}) {
+      const char* bytes = reinterpret_cast<const char*>(&(*plane)[i]);
+      flat.insert(flat.end(), bytes, bytes + sizeof(Vec3));
+    }
+  }
+}
+
 void run(const Options& options) {
-  static_assert(std::endian::native == std::endian::little);
   std::filesystem::create_directories(options.out);
   std::string header = "F32 " + std::to_string(options.width) + " " +
                        std::to_string(options.height) + " 9 " +
                        std::to_string(options.frames.size()) + "\n";
   std::vector<char> flat(header.begin(), header.end());
   for (int frame : options.frames) {
-    auto video_path = options.out / numbered(frame, ".rgb");
-    if (options.write == "video" && std::filesystem::exists(video_path)) continue;
+    bool video = options.write == "video";
+    if (video && std::filesystem::exists(options.out / numbered(frame, ".rgb"))) continue;
     auto start = std::chrono::steady_clock::now();
     Decomposed layers = decompose(options, frame);
-    if (options.write == "video") {
-      auto bytes = to_bytes(layers.input, encode_video);
-      auto partial = options.out / numbered(frame, ".part");
-      write_bytes(partial, bytes.data(), bytes.size());
-      std::filesystem::rename(partial, video_path);
-    } else if (options.write == "truth") {
-      int w = options.width, h = options.height;
-      write_png8(options.out / numbered(frame, "_input.png"), layers.input, w, h);
-      write_png8(options.out / numbered(frame, "_reflectance.png"), layers.reflectance, w, h);
-      write_png16(options.out / numbered(frame, "_shading.png"), layers.shading, w, h,
-                  kShadingScale);
-    } else {
-      for (size_t i = 0; i < layers.input.size(); ++i) {
-        for (const auto* plane : {&layers.input, &layers.reflectance, &layers.shading}) {
-          const char* bytes = reinterpret_cast<const char*>(&(*plane)[i]);
-          flat.insert(flat.end(), bytes, bytes + sizeof(Vec3));
-        }
-      }
-    }
+    if (video) write_video(options, frame, layers);
+    if (options.write == "truth") write_truth(options, frame, layers);
+    if (options.write == "sheet") write_sheet(options, frame, layers);
+    if (options.write == "flat") append_flat(flat, layers);
     std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     std::fprintf(stderr, "frame %d: %.1f s\n", frame, seconds.count());
   }

@@ -71,13 +71,22 @@ class Transport {
       hit = hierarchy_.closest({hit.position + hit.normal * kOffset, direction});
       if (hit.surface < 0) break;
       throughput = throughput * hit.reflectance;
-      float direct = lamp(hit, sampler.next()) + window(hit, sampler.next());
+      Point2 first = sampler.next(), second = sampler.next();
+      float direct =
+          bounce == 0 ? lamp(hit, first) + window(hit, second) : either(hit, first, second);
       sum += throughput * direct;
     }
     return sum;
   }
 
  private:
+  /// Estimate of lamp + window with one shadow ray.
+  float either(const Hit& hit, Point2 choice, Point2 p) const {
+    constexpr float kLampShare = 0.75f;  // about its share of the light
+    if (choice.u < kLampShare) return lamp(hit, p) / kLampShare;
+    return window(hit, p) / (1 - kLampShare);
+  }
+
   bool reaches(const Hit& hit, Vec3 from, float& cosine, float& distance) const {
     Vec3 start = hit.position + hit.normal * kOffset;
     Vec3 to_light = from - start;

@@ -9,9 +9,9 @@
 namespace inverse::clip {
 
 struct Quality {
-  int samples = 25;       ///< camera rays per pixel, each with one shadow ray to the lamp; a square
-  int soft_samples = 12;  ///< of these, how many also see the window and the other surfaces
-  int bounces = 3;        ///< diffuse bounces after the first surface
+  int samples = 25;      ///< camera rays per pixel, each with one shadow ray to the lamp; a square
+  int soft_samples = 8;  ///< of these, how many also see the window and the other surfaces
+  int bounces = 3;       ///< diffuse bounces after the first surface
 };
 
 /// Per-pixel layers, row-major; image = reflectance · (lamp + window + indirect) by definition.

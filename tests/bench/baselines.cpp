@@ -1,0 +1,95 @@
+#include "tests/bench/baselines.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace inverse::bench {
+namespace {
+
+constexpr float kFloor = 1e-3F;
+
+Decomposition divide(const Image& input, Image shading) {
+  Decomposition d{Image(input.width, input.height, 3), std::move(shading)};
+  for (int y = 0; y < input.height; ++y)
+    for (int x = 0; x < input.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        d.reflectance.at(x, y, c) = input.at(x, y, c) / std::max(d.shading.at(x, y), 1e-6F);
+  return d;
+}
+
+}  // namespace
+
+Decomposition constant_shading(const Image& input) {
+  return {input, Image(input.width, input.height, 1, 1.0F)};
+}
+
+Decomposition constant_reflectance(const Image& input) {
+  Decomposition d{Image(input.width, input.height, 3, 1.0F), Image(input.width, input.height, 1)};
+  for (int y = 0; y < input.height; ++y)
+    for (int x = 0; x < input.width; ++x)
+      d.shading.at(x, y) = (input.at(x, y, 0) + input.at(x, y, 1) + input.at(x, y, 2)) / 3;
+  return d;
+}
+
+Decomposition max_channel(const Image& input) {
+  Image s(input.width, input.height, 1);
+  for (int y = 0; y < input.height; ++y)
+    for (int x = 0; x < input.width; ++x)
+      s.at(x, y) = std::max({input.at(x, y, 0), input.at(x, y, 1), input.at(x, y, 2), kFloor});
+  return divide(input, std::move(s));
+}
+
+Decomposition retinex(const Image& input, const RetinexParams& params) {
+  const int w = input.width, h = input.height, n = w * h;
+  std::vector<std::array<double, 3>> q(static_cast<std::size_t>(n));
+  std::vector<double> m(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    std::array<double, 3> l{};
+    for (int c = 0; c < 3; ++c)
+      l[std::size_t(c)] =
+          std::log(double(std::max(input.data[std::size_t(i) * 3 + c], 0.0F)) + kFloor);
+    m[std::size_t(i)] = (l[0] + l[1] + l[2]) / 3;
+    for (int c = 0; c < 3; ++c)
+      q[std::size_t(i)][std::size_t(c)] = l[std::size_t(c)] - m[std::size_t(i)];
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  constexpr double kGauge = 1e-8;  // pins the one-dimensional null space
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, kGauge);
+    b[i] += kGauge * m[std::size_t(i)];
+  }
+  const auto edge = [&](int i, int j) {
+    const double dm = m[std::size_t(i)] - m[std::size_t(j)];
+    double dq = 0;
+    for (int c = 0; c < 3; ++c)
+      dq += std::pow(q[std::size_t(i)][std::size_t(c)] - q[std::size_t(j)][std::size_t(c)], 2);
+    const bool reflectance = std::abs(dm) > params.intensity_threshold ||
+                             (params.color && std::sqrt(dq) > params.chroma_threshold);
+    const double step = reflectance ? 0.0 : dm;
+    entries.emplace_back(i, i, 1);
+    entries.emplace_back(j, j, 1);
+    entries.emplace_back(i, j, -1);
+    entries.emplace_back(j, i, -1);
+    b[i] += step;
+    b[j] -= step;
+  };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (x + 1 < w) edge(y * w + x, y * w + x + 1);
+      if (y + 1 < h) edge(y * w + x, (y + 1) * w + x);
+    }
+  Eigen::SparseMatrix<double> a(n, n);
+  a.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(a);
+  if (solver.info() != Eigen::Success) throw std::runtime_error("Retinex: factorization failed");
+  const Eigen::VectorXd s = solver.solve(b);
+  Image shading(w, h, 1);
+  for (int i = 0; i < n; ++i) shading.data[std::size_t(i)] = float(std::exp(s[i]));
+  return divide(input, std::move(shading));
+}
+
+}  // namespace inverse::bench

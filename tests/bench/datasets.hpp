@@ -1,0 +1,50 @@
+// The ground-truth sets a decomposition is scored on, by regime.
+//
+// Rendered sequences enter as their 8-bit sRGB frames (what a camera or a file would deliver),
+// turned to linear light; true reflectance is the renderer's, true shading the Rec.709 luminance of
+// direct plus indirect irradiance. MIT objects enter as 16-bit linear images, black outside the
+// object.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/image.hpp"
+
+namespace inverse::bench {
+
+/// What makes a scene hard. Every figure is reported per regime.
+enum class Regime { kMit, kHardShadow, kNearConstantValue, kDiverseValue };
+inline constexpr int kRegimes = 4;
+
+/// "mit", "hard_shadow", "near_constant_value", "diverse_value".
+const char* regime_name(Regime regime);
+
+struct Frame {
+  std::string scene;  ///< Directory name; frames of one scene are left out together when tuning.
+  int index = 0;      ///< Frame number inside a sequence, 0 for stills.
+  Regime regime = Regime::kMit;
+  Image input;        ///< 3 channels, linear, [0, 1].
+  Image reflectance;  ///< 3 channels, linear; unknown scale.
+  Image shading;      ///< 1 channel, linear; unknown scale.
+  Image mask;         ///< 1 channel, 0 or 1; empty when every pixel counts. For scoring only.
+};
+
+/// Loads one MIT object directory.
+Frame load_mit(const std::string& directory);
+
+/// Loads frame `index` of a rendered sequence directory.
+Frame load_rendered(const std::string& directory, int index, Regime regime);
+
+/// Every MIT object and, of each rendered sequence, `frames_per_scene` frames spread evenly (all of
+/// them when 0). `root` holds one directory per set. Throws std::runtime_error naming a missing
+/// file.
+std::vector<Frame> load_all(const std::string& root, int frames_per_scene);
+
+/// All frames of one rendered sequence in order.
+std::vector<Frame> load_sequence(const std::string& root, const std::string& scene);
+
+/// Halves the size by 2 x 2 means (masks: all four inside); an odd last row or column is dropped.
+Frame half_size(const Frame& frame);
+
+}  // namespace inverse::bench

@@ -1,0 +1,101 @@
+// The plain specification of intrinsicdecomp: one log-shading unknown a pixel, r = i - s.
+//
+//   E(s) = sum over edges   a (ds - dm)^2 + b ds^2          reflectance constant | shading constant
+//        + sum over pixels  v (s - V)^2                      value prior: pins scale and low
+//        frequencies
+//                         + g (m - s - rho_bin(c))^2         equal chroma, equal reflectance (soft)
+//                         + t (m - s - rho_previous)^2       temporal anchor
+//
+// with m the mean log intensity and d the step across an edge. a, b, v, V and g come from
+// EdgePrior: here a small fitted function of local cues; the seam where a network may go. See
+// docs/method-intrinsicdecomp.md. Double precision, no dependencies.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tests/reference/intrinsic_features.hpp"
+
+namespace inverse::reference {
+
+/// Names and defaults are those of kernels/intrinsic.
+struct IntrinsicParams {
+  double reflectance_weight = 1;  ///< Scales a; > 0.
+  double shading_weight = 1;      ///< Scales b; > 0.
+  double value_weight = 1;        ///< Scales v; > 0 (0 leaves the scale free).
+  double chroma_weight = 1;       ///< Scales g; >= 0; 0 switches the chroma bins off.
+  double anchor_weight = 1;       ///< t where nothing moves; >= 0; 0 switches the anchor off.
+  double anchor_chroma = 0.2;     ///< Log-chroma change that halves the anchor.
+  double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
+  double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
+  int cycles = 4;                 ///< Multigrid cycles; the bins are renewed before each.
+  int coarsest_sweeps = 8;        ///< Smoothing passes on the coarsest level.
+};
+
+inline constexpr int kBins = 48;             ///< Cells of the chroma grid along each axis.
+inline constexpr double kBinWidth = 0.1;     ///< Natural log units.
+inline constexpr double kCoarseScale = 0.5;  ///< Of summed edge weights, per level.
+inline constexpr int kBlock = 4;             ///< Smoother block edge, pixels.
+inline constexpr double kLogLow = -4.5;      ///< Least ln of a, b, v, g before the user's factors.
+inline constexpr double kLogHigh = 3;        ///< Largest.
+
+/// What the prior says about each pixel and its right and lower edge. Planes of width x height.
+struct EdgePrior {
+  std::vector<double> a_right, b_right, a_down, b_down;
+  std::vector<double> v, V, g;
+};
+
+/// Evaluates the fitted prior.
+EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
+
+/// One level of A s = f: A(x,x) = diagonal, A(x,y) = -right or -down.
+struct SolverLevel {
+  int width = 0, height = 0;
+  std::vector<double> right, down, diagonal, f, s;
+};
+
+/// Carried from frame to frame.
+struct IntrinsicState {
+  int width = 0, height = 0;
+  std::vector<double> detail, c0, c1, rho;  ///< Of the previous frame; empty after a reset.
+};
+
+struct IntrinsicStats {
+  std::vector<double> residual;  ///< |f - A s| / |f| before each cycle and after the last.
+  double mismatch = 0;           ///< Mean temporal mismatch, 0 (static) ... 1.
+  bool anchored = false;
+};
+
+struct IntrinsicResult {
+  std::vector<double> log_shading;  ///< s, width x height.
+  std::vector<double> reflectance;  ///< 3 interleaved channels: sanitized I * exp(-s).
+  IntrinsicStats stats;
+};
+
+/// Decomposes one frame. `state` may be null (a still); otherwise it is read and updated.
+IntrinsicResult decompose(const double* rgb, int width, int height, const IntrinsicParams& params,
+                          IntrinsicState* state);
+
+// The parts, for tests of single kernels.
+
+/// Chroma-bin means of rho = m - s, from cells of guide level 2: kBins^2 values, and the total
+/// weight of each bin.
+struct ChromaBins {
+  std::vector<double> mean, weight;
+};
+ChromaBins splat_bins(const Guide& guide, const EdgePrior& prior, const std::vector<double>& s);
+/// Value of the bins at a pixel's chroma and, in `weight`, how much of the hat falls on filled bins
+/// (0: none).
+double slice_bins(const ChromaBins& bins, double c0, double c1, double* weight);
+
+/// Fills `coarse.right/down/diagonal` from `fine` (screen = diagonal minus the edges).
+SolverLevel coarsen(const SolverLevel& fine);
+
+/// One pass of the smoother: every kBlock x kBlock block, shifted up by `shift` rows, is swept
+/// forward and backward once against the old values around it.
+void smooth(SolverLevel& level, int shift);
+
+/// One V(1,1) cycle from level `k` down.
+void cycle(std::vector<SolverLevel>& levels, std::size_t k, const IntrinsicParams& params);
+
+}  // namespace inverse::reference
