@@ -3,6 +3,7 @@
 #include <gst/video/video.h>
 
 #include "inverse_layers_meta.h"
+#include "vulkan_bridge.hpp"
 
 namespace inverse {
 namespace {
@@ -27,17 +28,46 @@ GstCaps* layer_caps() {
   return gst_caps_from_string(text.c_str());
 }
 
-/// Those of `other` that have the format and, where possible, all else of `caps`; null where none
-/// has, or where the other side prefers layers.
+/// Formats beyond these two make GStreamer's Vulkan library abort or shear the picture (1.22).
+GstCaps* image_caps() {
+  const std::string text = std::string("video/x-raw(") + kVulkanImageFeature +
+                           "), format = (string) { RGBA, BGRA }, " + kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+/// The caps with images behind all else: who does not insist gets pixels that anybody can read.
+GstCaps* with_images(GstCaps* caps) {
+  if (has_vulkan_images()) gst_caps_append(caps, image_caps());
+  return caps;
+}
+
+/// Those structures of `caps` that have the features of the first.
+GstCaps* like_first(const GstCaps* caps) {
+  GstCaps* alike = gst_caps_new_empty();
+  if (gst_caps_is_empty(caps)) return alike;
+  const GstCapsFeatures* first = gst_caps_get_features(caps, 0);
+  for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+    if (gst_caps_features_is_equal(gst_caps_get_features(caps, i), first))
+      gst_caps_append(alike, gst_caps_copy_nth(caps, i));
+  return alike;
+}
+
+/// Those of `other`, all in the same memory, that have the format and, where possible, all else of
+/// `caps`; null where none has, or where the other side prefers layers.
 GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
   if (gst_caps_is_empty(other) || carries_layers(other)) return nullptr;
-  GstCaps* same = gst_caps_intersect_full(other, caps, GST_CAPS_INTERSECT_FIRST);
+  const GstCapsFeatures* features = gst_caps_get_features(other, 0);
+  GstCaps* like = gst_caps_copy(caps);
+  gst_caps_set_features_simple(like, gst_caps_features_copy(features));
+  GstCaps* same = gst_caps_intersect_full(other, like, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(like);
   if (!gst_caps_is_empty(same)) return same;
   gst_caps_unref(same);
   const GValue* format = gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");
   if (!format) return nullptr;
   GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
   gst_caps_set_value(wanted, "format", format);
+  gst_caps_set_features_simple(wanted, gst_caps_features_copy(features));
   same = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
   gst_caps_unref(wanted);
   if (!gst_caps_is_empty(same)) return same;
@@ -69,18 +99,18 @@ void keep_transfer(GstCaps* in, GstCaps* out) {
 GstCaps* template_caps(Flow flow) {
   switch (flow) {
     case Flow::pixels:
-      return pixel_caps();
+      return with_images(pixel_caps());
     case Flow::layers:
       return layer_caps();
     case Flow::pixels_or_layers: {
       GstCaps* caps = pixel_caps();
       gst_caps_append(caps, layer_caps());
-      return caps;
+      return with_images(caps);
     }
     case Flow::layers_or_pixels: {
       GstCaps* caps = layer_caps();
       gst_caps_append(caps, pixel_caps());
-      return caps;
+      return with_images(caps);
     }
   }
   return nullptr;
@@ -90,6 +120,11 @@ bool carries_layers(const GstCaps* caps) {
   return gst_caps_get_size(caps) > 0 &&
          gst_caps_features_contains(gst_caps_get_features(caps, 0),
                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS);
+}
+
+bool carries_images(const GstCaps* caps) {
+  return gst_caps_get_size(caps) > 0 &&
+         gst_caps_features_contains(gst_caps_get_features(caps, 0), kVulkanImageFeature);
 }
 
 GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
@@ -121,6 +156,9 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
 }
 
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
+  GstCaps* alike = like_first(other);
+  gst_caps_unref(other);
+  other = alike;
   GstCaps* result = carries_layers(caps) ? nullptr : keep_format(caps, other);
   result =
       result ? gst_caps_fixate(result) : gst_caps_fixate(gst_caps_truncate(gst_caps_ref(other)));

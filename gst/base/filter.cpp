@@ -125,6 +125,16 @@ gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) return FALSE;
   GstBufferPool* pool = nullptr;
+  if (element_of(transform).sends_images()) {
+    // Other people's pools make images that not everybody can write to.
+    guint size = 0;
+    if (!(pool = element_of(transform).image_pool(caps, &size))) return FALSE;
+    while (gst_query_get_n_allocation_pools(query) > 0)
+      gst_query_remove_nth_allocation_pool(query, 0);
+    gst_query_add_allocation_pool(query, pool, size, 0, 0);
+    gst_object_unref(pool);
+    return TRUE;
+  }
   guint size = 0, min = 0, max = 0;
   const bool proposed = gst_query_get_n_allocation_pools(query) > 0;
   if (proposed) gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min, &max);
@@ -177,9 +187,10 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
 }
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
-  if (GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT && element_of(transform).context().answer(query))
-    return TRUE;
-  if (!GST_BASE_TRANSFORM_CLASS(parent_class)->query(transform, direction, query)) return FALSE;
+  const bool asks_context = GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT;
+  if (asks_context && element_of(transform).context().answer(query)) return TRUE;
+  if (!GST_BASE_TRANSFORM_CLASS(parent_class)->query(transform, direction, query))
+    return asks_context && element_of(transform).context().provide(query);
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
     gboolean live = FALSE;
     GstClockTime min = 0, max = 0;

@@ -17,7 +17,7 @@ double milliseconds_since(Clock::time_point start) {
 }  // namespace
 
 FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
-    : element_(element), info_(info), filter_(info.create()) {
+    : element_(element), info_(info), filter_(info.create()), context_(element) {
   gst_video_info_init(&in_info_);
   gst_video_info_init(&out_info_);
 }
@@ -29,12 +29,11 @@ FilterElement::~FilterElement() {
 bool FilterElement::open() {
   // Editors work on the device that their layers live on.
   if (info_.sink != Flow::pixels) return true;
-  return guarded(element_, [&] { device_ = context_.acquire(element_, device_name()); });
+  return guarded(element_, [&] { context_.acquire(device_name()); });
 }
 
 void FilterElement::close() {
   stop();
-  device_.reset();
   context_.release();
 }
 
@@ -45,6 +44,8 @@ void FilterElement::stop() {
   planes_.reset();
   if (configured_) filter_->release();
   configured_ = false;
+  device_.reset();
+  images_device_.reset();
   fresh_ = true;
   frames_ = 0;
 }
@@ -52,6 +53,7 @@ void FilterElement::stop() {
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   const std::string name = info_.factory;
   in_layers_ = carries_layers(in);
+  in_images_ = carries_images(in);
   out_layers_ = carries_layers(out);
   if (info_.sink != Flow::pixels && !in_layers_) {
     GST_ELEMENT_ERROR(
@@ -75,9 +77,15 @@ bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   return guarded(element_, [&] {
     stop();
     // Refused formats show up here, before any frame.
-    if (!in_layers_) input_.emplace(in_info_);
-    if (!out_layers_) output_.emplace(out_info_);
-    if (device_) configure(device_);
+    if (!in_layers_)
+      input_ = in_images_ ? make_image_input(in_info_) : std::make_unique<FrameInput>(in_info_);
+    if (!out_layers_)
+      output_ = carries_images(out) ? make_image_output(out_info_)
+                                    : std::make_unique<FrameOutput>(out_info_);
+    context_.look();
+    if (carries_images(out)) images_device_ = context_.for_images();
+    // Layers and images say with the first frame where they lie.
+    if (!in_layers_ && !in_images_) configure(device_for(nullptr));
   });
 }
 
@@ -87,8 +95,8 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   slots_ = {};
   for (Slot& slot : slots_) {
     slot.commands = std::make_unique<gpu::Commands>(device);
-    if (input_) slot.upload = input_->make_buffer(device);
-    if (output_) slot.readback = output_->make_buffer(device);
+    if (input_) slot.in = input_->make_buffer(device);
+    if (output_) slot.out = output_->make_buffer(device);
   }
   planes_.emplace(device, extent);
   if (input_) input_->configure(device);
@@ -108,21 +116,38 @@ Layers FilterElement::read_input(GstBuffer* in, Slot& slot) {
   Layers layers;
   layers.extent = planes_->extent();
   layers[Role::input] = planes_->acquire();
-  input_->record(*slot.commands, in, slot.upload, *layers[Role::input]);
+  input_->record(*slot.commands, in, slot.in, *layers[Role::input]);
   return layers;
 }
 
-void FilterElement::run(GstBuffer* in, GstBuffer* out) {
-  const auto start = Clock::now();
+std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   if (in_layers_) {
     const Layers* layers = layers_of(in);
     if (!layers)
       throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
                                               info_.factory +
                                               "; an element before it dropped the layers meta");
-    const auto& device = (*layers)[Role::intrinsic]->buffer->device();
-    if (!configured_ || device != device_) configure(device);
+    return (*layers)[Role::intrinsic]->buffer->device();
   }
+  if (!in_images_) return images_device_ ? images_device_ : context_.current();
+  auto device = input_->device_of(element_, in);
+  context_.permit(device);
+  return device;
+}
+
+void FilterElement::run(GstBuffer* in, GstBuffer* out) {
+  const auto start = Clock::now();
+  const auto device = device_for(in);
+  if (images_device_ && device != images_device_)
+    throw Error(ErrorKind::no_device,
+                std::string("this pipeline needs two Vulkan devices at once: frames reach ") +
+                    info_.factory + " on \"" + device->name() +
+                    "\", and the images that it sends are expected on another device, opened by a "
+                    "neighbour as \"" +
+                    images_device_->name() +
+                    "\"; let the elements share one (GstContext), or put vulkandownload and "
+                    "vulkanupload between");
+  if (!configured_ || device != device_) configure(device);
   Slot& slot = slots_[next_slot_];
   next_slot_ = (next_slot_ + 1) % slots_.size();
   slot.commands->begin();
@@ -134,15 +159,15 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (!in_layers_) slot.commands->stage("unpack");
   filter_->process(frame);
   if (!out_layers_) {
-    output_->record(*slot.commands, frame.picture, frame.layers, slot.readback);
+    output_->record(*slot.commands, frame.picture, frame.layers, slot.out, out);
     slot.commands->stage("pack");
   }
   slot.commands->submit();
   if (out_layers_) {
     attach_layers(out, frame.layers);
-  } else {
+  } else if (output_->waits()) {
     slot.commands->wait();
-    output_->write(slot.readback, out);
+    output_->write(slot.out, out);
   }
   ++frames_;
   publish(slot, milliseconds_since(start));
@@ -165,6 +190,12 @@ void FilterElement::publish(const Slot& slot, double wall_ms) {
   std::lock_guard lock(mutex_);
   std::swap(stats, stats_);
   if (stats) gst_structure_free(stats);
+}
+
+GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
+  GstBufferPool* pool = nullptr;
+  guarded(element_, [&] { pool = make_image_pool(images_device_, caps, size); });
+  return pool;
 }
 
 GstClockTime FilterElement::latency() const {

@@ -32,8 +32,12 @@ class FilterElement {
   const ElementInfo& info() const { return info_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
+  /// A configured pool for images, where images go out; posts one error and returns null where
+  /// there can be none. New reference; `size` becomes the size of its buffers.
+  GstBufferPool* image_pool(GstCaps* caps, guint* size);
   const GstVideoInfo& output_info() const { return out_info_; }
   bool sends_layers() const { return out_layers_; }
+  bool sends_images() const { return images_device_ != nullptr; }
   /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
   GstClockTime latency() const;
 
@@ -45,9 +49,10 @@ class FilterElement {
  private:
   struct Slot {
     std::unique_ptr<gpu::Commands> commands;
-    gpu::BufferPtr upload, readback;
+    gpu::BufferPtr in, out;  // the bytes of a frame
   };
   void configure(const std::shared_ptr<gpu::Device>& device);
+  std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
   Layers read_input(GstBuffer* in, Slot& slot);
   void publish(const Slot& slot, double wall_ms);
@@ -57,14 +62,15 @@ class FilterElement {
   std::unique_ptr<Filter> filter_;
   DeviceContext context_;
   std::string device_name_;
-  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<gpu::Device> device_;         // the one configured for
+  std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  bool in_layers_ = false, out_layers_ = false;
+  bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};
-  std::optional<FrameInput> input_;
-  std::optional<FrameOutput> output_;
+  std::unique_ptr<FrameInput> input_;
+  std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
   std::array<Slot, 3> slots_;  // at most three frames in flight
   size_t next_slot_ = 0;

@@ -181,11 +181,15 @@ void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
   unpack_.emplace(device, format_);
 }
 
-void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& upload,
+void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
                         const Plane& plane) const {
+  load(commands, buffer, raw);
+  unpack_->record(commands, raw, plane);
+}
+
+void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
   const MappedFrame frame(info_, buffer, GST_MAP_READ);
-  copy_rows<true>(format_, frame, upload->map());
-  unpack_->record(commands, upload, plane);
+  copy_rows<true>(format_, frame, raw->map());
 }
 
 FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
@@ -202,18 +206,19 @@ void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
 }
 
 void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
-                         const gpu::BufferPtr& readback) const {
+                         const gpu::BufferPtr& raw, GstBuffer* buffer) const {
   if (!picture.plane) throw Error(ErrorKind::internal, "an element drew no picture");
   const PlanePtr& input = layers[Role::input];
   pack_->record(commands,
                 {*picture.plane, picture.scalar ? Drawing::Source::shading : Drawing::Source::color,
                  picture.gain, input ? input.get() : nullptr},
-                readback);
+                raw);
+  store(commands, raw, buffer);
 }
 
-void FrameOutput::write(const gpu::BufferPtr& readback, GstBuffer* buffer) const {
+void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
   const MappedFrame frame(info_, buffer, GST_MAP_WRITE);
-  copy_rows<false>(format_, frame, readback->map());
+  copy_rows<false>(format_, frame, raw->map());
 }
 
 }  // namespace inverse
