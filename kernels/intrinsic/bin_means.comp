@@ -11,8 +11,8 @@ PLANE_OUT(2, means);
 
 float mean(uint x, uint y) {
   int at = int(min(y, uint(kBins) - 1u) * uint(kBins) + min(x, uint(kBins) - 1u));
-  uint weight = FETCH1(weights, at);
-  return weight > 0u ? kMostReflectance * float(int(FETCH1(totals, at))) / float(weight) : kEmptyBin;
+  int weight = int(FETCH1(weights, at));
+  return weight > 0 ? kMostReflectance * float(int(FETCH1(totals, at))) / float(weight) : kEmptyBin;
 }
 
 void main() {

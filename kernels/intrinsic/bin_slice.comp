@@ -2,35 +2,37 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
+#include "guide.glsl"
 #include "bins.glsl"
 
-// The right-hand side of energy.glsl from the bins: f = base + g (m - r_bin), with s itself as the target where no bin
-// around a pixel's chroma is filled. One quad an invocation.
-PLANE_IN(0, level0);
-PLANE_IN(1, value);
-PLANE_IN(2, base);
-PLANE_IN(3, shading);
+// The cells' right-hand side for a correction of s': f = far + pull + g (m' - r_bin) - screen s', `far` being what the
+// finer levels left. One quad of cells an invocation.
+PLANE_IN(0, cells);
+PLANE_IN(1, terms);
+PLANE_IN(2, mean);  // s'
+PLANE_IN(3, far);
 PLANE_IN(4, means);
-PLANE_OUT(5, system);
-layout(push_constant) uniform Push { uvec2 size; } push;
+PLANE_OUT(5, system);  // of stride 4
+layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
   uint quads = QUADS(push.size.x);
   uvec2 position = grid_position(quads);
   if (position.y >= push.size.y) return;
   int at = int(position.y * quads + position.x);
-  vec4 target = FETCH(shading, at);
+  vec4 s = FETCH(mean, at), found = s, m = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN);
   for (uint k = 0u; k < 4u; ++k) {
-    uint pixel = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
-    vec4 guide = FETCH(level0, int(pixel));
+    uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
     vec2 fraction;
-    uvec2 bin = bin_of(guide.yz, fraction);
-    vec4 mean = FETCH(means, int(bin.y * uint(kBins) + bin.x));
-    vec4 hat = mix(vec4(0.0), hats(fraction), lessThan(mean, vec4(kEmptyBin)));
-    float known = dot(hat, vec4(1.0));
-    float found = guide.x - dot(hat, mix(vec4(0.0), mean, lessThan(mean, vec4(kEmptyBin)))) / max(known, 1e-20);
-    target = vec4(target.yzw, known > 0.0 ? found : target.x);
+    uvec2 bin = bin_of(FETCH(cells, int(CELL_STRIDE * cell)).yz, fraction);
+    vec4 four = FETCH(means, int(bin.y * uint(kBins) + bin.x));
+    bvec4 known = lessThan(four, vec4(kEmptyBin));
+    vec4 hat = mix(vec4(0.0), hats(fraction), known);
+    float sum = dot(hat, vec4(1.0)), r = dot(hat, mix(vec4(0.0), four, known)) / max(sum, 1e-20);
+    found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
+    m = m.yzwx;
   }
-  vec4 g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
-  STORE(system, SYSTEM_STRIDE * at + SYSTEM_RHS, FETCH(base, at) + g * target);
+  vec4 f = FETCH(far, at) + FETCH(terms, TERMS_STRIDE * at + TERMS_PULL) +
+           FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s;
+  STORE(system, 4u * uint(at) + SYSTEM_RHS, f);
 }

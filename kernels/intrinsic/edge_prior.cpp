@@ -3,7 +3,8 @@
 #include "../gpu/shaders.hpp"
 
 INVERSE_SHADER(intrinsic_fold);
-INVERSE_SHADER(intrinsic_prior);
+INVERSE_SHADER(intrinsic_edges);
+INVERSE_SHADER(intrinsic_cell_values);
 
 namespace inverse {
 namespace {
@@ -12,20 +13,26 @@ constexpr uint32_t kMostBiases = 64;  // room for FOLD_COUNT of edge_net.glsl
 
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device)
     : fold_(device->kernel(shaders::intrinsic_fold, {}, kMostBiases)),
-      prior_(device->kernel(shaders::intrinsic_prior)),
+      edges_(device->kernel(shaders::intrinsic_edges)),
+      values_(device->kernel(shaders::intrinsic_cell_values)),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4, kMostBiases / 4)) {}
 
 void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target& target,
                        const Params& params) const {
-  commands.dispatch(fold_, {guide.statistics(), biases_}, {kMostBiases});
-  const struct {
+  struct Push {
     uint32_t width, height;
-    Params params;
-  } push{guide.extent().width, guide.extent().height, params};
-  commands.dispatch(prior_,
-                    {guide.level0(), guide.level1(), guide.cells(), guide.values(), guide.statistics(),
-                     biases_, target.system, target.flux, target.value},
-                    push, line_of(quads_of(guide.extent())));
+    float first, second;
+  };
+  commands.dispatch(fold_, {guide.statistics(), biases_}, {kMostBiases});
+  const Extent extent = guide.extent(), cells = guide.cell_extent();
+  commands.dispatch(edges_,
+                    {guide.level0(), guide.level1(), guide.cells(), guide.statistics(), biases_, target.system,
+                     target.flux},
+                    Push{extent.width, extent.height, params.reflectance_weight, params.shading_weight},
+                    line_of(quads_of(extent)));
+  commands.dispatch(values_, {guide.cells(), guide.wide(), guide.statistics(), biases_, target.value},
+                    Push{cells.width, cells.height, params.value_weight, params.chroma_weight},
+                    line_of(quads_of(cells)));
 }
 
 }  // namespace inverse

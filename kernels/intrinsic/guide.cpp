@@ -8,7 +8,7 @@
 
 INVERSE_SHADER(intrinsic_guide);
 INVERSE_SHADER(intrinsic_cells);
-INVERSE_SHADER(intrinsic_values);
+INVERSE_SHADER(intrinsic_wide);
 INVERSE_SHADER(intrinsic_statistics);
 INVERSE_SHADER(intrinsic_frame);
 
@@ -32,7 +32,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent4_(half_of(half_of(extent2_))),
       guide_(device->kernel(shaders::intrinsic_guide)),
       cells_kernel_(device->kernel(shaders::intrinsic_cells)),
-      values_kernel_(device->kernel(shaders::intrinsic_values)),
+      wide_kernel_(device->kernel(shaders::intrinsic_wide)),
       sum_(device->kernel(shaders::intrinsic_statistics, {kRows})),
       frame_(device->kernel(shaders::intrinsic_frame, {}, kSumLanes)) {
   using gpu::Buffer;
@@ -40,7 +40,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
   level0_ = Buffer::create(device, Element::vec4, extent_.pixels());
   level1_ = Buffer::create(device, Element::vec4, extent1_.pixels());
   cells_ = Buffer::create(device, Element::vec4, extent2_.pixels() * kCellStride);
-  values_ = Buffer::create(device, Element::scalar, extent4_.pixels());
+  wide_ = Buffer::create(device, Element::vec4, extent4_.pixels());
   statistics_ = Buffer::create(device, Element::vec4, 2);
   for (auto& sums : sums_)
     sums = Buffer::create(device, Element::vec4, gpu::partial_count(*sum_, sum_items(extent1_)));
@@ -53,7 +53,7 @@ void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame) {
   const auto size = [](Extent extent) { return std::array<uint32_t, 2>{extent.width, extent.height}; };
   commands.dispatch(guide_, {frame, level0_, level1_}, size(extent_), line_of(extent1_.pixels()));
   commands.dispatch(cells_kernel_, {level0_, cells_}, size(extent_), line_of(extent2_.pixels()));
-  commands.dispatch(values_kernel_, {cells_, values_}, size(extent2_), line_of(extent4_.pixels()));
+  commands.dispatch(wide_kernel_, {cells_, wide_}, size(extent2_), line_of(extent4_.pixels()));
   commands.dispatch(sum_, {level1_, sums_[0], sums_[1], sums_[2]}, size(extent1_), sum_items(extent1_));
   commands.dispatch(frame_, {sums_[0], sums_[1], sums_[2], statistics_},
                     static_cast<uint32_t>(sums_[0]->count()), {});

@@ -1,6 +1,6 @@
 // Planes that say what a frame looks like. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01),
 // m = mean_c i, u = max_c i - m, c0 = k_R - k_G, c1 = (k_R + k_G) / 2 - k_B. Level 0 is a pixel a vec4, levels above
-// hold means of 2 x 2 cells (at an odd border the last row or column counts twice). Level 2 has a second vec4 a cell:
+// hold means of 2 x 2 cells (at an odd border the last row or column counts twice). Level 2, the cells, has a second vec4 a cell:
 // the mean activity |dm| and |dc| of the pixels' steps to the right and down.
 const float kIntensityFloor = 2e-3;
 const float kChromaFloor = 1e-2;

@@ -1,16 +1,16 @@
 #include "intrinsic_decomposition.hpp"
 
 #include <array>
-#include <cmath>
 
 #include "../gpu/shaders.hpp"
 
+INVERSE_SHADER(intrinsic_cell_terms);
 INVERSE_SHADER(intrinsic_assemble);
 INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
 namespace {
-const float kMostWeight = std::exp(3.0F);  // kLogHigh of prior.comp
+constexpr float kCellArea = 16;  // weights of cell terms are a pixel's, times this
 }
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -19,26 +19,47 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       planes_(device_, extent),
       guide_(device_, extent),
       prior_(device_),
-      anchor_(device_, extent),
-      bins_(device_, extent),
+      anchor_(device_, guide_.cell_extent()),
+      bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
-      assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
-      assemble_anchored_(device_->kernel(shaders::intrinsic_assemble, {1})),
-      layers_(device_->kernel(shaders::intrinsic_layers)),
-      flux_(gpu::Buffer::create(device_, gpu::Element::vec4, quads_of(extent) * EdgePrior::kFluxStride)),
-      value_(gpu::Buffer::create(device_, gpu::Element::vec4, quads_of(extent) * EdgePrior::kValueStride)),
-      base_(gpu::Buffer::create(device_, gpu::Element::vec4, quads_of(extent))) {}
+      terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0})),
+      anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
+      assemble_(device_->kernel(shaders::intrinsic_assemble)),
+      layers_(device_->kernel(shaders::intrinsic_layers)) {
+  const auto buffer = [&](uint64_t count) { return gpu::Buffer::create(device_, gpu::Element::vec4, count); };
+  const uint64_t cell_quads = quads_of(guide_.cell_extent());
+  flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
+  value_ = buffer(cell_quads * EdgePrior::kValueStride);
+  terms_ = buffer(cell_quads * Multigrid::kTermsStride);
+  start_ = buffer(cell_quads);
+}
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
                                       bool anchored) {
+  if (anchored) anchor_.record(commands, guide_, params);
+  const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
     float anchor, detail, chroma;
-  } push{extent_.width, extent_.height, params.anchor_weight, 1 / params.anchor_detail, 1 / params.anchor_chroma};
-  commands.dispatch(anchored ? assemble_anchored_ : assemble_,
-                    {flux_, value_, guide_.level0(), guide_.cells(), anchor_.kept(), anchor_.blocks(),
-                     anchor_.verdict(), multigrid_.system(), base_, multigrid_.field()},
-                    push, line_of(quads_of(extent_)));
+  } push{cells.width, cells.height, kCellArea * params.anchor_weight, 1 / params.anchor_detail,
+         1 / params.anchor_chroma};
+  commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
+                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(), anchor_.verdict(), terms_,
+                     start_},
+                    push, line_of(quads_of(cells)));
+  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+  commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
+                    line_of(quads_of(extent_)));
+}
+
+void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
+  multigrid_.record_operators(commands, terms_, params.multigrid);
+  bins_.record_weights(commands, guide_, terms_, EdgePrior::kMostChroma * params.prior.chroma_weight);
+  commands.stage("operators");
+  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_far(),
+                                multigrid_.cell_system()};
+  for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
+    multigrid_.record_cycle(commands, params.multigrid, [&] { bins_.record(commands, guide_, state); });
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
@@ -47,6 +68,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_ = {};
   stats_.levels = multigrid_.depth();
   stats_.history = history_ && params.anchor.anchor_weight > 0;
+  stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
 
@@ -54,27 +76,16 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("guide");
   prior_.record(commands, guide_, {multigrid_.system(), flux_, value_}, params.prior);
   commands.stage("prior");
-  if (stats_.history) anchor_.record(commands, guide_, params.anchor);
   assemble(commands, params.anchor, stats_.history);
   commands.stage("assemble");
-
-  const bool bins = params.prior.chroma_weight > 0;
-  if (bins) bins_.record_frame(commands, guide_, value_, kMostWeight * params.prior.chroma_weight);
-  else stats_.skipped.emplace_back("chroma bins: their weight is 0");
-  stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
-  for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle) {
-    if (bins || cycle == 0) bins_.record(commands, guide_, value_, base_, multigrid_.field(), multigrid_.system());
-    commands.stage("bins");
-    multigrid_.record(commands, params.multigrid);
-    commands.stage("solve");
-  }
+  solve(commands, params);
 
   const PlanePtr intrinsic = planes_.acquire();
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(layers_,
-                    {input->buffer, multigrid_.field(), guide_.level0(), guide_.cells(), intrinsic->buffer,
+                    {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(), intrinsic->buffer,
                      anchor_.kept()},
-                    size, line_of(quads_of(extent_)));
+                    size, line_of(guide_.cell_extent().pixels()));
   commands.stage("layers");
   history_ = true;
   commands.keep(input);

@@ -20,7 +20,7 @@ class IntrinsicDecomposition {
   struct Params {
     EdgePrior::Params prior;
     TemporalAnchor::Params anchor;
-    /// Multigrid cycles of a frame without history, 1…32; the chroma bins are renewed before each.
+    /// Multigrid cycles of a frame without history, 1…32.
     uint32_t cycles = 4;
     /// The same of a frame that continues the one before, and so starts near its solution, 1…32.
     uint32_t warm_cycles = 2;
@@ -49,6 +49,7 @@ class IntrinsicDecomposition {
 
  private:
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored);
+  void solve(gpu::Commands& commands, const Params& params);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
@@ -58,8 +59,8 @@ class IntrinsicDecomposition {
   TemporalAnchor anchor_;
   ChromaBins bins_;
   Multigrid multigrid_;
-  gpu::KernelPtr assemble_, assemble_anchored_, layers_;
-  gpu::BufferPtr flux_, value_, base_;
+  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, layers_;
+  gpu::BufferPtr flux_, value_, terms_, start_;
   bool history_ = false;
   Stats stats_;
 };

@@ -5,34 +5,34 @@
 #include "quad.glsl"
 #include "temporal.glsl"
 
-// How far a frame differs from the one before: the mean of q / (1 + q) over cells of 8 x 8 pixels, and its sum over the
-// frame. One cell an invocation.
-PLANE_IN(0, level0);
-PLANE_IN(1, cells);
+// How far a frame differs from the one before: the mean of q / (1 + q) over tiles of 4 x 4 cells (the cells of guide
+// level 4), and its sum over the frame. One tile an invocation.
+PLANE_IN(0, cells);
+PLANE_IN(1, wide);
 PLANE_IN(2, before);
-SCALAR_OUT(3, blocks);
+SCALAR_OUT(3, tiles);
 PLANE_OUT(4, sums);
 layout(push_constant) uniform Push {
-  uvec2 size;
+  uvec2 size;  // of level 2
   float detail;
   float chroma;
 } push;
 
 void main() {
-  uvec2 block_size = (push.size + 7u) / 8u, block = grid_position(block_size.x);
-  uint cell_columns = QUADS(push.size.x);
+  uvec2 tile_size = (push.size + 3u) / 4u, tile = grid_position(tile_size.x);
   float sum = 0.0;
-  if (block.y < block_size.y) {
-    uvec2 first = 8u * block, count = min(push.size - first, uvec2(8u));
-    for (uint y = 0u; y < count.y; ++y)
-      for (uint x = 0u; x < count.x; ++x) {
-        uvec2 at = first + uvec2(x, y);
-        int pixel = int(at.y * push.size.x + at.x);
-        float cell_mean = FETCH(cells, int(CELL_STRIDE * ((at.y / 4u) * cell_columns + at.x / 4u))).x;
-        float q = mismatch(FETCH(level0, pixel), cell_mean, FETCH(before, pixel), Change(push.detail, push.chroma));
+  if (tile.y < tile_size.y) {
+    uvec2 first = 4u * tile, count = min(push.size - first, uvec2(4u));
+    uint to = tile.y * tile_size.x + tile.x;
+    vec4 around = FETCH(wide, int(to));
+    for (uint y = first.y; y < first.y + count.y; ++y)
+      for (uint x = first.x; x < first.x + count.x; ++x) {
+        int cell = int(y * push.size.x + x);
+        float q = mismatch(cell_state(FETCH(cells, CELL_STRIDE * cell), around), FETCH(before, cell), push.detail,
+                           push.chroma);
         sum += q / (1.0 + q);
       }
-    STORE(blocks, block.y * block_size.x + block.x, sum / float(count.x * count.y));
+    STORE(tiles, to, sum / float(count.x * count.y));
   }
   SUM_PARTIALS(sums, vec4(sum, 0.0, 0.0, 0.0));
 }

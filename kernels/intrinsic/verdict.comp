@@ -8,7 +8,7 @@ PLANE_IN(0, sums);
 PLANE_OUT(1, verdict);
 layout(push_constant) uniform Push {
   uint count;
-  float pixels;
+  float cells;
   float cut_fraction;
 } push;
 
@@ -22,6 +22,6 @@ void main() {
   barrier();
   if (lane > 0u) return;
   for (uint i = 1u; i < 64u; ++i) sum += totals[i];
-  float mean = sum / push.pixels;
+  float mean = sum / push.cells;
   STORE(verdict, 0, vec4(mean, mean < push.cut_fraction ? 1.0 : 0.0, 0.0, 0.0));
 }

@@ -52,7 +52,7 @@ def main():
     fold, slot = [], 0
     for name, hidden, outputs, cues, (inner, bias1, outer, skip, bias2) in nets:
         local = cues - FRAME
-        kind = "edge" if "Edge" in name else "pixel"
+        kind = name[1:-3].lower()  # kEdgeNet → edge
         vectors = (hidden + outputs + 3) // 4
         result = {2: "vec2", 3: "vec3", 4: "vec4"}[outputs]
         print(f"\n#define {kind.upper()}_CUES {local}")
