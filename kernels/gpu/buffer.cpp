@@ -1,0 +1,124 @@
+#include "buffer.hpp"
+
+#include <string>
+
+namespace inverse::gpu {
+namespace {
+
+VkFormat format_of(Element element) {
+  switch (element) {
+    case Element::vec4:
+      return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case Element::vec2:
+      return VK_FORMAT_R32G32_SFLOAT;
+    case Element::scalar:
+      return VK_FORMAT_R32_SFLOAT;
+    case Element::word:
+      return VK_FORMAT_R32_UINT;
+    case Element::word4:
+      return VK_FORMAT_R32G32B32A32_UINT;
+  }
+  return VK_FORMAT_UNDEFINED;
+}
+
+/// The memory type that suits best: of those with `required`, the one with the most of `wanted` and
+/// least of the rest.
+uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFlags required,
+                     VkMemoryPropertyFlags wanted) {
+  const auto& properties = device.memory_properties();
+  int best = -1;
+  int best_score = -100;
+  for (uint32_t i = 0; i < properties.memoryTypeCount; ++i) {
+    const VkMemoryPropertyFlags flags = properties.memoryTypes[i].propertyFlags;
+    if (!(allowed & (1u << i)) || (flags & required) != required) continue;
+    const int score = 4 * __builtin_popcount(flags & wanted) - __builtin_popcount(flags & ~wanted);
+    if (score > best_score) {
+      best = static_cast<int>(i);
+      best_score = score;
+    }
+  }
+  if (best < 0)
+    throw Error(ErrorKind::unsupported, "the Vulkan device offers no memory type for a buffer");
+  return static_cast<uint32_t>(best);
+}
+
+}  // namespace
+
+std::shared_ptr<Buffer> Buffer::create(std::shared_ptr<Device> device, Element element,
+                                       uint64_t count, Memory memory) {
+  return std::shared_ptr<Buffer>(new Buffer(std::move(device), element, count ? count : 1, memory));
+}
+
+Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory)
+    : device_(std::move(device)), element_(element), count_(count) {
+  const Limits& limits = device_->limits();
+  if (bytes() > limits.storage_buffer_bytes)
+    throw Error(ErrorKind::limit, "a buffer of " + std::to_string(bytes()) +
+                                      " bytes exceeds maxStorageBufferRange of \"" +
+                                      device_->name() + "\", " +
+                                      std::to_string(limits.storage_buffer_bytes) +
+                                      " bytes; use a smaller frame or another device");
+  const bool view = !device_->variant().portable;
+  if (view && count_ > limits.texel_elements)
+    throw Error(ErrorKind::limit,
+                "a buffer of " + std::to_string(count_) +
+                    " elements exceeds maxTexelBufferElements of \"" + device_->name() + "\", " +
+                    std::to_string(limits.texel_elements) + "; set INVERSE_PORTABLE=1");
+  try {
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = bytes();
+    info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    if (view) info.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    check(vkCreateBuffer(device_->handle(), &info, nullptr, &buffer_), "creating a buffer");
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(device_->handle(), buffer_, &needs);
+
+    VkMemoryPropertyFlags required = 0;
+    VkMemoryPropertyFlags wanted = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    constexpr VkMemoryPropertyFlags kMapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    if (memory == Memory::upload) required = wanted = kMapped;
+    if (memory == Memory::readback) {
+      required = kMapped;
+      wanted = kMapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    }
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocate.allocationSize = needs.size;
+    allocate.memoryTypeIndex = memory_type(*device_, needs.memoryTypeBits, required, wanted);
+    check(vkAllocateMemory(device_->handle(), &allocate, nullptr, &memory_),
+          "allocating device memory");
+    allocated_ = needs.size;
+    device_->count_memory(static_cast<int64_t>(allocated_));
+    check(vkBindBufferMemory(device_->handle(), buffer_, memory_, 0), "binding device memory");
+    const auto flags =
+        device_->memory_properties().memoryTypes[allocate.memoryTypeIndex].propertyFlags;
+    if ((flags & kMapped) == kMapped)
+      check(vkMapMemory(device_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_),
+            "mapping device memory");
+    if (view) {
+      VkBufferViewCreateInfo view_info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+      view_info.buffer = buffer_;
+      view_info.format = format_of(element_);
+      view_info.range = VK_WHOLE_SIZE;
+      check(vkCreateBufferView(device_->handle(), &view_info, nullptr, &view_),
+            "creating a texel view");
+    }
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+Buffer::~Buffer() { release(); }
+
+void Buffer::release() {
+  if (view_) vkDestroyBufferView(device_->handle(), view_, nullptr);
+  if (buffer_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+  if (memory_) {
+    vkFreeMemory(device_->handle(), memory_, nullptr);
+    device_->count_memory(-static_cast<int64_t>(allocated_));
+  }
+}
+
+}  // namespace inverse::gpu

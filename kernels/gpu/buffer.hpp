@@ -1,0 +1,78 @@
+#pragma once
+#include <vulkan/vulkan.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "device.hpp"
+
+namespace inverse::gpu {
+
+/// What one element of a buffer is; decides the texel view that kernels read it through.
+enum class Element : uint8_t { vec4, vec2, scalar, word, word4 };
+constexpr size_t element_bytes(Element e) {
+  switch (e) {
+    case Element::vec4:
+    case Element::word4:
+      return 16;
+    case Element::vec2:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+/// Where a buffer lives. On devices without memory of their own (lavapipe) all three are the same
+/// mapped memory.
+enum class Memory : uint8_t {
+  device,    ///< fast for kernels; `map()` is null on discrete devices
+  upload,    ///< the host writes, kernels read
+  readback,  ///< kernels write, the host reads (cached)
+};
+
+/// A buffer on the device with its texel view. Kernels read it through the view (or as a storage
+/// buffer in the portable variant) and write it as a storage buffer. Not zeroed: use
+/// Commands::fill.
+class Buffer {
+ public:
+  /// `count` elements, at least one. Throws Error(limit) where the device cannot bind so large a
+  /// buffer, naming the limit, and Error(out_of_memory).
+  static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
+                                        uint64_t count, Memory memory = Memory::device);
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  ~Buffer();
+
+  Element element() const { return element_; }
+  uint64_t count() const { return count_; }
+  uint64_t bytes() const { return count_ * element_bytes(element_); }
+  /// The buffer in host memory, or null where it is not mapped. Coherent: no flushes. Writes are
+  /// seen by work that is submitted later; reads see work whose Commands::wait has returned.
+  void* map() const { return mapped_; }
+  template <typename T>
+  T* map_as() const {
+    return static_cast<T*>(mapped_);
+  }
+  const std::shared_ptr<Device>& device() const { return device_; }
+
+  VkBuffer handle() const { return buffer_; }
+  VkBufferView view() const { return view_; }
+
+ private:
+  Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, Memory memory);
+  void release();
+
+  std::shared_ptr<Device> device_;
+  Element element_;
+  uint64_t count_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkBufferView view_ = VK_NULL_HANDLE;
+  uint64_t allocated_ = 0;
+  void* mapped_ = nullptr;
+};
+
+using BufferPtr = std::shared_ptr<Buffer>;
+
+}  // namespace inverse::gpu

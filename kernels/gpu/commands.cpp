@@ -1,0 +1,324 @@
+#include "commands.hpp"
+
+#include <algorithm>
+
+namespace inverse::gpu {
+namespace {
+
+constexpr uint32_t kSetsPerPool = 128;
+constexpr uint32_t kSlotsPerSet = 10;
+constexpr uint64_t kPatience = 10'000'000'000;  // nanoseconds
+constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                                        VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
+                                        VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+constexpr VkAccessFlags kKernelWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+constexpr VkPipelineStageFlags kKernelStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
+                                               VK_PIPELINE_STAGE_TRANSFER_BIT |
+                                               VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+
+}  // namespace
+
+Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) {
+  try {
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+    pool.queueFamilyIndex = device_->queue_family();
+    check(vkCreateCommandPool(device_->handle(), &pool, nullptr, &pool_),
+          "creating a command pool");
+    VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    buffer.commandPool = pool_;
+    buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    buffer.commandBufferCount = 1;
+    check(vkAllocateCommandBuffers(device_->handle(), &buffer, &buffer_),
+          "allocating a command buffer");
+    const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    check(vkCreateFence(device_->handle(), &fence, nullptr, &fence_), "creating a fence");
+    if (device_->limits().timestamp_ns > 0) {
+      VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+      queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+      queries.queryCount = kMaxStages + 1;
+      check(vkCreateQueryPool(device_->handle(), &queries, nullptr, &queries_),
+            "creating a query pool");
+    }
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+Commands::~Commands() {
+  if (in_flight_) vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, kPatience);
+  release();
+}
+
+void Commands::release() {
+  for (VkDescriptorPool pool : descriptor_pools_)
+    vkDestroyDescriptorPool(device_->handle(), pool, nullptr);
+  if (queries_) vkDestroyQueryPool(device_->handle(), queries_, nullptr);
+  if (fence_) vkDestroyFence(device_->handle(), fence_, nullptr);
+  if (pool_) vkDestroyCommandPool(device_->handle(), pool_, nullptr);
+}
+
+void Commands::begin() {
+  if (in_flight_) wait();
+  kept_.clear();
+  touched_.clear();
+  stage_names_.clear();
+  dispatches_ = 0;
+  for (VkDescriptorPool pool : descriptor_pools_)
+    check(vkResetDescriptorPool(device_->handle(), pool, 0), "resetting descriptors");
+  descriptor_pool_ = 0;
+  check(vkResetCommandPool(device_->handle(), pool_, 0), "resetting a command pool");
+  VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(buffer_, &info), "recording a frame");
+  full_barrier();  // after whatever earlier submits wrote
+  if (queries_) {
+    vkCmdResetQueryPool(buffer_, queries_, 0, kMaxStages + 1);
+    vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_, 0);
+  }
+}
+
+void Commands::full_barrier() {
+  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = kKernelWrites;
+  barrier.dstAccessMask = kKernelAccess;
+  vkCmdPipelineBarrier(buffer_, kKernelStages, kKernelStages, 0, 1, &barrier, 0, nullptr, 0,
+                       nullptr);
+}
+
+void Commands::touch(VkBuffer buffer, bool reads, bool writes) {
+  if (reads || writes) pending_.push_back({buffer, writes});
+}
+
+void Commands::barrier_if_needed() {
+  const bool needed = std::any_of(pending_.begin(), pending_.end(), [&](const Touched& now) {
+    return std::any_of(touched_.begin(), touched_.end(), [&](const Touched& before) {
+      return before.buffer == now.buffer && (before.written || now.written);
+    });
+  });
+  if (needed) {
+    full_barrier();
+    touched_.clear();
+  }
+  touched_.insert(touched_.end(), pending_.begin(), pending_.end());
+  pending_.clear();
+}
+
+VkDescriptorSet Commands::descriptor_set(VkDescriptorSetLayout layout) {
+  for (;;) {
+    if (descriptor_pool_ == descriptor_pools_.size()) {
+      const VkDescriptorPoolSize sizes[] = {
+          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kSlotsPerSet},
+          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * kSlotsPerSet},
+      };
+      VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+      info.maxSets = kSetsPerPool;
+      info.poolSizeCount = 2;
+      info.pPoolSizes = sizes;
+      VkDescriptorPool pool = VK_NULL_HANDLE;
+      check(vkCreateDescriptorPool(device_->handle(), &info, nullptr, &pool),
+            "creating a descriptor pool");
+      descriptor_pools_.push_back(pool);
+    }
+    VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    info.descriptorPool = descriptor_pools_[descriptor_pool_];
+    info.descriptorSetCount = 1;
+    info.pSetLayouts = &layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    const VkResult result = vkAllocateDescriptorSets(device_->handle(), &info, &set);
+    if (result == VK_SUCCESS) return set;
+    if (result != VK_ERROR_OUT_OF_POOL_MEMORY && result != VK_ERROR_FRAGMENTED_POOL)
+      check(result, "allocating descriptors");
+    ++descriptor_pool_;
+  }
+}
+
+void Commands::prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+                       std::span<const std::byte> push) {
+  const auto& slots = kernel->slots();
+  if (buffers.size() != slots.size() || buffers.size() > kSlotsPerSet)
+    throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
+                                         std::to_string(slots.size()) + " bindings and was given " +
+                                         std::to_string(buffers.size()));
+  const VkDescriptorSet set = descriptor_set(kernel->set_layout());
+  VkDescriptorBufferInfo infos[kSlotsPerSet];
+  VkBufferView views[kSlotsPerSet];
+  VkWriteDescriptorSet writes[kSlotsPerSet];
+  for (uint32_t i = 0; i < slots.size(); ++i) {
+    if (!buffers[i])
+      throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() +
+                                           ": no buffer at binding " + std::to_string(i));
+    infos[i] = {buffers[i]->handle(), 0, VK_WHOLE_SIZE};
+    views[i] = buffers[i]->view();
+    writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    writes[i].dstSet = set;
+    writes[i].dstBinding = i;
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = slots[i].type;
+    writes[i].pBufferInfo = &infos[i];
+    writes[i].pTexelBufferView = &views[i];
+    touch(buffers[i]->handle(), slots[i].reads, slots[i].writes);
+    kept_.push_back(buffers[i]);
+  }
+  vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(slots.size()), writes, 0,
+                         nullptr);
+  kept_.push_back(kernel);
+  barrier_if_needed();
+  vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline());
+  vkCmdBindDescriptorSets(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->layout(), 0, 1, &set, 0,
+                          nullptr);
+  if (!push.empty())
+    vkCmdPushConstants(buffer_, kernel->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                       static_cast<uint32_t>(push.size()), push.data());
+  ++dispatches_;
+}
+
+void Commands::dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+                        std::span<const std::byte> push, Items items) {
+  if (!items.x || !items.y || !items.z) return;
+  const uint32_t groups = (items.x - 1) / kernel->workgroup() + 1;
+  const Limits& limits = device_->limits();
+  if (groups > limits.workgroups[0] || items.y > limits.workgroups[1] ||
+      items.z > limits.workgroups[2])
+    throw Error(ErrorKind::limit,
+                std::string("kernel ") + kernel->name() + " needs " + std::to_string(groups) + "x" +
+                    std::to_string(items.y) + "x" + std::to_string(items.z) +
+                    " workgroups, more than maxComputeWorkGroupCount; use a smaller frame");
+  prepare(kernel, buffers, push);
+  vkCmdDispatch(buffer_, groups, items.y, items.z);
+}
+
+void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+                                 std::span<const std::byte> push, const BufferPtr& arguments,
+                                 uint64_t offset) {
+  touch(arguments->handle(), true, false);
+  kept_.push_back(arguments);
+  prepare(kernel, buffers, push);
+  vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
+}
+
+void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
+                    uint64_t source_offset, uint64_t target_offset) {
+  touch(source->handle(), true, false);
+  touch(target->handle(), false, true);
+  barrier_if_needed();
+  kept_.push_back(source);
+  kept_.push_back(target);
+  const VkBufferCopy region{source_offset, target_offset, bytes};
+  vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
+}
+
+void Commands::fill(const BufferPtr& buffer, uint32_t word) {
+  touch(buffer->handle(), false, true);
+  barrier_if_needed();
+  kept_.push_back(buffer);
+  vkCmdFillBuffer(buffer_, buffer->handle(), 0, VK_WHOLE_SIZE, word);
+}
+
+void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to) {
+  VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vkCmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                       VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+}
+
+void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& target) {
+  touch(target->handle(), false, true);
+  barrier_if_needed();
+  kept_.push_back(target);
+  image_layout(region.image, region.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  VkBufferImageCopy copy{};
+  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  copy.imageExtent = {region.width, region.height, 1};
+  vkCmdCopyImageToBuffer(buffer_, region.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                         target->handle(), 1, &copy);
+  image_layout(region.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, region.layout_after);
+}
+
+void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region) {
+  touch(source->handle(), true, false);
+  barrier_if_needed();
+  kept_.push_back(source);
+  image_layout(region.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  VkBufferImageCopy copy{};
+  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  copy.imageExtent = {region.width, region.height, 1};
+  vkCmdCopyBufferToImage(buffer_, source->handle(), region.image,
+                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+  image_layout(region.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, region.layout_after);
+}
+
+void Commands::stage(const char* name) {
+  if (!queries_ || stage_names_.size() >= kMaxStages) return;
+  // The mark waits for the work before it, so that a stage's time is its own.
+  full_barrier();
+  touched_.clear();
+  stage_names_.push_back(name);
+  vkCmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
+                      static_cast<uint32_t>(stage_names_.size()));
+}
+
+void Commands::submit() {
+  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = kKernelWrites;
+  barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(buffer_, kKernelStages, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0,
+                       nullptr, 0, nullptr);
+  check(vkEndCommandBuffer(buffer_), "recording a frame");
+  check(vkResetFences(device_->handle(), 1, &fence_), "resetting a fence");
+  device_->submit(buffer_, fence_);
+  in_flight_ = true;
+}
+
+void Commands::wait() {
+  if (!in_flight_) return;
+  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, kPatience);
+  if (result == VK_TIMEOUT)
+    throw Error(ErrorKind::device_lost,
+                "the Vulkan device \"" + device_->name() +
+                    "\" did not finish a frame within ten seconds; use a smaller frame or "
+                    "another device");
+  in_flight_ = false;
+  check(result, "waiting for a frame");
+  read_stages();
+}
+
+void Commands::read_stages() {
+  stages_.clear();
+  if (stage_names_.empty()) return;
+  std::vector<uint64_t> ticks(stage_names_.size() + 1);
+  const VkResult result =
+      vkGetQueryPoolResults(device_->handle(), queries_, 0, static_cast<uint32_t>(ticks.size()),
+                            ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
+                            VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+  check(result, "reading timestamps");
+  for (size_t i = 0; i < stage_names_.size(); ++i)
+    stages_.push_back(
+        {stage_names_[i], static_cast<double>(static_cast<int64_t>(ticks[i + 1] - ticks[i])) *
+                              device_->limits().timestamp_ns * 1e-6});
+}
+
+FrameRing::FrameRing(const std::shared_ptr<Device>& device) {
+  for (size_t i = 0; i < kFrames; ++i) frames_.push_back(std::make_unique<Commands>(device));
+}
+
+Commands& FrameRing::next() {
+  Commands& commands = *frames_[next_];
+  next_ = (next_ + 1) % frames_.size();
+  commands.begin();
+  return commands;
+}
+
+void FrameRing::drain() {
+  for (auto& commands : frames_)
+    if (commands->in_flight()) commands->wait();
+}
+
+}  // namespace inverse::gpu

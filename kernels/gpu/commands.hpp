@@ -1,0 +1,147 @@
+#pragma once
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "buffer.hpp"
+#include "kernel.hpp"
+
+namespace inverse::gpu {
+
+/// How many invocations a dispatch needs; Commands rounds x up to whole workgroups (kernels check
+/// the remainder).
+struct Items {
+  uint32_t x = 1, y = 1, z = 1;
+};
+
+/// Device time between two stage marks.
+struct StageTime {
+  const char* name;
+  double milliseconds;
+};
+
+/// Records one submit's worth of work. Barriers are automatic: what each kernel reads and writes is
+/// known from its SPIR-V. Buffers and kernels that are recorded stay alive until the work is done.
+/// Not thread-safe; many Commands may be used on one Device from many threads. Work of several
+/// Commands runs in the order of their submits, and a later one sees all that an earlier one wrote.
+class Commands {
+ public:
+  explicit Commands(std::shared_ptr<Device> device);
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+  /// Waits for work still in flight.
+  ~Commands();
+
+  const std::shared_ptr<Device>& device() const { return device_; }
+
+  /// Starts recording; waits for the previous submit of this object and drops what it kept alive.
+  void begin();
+
+  /// Runs `kernel` over `items` invocations. `buffers[i]` goes to binding i. `push` is copied into
+  /// the push constants.
+  void dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+                std::span<const std::byte> push, Items items);
+  template <typename Push>
+  void dispatch(const KernelPtr& kernel, std::initializer_list<BufferPtr> buffers, const Push& push,
+                Items items) {
+    static_assert(std::is_trivially_copyable_v<Push> && sizeof(Push) <= Kernel::kPushBytes);
+    dispatch(kernel, std::span(buffers.begin(), buffers.size()), std::as_bytes(std::span(&push, 1)),
+             items);
+  }
+  void dispatch(const KernelPtr& kernel, std::initializer_list<BufferPtr> buffers, Items items) {
+    dispatch(kernel, std::span(buffers.begin(), buffers.size()), {}, items);
+  }
+  /// As `dispatch`, with the number of workgroups (three uint32) read from `arguments` at `offset`
+  /// bytes on the device.
+  void dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+                         std::span<const std::byte> push, const BufferPtr& arguments,
+                         uint64_t offset = 0);
+
+  /// Copies `bytes` from one buffer to another.
+  void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
+            uint64_t source_offset = 0, uint64_t target_offset = 0);
+  /// Sets every 32-bit word of a buffer.
+  void fill(const BufferPtr& buffer, uint32_t word = 0);
+
+  struct ImageRegion {
+    VkImage image;
+    VkImageLayout layout;        ///< the image's layout before
+    VkImageLayout layout_after;  ///< and after
+    uint32_t width, height;
+  };
+  /// Copies a whole 4-byte-per-pixel image into a buffer of words, and back.
+  void copy_from_image(const ImageRegion& region, const BufferPtr& target);
+  void copy_to_image(const BufferPtr& source, const ImageRegion& region);
+
+  /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
+  /// timed.
+  void stage(const char* name);
+  static constexpr uint32_t kMaxStages = 31;
+
+  /// Hands the recorded work to the device.
+  void submit();
+  /// Waits until the submitted work is done. Throws Error(device_lost), also after ten seconds
+  /// without an answer.
+  void wait();
+  bool in_flight() const { return in_flight_; }
+
+  /// Device time of the stages of the last submit that was waited for. Empty where the device has
+  /// no timestamps.
+  const std::vector<StageTime>& stages() const { return stages_; }
+  /// Keeps an object alive until this submit is done.
+  void keep(std::shared_ptr<void> object) { kept_.push_back(std::move(object)); }
+  uint32_t dispatches() const { return dispatches_; }
+
+ private:
+  struct Touched {
+    VkBuffer buffer;
+    bool written;
+  };
+  void touch(VkBuffer buffer, bool reads, bool writes);
+  void barrier_if_needed();
+  void full_barrier();
+  void prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+               std::span<const std::byte> push);
+  VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout);
+  void image_layout(VkImage image, VkImageLayout from, VkImageLayout to);
+  void read_stages();
+  void release();
+
+  std::shared_ptr<Device> device_;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+  VkQueryPool queries_ = VK_NULL_HANDLE;
+  std::vector<VkDescriptorPool> descriptor_pools_;
+  size_t descriptor_pool_ = 0;
+  std::vector<Touched> touched_;  // since the last barrier
+  std::vector<Touched> pending_;  // by the operation being recorded
+  std::vector<const char*> stage_names_;
+  std::vector<StageTime> stages_;
+  std::vector<std::shared_ptr<void>> kept_;
+  uint32_t dispatches_ = 0;
+  bool in_flight_ = false;
+};
+
+/// At most three frames in flight: hands out Commands in turn, waiting for the oldest where
+/// necessary.
+class FrameRing {
+ public:
+  static constexpr size_t kFrames = 3;
+  explicit FrameRing(const std::shared_ptr<Device>& device);
+  /// The next Commands, begun.
+  Commands& next();
+  /// Waits for all of them.
+  void drain();
+
+ private:
+  std::vector<std::unique_ptr<Commands>> frames_;
+  size_t next_ = 0;
+};
+
+}  // namespace inverse::gpu

@@ -1,0 +1,329 @@
+#include "device.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "kernel.hpp"
+
+namespace inverse::gpu {
+namespace {
+
+/// Under INVERSE_VALIDATION=1 a misuse of Vulkan ends the process where it happens, so that no test
+/// can miss it.
+VKAPI_ATTR VkBool32 VKAPI_CALL abort_on_misuse(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* message,
+                                               void*) {
+  std::fprintf(stderr, "Vulkan validation: %s\n", message->pMessage);
+  std::abort();
+}
+
+/// The process' instance: one is enough, and making one costs tens of milliseconds.
+class Instance {
+ public:
+  static std::shared_ptr<Instance> get() {
+    static std::mutex mutex;
+    static std::weak_ptr<Instance> current;
+    std::lock_guard lock(mutex);
+    auto instance = current.lock();
+    if (!instance) current = instance = std::make_shared<Instance>();
+    return instance;
+  }
+
+  Instance() {
+    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    application.pApplicationName = "gst-inverse";
+    application.apiVersion = VK_API_VERSION_1_1;
+    const char* layer = "VK_LAYER_KHRONOS_validation";
+    const char* validate = std::getenv("INVERSE_VALIDATION");
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pApplicationInfo = &application;
+    VkDebugUtilsMessengerCreateInfoEXT messenger{
+        VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    messenger.pfnUserCallback = abort_on_misuse;
+    const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    const bool validating = validate && *validate == '1';
+    if (validating) {
+      info.enabledLayerCount = 1;
+      info.ppEnabledLayerNames = &layer;
+      info.enabledExtensionCount = 1;
+      info.ppEnabledExtensionNames = &extension;
+      info.pNext = &messenger;
+    }
+    const VkResult result = vkCreateInstance(&info, nullptr, &handle);
+    if (result == VK_ERROR_LAYER_NOT_PRESENT)
+      throw Error(
+          ErrorKind::no_device,
+          "INVERSE_VALIDATION=1 asks for the Vulkan validation layer, which is not installed "
+          "(Debian: vulkan-validationlayers)");
+    if (result != VK_SUCCESS)
+      throw Error(
+          ErrorKind::no_device,
+          "no Vulkan driver could be loaded; install one (Debian: mesa-vulkan-drivers) or check "
+          "VK_ICD_FILENAMES");
+    if (validating) {
+      // The one above hears what is wrong with the instance itself, this one all the rest.
+      const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+          vkGetInstanceProcAddr(handle, "vkCreateDebugUtilsMessengerEXT"));
+      create(handle, &messenger, nullptr, &messenger_);
+    }
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+  ~Instance() {
+    if (messenger_)
+      reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
+          handle, "vkDestroyDebugUtilsMessengerEXT"))(handle, messenger_, nullptr);
+    vkDestroyInstance(handle, nullptr);
+  }
+
+  std::vector<VkPhysicalDevice> devices() const {
+    uint32_t count = 0;
+    vkEnumeratePhysicalDevices(handle, &count, nullptr);
+    std::vector<VkPhysicalDevice> all(count);
+    if (count) vkEnumeratePhysicalDevices(handle, &count, all.data());
+    all.resize(count);
+    return all;
+  }
+
+  VkInstance handle = VK_NULL_HANDLE;
+
+ private:
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+};
+
+std::string name_of(VkPhysicalDevice device) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(device, &properties);
+  return properties.deviceName;
+}
+
+int rank_of(VkPhysicalDevice device) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(device, &properties);
+  switch (properties.deviceType) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    default:
+      return 3;
+  }
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+size_t choose(const std::vector<VkPhysicalDevice>& devices, const std::string& select) {
+  if (devices.empty())
+    throw Error(ErrorKind::no_device,
+                "no Vulkan device found; install a driver (Debian: mesa-vulkan-drivers brings the "
+                "software device "
+                "lavapipe) or check VK_ICD_FILENAMES");
+  if (select.empty()) {
+    size_t best = 0;
+    for (size_t i = 1; i < devices.size(); ++i)
+      if (rank_of(devices[i]) < rank_of(devices[best])) best = i;
+    return best;
+  }
+  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }) &&
+      select.size() < 4) {
+    const size_t index = std::stoul(select);
+    if (index < devices.size()) return index;
+  } else {
+    for (size_t i = 0; i < devices.size(); ++i)
+      if (lower(name_of(devices[i])).find(lower(select)) != std::string::npos) return i;
+  }
+  std::string names;
+  for (size_t i = 0; i < devices.size(); ++i)
+    names += (i ? ", " : "") + std::to_string(i) + " = \"" + name_of(devices[i]) + "\"";
+  throw Error(ErrorKind::no_device,
+              "no Vulkan device matches \"" + select + "\"; there are: " + names);
+}
+
+uint32_t compute_family(VkPhysicalDevice device) {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  for (uint32_t i = 0; i < count; ++i)
+    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) return i;
+  throw Error(ErrorKind::no_device,
+              "the Vulkan device \"" + name_of(device) + "\" has no compute queue");
+}
+
+uint32_t environment_number(const char* name, uint32_t fallback) {
+  const char* text = std::getenv(name);
+  return text && *text ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : fallback;
+}
+
+struct OwnedDevice {
+  std::shared_ptr<Instance> instance;
+  VkDevice handle;
+  ~OwnedDevice() { vkDestroyDevice(handle, nullptr); }
+};
+
+}  // namespace
+
+void check(VkResult result, const char* what) {
+  if (result >= VK_SUCCESS) return;
+  const std::string text = std::string(what) + " failed: ";
+  switch (result) {
+    case VK_ERROR_DEVICE_LOST:
+      throw Error(
+          ErrorKind::device_lost,
+          text + "the Vulkan device was lost (driver reset or crash); restart the pipeline");
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      throw Error(ErrorKind::out_of_memory,
+                  text + "out of memory; use a smaller frame or fewer elements on this device");
+    default:
+      throw Error(ErrorKind::internal, text + "VkResult " + std::to_string(result));
+  }
+}
+
+std::vector<std::string> Device::list() {
+  std::vector<std::string> names;
+  try {
+    for (VkPhysicalDevice device : Instance::get()->devices()) names.push_back(name_of(device));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::no_device) throw;
+  }
+  return names;
+}
+
+std::shared_ptr<Device> Device::open(const std::string& select) {
+  static std::mutex mutex;
+  static std::map<size_t, std::weak_ptr<Device>> opened;
+  std::lock_guard lock(mutex);
+
+  std::string wanted = select;
+  if (wanted.empty())
+    if (const char* environment = std::getenv("INVERSE_DEVICE")) wanted = environment;
+  auto instance = Instance::get();
+  const auto devices = instance->devices();
+  const size_t index = choose(devices, wanted);
+  if (auto device = opened[index].lock()) return device;
+
+  const float priority = 1.0f;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = compute_family(devices[index]);
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  Borrowed handles{};
+  handles.instance = instance->handle;
+  handles.physical = devices[index];
+  handles.queue_family = queue.queueFamilyIndex;
+  check(vkCreateDevice(devices[index], &info, nullptr, &handles.device),
+        "opening the Vulkan device");
+  handles.owner = std::shared_ptr<OwnedDevice>(new OwnedDevice{instance, handles.device});
+  vkGetDeviceQueue(handles.device, handles.queue_family, 0, &handles.queue);
+  std::shared_ptr<Device> device(new Device(std::move(handles), true));
+  opened[index] = device;
+  return device;
+}
+
+std::shared_ptr<Device> Device::adopt(Borrowed borrowed) {
+  return std::shared_ptr<Device>(new Device(std::move(borrowed), false));
+}
+
+Device::Device(Borrowed handles, bool owned) : handles_(std::move(handles)), owned_(owned) {
+  read_properties();
+}
+
+Device::~Device() {
+  if (owned_) vkDeviceWaitIdle(handles_.device);
+}
+
+void Device::read_properties() {
+  VkPhysicalDeviceSubgroupProperties subgroup{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  properties2.pNext = &subgroup;
+  vkGetPhysicalDeviceProperties2(handles_.physical, &properties2);
+  const VkPhysicalDeviceProperties& properties = properties2.properties;
+  name_ = properties.deviceName;
+  is_cpu_ = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  limits_.storage_buffer_bytes = properties.limits.maxStorageBufferRange;
+  limits_.texel_elements = properties.limits.maxTexelBufferElements;
+  std::copy_n(properties.limits.maxComputeWorkGroupCount, 3, limits_.workgroups);
+  limits_.workgroup_invocations = std::min(properties.limits.maxComputeWorkGroupInvocations,
+                                           properties.limits.maxComputeWorkGroupSize[0]);
+
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
+  if (handles_.queue_family < count && families[handles_.queue_family].timestampValidBits)
+    limits_.timestamp_ns = properties.limits.timestampPeriod;
+  vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
+
+  // A plane of 2^24 pixels (4096 x 4096) must fit one texel view, else read storage buffers.
+  const bool arithmetic = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                          (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
+  variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
+  variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
+  variant_.workgroup = is_cpu_ ? 64 : 128;
+  const uint32_t workgroup = environment_number("INVERSE_WORKGROUP", variant_.workgroup) / 8 * 8;
+  variant_.workgroup = std::clamp(workgroup, 8u, std::min(256u, limits_.workgroup_invocations));
+}
+
+std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
+                                       const std::vector<uint32_t>& constants, uint32_t workgroup) {
+  if (!workgroup) workgroup = variant_.workgroup;
+  std::string key = std::string(source.name) + '/' + std::to_string(workgroup);
+  for (uint32_t value : constants) key += ',' + std::to_string(value);
+  std::lock_guard lock(kernels_mutex_);
+  auto& slot = kernels_[key];
+  auto kernel = slot.lock();
+  if (!kernel) {
+    // Kernels hold the device; it does not hold them.
+    kernel = std::make_shared<Kernel>(shared_from_this(), source, constants, workgroup);
+    slot = kernel;
+  }
+  return kernel;
+}
+
+void Device::count_memory(int64_t bytes) {
+  const uint64_t now =
+      memory_bytes_.fetch_add(static_cast<uint64_t>(bytes)) + static_cast<uint64_t>(bytes);
+  uint64_t peak = memory_peak_bytes_.load();
+  while (now > peak && !memory_peak_bytes_.compare_exchange_weak(peak, now)) {
+  }
+}
+
+void Device::submit(VkCommandBuffer commands, VkFence fence) {
+  VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &commands;
+  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
+  // fail as a driver would.
+  static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
+  static std::atomic<uint32_t> submits{0};
+  if (lost_at && ++submits >= lost_at) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
+  VkResult result = VK_SUCCESS;
+  if (owned_) {
+    std::lock_guard lock(queue_mutex_);
+    result = vkQueueSubmit(handles_.queue, 1, &info, fence);
+  } else {
+    handles_.lock();
+    result = vkQueueSubmit(handles_.queue, 1, &info, fence);
+    handles_.unlock();
+  }
+  check(result, "submitting a frame");
+}
+
+}  // namespace inverse::gpu

@@ -1,0 +1,120 @@
+#pragma once
+#include <vulkan/vulkan.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "../error.hpp"
+
+namespace inverse::gpu {
+
+class Kernel;
+struct KernelSource;
+
+/// What differs between devices in how a kernel is built and launched (kernel-by-device tuning in
+/// one place). Each field can be overridden by an environment variable, so that tests run every
+/// variant on any device.
+struct Variant {
+  /// Plain storage buffers and shared-memory reductions instead of texel buffers and subgroup
+  /// arithmetic: chosen where texel views are too short or subgroup arithmetic is missing.
+  /// `INVERSE_PORTABLE=0|1`.
+  bool portable = false;
+  /// Invocations per workgroup along x (specialization constant 0), a multiple of 8.
+  /// `INVERSE_WORKGROUP=N`.
+  uint32_t workgroup = 64;
+};
+
+struct Limits {
+  uint64_t storage_buffer_bytes = 0;  ///< largest buffer a kernel can see
+  uint64_t texel_elements = 0;        ///< longest texel view
+  uint32_t workgroups[3] = {};
+  uint32_t workgroup_invocations = 0;
+  double timestamp_ns = 0;  ///< nanoseconds a tick; 0 where the queue has no timestamps
+};
+
+/// A Vulkan device with one compute queue: our own, or one that somebody else made and lends us.
+/// Thread-safe. Devices of our own are shared within the process: opening the same one twice gives
+/// the same object, so that two elements share kernels and planes without a copy.
+class Device : public std::enable_shared_from_this<Device> {
+ public:
+  /// Opens a device. `select` is an index into `list()`, a part of a device's name, or empty: the
+  /// environment variable `INVERSE_DEVICE`, else the first discrete, integrated, virtual, software
+  /// device in that order. Throws Error(no_device).
+  static std::shared_ptr<Device> open(const std::string& select = {});
+
+  /// Names of the devices that `open` can choose from, in the order of their indices. Empty where
+  /// there is none.
+  static std::vector<std::string> list();
+
+  struct Borrowed {
+    VkInstance instance;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    uint32_t queue_family;
+    VkQueue queue;
+    std::function<void()> lock;    ///< taken around every use of the queue
+    std::function<void()> unlock;  ///< releases it
+    std::shared_ptr<void> owner;   ///< kept as long as this object lives
+  };
+  /// Adopts a device that is already open; it must outlive this object (`owner`).
+  static std::shared_ptr<Device> adopt(Borrowed borrowed);
+
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device();
+
+  const std::string& name() const { return name_; }
+  bool is_cpu() const { return is_cpu_; }
+  bool is_adopted() const { return !owned_; }
+  const Limits& limits() const { return limits_; }
+  const Variant& variant() const { return variant_; }
+
+  /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
+  /// workgroup size). Built once a device and shared. `workgroup` 0 means the variant's.
+  std::shared_ptr<Kernel> kernel(const KernelSource& source,
+                                 const std::vector<uint32_t>& constants = {},
+                                 uint32_t workgroup = 0);
+
+  /// Bytes of device memory held by buffers of this device now, and the most there ever were.
+  uint64_t memory_bytes() const { return memory_bytes_.load(); }
+  uint64_t memory_peak_bytes() const { return memory_peak_bytes_.load(); }
+
+  // For the rest of kernels/gpu and the Vulkan bridge.
+  VkInstance instance() const { return handles_.instance; }
+  VkPhysicalDevice physical() const { return handles_.physical; }
+  VkDevice handle() const { return handles_.device; }
+  uint32_t queue_family() const { return handles_.queue_family; }
+  VkQueue queue() const { return handles_.queue; }
+  const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
+  void count_memory(int64_t bytes);
+  /// Submits under the queue's lock; throws Error(device_lost) or Error(out_of_memory).
+  void submit(VkCommandBuffer commands, VkFence fence);
+
+ private:
+  explicit Device(Borrowed handles, bool owned);
+  void read_properties();
+
+  Borrowed handles_;
+  bool owned_;
+  std::string name_;
+  bool is_cpu_ = false;
+  Limits limits_;
+  Variant variant_;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::mutex queue_mutex_;
+  std::mutex kernels_mutex_;
+  std::map<std::string, std::weak_ptr<Kernel>> kernels_;
+  std::atomic<uint64_t> memory_bytes_{0};
+  std::atomic<uint64_t> memory_peak_bytes_{0};
+};
+
+/// Throws the Error that a failed Vulkan call deserves; `what` names the call's purpose.
+void check(VkResult result, const char* what);
+
+}  // namespace inverse::gpu

@@ -1,0 +1,14 @@
+#pragma once
+#include <cstdint>
+
+#include "commands.hpp"
+
+namespace inverse::gpu {
+
+/// How many vec4 slots SUM_PARTIALS (common.glsl) may write for a dispatch of `items` with this
+/// kernel. A buffer that holds them is zeroed once, when it is made.
+inline uint32_t partial_count(const Kernel& kernel, Items items) {
+  return ((items.x - 1) / kernel.workgroup() + 1) * items.y * items.z * (kernel.workgroup() / 4);
+}
+
+}  // namespace inverse::gpu

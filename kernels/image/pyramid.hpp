@@ -1,0 +1,21 @@
+#pragma once
+#include "../gpu/commands.hpp"
+#include "plane.hpp"
+
+namespace inverse {
+
+/// Size of the next coarser pyramid level: half, rounded up.
+constexpr Extent half_of(Extent fine) { return {(fine.width + 1) / 2, (fine.height + 1) / 2}; }
+
+/// Halves a plane: each coarse pixel is the mean of the up to four fine pixels under it.
+class Halve {
+ public:
+  explicit Halve(const std::shared_ptr<gpu::Device>& device);
+  /// `coarse.extent` must be half_of(fine.extent).
+  void record(gpu::Commands& commands, const Plane& fine, const Plane& coarse) const;
+
+ private:
+  gpu::KernelPtr kernel_;
+};
+
+}  // namespace inverse

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../image/layers.hpp"
+#include "chroma_bins.hpp"
+#include "edge_prior.hpp"
+#include "guide.hpp"
+#include "multigrid.hpp"
+#include "temporal_anchor.hpp"
+
+namespace inverse {
+
+/// Live intrinsic decomposition: reflectance and scalar shading of every frame of a video (energy.glsl;
+/// docs/method-intrinsicdecomp.md). Owns the kernels and the temporal state for one size on one device. Not thread-safe.
+class IntrinsicDecomposition {
+ public:
+  struct Params {
+    EdgePrior::Params prior;
+    TemporalAnchor::Params anchor;
+    /// Multigrid cycles of a frame without history, 1…32; the chroma bins are renewed before each.
+    uint32_t cycles = 4;
+    /// The same of a frame that continues the one before, and so starts near its solution, 1…32.
+    uint32_t warm_cycles = 2;
+    Multigrid::Params multigrid;
+  };
+  struct FrameInfo {
+    bool reset = false;  ///< no relation to the frame before (discontinuity)
+  };
+  struct Stats {
+    uint32_t cycles = 0;  ///< multigrid cycles recorded
+    uint32_t levels = 0;  ///< of the multigrid
+    bool history = false;  ///< a frame before was looked at
+    std::vector<std::string> skipped;  ///< what was left out, and why
+  };
+
+  /// Throws Error(limit) where frames of this size do not fit the device.
+  IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent);
+
+  /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its layers: input,
+  /// intrinsic (R.rgb, S) and, the same plane, model. Who edits in place copies first what others hold.
+  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params, const FrameInfo& info);
+  /// Forgets the frames so far (flush, discontinuity).
+  void reset() { history_ = false; }
+  /// Of the frame recorded last.
+  const Stats& stats() const { return stats_; }
+
+ private:
+  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored);
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  PlanePool planes_;
+  Guide guide_;
+  EdgePrior prior_;
+  TemporalAnchor anchor_;
+  ChromaBins bins_;
+  Multigrid multigrid_;
+  gpu::KernelPtr assemble_, assemble_anchored_, layers_;
+  gpu::BufferPtr flux_, value_, base_;
+  bool history_ = false;
+  Stats stats_;
+};
+
+}  // namespace inverse

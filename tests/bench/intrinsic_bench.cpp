@@ -1,0 +1,189 @@
+// Time and memory of IntrinsicDecomposition by stage and size.
+//
+//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
+//
+// Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height float RGBA, linear
+// light, any number of such frames one after another) they are its frames in turn, and --out writes the last frame's
+// intrinsic plane (R.rgb, S) in the same form. `cold` frames have no history, `warm` ones continue the frame before.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+
+#include "intrinsic/intrinsic_decomposition.hpp"
+
+namespace {
+
+using namespace inverse;
+using Clock = std::chrono::steady_clock;
+
+struct Frame {
+  Extent extent;
+  std::vector<float> pixels;
+};
+
+/// Colored tiles under a wavy light that moves with `time`.
+Frame synthetic(Extent extent, int time) {
+  Frame frame{extent, std::vector<float>(extent.pixels() * 4)};
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(extent.width);
+      const float v = static_cast<float>(y) / static_cast<float>(extent.height);
+      const auto tile = static_cast<unsigned>(u * 12) * 7u + static_cast<unsigned>(v * 9) * 13u;
+      const float light = 0.4F + 0.3F * std::sin(6 * u + 0.2F * static_cast<float>(time)) +
+                          (u + v > 1.1F ? 0.25F : 0.0F);
+      float* p = &frame.pixels[(static_cast<size_t>(y) * extent.width + x) * 4];
+      for (unsigned c = 0; c < 3; ++c)
+        p[c] = light * (0.1F + 0.8F * static_cast<float>((tile * (c + 3) * 37u) % 17u) / 16.0F);
+      p[3] = 1;
+    }
+  return frame;
+}
+
+std::vector<Frame> read_dump(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<Frame> frames;
+  for (int32_t size[2]; file.read(reinterpret_cast<char*>(size), sizeof size);) {
+    Frame frame{{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])}, {}};
+    frame.pixels.resize(frame.extent.pixels() * 4);
+    file.read(reinterpret_cast<char*>(frame.pixels.data()),
+              static_cast<std::streamsize>(frame.pixels.size() * sizeof(float)));
+    frames.push_back(std::move(frame));
+  }
+  if (frames.empty()) throw std::runtime_error("no frames in " + path);
+  return frames;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// Processor time of all threads of this process so far, milliseconds: what the shared machine cannot blur.
+double processor_time() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto milliseconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) * 1e-3; };
+  return milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime);
+}
+
+struct Run {
+  std::map<std::string, std::vector<double>> stages;
+  std::vector<std::string> order;
+  std::vector<double> wall, processor;
+};
+
+void print(const char* name, Extent extent, const Run& run) {
+  std::printf("%5ux%-5u %-5s wall %7.2f ms (best %.2f) processor %.2f ms %6.1f ns/pixel |", extent.width, extent.height, name,
+              median(run.wall), *std::min_element(run.wall.begin(), run.wall.end()), median(run.processor), median(run.wall) * 1e6 / static_cast<double>(extent.pixels()));
+  for (const auto& stage : run.order) std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)), *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
+  std::printf("\n");
+}
+
+Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& method,
+            const IntrinsicDecomposition::Params& params, const std::vector<PlanePtr>& inputs,
+            int count, bool warm, PlanePtr& last) {
+  Run run;
+  gpu::Commands commands(device);
+  for (int i = 0; i < count + 1; ++i) {  // the first one warms up
+    const double processor = processor_time();
+    const auto start = Clock::now();
+    commands.begin();
+    const Layers layers = method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
+    commands.submit();
+    commands.wait();
+    const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    last = layers[Role::intrinsic];
+    if (i == 0) continue;
+    run.wall.push_back(wall);
+    run.processor.push_back(processor_time() - processor);
+    std::map<std::string, double> sums;
+    for (const auto& stage : commands.stages()) {
+      if (std::find(run.order.begin(), run.order.end(), stage.name) == run.order.end())
+        run.order.emplace_back(stage.name);
+      sums[stage.name] += stage.milliseconds;
+    }
+    for (const auto& [name, time] : sums) run.stages[name].push_back(time);
+  }
+  return run;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  int count = 15;
+  std::vector<Extent> sizes;
+  std::string dump, out;
+  IntrinsicDecomposition::Params params;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i], value = argv[i + 1];
+    if (option == "--frames") count = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--dump") dump = value;
+    else if (option == "--out") out = value;
+    else if (option == "--warm") params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--cycles") params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--size") {
+      Extent extent;
+      if (std::sscanf(value.c_str(), "%ux%u", &extent.width, &extent.height) != 2) throw std::runtime_error("--size WxH");
+      sizes.push_back(extent);
+    } else {
+      throw std::runtime_error("unknown option " + option);
+    }
+  }
+  const auto device = gpu::Device::open();
+  std::printf("%s\n", device->name().c_str());
+  std::vector<std::vector<Frame>> sets;
+  if (!dump.empty()) {
+    sets.push_back(read_dump(dump));
+  } else {
+    if (sizes.empty()) sizes = {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
+    for (const Extent extent : sizes) {
+      sets.emplace_back();
+      for (int i = 0; i < 4; ++i) sets.back().push_back(synthetic(extent, i));
+    }
+  }
+  for (const auto& frames : sets) {
+    const Extent extent = frames[0].extent;
+    std::vector<PlanePtr> inputs;
+    for (const Frame& frame : frames) {
+      auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
+      std::memcpy(buffer->map(), frame.pixels.data(), frame.pixels.size() * sizeof(float));
+      inputs.push_back(std::make_shared<Plane>(Plane{extent, buffer}));
+    }
+    const uint64_t before = device->memory_bytes();
+    const auto start = Clock::now();
+    IntrinsicDecomposition method(device, extent);
+    PlanePtr last;
+    measure(device, method, params, inputs, 0, false, last);
+    measure(device, method, params, inputs, 0, true, last);
+    std::printf("%5ux%-5u first frames %.0f ms, %.0f bytes/pixel\n", extent.width, extent.height,
+                std::chrono::duration<double, std::milli>(Clock::now() - start).count(),
+                static_cast<double>(device->memory_bytes() - before) / static_cast<double>(extent.pixels()));
+    print("warm", extent, measure(device, method, params, inputs, count, true, last));
+    print("cold", extent, measure(device, method, params, inputs, count, false, last));
+    if (!out.empty()) {
+      auto host = gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);
+      gpu::Commands commands(device);
+      commands.begin();
+      commands.copy(last->buffer, host, host->bytes());
+      commands.submit();
+      commands.wait();
+      std::ofstream file(out, std::ios::binary);
+      const int32_t size[2] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height)};
+      file.write(reinterpret_cast<const char*>(size), sizeof size);
+      file.write(host->map_as<char>(), static_cast<std::streamsize>(host->bytes()));
+    }
+  }
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "intrinsic-bench: %s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,61 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "gpu/commands.hpp"
+#include "image/plane.hpp"
+
+namespace inverse::testing {
+
+using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
+
+/// A device and the means to move pixels to and fro. INVERSE_PORTABLE and INVERSE_WORKGROUP choose
+/// the variant.
+class GpuTest : public ::testing::Test {
+ protected:
+  void SetUp() override { device = gpu::Device::open(); }
+
+  gpu::BufferPtr upload(gpu::Element element, const void* data, uint64_t count) {
+    auto buffer = gpu::Buffer::create(device, element, count, gpu::Memory::upload);
+    if (data) memcpy(buffer->map(), data, count * gpu::element_bytes(element));
+    return buffer;
+  }
+  Plane plane(Extent extent, const Pixels& pixels = {}) {
+    return {extent,
+            upload(gpu::Element::vec4, pixels.empty() ? nullptr : pixels.data(), extent.pixels())};
+  }
+  /// Records with `record(commands)`, submits and waits.
+  template <typename Record>
+  void run(Record record) {
+    gpu::Commands commands(device);
+    commands.begin();
+    record(commands);
+    commands.submit();
+    commands.wait();
+  }
+  Pixels download(const gpu::BufferPtr& buffer) {
+    auto host =
+        gpu::Buffer::create(device, buffer->element(), buffer->count(), gpu::Memory::readback);
+    run([&](gpu::Commands& commands) { commands.copy(buffer, host, buffer->bytes()); });
+    const float* data = host->map_as<float>();
+    return {data, data + buffer->bytes() / 4};
+  }
+
+  std::shared_ptr<gpu::Device> device;
+};
+
+inline Pixels random_pixels(Extent extent, unsigned seed, float low = 0.0f, float high = 1.0f) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> value(low, high);
+  Pixels pixels(extent.pixels() * 4);
+  for (float& p : pixels) p = value(random);
+  return pixels;
+}
+
+inline const std::vector<Extent> kOddSizes = {{1, 1},   {2, 3},   {1, 40},    {17, 5},
+                                              {15, 10}, {64, 48}, {349, 287}, {8192, 16}};
+
+}  // namespace inverse::testing
