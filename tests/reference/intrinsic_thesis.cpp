@@ -227,7 +227,7 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
         for (int c = 0; c < 3; ++c) value[c] /= 2;
       }
     } else {
-      x = prolong(solutions_[static_cast<std::size_t>(n + 1)], level.image.width,
+      x = prolong(solutions_[static_cast<std::size_t>(n) + 1], level.image.width,
                   level.image.height);
     }
     if (n == 0 && count > 1) {
