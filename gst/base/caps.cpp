@@ -2,6 +2,8 @@
 
 #include <gst/video/video.h>
 
+#include <utility>
+
 #include "inverse_layers_meta.h"
 #include "vulkan_bridge.hpp"
 
@@ -153,6 +155,16 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
     result = filtered;
   }
   return result;
+}
+
+GstCaps* offer_layers(GstCaps* caps, const GstCaps* filter) {
+  if (!filter) return caps;
+  GstCaps* layers = template_caps(Flow::layers);
+  GstCaps* offer = gst_caps_intersect_full(caps, layers, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(layers);
+  if (gst_caps_is_empty(offer)) std::swap(offer, caps);
+  gst_caps_unref(caps);
+  return offer;
 }
 
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
