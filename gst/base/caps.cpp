@@ -2,8 +2,6 @@
 
 #include <gst/video/video.h>
 
-#include <utility>
-
 #include "inverse_layers_meta.h"
 #include "vulkan_bridge.hpp"
 
@@ -157,14 +155,14 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
   return result;
 }
 
-GstCaps* offer_layers(GstCaps* caps, const GstCaps* filter) {
-  if (!filter) return caps;
-  GstCaps* layers = template_caps(Flow::layers);
-  GstCaps* offer = gst_caps_intersect_full(caps, layers, GST_CAPS_INTERSECT_FIRST);
-  gst_caps_unref(layers);
-  if (gst_caps_is_empty(offer)) std::swap(offer, caps);
-  gst_caps_unref(caps);
-  return offer;
+GstCaps* prefer_layers(const GstCaps* caps) {
+  GstCaps* result = gst_caps_new_empty();
+  for (const bool layers : {true, false})
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+      if (gst_caps_features_contains(gst_caps_get_features(caps, i),
+                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS) == layers)
+        gst_caps_append(result, gst_caps_copy_nth(caps, i));
+  return result;
 }
 
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {

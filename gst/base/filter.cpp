@@ -193,10 +193,9 @@ gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery*
     return asks_context && element_of(transform).context().provide(query);
   if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS && direction == GST_PAD_SINK &&
       info_of(transform).sink == inverse::Flow::layers_or_pixels) {
-    GstCaps *filter = nullptr, *caps = nullptr;
-    gst_query_parse_caps(query, &filter);
+    GstCaps* caps = nullptr;
     gst_query_parse_caps_result(query, &caps);
-    caps = inverse::offer_layers(gst_caps_ref(caps), filter);
+    caps = inverse::prefer_layers(caps);
     gst_query_set_caps_result(query, caps);
     gst_caps_unref(caps);
   }

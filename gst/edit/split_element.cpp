@@ -208,7 +208,9 @@ GstCaps* SplitElement::sink_caps(GstCaps* filter) {
     gst_caps_unref(result);
     result = filtered;
   }
-  return offer_layers(result, filter);
+  GstCaps* ordered = prefer_layers(result);
+  gst_caps_unref(result);
+  return ordered;
 }
 
 GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {

@@ -66,6 +66,12 @@ class Instance {
           ErrorKind::no_device,
           "no Vulkan driver could be loaded; install one (Debian: mesa-vulkan-drivers) or check "
           "VK_ICD_FILENAMES");
+    if (validating) {
+      // The one above hears what is wrong with the instance itself, this one all the rest.
+      const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+          vkGetInstanceProcAddr(handle, "vkCreateDebugUtilsMessengerEXT"));
+      create(handle, &messenger, nullptr, &messenger_);
+    }
   }
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;

@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
-#include "quad.glsl"
 #include "relax.glsl"
 
 // The coarse half of a V-cycle in one dispatch of one workgroup: all levels from the first to a single pixel, one after

@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
-#include "quad.glsl"
 
 // To the next coarser level: the residual of 2 x 2 pixels adds up to a coarse pixel's right-hand side, their masses to its
 // mass, and the edges between two such aggregates to their edge, scaled by `scale` (sums alone make a piecewise

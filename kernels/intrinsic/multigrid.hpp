@@ -2,17 +2,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "quads.hpp"
 
 namespace inverse {
-
-/// Quads a row of the layout in quad.glsl: four horizontally adjacent pixels in one vec4.
-constexpr uint32_t quads_of(uint32_t width) { return (width + 3) / 4; }
-/// Quads of a whole plane.
-constexpr uint64_t quads_of(Extent extent) {
-  return static_cast<uint64_t>(quads_of(extent.width)) * extent.height;
-}
 
 /// V-cycles for the linear system of one unknown a pixel and four neighbors (energy.glsl), symmetric and positive
 /// definite. Levels shrink 2:1 to a single pixel; aggregates of 2 x 2 pixels carry corrections; blocks of 4 x 4 pixels

@@ -3,7 +3,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
-#include "quad.glsl"
 #include "relax.glsl"
 
 // Half a block Gauss-Seidel pass, in place: the grid is a checkerboard of blocks of 4 x 4 pixels, and a pass over each
