@@ -179,6 +179,9 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
     slot.commands->wait();
     output_->write(slot.out, out);
   }
+  // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
+  // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
+  if (in_images_) slot.commands->wait();
   ++frames_;
   publish(slot, milliseconds_since(start));
 }
