@@ -17,7 +17,7 @@ void main() {
   vec3 here = FETCH(image, n).rgb;
   vec3 r = FETCH(solution, n).rgb;
   float spread;
-  draw_samples(n, pack_chromaticity(chromaticity(here)), r, spread);
+  draw_samples(n, pack_chromaticity(chromaticity(here)), r, kCurrent | kKeyframes, spread);
   float energy = push.w_non_local * intensity_weight(here) * spread;
   if (push.mode == 1) {
     vec4 cluster = FETCH(clusters, n);

@@ -15,10 +15,10 @@ PLANE_IN(4, frames4);
 PLANE_IN(5, frames5);
 
 vec4 sample_frame(int slot, int index) {
-  int at = (slot % kSlots) * push.size.x * push.size.y + index;
-  int buffer_index = slot / kSlots;
+  // Everything but the first fetch is folded away by the specialization constant where one buffer holds all slots.
+  int buffer_index = kSlots < 6 ? slot / kSlots : 0;
+  int at = (slot - buffer_index * kSlots) * push.size.x * push.size.y + index;
   vec4 value = FETCH(frames0, at);
-  // Folded away by the specialization constant where one buffer holds them all.
   if (kSlots < 6) value = buffer_index == 1 ? FETCH(frames1, at) : value;
   if (kSlots < 3) value = buffer_index == 2 ? FETCH(frames2, at) : value;
   if (kSlots < 2) {
@@ -29,9 +29,11 @@ vec4 sample_frame(int slot, int index) {
   return value;
 }
 
+const int kCurrent = 1, kKeyframes = 2;
+
 /// (Σ r_ti, count) over the samples that agree in chromaticity with pixel n, whose packed chromaticity is `own`;
-/// `spread` receives Σ |r − r_ti|² over them.
-vec4 draw_samples(int n, float own, vec3 r, out float spread) {
+/// `spread` receives Σ |r − r_ti|² over them. `which`: from the current frame, keyframes or both.
+vec4 draw_samples(int n, float own, vec3 r, int which, out float spread) {
   vec4 sum = vec4(0.0);
   spread = 0.0;
   float own_red = floor(own * (1.0 / 4096.0));
@@ -39,17 +41,23 @@ vec4 draw_samples(int n, float own, vec3 r, out float spread) {
   for (int i = 0; i < push.samples; ++i) {
     uvec3 random = pcg3d(uvec3(uint(n), uint(i) + push.stream * 256u, push.seed)) >> 16u;
     uvec3 draw = (random * uvec3(push.size, push.frames)) >> 16u;
-    int frame = int(draw.z);
-    int slot = frame == 0 ? 0 : 1 + (push.ring_start + frame - 1) % push.ring_capacity;
-    vec4 value = sample_frame(slot, int(draw.y) * push.size.x + int(draw.x));
+    int slot = int(draw.z);
+    int keyframe = push.ring_start + slot;  // 1 is the oldest; the ring's end wraps
+    slot = slot == 0 ? 0 : keyframe - (keyframe > push.ring_capacity ? push.ring_capacity : 0);
+    bool wanted = ((slot == 0 ? kCurrent : kKeyframes) & which) != 0;
+    // Both sides of a branch are fetched on some devices: choose the address, so that what is not wanted costs a
+    // fetch that is in the cache.
+    int address = wanted ? int(draw.y) * push.size.x + int(draw.x) : n;
+    vec4 value = sample_frame(wanted ? slot : 0, address);
     float red = floor(value.w * (1.0 / 4096.0));
     float blue = value.w - red * 4096.0 - own_blue;
     red -= own_red;
     float green = red + blue;
-    float agree = red * red + green * green + blue * blue < push.sample_threshold ? 1.0 : 0.0;
-    sum += agree * vec4(value.rgb, 1.0);
+    bool agrees = red * red + green * green + blue * blue < push.sample_threshold;
+    // A choice, not a product: the current frame may not be written yet.
     vec3 d = r - value.rgb;
-    spread += agree * dot(d, d);
+    sum += wanted && agrees ? vec4(value.rgb, 1.0) : vec4(0.0);
+    spread += wanted && agrees ? dot(d, d) : 0.0;
   }
   return sum;
 }

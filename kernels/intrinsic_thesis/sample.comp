@@ -4,9 +4,10 @@
 #include "energy.glsl"
 #include "frames.glsl"
 
-// The pulls of a pixel: (Σ g r_t + ω_cl r_cl, Σ g + ω_cl). mode 1: with the cluster prior.
+// The pulls of a pixel that change with every IRLS step: what does not change plus samples from the current frame,
+// (Σ g r_t + ω_cl r_cl, Σ g + ω_cl).
 PLANE_IN(6, image);
-PLANE_IN(7, clusters);  // (r_cluster, index), index < 0 where there is none
+PLANE_IN(7, constant_pulls);
 PLANE_OUT(8, pulls);
 
 void main() {
@@ -15,12 +16,6 @@ void main() {
   int n = at.y * push.size.x + at.x;
   vec3 here = FETCH(image, n).rgb;
   float spread;
-  vec4 pull = push.w_non_local * intensity_weight(here) *
-              draw_samples(n, pack_chromaticity(chromaticity(here)), vec3(0.0), spread);
-  if (push.mode == 1) {
-    vec4 cluster = FETCH(clusters, n);
-    float weight = push.w_clustering * exp(-push.alpha_clustering * intensity(here));
-    pull += (cluster.w < 0.0 ? 0.0 : weight) * vec4(cluster.rgb, 1.0);
-  }
-  STORE(pulls, n, pull);
+  vec4 sum = draw_samples(n, pack_chromaticity(chromaticity(here)), vec3(0.0), kCurrent, spread);
+  STORE(pulls, n, FETCH(constant_pulls, n) + push.w_non_local * intensity_weight(here) * sum);
 }

@@ -16,6 +16,7 @@ INVERSE_SHADER(intrinsic_thesis_start);
 INVERSE_SHADER(intrinsic_thesis_prolong);
 INVERSE_SHADER(intrinsic_thesis_pack);
 INVERSE_SHADER(intrinsic_thesis_sample);
+INVERSE_SHADER(intrinsic_thesis_sample_past);
 INVERSE_SHADER(intrinsic_thesis_reweight);
 INVERSE_SHADER(intrinsic_thesis_direction);
 INVERSE_SHADER(intrinsic_thesis_update);
@@ -113,8 +114,9 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
-  for (auto* buffer : {&links_, &data_, &pulls_, &edges_, &nodes_, &preconditioned_, &products_,
-                       &clusters_, &directions_[0], &directions_[1]}) {
+  for (auto* buffer :
+       {&links_, &data_, &pulls_, &constant_pulls_, &edges_, &nodes_, &preconditioned_, &products_,
+        &clusters_, &directions_[0], &directions_[1]}) {
     *buffer = plane();
   }
   partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
@@ -170,7 +172,7 @@ void ThesisDecomposition::build_levels() {
     };
     level.image = plane(1);
     level.solution = plane(1);
-    const auto slots = static_cast<uint64_t>(params_.keyframes + 1);
+    const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
     level.slots = slots_per_buffer(slots, extent.pixels(), largest);
     const auto per_buffer = std::min<uint64_t>(static_cast<uint64_t>(level.slots), slots);
     for (uint64_t first = 0; first < slots; first += per_buffer) {
@@ -178,6 +180,7 @@ void ThesisDecomposition::build_levels() {
     }
     const std::vector<uint32_t> constants = {static_cast<uint32_t>(level.slots)};
     level.sample = device_->kernel(shaders::intrinsic_thesis_sample, constants);
+    level.sample_past = device_->kernel(shaders::intrinsic_thesis_sample_past, constants);
     level.energy_pulls = device_->kernel(shaders::intrinsic_thesis_energy_pulls, constants);
     levels_.push_back(std::move(level));
   }
@@ -186,7 +189,7 @@ void ThesisDecomposition::build_levels() {
 void ThesisDecomposition::build_readback() {
   uint64_t entries = 1;
   if (params_.trace) {
-    entries = levels_.size() * static_cast<uint64_t>(params_.irls_iterations + 1);
+    entries = levels_.size() * (static_cast<uint64_t>(params_.irls_iterations) + 1);
   }
   if ((params_.energy || params_.trace) && !energy_partials_) {
     for (auto* buffer : {&energy_partials_, &energy_pull_partials_}) {
@@ -322,27 +325,29 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
 }
 
 void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clustered) {
-  const Push push = push_for(level);
-  Push pulled = push;
-  pulled.mode = clustered ? 1 : 0;
-  commands.dispatch(setup_, {levels_[level].image, links_, data_}, push,
-                    pixels_of(levels_[level].extent));
+  Push push = push_for(level);
+  const gpu::Items pixels = pixels_of(levels_[level].extent);
+  const auto pull = [&](const gpu::KernelPtr& kernel, const gpu::BufferPtr& in,
+                        const gpu::BufferPtr& out) {
+    std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
+    buffers.insert(buffers.end(), {levels_[level].image, in, out});
+    commands.dispatch(kernel, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  };
+  commands.dispatch(setup_, {levels_[level].image, links_, data_}, push, pixels);
+  push.mode = clustered ? 1 : 0;
+  pull(levels_[level].sample_past, clusters_, constant_pulls_);
   for (int step = 0; step <= params_.irls_iterations; ++step) {
-    const Level& at = levels_[level];
     const bool last = step == params_.irls_iterations;
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
     if (last && !evaluated) break;
     pack(commands, level, 0);
     if (evaluated) evaluate(commands, level, step - 1, clustered);
     if (last) break;
-    std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
-    buffers.insert(buffers.end(), {at.image, clusters_, pulls_});
-    commands.dispatch(at.sample, buffers, std::as_bytes(std::span(&pulled, 1)),
-                      pixels_of(at.extent));
-    commands.dispatch(
-        reweight_,
-        {at.solution, links_, data_, pulls_, at.image, edges_, nodes_, preconditioned_, partials_},
-        push, strips_of(at.extent));
+    pull(levels_[level].sample, constant_pulls_, pulls_);
+    commands.dispatch(reweight_,
+                      {levels_[level].solution, links_, data_, pulls_, levels_[level].image, edges_,
+                       nodes_, preconditioned_, partials_},
+                      push, strips_of(levels_[level].extent));
     if (params_.solver == Params::Solver::pcg) {
       conjugate_gradients(commands, level);
     } else {

@@ -75,7 +75,7 @@ class ThesisDecomposition {
     gpu::BufferPtr image, solution, spare;
     std::vector<gpu::BufferPtr> frames;  ///< sample frames, `slots` to a buffer
     int slots = 0;
-    gpu::KernelPtr sample, energy_pulls;
+    gpu::KernelPtr sample, sample_past, energy_pulls;
   };
   struct Readback {
     gpu::BufferPtr buffer;
@@ -100,7 +100,8 @@ class ThesisDecomposition {
   gpu::KernelPtr sanitize_, downsample_, setup_, start_, prolong_, pack_, reweight_, direction_,
       update_, scalars_kernel_, schwarz_, energy_, total_, layers_;
   // Shared by all levels, of the finest level's size.
-  gpu::BufferPtr links_, data_, pulls_, edges_, nodes_, preconditioned_, products_, clusters_;
+  gpu::BufferPtr links_, data_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
+      clusters_;
   std::array<gpu::BufferPtr, 2> directions_;
   gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
   std::vector<Level> levels_;
