@@ -25,12 +25,14 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
   };
   commands.dispatch(fold_, {guide.statistics(), biases_}, {kMostBiases});
   const Extent extent = guide.extent(), cells = guide.cell_extent();
-  commands.dispatch(edges_,
-                    {guide.level0(), guide.level1(), guide.cells(), guide.statistics(), biases_, target.system,
-                     target.flux},
-                    Push{extent.width, extent.height, params.reflectance_weight, params.shading_weight},
-                    line_of(quads_of(extent)));
-  commands.dispatch(values_, {guide.cells(), guide.wide(), guide.statistics(), biases_, target.value},
+  commands.dispatch(
+      edges_,
+      {guide.level0(), guide.level1(), guide.cells(), guide.statistics(), biases_, target.system,
+       target.flux},
+      Push{extent.width, extent.height, params.reflectance_weight, params.shading_weight},
+      line_of(static_cast<uint64_t>(quads_of(extent.width)) * ((extent.height + 1) / 2)));
+  commands.dispatch(values_,
+                    {guide.cells(), guide.wide(), guide.statistics(), biases_, target.value},
                     Push{cells.width, cells.height, params.value_weight, params.chroma_weight},
                     line_of(quads_of(cells)));
 }
