@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -9,6 +10,16 @@
 
 namespace inverse::gpu {
 namespace {
+
+/// Under INVERSE_VALIDATION=1 a misuse of Vulkan ends the process where it happens, so that no test
+/// can miss it.
+VKAPI_ATTR VkBool32 VKAPI_CALL abort_on_misuse(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* message,
+                                               void*) {
+  std::fprintf(stderr, "Vulkan validation: %s\n", message->pMessage);
+  std::abort();
+}
 
 /// The process' instance: one is enough, and making one costs tens of milliseconds.
 class Instance {
@@ -30,9 +41,19 @@ class Instance {
     const char* validate = std::getenv("INVERSE_VALIDATION");
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
-    if (validate && *validate == '1') {
+    VkDebugUtilsMessengerCreateInfoEXT messenger{
+        VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    messenger.pfnUserCallback = abort_on_misuse;
+    const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    const bool validating = validate && *validate == '1';
+    if (validating) {
       info.enabledLayerCount = 1;
       info.ppEnabledLayerNames = &layer;
+      info.enabledExtensionCount = 1;
+      info.ppEnabledExtensionNames = &extension;
+      info.pNext = &messenger;
     }
     const VkResult result = vkCreateInstance(&info, nullptr, &handle);
     if (result == VK_ERROR_LAYER_NOT_PRESENT)
@@ -45,10 +66,21 @@ class Instance {
           ErrorKind::no_device,
           "no Vulkan driver could be loaded; install one (Debian: mesa-vulkan-drivers) or check "
           "VK_ICD_FILENAMES");
+    if (validating) {
+      // The one above hears what is wrong with the instance itself, this one all the rest.
+      const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+          vkGetInstanceProcAddr(handle, "vkCreateDebugUtilsMessengerEXT"));
+      create(handle, &messenger, nullptr, &messenger_);
+    }
   }
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
-  ~Instance() { vkDestroyInstance(handle, nullptr); }
+  ~Instance() {
+    if (messenger_)
+      reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
+          handle, "vkDestroyDebugUtilsMessengerEXT"))(handle, messenger_, nullptr);
+    vkDestroyInstance(handle, nullptr);
+  }
 
   std::vector<VkPhysicalDevice> devices() const {
     uint32_t count = 0;
@@ -60,6 +92,9 @@ class Instance {
   }
 
   VkInstance handle = VK_NULL_HANDLE;
+
+ private:
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 
 std::string name_of(VkPhysicalDevice device) {
@@ -274,6 +309,11 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
+  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
+  // fail as a driver would.
+  static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
+  static std::atomic<uint32_t> submits{0};
+  if (lost_at && ++submits >= lost_at) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
   if (owned_) {
     std::lock_guard lock(queue_mutex_);

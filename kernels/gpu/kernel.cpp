@@ -7,7 +7,8 @@ namespace inverse::gpu {
 Kernel::Kernel(std::shared_ptr<Device> device, const KernelSource& source,
                const std::vector<uint32_t>& constants, uint32_t workgroup)
     : device_(std::move(device)), name_(source.name), workgroup_(workgroup) {
-  const auto spirv = device_->variant().portable ? source.portable : source.fast;
+  const Spirv embedded = device_->variant().portable ? source.portable : source.fast;
+  const std::span spirv(embedded.words, embedded.count);
   slots_ = reflect_slots(spirv, name_);
   VkShaderModule module = VK_NULL_HANDLE;
   try {

@@ -9,15 +9,9 @@
 #include <vector>
 
 #include "device.hpp"
+#include "kernel_source.hpp"
 
 namespace inverse::gpu {
-
-/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable).
-struct KernelSource {
-  const char* name;
-  std::span<const uint32_t> fast;
-  std::span<const uint32_t> portable;
-};
 
 /// What a shader declares at one binding; read from the SPIR-V, so that C++ never repeats it.
 struct Slot {

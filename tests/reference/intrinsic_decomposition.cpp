@@ -1,10 +1,10 @@
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "intrinsic_decomposition.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "tests/reference/intrinsic_edge_weights.hpp"
+#include "intrinsic_edge_weights.hpp"
 
 namespace inverse::reference {
 namespace {
@@ -210,10 +210,12 @@ void smooth(SolverLevel& l, int shift) {
         if (y + 1 < l.height) v += l.down[i] * (y + 1 < y1 ? l.s[i + w] : old[i + w]);
         l.s[i] = v / l.diagonal[i];
       };
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) relax(x, y);
-      for (int y = y1 - 1; y >= y0; --y)
-        for (int x = x1 - 1; x >= x0; --x) relax(x, y);
+      for (int n = 0; n < kSweeps; ++n) {
+        for (int y = y0; y < y1; ++y)
+          for (int x = x0; x < x1; ++x) relax(x, y);
+        for (int y = y1 - 1; y >= y0; --y)
+          for (int x = x1 - 1; x >= x0; --x) relax(x, y);
+      }
     }
 }
 
@@ -332,7 +334,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
       fine.diagonal[i] = diagonal_of_edges(fine, x, y) + kLeastDiagonal;
-      fine.s[i] = start[c];
+      fine.s[i] = start[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
     }
   while (levels.size() <= kCellLevel ||
          std::max(levels.back().width, levels.back().height) > kBlock) {
@@ -358,7 +360,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   result.reflectance.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      result.reflectance[3 * i + c] = sanitize(rgb[3 * i + c]) * std::exp(-s[i]);
+      result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
     const std::vector<double> mean =
         halve(halve(s, width, height), (width + 1) / 2, (height + 1) / 2);

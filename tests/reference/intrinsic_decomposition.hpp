@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/reference/intrinsic_features.hpp"
+#include "intrinsic_features.hpp"
 
 namespace inverse::reference {
 
@@ -35,9 +35,10 @@ struct IntrinsicParams {
 
 inline constexpr int kBins = 48;             ///< Cells of the chroma grid along each axis.
 inline constexpr double kBinWidth = 0.1;     ///< Natural log units.
-inline constexpr double kCoarseScale = 0.5;  ///< Of summed edge weights, per level.
+inline constexpr double kCoarseScale = 0.7;  ///< Of summed edge weights, per level.
 inline constexpr double kCellArea = 16;      ///< Weights of cell terms are per pixel, times this.
 inline constexpr double kLeastDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
+inline constexpr int kSweeps = 2;               ///< Symmetric sweeps inside a block per pass.
 inline constexpr int kBlock = 4;                ///< Smoother block edge, pixels.
 inline constexpr double kLogLow = -4.5;  ///< Least ln of a, b, v, g before the user's factors.
 inline constexpr double kLogHigh = 3;    ///< Largest.

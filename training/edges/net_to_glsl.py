@@ -95,11 +95,15 @@ def main():
             fold.append((0.0, [0.0] * FRAME))
         slot += vectors
     print("#else")
-    print(f"\n// For fold.comp: {len(fold)} biases and what each frame cue adds to them.")
-    print(f"#define FOLD_COUNT {len(fold)}")
-    print(f"#define FOLD_BIASES float[]({', '.join(number(b) for b, _ in fold)})")
-    rows = ", ".join("vec4(" + ", ".join(number(v) for v in row) + ")" for _, row in fold)
-    print(f"#define FOLD_WEIGHTS vec4[]({rows})")
+    print("\n// For fold.comp: the biases of a frame, four at a time, from its own cues.")
+    print(f"#define FOLD_VECTORS {len(fold) // 4}")
+    print("void fold_biases(vec4 frame) {")
+    for v in range(len(fold) // 4):
+        four = fold[4 * v:4 * v + 4]
+        columns = [[row[k] for _, row in four] for k in range(FRAME)]
+        matrix = ", ".join(", ".join(number(x) for x in column) for column in columns)
+        print(f"  STORE(biases, {v}, vec4({', '.join(number(b) for b, _ in four)}) +\n        mat4({matrix}) * frame);")
+    print("}")
     print("#endif")
 
 

@@ -1,0 +1,180 @@
+#include "caps.hpp"
+
+#include <gst/video/video.h>
+
+#include "inverse_layers_meta.h"
+#include "vulkan_bridge.hpp"
+
+namespace inverse {
+namespace {
+
+// In the order of preference among equals: packed RGB needs the least work.
+constexpr const char* kFormats =
+    "{ RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, GRAY8, P010_10LE, I420_10LE, "
+    "RGBA64_LE }";
+constexpr const char* kGeometry =
+    "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
+
+GstCaps* pixel_caps() {
+  const std::string text =
+      std::string("video/x-raw, format = (string) ") + kFormats + ", " + kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+GstCaps* layer_caps() {
+  const std::string text = std::string("video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                                       "), format = (string) RGBA, layers = (string) intrinsic, ") +
+                           kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+/// Formats beyond these two make GStreamer's Vulkan library abort or shear the picture (1.22).
+GstCaps* image_caps() {
+  const std::string text = std::string("video/x-raw(") + kVulkanImageFeature +
+                           "), format = (string) { RGBA, BGRA }, " + kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
+
+/// The caps with images behind all else: who does not insist gets pixels that anybody can read.
+GstCaps* with_images(GstCaps* caps) {
+  if (has_vulkan_images()) gst_caps_append(caps, image_caps());
+  return caps;
+}
+
+/// Those structures of `caps` that have the features of the first.
+GstCaps* like_first(const GstCaps* caps) {
+  GstCaps* alike = gst_caps_new_empty();
+  if (gst_caps_is_empty(caps)) return alike;
+  const GstCapsFeatures* first = gst_caps_get_features(caps, 0);
+  for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+    if (gst_caps_features_is_equal(gst_caps_get_features(caps, i), first))
+      gst_caps_append(alike, gst_caps_copy_nth(caps, i));
+  return alike;
+}
+
+/// Those of `other`, all in the same memory, that have the format and, where possible, all else of
+/// `caps`; null where none has, or where the other side prefers layers.
+GstCaps* keep_format(GstCaps* caps, GstCaps* other) {
+  if (gst_caps_is_empty(other) || carries_layers(other)) return nullptr;
+  const GstCapsFeatures* features = gst_caps_get_features(other, 0);
+  GstCaps* like = gst_caps_copy(caps);
+  gst_caps_set_features_simple(like, gst_caps_features_copy(features));
+  GstCaps* same = gst_caps_intersect_full(other, like, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(like);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  const GValue* format = gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");
+  if (!format) return nullptr;
+  GstCaps* wanted = gst_caps_new_empty_simple("video/x-raw");
+  gst_caps_set_value(wanted, "format", format);
+  gst_caps_set_features_simple(wanted, gst_caps_features_copy(features));
+  same = gst_caps_intersect_full(other, wanted, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(wanted);
+  if (!gst_caps_is_empty(same)) return same;
+  gst_caps_unref(same);
+  return nullptr;
+}
+
+/// Where the output's color is left open, labels it with the input's transfer curve and primaries:
+/// code values then mean the same on both sides, as users of videoconvert expect, and the label
+/// stays true.
+void keep_transfer(GstCaps* in, GstCaps* out) {
+  GstVideoInfo from, to;
+  if (!gst_caps_is_fixed(out) ||
+      gst_structure_has_field(gst_caps_get_structure(out, 0), "colorimetry"))
+    return;
+  if (!gst_video_info_from_caps(&from, in) || !gst_video_info_from_caps(&to, out)) return;
+  if (from.colorimetry.transfer == to.colorimetry.transfer &&
+      from.colorimetry.primaries == to.colorimetry.primaries)
+    return;
+  to.colorimetry.transfer = from.colorimetry.transfer;
+  to.colorimetry.primaries = from.colorimetry.primaries;
+  gchar* text = gst_video_colorimetry_to_string(&to.colorimetry);
+  gst_caps_set_simple(out, "colorimetry", G_TYPE_STRING, text, nullptr);
+  g_free(text);
+}
+
+}  // namespace
+
+GstCaps* template_caps(Flow flow) {
+  switch (flow) {
+    case Flow::pixels:
+      return with_images(pixel_caps());
+    case Flow::layers:
+      return layer_caps();
+    case Flow::pixels_or_layers: {
+      GstCaps* caps = pixel_caps();
+      gst_caps_append(caps, layer_caps());
+      return with_images(caps);
+    }
+    case Flow::layers_or_pixels: {
+      GstCaps* caps = layer_caps();
+      gst_caps_append(caps, pixel_caps());
+      return with_images(caps);
+    }
+  }
+  return nullptr;
+}
+
+bool carries_layers(const GstCaps* caps) {
+  return gst_caps_get_size(caps) > 0 &&
+         gst_caps_features_contains(gst_caps_get_features(caps, 0),
+                                    GST_CAPS_FEATURE_META_INVERSE_LAYERS);
+}
+
+bool carries_images(const GstCaps* caps) {
+  return gst_caps_get_size(caps) > 0 &&
+         gst_caps_features_contains(gst_caps_get_features(caps, 0), kVulkanImageFeature);
+}
+
+GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
+  GstCaps* templates = template_caps(to);
+  GstCaps* result = gst_caps_new_empty();
+  for (guint t = 0; t < gst_caps_get_size(templates); ++t) {
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+      // What describes the picture's shape in space and time carries over; how it is coded does
+      // not.
+      GstStructure* structure = gst_structure_copy(gst_caps_get_structure(caps, i));
+      for (const char* field : {"format", "colorimetry", "chroma-site", "layers"})
+        gst_structure_remove_field(structure, field);
+      GstCaps* wide = gst_caps_new_full(structure, nullptr);
+      gst_caps_set_features(wide, 0, gst_caps_features_copy(gst_caps_get_features(templates, t)));
+      GstCaps* one = gst_caps_copy_nth(templates, t);
+      // Merged in order: simplifying would sort, and the first is what others prefer.
+      result = gst_caps_merge(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));
+      gst_caps_unref(wide);
+      gst_caps_unref(one);
+    }
+  }
+  gst_caps_unref(templates);
+  if (filter) {
+    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
+    gst_caps_unref(result);
+    result = filtered;
+  }
+  return result;
+}
+
+GstCaps* prefer_layers(const GstCaps* caps) {
+  GstCaps* result = gst_caps_new_empty();
+  for (const bool layers : {true, false})
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+      if (gst_caps_features_contains(gst_caps_get_features(caps, i),
+                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS) == layers)
+        gst_caps_append(result, gst_caps_copy_nth(caps, i));
+  return result;
+}
+
+GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
+  GstCaps* alike = like_first(other);
+  gst_caps_unref(other);
+  other = alike;
+  GstCaps* result = carries_layers(caps) ? nullptr : keep_format(caps, other);
+  result =
+      result ? gst_caps_fixate(result) : gst_caps_fixate(gst_caps_truncate(gst_caps_ref(other)));
+  gst_caps_unref(other);
+  keep_transfer(caps, result);
+  return result;
+}
+
+}  // namespace inverse

@@ -1,0 +1,41 @@
+#pragma once
+#include <gst/gst.h>
+
+#include <string>
+
+namespace inverse {
+
+/// What flows through a pad of a filter.
+enum class Flow {
+  pixels,            ///< ordinary video in system memory or, where the build knows them, images
+                     ///< in memory:VulkanImage
+  layers,            ///< buffers with GstInverseLayersMeta
+  pixels_or_layers,  ///< either, pixels first: what a decomposer sends
+  layers_or_pixels,  ///< editors' sinks: layers, and pixels only to refuse them with a helpful
+                     ///< error
+};
+
+/// Template caps for a pad of this kind. New reference.
+GstCaps* template_caps(Flow flow);
+
+/// Whether these (fixed) caps carry layers.
+bool carries_layers(const GstCaps* caps);
+
+/// Whether these (fixed) caps are of images in memory:VulkanImage.
+bool carries_images(const GstCaps* caps);
+
+/// GstBaseTransform::transform_caps for filters: size, frame rate and aspect ratio stay; format and
+/// colorimetry are free, as our own kernels convert. `to` is the kind of flow on the other pad. New
+/// reference.
+GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter);
+
+/// The same caps with layers first. What GstBaseTransform answers puts what passes through
+/// unchanged first, which for an editor's sink is what it will refuse. New reference.
+GstCaps* prefer_layers(const GstCaps* caps);
+
+/// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of
+/// the formats there the input's where it is allowed, so that nothing is converted without need,
+/// else the first. Consumes `other`.
+GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
+
+}  // namespace inverse

@@ -1,0 +1,312 @@
+#include "filter.hpp"
+
+#include <gst/base/gstbasetransform.h>
+
+#include "errors.hpp"
+#include "filter_element.hpp"
+
+GST_DEBUG_CATEGORY_STATIC(inverse_debug);
+#define GST_CAT_DEFAULT inverse_debug
+
+using inverse::ElementInfo;
+using inverse::FilterElement;
+
+struct GstInverseFilter {
+  GstBaseTransform parent;
+  FilterElement* element;
+};
+
+struct GstInverseFilterClass {
+  GstBaseTransformClass parent;
+  const ElementInfo* info;
+};
+
+namespace {
+
+enum : guint { PROP_DEVICE = 1, PROP_STATS, PROP_TABLE = 10 };
+
+GstBaseTransformClass* parent_class = nullptr;
+
+GstInverseFilter* self_of(gpointer object) { return static_cast<GstInverseFilter*>(object); }
+FilterElement& element_of(gpointer object) { return *self_of(object)->element; }
+const ElementInfo& info_of(gpointer object) {
+  return *reinterpret_cast<GstInverseFilterClass*>(G_OBJECT_GET_CLASS(object))->info;
+}
+
+void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
+  FilterElement& element = element_of(object);
+  if (id >= PROP_TABLE)
+    element.filter().parameters().get(id - PROP_TABLE, value);
+  else if (id == PROP_DEVICE)
+    g_value_set_string(value, element.device_name().c_str());
+  else if (id == PROP_STATS)
+    g_value_take_boxed(value, element.stats());
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
+  FilterElement& element = element_of(object);
+  if (id >= PROP_TABLE)
+    element.filter().parameters().set(id - PROP_TABLE, value);
+  else if (id == PROP_DEVICE)
+    element.set_device_name(g_value_get_string(value));
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void finalize(GObject* object) {
+  delete self_of(object)->element;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY && !element_of(element).open())
+    return GST_STATE_CHANGE_FAILURE;
+  const GstStateChangeReturn result =
+      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_READY_TO_NULL) element_of(element).close();
+  return result;
+}
+
+void set_context(GstElement* element, GstContext* context) {
+  element_of(element).context().set_context(context);
+  GST_ELEMENT_CLASS(parent_class)->set_context(element, context);
+}
+
+GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, GstCaps* caps,
+                        GstCaps* filter) {
+  const ElementInfo& info = info_of(transform);
+  return inverse::transform_caps(caps, direction == GST_PAD_SINK ? info.src : info.sink, filter);
+}
+
+GstCaps* fixate_caps(GstBaseTransform*, GstPadDirection, GstCaps* caps, GstCaps* other) {
+  return inverse::fixate_caps(caps, other);
+}
+
+gboolean set_caps(GstBaseTransform* transform, GstCaps* in, GstCaps* out) {
+  return element_of(transform).set_caps(in, out);
+}
+
+gboolean stop(GstBaseTransform* transform) {
+  element_of(transform).stop();
+  return TRUE;
+}
+
+gboolean transform_size(GstBaseTransform* transform, GstPadDirection direction, GstCaps*, gsize,
+                        GstCaps* other, gsize* size) {
+  if (direction != GST_PAD_SINK) return FALSE;
+  GstVideoInfo info;
+  if (inverse::carries_layers(other))
+    *size = 0;
+  else if (gst_video_info_from_caps(&info, other))
+    *size = GST_VIDEO_INFO_SIZE(&info);
+  else
+    return FALSE;
+  (void)transform;
+  return TRUE;
+}
+
+gboolean propose_allocation(GstBaseTransform*, GstQuery*, GstQuery* query) {
+  // Frames may come with any strides and offsets.
+  gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  return TRUE;
+}
+
+gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
+  GstCaps* caps = nullptr;
+  gst_query_parse_allocation(query, &caps, nullptr);
+  if (!caps || inverse::carries_layers(caps)) {
+    // No memory goes out, so there is nothing to allocate.
+    while (gst_query_get_n_allocation_pools(query) > 0)
+      gst_query_remove_nth_allocation_pool(query, 0);
+    return TRUE;
+  }
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
+  GstBufferPool* pool = nullptr;
+  if (element_of(transform).sends_images()) {
+    // Other people's pools make images that not everybody can write to.
+    guint size = 0;
+    if (!(pool = element_of(transform).image_pool(caps, &size))) return FALSE;
+    while (gst_query_get_n_allocation_pools(query) > 0)
+      gst_query_remove_nth_allocation_pool(query, 0);
+    gst_query_add_allocation_pool(query, pool, size, 0, 0);
+    gst_object_unref(pool);
+    return TRUE;
+  }
+  guint size = 0, min = 0, max = 0;
+  const bool proposed = gst_query_get_n_allocation_pools(query) > 0;
+  if (proposed) gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min, &max);
+  if (!pool) pool = gst_video_buffer_pool_new();
+  size = MAX(size, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
+  GstStructure* config = gst_buffer_pool_get_config(pool);
+  gst_buffer_pool_config_set_params(config, caps, size, min, max);
+  if (gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr))
+    gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
+  gst_buffer_pool_set_config(pool, config);
+  if (proposed)
+    gst_query_set_nth_allocation_pool(query, 0, pool, size, min, max);
+  else
+    gst_query_add_allocation_pool(query, pool, size, min, max);
+  gst_object_unref(pool);
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->decide_allocation(transform, query);
+}
+
+GstFlowReturn prepare_output_buffer(GstBaseTransform* transform, GstBuffer* in, GstBuffer** out) {
+  if (!element_of(transform).sends_layers())
+    return GST_BASE_TRANSFORM_CLASS(parent_class)->prepare_output_buffer(transform, in, out);
+  *out = gst_buffer_new();
+  return GST_BASE_TRANSFORM_GET_CLASS(transform)->copy_metadata(transform, in, *out)
+             ? GST_FLOW_OK
+             : GST_FLOW_ERROR;
+}
+
+gboolean transform_meta(GstBaseTransform*, GstBuffer*, GstMeta* meta, GstBuffer*) {
+  // The picture keeps its size, so what is said about it stays true; what is said about its memory
+  // does not.
+  return !gst_meta_api_type_has_tag(meta->info->api,
+                                    g_quark_from_static_string(GST_META_TAG_MEMORY_STR));
+}
+
+void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
+  const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
+                                                       GST_BUFFER_TIMESTAMP(buffer));
+  if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(GST_OBJECT(transform), time);
+}
+
+GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* out) {
+  return element_of(transform).transform(in, out);
+}
+
+gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP ||
+      GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START)
+    element_of(transform).flush();
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+}
+
+gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
+  const bool asks_context = GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT;
+  if (asks_context && element_of(transform).context().answer(query)) return TRUE;
+  if (!GST_BASE_TRANSFORM_CLASS(parent_class)->query(transform, direction, query))
+    return asks_context && element_of(transform).context().provide(query);
+  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS && direction == GST_PAD_SINK &&
+      info_of(transform).sink == inverse::Flow::layers_or_pixels) {
+    GstCaps* caps = nullptr;
+    gst_query_parse_caps_result(query, &caps);
+    caps = inverse::prefer_layers(caps);
+    gst_query_set_caps_result(query, caps);
+    gst_caps_unref(caps);
+  }
+  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
+    gboolean live = FALSE;
+    GstClockTime min = 0, max = 0;
+    gst_query_parse_latency(query, &live, &min, &max);
+    const GstClockTime own = element_of(transform).latency();
+    gst_query_set_latency(query, live, min + own, GST_CLOCK_TIME_IS_VALID(max) ? max + own : max);
+  }
+  return TRUE;
+}
+
+void base_class_init(gpointer klass, gpointer) {
+  parent_class = static_cast<GstBaseTransformClass*>(g_type_class_peek_parent(klass));
+  GST_DEBUG_CATEGORY_INIT(inverse_debug, "inverse", 0, "inverse rendering elements");
+  auto* object = G_OBJECT_CLASS(klass);
+  object->finalize = finalize;
+  auto* element = GST_ELEMENT_CLASS(klass);
+  element->change_state = change_state;
+  element->set_context = set_context;
+  auto* base = GST_BASE_TRANSFORM_CLASS(klass);
+  base->transform_caps = transform_caps;
+  base->fixate_caps = fixate_caps;
+  base->set_caps = set_caps;
+  base->stop = stop;
+  base->transform_size = transform_size;
+  base->propose_allocation = propose_allocation;
+  base->decide_allocation = decide_allocation;
+  base->prepare_output_buffer = prepare_output_buffer;
+  base->transform_meta = transform_meta;
+  base->before_transform = before_transform;
+  base->transform = transform;
+  base->sink_event = sink_event;
+  base->query = query;
+  base->passthrough_on_same_caps = FALSE;
+}
+
+void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
+                  inverse::Flow flow) {
+  GstCaps* caps = inverse::template_caps(flow);
+  gst_element_class_add_pad_template(element,
+                                     gst_pad_template_new(name, direction, GST_PAD_ALWAYS, caps));
+  gst_caps_unref(caps);
+}
+
+void element_class_init(gpointer klass, gpointer data) {
+  const auto& info = *static_cast<const ElementInfo*>(data);
+  static_cast<GstInverseFilterClass*>(klass)->info = &info;
+  auto* element = GST_ELEMENT_CLASS(klass);
+  gst_element_class_set_static_metadata(element, info.long_name, info.klass, info.description,
+                                        "the gst-inverse authors");
+  add_template(element, "sink", GST_PAD_SINK, info.sink);
+  add_template(element, "src", GST_PAD_SRC, info.src);
+  auto* object = G_OBJECT_CLASS(klass);
+  object->get_property = get_property;  // GObject does not inherit these two
+  object->set_property = set_property;
+  if (info.sink == inverse::Flow::pixels)
+    g_object_class_install_property(
+        object, PROP_DEVICE,
+        g_param_spec_string(
+            "device", "device",
+            "Vulkan device to use: an index or a part of its name; empty = shared with neighbours, "
+            "else the environment variable INVERSE_DEVICE, else the fastest",
+            "",
+            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                     GST_PARAM_MUTABLE_READY)));
+  g_object_class_install_property(
+      object, PROP_STATS,
+      g_param_spec_boxed(
+          "stats", "stats",
+          "What the last completed frame took: frames (count), wall-ms, device-ms and one entry "
+          "for each "
+          "stage (milliseconds), device-bytes now and at peak, and what the method tells",
+          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  info.create()->parameters().install(object, PROP_TABLE);
+}
+
+void instance_init(GTypeInstance* instance, gpointer klass) {
+  auto* self = self_of(instance);
+  self->element =
+      new FilterElement(GST_ELEMENT(instance), *static_cast<GstInverseFilterClass*>(klass)->info);
+  gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(instance), TRUE);
+}
+
+GType filter_type() {
+  static const GType type = [] {
+    GTypeInfo info{};
+    info.class_size = sizeof(GstInverseFilterClass);
+    info.class_init = base_class_init;
+    info.instance_size = sizeof(GstInverseFilter);
+    return g_type_register_static(GST_TYPE_BASE_TRANSFORM, "GstInverseFilter", &info,
+                                  G_TYPE_FLAG_ABSTRACT);
+  }();
+  return type;
+}
+
+}  // namespace
+
+namespace inverse {
+
+gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
+  GTypeInfo info{};
+  info.class_size = sizeof(GstInverseFilterClass);
+  info.class_init = element_class_init;
+  info.class_data = &element;
+  info.instance_size = sizeof(GstInverseFilter);
+  info.instance_init = instance_init;
+  const GType type =
+      g_type_register_static(filter_type(), element.type_name, &info, static_cast<GTypeFlags>(0));
+  return gst_element_register(plugin, element.factory, GST_RANK_NONE, type);
+}
+
+}  // namespace inverse

@@ -1,0 +1,61 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <memory>
+#include <string>
+
+#include "caps.hpp"
+#include "gpu/commands.hpp"
+#include "image/layers.hpp"
+#include "picture.hpp"
+#include "property_table.hpp"
+
+namespace inverse {
+
+/// One frame on its way through a filter.
+struct FrameWork {
+  gpu::Commands& commands;  ///< record here; submitted once by the base
+  Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
+                  ///< to send on
+  bool fresh;     ///< the filter was reset before this frame: start, caps change, flush, seek, gap
+  bool draw;      ///< pixels go out: set `picture`
+  Picture picture;  ///< out: what to draw
+};
+
+/// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
+/// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()` come
+/// from the streaming thread; what they throw becomes an element error.
+class Filter {
+ public:
+  virtual ~Filter() = default;
+  virtual PropertyStore& parameters() = 0;
+  /// Makes pipelines and state for frames of this size; called before the first frame and when size
+  /// or device change.
+  virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) = 0;
+  /// Drops everything on the device.
+  virtual void release() = 0;
+  /// Forgets what it knows of earlier frames.
+  virtual void reset() {}
+  /// Records the work for one frame.
+  virtual void process(FrameWork& frame) = 0;
+  /// Adds fields about the last completed frame.
+  virtual void describe(GstStructure* stats) const { (void)stats; }
+};
+
+/// All that makes an element out of a Filter.
+struct ElementInfo {
+  const char* factory;      ///< "intrinsicdecomp"
+  const char* type_name;    ///< "GstIntrinsicDecomp"
+  const char* long_name;    ///< a few words
+  const char* klass;        ///< "Filter/Effect/Video"
+  const char* description;  ///< one sentence
+  Flow sink, src;
+  /// What to insert before this element where pixels come to an editor.
+  const char* needs;
+  std::unique_ptr<Filter> (*create)();
+};
+
+/// Registers the element; one line of the plugin's list.
+gboolean register_filter(GstPlugin* plugin, const ElementInfo& info);
+
+}  // namespace inverse

@@ -1,0 +1,222 @@
+#include "filter_element.hpp"
+
+#include <chrono>
+
+#include "errors.hpp"
+#include "layers_meta.hpp"
+
+namespace inverse {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
+    : element_(element), info_(info), filter_(info.create()), context_(element) {
+  gst_video_info_init(&in_info_);
+  gst_video_info_init(&out_info_);
+}
+
+FilterElement::~FilterElement() {
+  if (stats_) gst_structure_free(stats_);
+}
+
+bool FilterElement::open() {
+  // Editors work on the device that their layers live on.
+  if (info_.sink != Flow::pixels) return true;
+  return guarded(element_, [&] { context_.acquire(device_name()); });
+}
+
+void FilterElement::close() {
+  stop();
+  context_.release();
+}
+
+void FilterElement::stop() {
+  slots_ = {};
+  input_.reset();
+  output_.reset();
+  planes_.reset();
+  if (configured_) filter_->release();
+  configured_ = false;
+  device_.reset();
+  images_device_.reset();
+  fresh_ = true;
+  frames_ = 0;
+}
+
+bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
+  const std::string name = info_.factory;
+  in_layers_ = carries_layers(in);
+  in_images_ = carries_images(in);
+  out_layers_ = carries_layers(out);
+  if (info_.sink != Flow::pixels && !in_layers_) {
+    GST_ELEMENT_ERROR(
+        element_, STREAM, FORMAT,
+        ("%s works on decomposed video; insert %s before it", name.c_str(), info_.needs),
+        ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
+  if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s cannot make sense of the video format", name.c_str()),
+                      ("in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out));
+    return false;
+  }
+  if (GST_VIDEO_INFO_IS_INTERLACED(&in_info_)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s needs progressive video; insert deinterlace before it", name.c_str()),
+                      ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
+  return guarded(element_, [&] {
+    stop();
+    // Refused formats show up here, before any frame.
+    if (!in_layers_)
+      input_ = in_images_ ? make_image_input(in_info_) : std::make_unique<FrameInput>(in_info_);
+    if (!out_layers_)
+      output_ = carries_images(out) ? make_image_output(out_info_)
+                                    : std::make_unique<FrameOutput>(out_info_);
+    context_.look();
+    if (carries_images(out)) images_device_ = context_.for_images();
+    // Layers and images say with the first frame where they lie.
+    if (!in_layers_ && !in_images_) configure(device_for(nullptr));
+  });
+}
+
+void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
+  const Extent extent{static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_)),
+                      static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&in_info_))};
+  slots_ = {};
+  for (Slot& slot : slots_) {
+    slot.commands = std::make_unique<gpu::Commands>(device);
+    if (input_) slot.in = input_->make_buffer(device);
+    if (output_) slot.out = output_->make_buffer(device);
+  }
+  planes_.emplace(device, extent);
+  if (input_) input_->configure(device);
+  if (output_) output_->configure(device);
+  filter_->configure(device, extent);
+  device_ = device;
+  configured_ = true;
+  fresh_ = true;
+}
+
+GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
+  return guarded(element_, [&] { run(in, out); }) ? GST_FLOW_OK : GST_FLOW_ERROR;
+}
+
+Layers FilterElement::read_input(GstBuffer* in, Slot& slot) {
+  if (in_layers_) return take_layers(in);
+  Layers layers;
+  layers.extent = planes_->extent();
+  layers[Role::input] = planes_->acquire();
+  input_->record(*slot.commands, in, slot.in, *layers[Role::input]);
+  return layers;
+}
+
+std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
+  if (in_layers_) {
+    const Layers* layers = layers_of(in);
+    if (!layers)
+      throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
+                                              info_.factory +
+                                              "; an element before it dropped the layers meta");
+    return (*layers)[Role::intrinsic]->buffer->device();
+  }
+  if (!in_images_) return images_device_ ? images_device_ : context_.current();
+  auto device = input_->device_of(element_, in);
+  context_.permit(device);
+  return device;
+}
+
+void FilterElement::run(GstBuffer* in, GstBuffer* out) {
+  const auto start = Clock::now();
+  const auto device = device_for(in);
+  if (images_device_ && device != images_device_)
+    throw Error(ErrorKind::no_device,
+                std::string("this pipeline needs two Vulkan devices at once: frames reach ") +
+                    info_.factory + " on \"" + device->name() +
+                    "\", and the images that it sends are expected on another device, opened by a "
+                    "neighbour as \"" +
+                    images_device_->name() +
+                    "\"; let the elements share one (GstContext), or put vulkandownload and "
+                    "vulkanupload between");
+  if (!configured_ || device != device_) configure(device);
+  Slot& slot = slots_[next_slot_];
+  next_slot_ = (next_slot_ + 1) % slots_.size();
+  slot.commands->begin();
+  if (GST_BUFFER_FLAG_IS_SET(in, GST_BUFFER_FLAG_DISCONT)) fresh_ = true;
+  const bool fresh = fresh_.exchange(false);
+  if (fresh) filter_->reset();
+
+  FrameWork frame{*slot.commands, read_input(in, slot), fresh, !out_layers_, {}};
+  if (!in_layers_) slot.commands->stage("unpack");
+  filter_->process(frame);
+  if (!out_layers_) {
+    output_->record(*slot.commands, frame.picture, frame.layers, slot.out, out);
+    slot.commands->stage("pack");
+  }
+  slot.commands->submit();
+  if (out_layers_) {
+    attach_layers(out, frame.layers);
+  } else if (output_->waits()) {
+    slot.commands->wait();
+    output_->write(slot.out, out);
+  }
+  ++frames_;
+  publish(slot, milliseconds_since(start));
+}
+
+void FilterElement::publish(const Slot& slot, double wall_ms) {
+  GstStructure* stats =
+      gst_structure_new("inverse-stats", "frames", G_TYPE_UINT64, frames_, "device", G_TYPE_STRING,
+                        device_->name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
+                        G_TYPE_UINT64, device_->memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
+                        device_->memory_peak_bytes(), nullptr);
+  double device_ms = 0;
+  for (const auto& stage : slot.commands->stages()) {
+    const std::string field = std::string(stage.name) + "-ms";
+    gst_structure_set(stats, field.c_str(), G_TYPE_DOUBLE, stage.milliseconds, nullptr);
+    device_ms += stage.milliseconds;
+  }
+  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
+  filter_->describe(stats);
+  std::lock_guard lock(mutex_);
+  std::swap(stats, stats_);
+  if (stats) gst_structure_free(stats);
+}
+
+GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
+  GstBufferPool* pool = nullptr;
+  guarded(element_, [&] { pool = make_image_pool(images_device_, caps, size); });
+  return pool;
+}
+
+GstClockTime FilterElement::latency() const {
+  if (out_layers_ || GST_VIDEO_INFO_FPS_N(&out_info_) <= 0) return 0;
+  return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&out_info_),
+                                   GST_VIDEO_INFO_FPS_N(&out_info_));
+}
+
+void FilterElement::set_device_name(const char* name) {
+  std::lock_guard lock(mutex_);
+  device_name_ = name ? name : "";
+}
+
+std::string FilterElement::device_name() const {
+  std::lock_guard lock(mutex_);
+  return device_name_;
+}
+
+GstStructure* FilterElement::stats() const {
+  std::lock_guard lock(mutex_);
+  return stats_ ? gst_structure_copy(stats_) : gst_structure_new_empty("inverse-stats");
+}
+
+}  // namespace inverse

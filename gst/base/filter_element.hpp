@@ -1,0 +1,88 @@
+#pragma once
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <optional>
+
+#include "device_context.hpp"
+#include "filter.hpp"
+#include "frame_io.hpp"
+
+namespace inverse {
+
+/// The work behind every GstInverseFilter: device, caps, frames in flight, stats. filter.cpp binds
+/// it to GObject.
+class FilterElement {
+ public:
+  FilterElement(GstElement* element, const ElementInfo& info);
+
+  /// NULL → READY: decomposers take a device. READY → NULL: everything on the device goes.
+  bool open();
+  void close();
+  /// PAUSED → READY: forgets caps and frames.
+  void stop();
+
+  /// Checks fixed caps; posts one error and returns false where they cannot be handled.
+  bool set_caps(GstCaps* in, GstCaps* out);
+  /// Takes one buffer through the filter into `out`, which has memory only where pixels go out.
+  GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
+  /// The next frame starts afresh.
+  void flush() { fresh_ = true; }
+
+  const ElementInfo& info() const { return info_; }
+  Filter& filter() { return *filter_; }
+  DeviceContext& context() { return context_; }
+  /// A configured pool for images, where images go out; posts one error and returns null where
+  /// there can be none. New reference; `size` becomes the size of its buffers.
+  GstBufferPool* image_pool(GstCaps* caps, guint* size);
+  const GstVideoInfo& output_info() const { return out_info_; }
+  bool sends_layers() const { return out_layers_; }
+  bool sends_images() const { return images_device_ != nullptr; }
+  /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
+  GstClockTime latency() const;
+
+  void set_device_name(const char* name);
+  std::string device_name() const;
+  /// A copy of the stats of the last completed frame.
+  GstStructure* stats() const;
+
+ private:
+  struct Slot {
+    std::unique_ptr<gpu::Commands> commands;
+    gpu::BufferPtr in, out;  // the bytes of a frame
+  };
+  void configure(const std::shared_ptr<gpu::Device>& device);
+  std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
+  void run(GstBuffer* in, GstBuffer* out);
+  Layers read_input(GstBuffer* in, Slot& slot);
+  void publish(const Slot& slot, double wall_ms);
+
+  GstElement* element_;
+  const ElementInfo& info_;
+  std::unique_ptr<Filter> filter_;
+  DeviceContext context_;
+  std::string device_name_;
+  std::shared_ptr<gpu::Device> device_;         // the one configured for
+  std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
+
+  GstVideoInfo in_info_, out_info_;
+  bool in_layers_ = false, in_images_ = false, out_layers_ = false;
+  bool configured_ = false;
+  std::atomic<bool> fresh_{true};
+  std::unique_ptr<FrameInput> input_;
+  std::unique_ptr<FrameOutput> output_;
+  std::optional<PlanePool> planes_;
+  std::array<Slot, 3> slots_;  // at most three frames in flight
+  size_t next_slot_ = 0;
+  uint64_t frames_ = 0;
+
+  mutable std::mutex mutex_;  // device_name_, stats_
+  GstStructure* stats_ = nullptr;
+
+ public:
+  FilterElement(const FilterElement&) = delete;
+  FilterElement& operator=(const FilterElement&) = delete;
+  ~FilterElement();
+};
+
+}  // namespace inverse

@@ -1,0 +1,224 @@
+#include "frame_io.hpp"
+
+#include <cstring>
+#include <string>
+
+namespace inverse {
+namespace {
+
+PixelFormat pixel_format(GstVideoFormat format) {
+  switch (format) {
+    case GST_VIDEO_FORMAT_RGBA:
+      return PixelFormat::rgba;
+    case GST_VIDEO_FORMAT_BGRA:
+      return PixelFormat::bgra;
+    case GST_VIDEO_FORMAT_RGBx:
+      return PixelFormat::rgbx;
+    case GST_VIDEO_FORMAT_BGRx:
+      return PixelFormat::bgrx;
+    case GST_VIDEO_FORMAT_RGB:
+      return PixelFormat::rgb;
+    case GST_VIDEO_FORMAT_BGR:
+      return PixelFormat::bgr;
+    case GST_VIDEO_FORMAT_RGBA64_LE:
+      return PixelFormat::rgba64_le;
+    case GST_VIDEO_FORMAT_GRAY8:
+      return PixelFormat::gray8;
+    case GST_VIDEO_FORMAT_GRAY16_LE:
+      return PixelFormat::gray16_le;
+    case GST_VIDEO_FORMAT_NV12:
+      return PixelFormat::nv12;
+    case GST_VIDEO_FORMAT_I420:
+      return PixelFormat::i420;
+    case GST_VIDEO_FORMAT_YUY2:
+      return PixelFormat::yuy2;
+    case GST_VIDEO_FORMAT_UYVY:
+      return PixelFormat::uyvy;
+    case GST_VIDEO_FORMAT_P010_10LE:
+      return PixelFormat::p010_10le;
+    case GST_VIDEO_FORMAT_I420_10LE:
+      return PixelFormat::i420_10le;
+    default:
+      throw Error(ErrorKind::unsupported, std::string("video format ") +
+                                              gst_video_format_to_string(format) +
+                                              " is not supported; insert videoconvert");
+  }
+}
+
+TransferFunction transfer_function(GstVideoTransferFunction function) {
+  switch (function) {
+    case GST_VIDEO_TRANSFER_GAMMA10:
+      return TransferFunction::linear;
+    case GST_VIDEO_TRANSFER_GAMMA18:
+      return TransferFunction::gamma18;
+    case GST_VIDEO_TRANSFER_GAMMA20:
+      return TransferFunction::gamma20;
+    case GST_VIDEO_TRANSFER_GAMMA22:
+      return TransferFunction::gamma22;
+    case GST_VIDEO_TRANSFER_GAMMA28:
+      return TransferFunction::gamma28;
+    case GST_VIDEO_TRANSFER_BT709:
+    case GST_VIDEO_TRANSFER_BT601:
+    case GST_VIDEO_TRANSFER_BT2020_10:
+    case GST_VIDEO_TRANSFER_BT2020_12:
+      return TransferFunction::bt709;
+    case GST_VIDEO_TRANSFER_SMPTE240M:
+      return TransferFunction::smpte240m;
+    case GST_VIDEO_TRANSFER_ADOBERGB:
+      return TransferFunction::adobe_rgb;
+    case GST_VIDEO_TRANSFER_SMPTE2084:
+      return TransferFunction::pq;
+    case GST_VIDEO_TRANSFER_ARIB_STD_B67:
+      return TransferFunction::hlg;
+    case GST_VIDEO_TRANSFER_LOG100:
+      return TransferFunction::log100;
+    case GST_VIDEO_TRANSFER_LOG316:
+      return TransferFunction::log316;
+    case GST_VIDEO_TRANSFER_SRGB:
+    case GST_VIDEO_TRANSFER_UNKNOWN:
+      break;  // what screens and still cameras mean when they do not say
+  }
+  return TransferFunction::srgb;
+}
+
+Matrix color_matrix(GstVideoColorMatrix matrix, bool yuv) {
+  switch (matrix) {
+    case GST_VIDEO_COLOR_MATRIX_BT601:
+      return Matrix::bt601();
+    case GST_VIDEO_COLOR_MATRIX_SMPTE240M:
+      return Matrix::smpte240m();
+    case GST_VIDEO_COLOR_MATRIX_FCC:
+      return Matrix::fcc();
+    case GST_VIDEO_COLOR_MATRIX_BT2020:
+      return Matrix::bt2020();
+    case GST_VIDEO_COLOR_MATRIX_RGB:
+    case GST_VIDEO_COLOR_MATRIX_UNKNOWN:
+      return yuv ? Matrix::bt601() : Matrix{};
+    case GST_VIDEO_COLOR_MATRIX_BT709:
+      break;
+  }
+  return Matrix::bt709();
+}
+
+/// A mapped GstVideoFrame that unmaps itself. Throws where the buffer does not hold the frame that
+/// its caps promise.
+class MappedFrame {
+ public:
+  MappedFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flags) {
+    const auto no_ref = static_cast<GstMapFlags>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF);
+    if (!gst_video_frame_map(&frame_, &info, buffer, static_cast<GstMapFlags>(flags | no_ref)))
+      throw Error(ErrorKind::unsupported,
+                  "a buffer of " + std::to_string(gst_buffer_get_size(buffer)) +
+                      " bytes cannot hold the " + std::to_string(GST_VIDEO_INFO_WIDTH(&info)) +
+                      "x" + std::to_string(GST_VIDEO_INFO_HEIGHT(&info)) + " " +
+                      gst_video_format_to_string(GST_VIDEO_INFO_FORMAT(&info)) +
+                      " frame that its caps promise; mend the element that sent it");
+  }
+  MappedFrame(const MappedFrame&) = delete;
+  MappedFrame& operator=(const MappedFrame&) = delete;
+  ~MappedFrame() { gst_video_frame_unmap(&frame_); }
+
+  uint8_t* data(uint32_t plane) const {
+    return static_cast<uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame_, plane));
+  }
+  size_t stride(uint32_t plane) const {
+    return static_cast<size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame_, plane));
+  }
+
+ private:
+  GstVideoFrame frame_;
+};
+
+/// Copies rows between a mapped frame and the device's layout; `to_device` gives the direction.
+template <bool to_device>
+void copy_rows(const FrameFormat& format, const MappedFrame& frame, void* device) {
+  for (uint32_t plane = 0; plane < plane_count(format.format); ++plane) {
+    const size_t bytes = row_bytes(format.format, format.extent, plane);
+    const size_t rows = plane_rows(format.format, format.extent, plane);
+    uint8_t* on_device = static_cast<uint8_t*>(device) + format.offset[plane];
+    uint8_t* in_frame = frame.data(plane);
+    const size_t device_stride = format.stride[plane], frame_stride = frame.stride(plane);
+    const auto copy = [](uint8_t* a, uint8_t* b, size_t size) {
+      to_device ? memcpy(a, b, size) : memcpy(b, a, size);
+    };
+    if (device_stride == frame_stride) {
+      copy(on_device, in_frame, device_stride * (rows - 1) + bytes);
+    } else {
+      for (size_t row = 0; row < rows; ++row)
+        copy(on_device + row * device_stride, in_frame + row * frame_stride, bytes);
+    }
+  }
+}
+
+}  // namespace
+
+FrameFormat frame_format(const GstVideoInfo& info) {
+  FrameFormat format;
+  format.format = pixel_format(GST_VIDEO_INFO_FORMAT(&info));
+  format.extent = {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
+                   static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
+  const GstVideoColorimetry& color = info.colorimetry;
+  const bool yuv = is_yuv(format.format);
+  format.matrix = color_matrix(color.matrix, yuv);
+  format.range = color.range == GST_VIDEO_COLOR_RANGE_16_235 ||
+                         (color.range == GST_VIDEO_COLOR_RANGE_UNKNOWN && yuv)
+                     ? Range::limited
+                     : Range::full;
+  format.transfer = Transfer::of(transfer_function(color.transfer));
+  if (info.chroma_site != GST_VIDEO_CHROMA_SITE_UNKNOWN)
+    format.site = {(info.chroma_site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0,
+                   (info.chroma_site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0};
+  return aligned_layout(format, 4);
+}
+
+FrameInput::FrameInput(const GstVideoInfo& info) : info_(info), format_(frame_format(info)) {}
+
+gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
+  return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::upload);
+}
+
+void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
+  unpack_.emplace(device, format_);
+}
+
+void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
+                        const Plane& plane) const {
+  load(commands, buffer, raw);
+  unpack_->record(commands, raw, plane);
+}
+
+void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
+  const MappedFrame frame(info_, buffer, GST_MAP_READ);
+  copy_rows<true>(format_, frame, raw->map());
+}
+
+FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
+    : info_(info), format_(frame_format(info)) {
+  if (linear) format_.transfer = Transfer::of(TransferFunction::linear);
+}
+
+gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
+  return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
+}
+
+void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
+  pack_.emplace(device, format_);
+}
+
+void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
+                         const gpu::BufferPtr& raw, GstBuffer* buffer) const {
+  if (!picture.plane) throw Error(ErrorKind::internal, "an element drew no picture");
+  const PlanePtr& input = layers[Role::input];
+  pack_->record(commands,
+                {*picture.plane, picture.scalar ? Drawing::Source::shading : Drawing::Source::color,
+                 picture.gain, input ? input.get() : nullptr},
+                raw);
+  store(commands, raw, buffer);
+}
+
+void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
+  const MappedFrame frame(info_, buffer, GST_MAP_WRITE);
+  copy_rows<false>(format_, frame, raw->map());
+}
+
+}  // namespace inverse

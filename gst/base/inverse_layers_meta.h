@@ -1,0 +1,57 @@
+/* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
+ *
+ * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic` carry this meta and
+ * no pixels; the layers live on the Vulkan device. This header is all that is needed: no library to link. Layers come
+ * to host memory and go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no padding.
+ *
+ * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
+ */
+#pragma once
+#include <gst/gst.h>
+
+G_BEGIN_DECLS
+
+#define GST_INVERSE_LAYERS_META_API_NAME "GstInverseLayersMetaAPI"
+#define GST_CAPS_FEATURE_META_INVERSE_LAYERS "meta:InverseLayers"
+
+/**
+ * GstInverseRole:
+ * @GST_INVERSE_ROLE_INPUT: the frame, linear RGB, 1 = full scale; w = alpha
+ * @GST_INVERSE_ROLE_MODEL: reflectance RGB and shading (w) as the decomposer made them
+ * @GST_INVERSE_ROLE_INTRINSIC: reflectance RGB and shading (w), edited along the chain
+ * @GST_INVERSE_ROLE_MASK: x = matte 0...1
+ */
+typedef enum {
+  GST_INVERSE_ROLE_INPUT,
+  GST_INVERSE_ROLE_MODEL,
+  GST_INVERSE_ROLE_INTRINSIC,
+  GST_INVERSE_ROLE_MASK,
+} GstInverseRole;
+
+typedef struct _GstInverseLayersMeta GstInverseLayersMeta;
+
+/**
+ * GstInverseLayersMeta:
+ * @width: pixels
+ * @height: pixels
+ * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed. Free with
+ *   g_bytes_unref().
+ * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the device failed
+ */
+struct _GstInverseLayersMeta {
+  GstMeta meta;
+  guint width;
+  guint height;
+  GBytes* (*download)(GstInverseLayersMeta* meta, GstInverseRole role);
+  gboolean (*upload)(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data);
+  /*< private >*/
+  gpointer layers;
+};
+
+/** The layers of a buffer, or %NULL. */
+static inline GstInverseLayersMeta* gst_buffer_get_inverse_layers_meta(GstBuffer* buffer) {
+  const GType api = g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME);
+  return api ? (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api) : NULL;
+}
+
+G_END_DECLS

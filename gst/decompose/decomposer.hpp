@@ -1,0 +1,36 @@
+#pragma once
+#include <optional>
+
+#include "base/filter.hpp"
+#include "image/mosaic.hpp"
+
+namespace inverse {
+
+/// What a decomposer shows where pixels go out.
+enum class Show { reflectance, shading, input, mosaic };
+
+/// How much work goes into a frame: sets a group of parameters; what is set explicitly wins.
+enum class Quality { low, medium, high, best };
+
+/// What every decomposer of reflectance and shading shares: `show`. A method derives from it and
+/// fills the layers.
+class Decomposer : public Filter {
+ public:
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
+  void release() override;
+  void process(FrameWork& frame) final;
+
+ protected:
+  /// Fills `frame.layers` from its input layer and returns what to show.
+  virtual Show decompose(FrameWork& frame) = 0;
+
+  static std::vector<Choice> show_choices();
+  static std::vector<Choice> quality_choices();
+
+ private:
+  std::shared_ptr<gpu::Device> device_;
+  std::optional<PlanePool> planes_;
+  std::optional<Mosaic> mosaic_;  // made when it is first asked for
+};
+
+}  // namespace inverse

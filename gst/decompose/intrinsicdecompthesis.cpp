@@ -1,0 +1,150 @@
+// intrinsicdecompthesis: chapter 3 of the thesis to the letter.
+#include "decomposer.hpp"
+#include "intrinsic_thesis/thesis_decomposition.hpp"
+
+namespace inverse {
+namespace {
+
+struct Params : ThesisParams {
+  Show show = Show::reflectance;
+  Quality quality = Quality::medium;
+  bool adaptive = true;
+};
+
+/// The thesis runs 4 × 8 iterations (section 3.6.5) and shows convergence with 7 × 8.
+Params preset(const Params& set) {
+  Params params;
+  params.quality = set.quality;
+  constexpr int kIrls[] = {2, 4, 7, 16};
+  params.irls_iterations = kIrls[static_cast<int>(set.quality)];
+  params.pcg_iterations = set.quality == Quality::best ? 16 : 8;
+  return params;
+}
+
+class ThesisElement final : public Decomposer {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    Decomposer::configure(device, extent);
+    method_.emplace(device, extent);
+  }
+  void release() override {
+    method_.reset();
+    Decomposer::release();
+  }
+  void reset() override { method_->reset(); }
+
+  void describe(GstStructure* stats) const override {
+    const auto method = method_->stats(last_);
+    gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
+                      method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
+                      "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
+                      static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
+                      static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
+                      static_cast<int>(method.clusters.size()), nullptr);
+    if (!method.energy.empty())
+      gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
+  }
+
+ protected:
+  Show decompose(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    method_->set_params(params);
+    last_ = method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
+    frame.commands.stage("decompose");
+    return params.show;
+  }
+
+ private:
+  static const PropertyTable<Params>& table() {
+    using P = Params;
+    static const PropertyTable<P> table{
+        choice<P>("show", &P::show, "GstInverseShow", show_choices(),
+                  "What to show where ordinary video goes out; elements that take layers get all "
+                  "of them"),
+        choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(),
+                  "Sets iterations as a group; what is set explicitly wins"),
+        number<P>("seed", &P::seed, 0u, G_MAXUINT,
+                  "Seed of sample positions and of the first clusters: the same seed "
+                  "gives the same layers"),
+        choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
+                  {{static_cast<int>(P::Solver::pcg), "pcg",
+                    "Conjugate gradients with inverse diagonal, whole level"},
+                   {static_cast<int>(P::Solver::schwarz), "schwarz",
+                    "Additive Schwarz on shifted blocks of 16x16"}},
+                  "What solves the linear system of a reweighting (thesis 3.5)"),
+        choice<P>("irls", &P::irls, "GstIntrinsicDecompThesisIrls",
+                  {{static_cast<int>(P::Irls::consistent), "consistent",
+                    "Weights that minimize the energy (p/2)"},
+                   {static_cast<int>(P::Irls::printed), "printed",
+                    "As in Eq. 3.19: a sparsity 2/p times stronger"}},
+                  "Form of the reweighting factor"),
+        number<P>("levels", &P::levels, 0, 12,
+                  "Levels of the Gaussian pyramid; 0 = three to five by resolution"),
+        number<P>("irls-iterations", &P::irls_iterations, 1, 64, "Reweightings on each level"),
+        number<P>(
+            "pcg-iterations", &P::pcg_iterations, 1, 256,
+            "Conjugate gradient steps for each reweighting (with solver=schwarz: for each block)"),
+        number<P>("w-data", &P::w_data, 0.f, 1e6f, "Weight of the data term (Eq. 3.5)"),
+        number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                  "How much less dark pixels count (Eq. 3.6)"),
+        number<P>("w-reflectance", &P::w_reflectance, 0.f, 1e6f,
+                  "Weight of reflectance sparsity (Eq. 3.8)"),
+        number<P>("w-shading", &P::w_shading, 0.f, 1e6f, "Weight of shading smoothness (Eq. 3.9)"),
+        number<P>("w-chromaticity", &P::w_chromaticity, 0.f, 1e6f,
+                  "Weight of the chromaticity prior (Eq. 3.10)"),
+        number<P>("w-non-local", &P::w_non_local, 0.f, 1e6f,
+                  "Weight of the spatio-temporal samples (Eq. 3.12)"),
+        number<P>("w-clustering", &P::w_clustering, 0.f, 1e6f,
+                  "Weight of the reflectance clusters (Eq. 3.15)"),
+        number<P>("w-cs", &P::w_cs, 0.f, 1.f, "Scale of the chromaticity similarity (Eq. 3.7)"),
+        number<P>("p", &P::p, 0.f, 2.f,
+                  "Exponent of reflectance sparsity; smaller is sparser (Eq. 3.8)"),
+        number<P>("alpha-cs", &P::alpha_cs, 0.f, 1e4f,
+                  "Fall-off of similarity with chromaticity distance, chromaticities of mean 1 "
+                  "(Eq. 3.7)"),
+        number<P>("alpha-clustering", &P::alpha_clustering, 0.f, 1e3f,
+                  "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)"),
+        number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
+                  "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)"),
+        number<P>("epsilon", &P::epsilon, 1e-5f, 1.f,
+                  "Smallest reflectance step in a reweighting, log units"),
+        number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                  "Smallest intensity before the logarithm, 1 = full scale"),
+        number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                  "Added to intensities before chromaticities are taken, 1 = full scale"),
+        number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
+        number<P>("keyframes", &P::keyframes, 0, 5,
+                  "Earlier frames to draw samples from; 0 for stills"),
+        number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                  "Frames from one keyframe to the next"),
+        flag<P>("resample", &P::resample,
+                "Draw new sample positions for every frame instead of keeping them"),
+        flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
+    };
+    return table;
+  }
+
+  Parameters<Params> parameters_{table(), preset};
+  std::optional<ThesisDecomposition> method_;
+  uint64_t last_ = 0;
+};
+
+}  // namespace
+
+extern const ElementInfo kIntrinsicDecompThesis;
+const ElementInfo kIntrinsicDecompThesis{
+    "intrinsicdecompthesis",
+    "GstIntrinsicDecompThesis",
+    "Intrinsic decomposition (thesis)",
+    "Filter/Effect/Video",
+    "Takes video apart into reflectance and shading as in chapter 3 of Meka, Live Inverse "
+    "Rendering; intrinsicdecomp is "
+    "faster and more accurate",
+    Flow::pixels,
+    Flow::pixels_or_layers,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new ThesisElement); }};
+
+}  // namespace inverse

@@ -1,0 +1,30 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "image/transfer.hpp"
+
+namespace inverse {
+
+/// Linear RGB of a 0xAARRGGBB sRGB color property.
+inline std::array<float, 3> linear_color(uint32_t argb) {
+  static const Transfer srgb = Transfer::of(TransferFunction::srgb);
+  const auto channel = [&](uint32_t shift) {
+    return static_cast<float>(srgb.decode((argb >> shift & 255) / 255.0));
+  };
+  return {channel(16), channel(8), channel(0)};
+}
+
+/// The opaque 0xAARRGGBB sRGB color nearest to linear RGB.
+inline uint32_t srgb_color(const std::array<float, 3>& linear) {
+  static const Transfer srgb = Transfer::of(TransferFunction::srgb);
+  uint32_t argb = 255;
+  for (const float channel : linear) {
+    const double bounded = channel > 0 ? std::min(channel, 1.0f) : 0.0;
+    argb = argb << 8 | static_cast<uint32_t>(srgb.encode(bounded) * 255 + 0.5);
+  }
+  return argb;
+}
+
+}  // namespace inverse

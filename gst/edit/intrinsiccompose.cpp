@@ -1,0 +1,99 @@
+// intrinsiccompose: makes ordinary video again of decomposed video; the end of a chain of editors.
+#include <optional>
+
+#include "base/filter.hpp"
+#include "edit/compose.hpp"
+
+namespace inverse {
+namespace {
+
+enum class Show { composed, reflectance, shading, input, mask, difference };
+
+struct Params : ComposeParams {
+  Show show = Show::composed;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      choice<P>("show", &P::show, "GstInverseComposeShow",
+                {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
+                 {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
+                 {static_cast<int>(Show::shading), "shading", "Shading, edited, as gray"},
+                 {static_cast<int>(Show::input), "input", "The frame as it came in"},
+                 {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
+                 {static_cast<int>(Show::difference), "difference",
+                  "What the edits changed, on middle gray"}},
+                "What to show"),
+      choice<P>(
+          "residual", &P::residual, "GstInverseResidual",
+          {{static_cast<int>(Residual::add), "add",
+            "input + edited - unedited model: highlights stay as they are"},
+           {static_cast<int>(Residual::ratio), "ratio",
+            "input x edited / unedited model: noise and fine detail scale with the edit"},
+           {static_cast<int>(Residual::none), "none",
+            "The edited model alone, without what it does not explain"}},
+          "What becomes of the part of the frame that reflectance x shading does not explain"),
+      number<P>("strength", &P::strength, 0, 1,
+                "How much of all the edits to show: 0 = the input, 1 = all of them"),
+  };
+  return table;
+}
+
+class ComposeElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    compose_.emplace(device, extent);
+  }
+  void release() override { compose_.reset(); }
+
+  void process(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    const uint32_t before = frame.commands.dispatches();
+    frame.picture = draw(frame, params);
+    if (frame.commands.dispatches() > before) frame.commands.stage("compose");
+  }
+
+ private:
+  Picture draw(FrameWork& frame, const Params& params) {
+    switch (params.show) {
+      case Show::reflectance:
+        return {frame.layers[Role::intrinsic]};
+      case Show::shading:
+        return {frame.layers[Role::intrinsic], true};
+      case Show::input:
+        return {frame.layers[Role::input]};
+      case Show::mask:
+        if (!frame.layers[Role::mask])
+          throw Error(ErrorKind::unsupported,
+                      "there is no mask to show; set write-mask=true on an editor before "
+                      "intrinsiccompose");
+        return {compose_->record_mask(frame.commands, frame.layers)};
+      case Show::difference:
+        return {compose_->record_difference(frame.commands, frame.layers)};
+      case Show::composed:
+        break;
+    }
+    return {compose_->record(frame.commands, frame.layers, params)};
+  }
+
+  Parameters<Params> parameters_{table()};
+  std::optional<Compose> compose_;
+};
+
+}  // namespace
+
+extern const ElementInfo kIntrinsicCompose;
+const ElementInfo kIntrinsicCompose{
+    "intrinsiccompose",
+    "GstIntrinsicCompose",
+    "Intrinsic compose",
+    "Filter/Effect/Video",
+    "Puts decomposed video together again, with the edits made to its layers",
+    Flow::layers_or_pixels,
+    Flow::pixels,
+    "intrinsicdecomp",
+    [] { return std::unique_ptr<Filter>(new ComposeElement); }};
+
+}  // namespace inverse

@@ -1,0 +1,133 @@
+// intrinsicrecolor: gives one color of the scene another; light and shadow stay.
+#include <cmath>
+#include <optional>
+
+#include "base/filter.hpp"
+#include "color.hpp"
+#include "edit/recolor.hpp"
+
+namespace inverse {
+namespace {
+
+struct Params : RecolorParams {
+  uint32_t key_color = 0xffc83c28;
+  uint32_t target_color = 0xff2864c8;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      color<P>("key", &P::key_color,
+               "A color of the region to recolor, as the reflectance layer shows it (0xAARRGGBB, "
+               "sRGB; alpha is ignored). Its chromaticity selects, and its brightness is what "
+               "becomes the target's; a gray selects all grays, so narrow value-tolerance then"),
+      number<P>("tolerance", &P::tolerance, 0, 3,
+                "How far chromaticity R / mean(R) may be from the key's: Euclidean distance; gray "
+                "is 2.45 from a pure primary"),
+      number<P>("value-tolerance", &P::value_tolerance, 0, P::kAnyValue,
+                "How far mean reflectance may be from the key's: |ln ratio|, so 0.7 is a factor of "
+                "two either way; 20 = any"),
+      number<P>("softness", &P::softness, 0, 3,
+                "Over what distance beyond the tolerances the selection falls to nothing, in their "
+                "units; with a cluster, over what difference between the distances to the nearest "
+                "two in ln R; 0 = hard edges"),
+      number<P>("cluster", &P::cluster, P::kByKey, static_cast<int>(Palette::kMaxClusters) - 1,
+                "Recolor the pixels nearest to this cluster of the scene's reflectances instead of "
+                "those near the key; -1 = by key. The field clusters of stats lists their colors"),
+      number<P>("clusters", &P::clusters, 1, static_cast<int>(Palette::kMaxClusters),
+                "How many clusters to look for; only used where cluster is not -1. A change starts "
+                "the search afresh"),
+      color<P>("target", &P::target_color,
+               "The reflectance that the key becomes (0xAARRGGBB, sRGB; alpha is ignored)"),
+      number<P>("texture", &P::texture, 0, 1,
+                "How much of the region's own variation in brightness stays: 0 = flat paint, 1 = "
+                "all of it"),
+      number<P>("strength", &P::strength, 0, 1,
+                "How far the colors go to the target; 0 = layers pass through untouched"),
+      flag<P>("use-mask", &P::use_mask,
+              "Multiply the selection by the mask layer where the frame has one"),
+      flag<P>(
+          "write-mask", &P::write_mask,
+          "Leave the selection behind as the mask layer, for the editors after this one, and to "
+          "look at"),
+  };
+  return table;
+}
+
+class RecolorElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    recolor_.emplace(device, extent);
+    for (auto& copy : copies_)
+      copy = gpu::Buffer::create(device, gpu::Element::vec4, 2 * Palette::kMaxClusters,
+                                 gpu::Memory::readback);
+    copied_ = 0;
+  }
+  void release() override {
+    recolor_.reset();
+    copies_ = {};
+    copied_ = 0;
+  }
+  void reset() override {
+    recolor_->reset();
+    copied_ = 0;
+  }
+
+  void process(FrameWork& frame) override {
+    Params params = parameters_.snapshot();
+    params.key = linear_color(params.key_color);
+    params.target = linear_color(params.target_color);
+    const uint32_t before = frame.commands.dispatches();
+    recolor_->record(frame.commands, frame.layers, params);
+    const bool worked = frame.commands.dispatches() > before;
+    if (worked && params.cluster >= 0) {
+      const auto& copy = copies_[copied_++ % copies_.size()];
+      frame.commands.copy(recolor_->palette()->colors(), copy, copy->bytes());
+    } else {
+      copied_ = 0;
+    }
+    if (worked) frame.commands.stage("recolor");
+  }
+
+  void describe(GstStructure* stats) const override {
+    // The base has at most three frames in flight, so the copy before those is complete.
+    if (copied_ < copies_.size()) return;
+    const auto& copy = copies_[copied_ % copies_.size()];
+    GValue list = G_VALUE_INIT;
+    gst_value_array_init(&list, Palette::kMaxClusters);
+    for (const auto& cluster :
+         Palette::read(copy->map_as<float>(), recolor_->palette()->params().clusters)) {
+      GValue entry = G_VALUE_INIT;
+      g_value_init(&entry, G_TYPE_UINT);
+      std::array<float, 3> linear{};
+      for (size_t c = 0; c < 3; ++c) linear[c] = std::exp(cluster.log_color[c]);
+      g_value_set_uint(&entry, cluster.index < 0 ? 0 : srgb_color(linear));
+      gst_value_array_append_and_take_value(&list, &entry);
+    }
+    gst_structure_take_value(stats, "clusters", &list);
+  }
+
+ private:
+  Parameters<Params> parameters_{table()};
+  std::optional<Recolor> recolor_;
+  std::array<gpu::BufferPtr, 4> copies_;  // of the palette's colors, for stats
+  size_t copied_ = 0;                     // in a row
+};
+
+}  // namespace
+
+extern const ElementInfo kIntrinsicRecolor;
+const ElementInfo kIntrinsicRecolor{
+    "intrinsicrecolor",
+    "GstIntrinsicRecolor",
+    "Intrinsic recolor",
+    "Filter/Effect/Video",
+    "Gives one color of a decomposed scene another, under the light that there is",
+    Flow::layers_or_pixels,
+    Flow::layers,
+    "intrinsicdecomp",
+    [] { return std::unique_ptr<Filter>(new RecolorElement); }};
+
+}  // namespace inverse

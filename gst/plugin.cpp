@@ -1,0 +1,28 @@
+// The list of elements, nothing else.
+#include "base/filter.hpp"
+#include "base/layers_meta.hpp"
+
+namespace inverse {
+extern const ElementInfo kIntrinsicCompose;
+extern const ElementInfo kIntrinsicDecomp;
+extern const ElementInfo kIntrinsicDecompThesis;
+extern const ElementInfo kIntrinsicRecolor;
+gboolean register_intrinsicsplit(GstPlugin* plugin);
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
+  inverse::register_layers_meta();
+  for (const inverse::ElementInfo* element : {
+           &inverse::kIntrinsicDecomp,
+           &inverse::kIntrinsicDecompThesis,
+           &inverse::kIntrinsicRecolor,
+           &inverse::kIntrinsicCompose,
+       })
+    if (!inverse::register_filter(plugin, *element)) return FALSE;
+  return inverse::register_intrinsicsplit(plugin);
+}
+
+GST_PLUGIN_DEFINE(
+    GST_VERSION_MAJOR, GST_VERSION_MINOR, inverse,
+    "Takes live video apart into reflectance and shading, and lets edits touch the layers",
+    plugin_init, VERSION, "LGPL", "gst-inverse", "gst-inverse")

@@ -1,0 +1,45 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "edit.glsl"
+
+// Puts a frame together again from its layers: old = R S as the decomposer made them, new = R' S' as they are now.
+layout(constant_id = 1) const uint MODE = 0u;
+const uint kAdd = 0u;         // input + new − old: keeps what the model does not explain
+const uint kRatio = 1u;       // input · (new + ε) / (old + ε): scales it with the edit
+const uint kNone = 2u;        // new: drops it
+const uint kDifference = 3u;  // (new − old) / 2 on middle gray
+const uint kMask = 4u;        // the mask layer as gray
+
+PLANE_IN(0, frame);  // linear RGB, alpha
+PLANE_IN(1, model);
+PLANE_IN(2, intrinsic);  // kMask: the mask layer
+PLANE_OUT(3, picture);
+layout(push_constant) uniform Push {
+  uvec2 size;
+  float strength;  // 0: the input, 1: the edit
+} push;
+
+const float kRatioFloor = 2e-3;     // linear light, 1 = full scale
+const float kMiddleGray = 0.21404;  // sRGB code 128
+
+void main() {
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  if (at.x >= push.size.x) return;
+  uint last = min(at.y + kRows, push.size.y);
+  for (uint y = at.y; y < last; ++y) {
+    int n = int(y * push.size.x + at.x);
+    vec4 seen = finite(FETCH(frame, n));
+    vec4 before = finite(FETCH(model, n));
+    vec4 now = finite(FETCH(intrinsic, n));
+    vec3 from = before.rgb * before.w;
+    vec3 to = now.rgb * now.w;
+    vec3 edited = MODE == kMask         ? now.xxx
+                  : MODE == kDifference ? kMiddleGray + 0.5 * (to - from)
+                  : MODE == kNone       ? to
+                  : MODE == kRatio      ? seen.rgb * ((to + kRatioFloor) / (from + kRatioFloor))
+                                        : seen.rgb + (to - from);
+    vec3 drawn = MODE >= kDifference ? edited : seen.rgb + push.strength * (edited - seen.rgb);
+    STORE(picture, n, vec4(clamp(drawn, vec3(0.0), vec3(kLargest)), min(seen.w, 1.0)));
+  }
+}

@@ -1,0 +1,57 @@
+#include "compose.hpp"
+
+#include <algorithm>
+
+#include "../gpu/shaders.hpp"
+
+INVERSE_SHADER(edit_compose);
+
+namespace inverse {
+namespace {
+
+constexpr uint32_t kRows = 4;  // edit.glsl
+// MODE in compose.comp; the first three are Residual's.
+constexpr uint32_t kDifference = 3, kMask = 4;
+
+struct Push {
+  uint32_t size[2];
+  float strength;
+};
+
+}  // namespace
+
+Compose::Compose(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : planes_(device, extent) {
+  for (uint32_t mode = 0; mode < kernels_.size(); ++mode)
+    kernels_[mode] = device->kernel(shaders::edit_compose, {mode});
+}
+
+PlanePtr Compose::record(gpu::Commands& commands, const Layers& layers,
+                         const ComposeParams& params) {
+  const bool edited = layers[Role::intrinsic] != layers[Role::model];
+  const bool wanted = params.strength > 0;
+  if (!wanted || (!edited && params.residual != Residual::none)) return layers[Role::input];
+  return run(commands, static_cast<uint32_t>(params.residual), layers, Role::intrinsic,
+             std::min(params.strength, 1.0f));
+}
+
+PlanePtr Compose::record_difference(gpu::Commands& commands, const Layers& layers) {
+  return run(commands, kDifference, layers, Role::intrinsic, 1);
+}
+
+PlanePtr Compose::record_mask(gpu::Commands& commands, const Layers& layers) {
+  return run(commands, kMask, layers, Role::mask, 1);
+}
+
+PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& layers, Role now,
+                      float strength) {
+  PlanePtr picture = planes_.acquire();
+  commands.dispatch(kernels_[mode],
+                    {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
+                     picture->buffer},
+                    Push{{layers.extent.width, layers.extent.height}, strength},
+                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  return picture;
+}
+
+}  // namespace inverse

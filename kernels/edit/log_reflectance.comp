@@ -1,0 +1,21 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "edit.glsl"
+
+// ln R of every stride-th pixel of every stride-th row, for the palette: picked, not averaged, so that it stays free of
+// colors that are only borders between others.
+PLANE_IN(0, model);
+PLANE_OUT(1, picked);
+layout(push_constant) uniform Push {
+  uvec2 size;         // of `picked`
+  uint stride;        // pixels
+  uint model_width;   // pixels
+} push;
+
+void main() {
+  uvec2 at = gl_GlobalInvocationID.xy;
+  if (at.x >= push.size.x) return;
+  vec3 r = finite(FETCH(model, int(at.y * push.stride * push.model_width + at.x * push.stride))).rgb;
+  STORE(picked, at.y * push.size.x + at.x, vec4(log(max(r, vec3(kReflectanceFloor))), 0.0));
+}

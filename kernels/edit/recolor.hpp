@@ -1,0 +1,83 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "../gpu/commands.hpp"
+#include "../image/layers.hpp"
+#include "../palette/palette.hpp"
+
+namespace inverse {
+
+/// What to recolor, and into what. Colors are linear RGB reflectances in the scale of the intrinsic
+/// layer.
+struct RecolorParams {
+  /// −1: what the key says. 0…clusters − 1: the pixels nearest to that cluster of the unedited
+  /// reflectance; its mean color takes the key's place and the tolerances are not used.
+  int cluster = kByKey;
+  /// How many clusters the palette looks for, 1…Palette::kMaxClusters.
+  int clusters = 10;
+  /// A color of the region. Its chromaticity K / mean K selects; its mean K is the value that
+  /// becomes the target's.
+  std::array<float, 3> key{0.5f, 0.05f, 0.05f};
+  /// How far a pixel's chromaticity c = R / mean R may be from the key's and still count as the
+  /// same: Euclidean distance. Gray is 2.45 from a pure primary and 0 from any other gray.
+  float tolerance = 0.4f;
+  /// How far a pixel's mean reflectance may be from the key's: |ln ratio|. kAnyValue: no limit.
+  float value_tolerance = kAnyValue;
+  /// Over what distance beyond either tolerance the selection falls to 0, in the same units; with
+  /// clusters, over what difference between the distances to the nearest two, in ln R. 0: a hard
+  /// edge.
+  float softness = 0.3f;
+  /// The reflectance that the key becomes.
+  std::array<float, 3> target{0.05f, 0.2f, 0.5f};
+  /// How much of the region's own variation in value stays: R' = target · (mean R / mean
+  /// K)^texture.
+  float texture = 1.0f;
+  /// 0: nothing changes; 1: fully recolored where selected.
+  float strength = 1.0f;
+  /// Multiply the selection by the mask layer where there is one.
+  bool use_mask = true;
+  /// Leave the selection (times the mask, if used) behind as the mask layer for what follows.
+  bool write_mask = false;
+
+  static constexpr float kAnyValue = 20.0f;
+  static constexpr int kByKey = -1;
+};
+
+/// Gives one color of the scene another: R' = R + w (R_target − R). Shading stays.
+class Recolor {
+ public:
+  Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records the edit of `layers` (Role::intrinsic must be there). Planes that somebody else holds
+  /// are left alone: the edit goes to a fresh one. Nothing is recorded and the layers stay as they
+  /// are where strength is 0 and no mask is asked for. Values that are not finite are taken as 0
+  /// (infinity: as 65504), colors and numbers of `params` are clamped to their ranges.
+  ///
+  /// With a cluster, Role::model must be there too: it feeds the palette, so that editors one after
+  /// the other mean the same color by the same index.
+  void record(gpu::Commands& commands, Layers& layers, const RecolorParams& params);
+
+  /// Forgets the clusters of earlier frames.
+  void reset();
+
+  /// The clusters in use, or null where no cluster was asked for yet.
+  const Palette* palette() const { return palette_ ? &*palette_ : nullptr; }
+
+ private:
+  void record_palette(gpu::Commands& commands, const Plane& model, int clusters);
+
+  std::shared_ptr<gpu::Device> device_;
+  PlanePool planes_;
+  gpu::BufferPtr nothing_;
+  std::array<gpu::KernelPtr, 4> by_key_, by_cluster_;  // by MATTE + 2 PUBLISH
+  gpu::KernelPtr log_reflectance_;
+  std::optional<Palette> palette_;
+  Plane sample_;         // ln R of some pixels
+  uint32_t stride_ = 1;  // between them
+};
+
+/// The plane to write the edited `plane` to: itself where nobody else holds it, else a fresh one.
+PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes);
+
+}  // namespace inverse

@@ -1,0 +1,33 @@
+// Pixels of a plane as encoded R', G', B' ready for output: four in a row, component by component.
+PLANE_IN(0, picture);
+
+// Not-a-numbers and negatives become 0, infinity the top. By bits: positive floats order like integers, and no compiler
+// may assume its way around it.
+vec4 sanitized(vec4 value, float top) {
+  ivec4 bits = floatBitsToInt(value);
+  bits = mix(bits, ivec4(0), greaterThan(bits, ivec4(0x7f800000)));
+  return intBitsToFloat(clamp(bits, ivec4(0), ivec4(floatBitsToInt(top))));
+}
+
+struct Quad { vec4 r, g, b; };
+Quad encoded(vec4 r, vec4 g, vec4 b) {
+  return Quad(encode(sanitized(r * push.gain, push.ceiling), push.curve, push.power),
+              encode(sanitized(g * push.gain, push.ceiling), push.curve, push.power),
+              encode(sanitized(b * push.gain, push.ceiling), push.curve, push.power));
+}
+
+vec4 color_at(uint row, uint column) {
+  vec4 pixel = FETCH(picture, int(row * push.size.x + min(column, push.size.x - 1u)));
+  return (push.flags & kFlagShading) != 0u ? pixel.wwww : pixel;
+}
+
+Quad quad_at(uint row, uint column) {
+  vec4 p = color_at(row, column), q = color_at(row, column + 1u), s = color_at(row, column + 2u),
+       t = color_at(row, column + 3u);
+  return encoded(vec4(p.x, q.x, s.x, t.x), vec4(p.y, q.y, s.y, t.y), vec4(p.z, q.z, s.z, t.z));
+}
+
+// The code of a value in 0...1 (chroma: -1/2...1/2), rounded to nearest.
+uvec4 code_of(vec4 value, float offset, float scale) {
+  return uvec4(clamp(value * scale + offset, 0.0, push.largest) + 0.5);
+}

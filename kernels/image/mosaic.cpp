@@ -1,0 +1,42 @@
+#include "mosaic.hpp"
+
+#include "../error.hpp"
+#include "../gpu/shaders.hpp"
+#include "pyramid.hpp"
+
+INVERSE_SHADER(image_tile);
+
+namespace inverse {
+
+Mosaic::Mosaic(const std::shared_ptr<gpu::Device>& device)
+    : kernel_(device->kernel(shaders::image_tile)) {}
+
+void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
+                    const Plane& target) const {
+  const Extent size = target.extent, large = half_of(size);
+  const Plane* any = nullptr;
+  for (const Tile& tile : tiles) {
+    if (!tile.picture) continue;
+    if (tile.picture->extent != size)
+      throw Error(ErrorKind::internal, "a mosaic's planes differ in size");
+    any = tile.picture;
+  }
+  if (!any) throw Error(ErrorKind::internal, "a mosaic of nothing");
+  for (uint32_t i = 0; i < 4; ++i) {
+    const bool right = i % 2 == 1, bottom = i / 2 == 1;
+    struct {
+      uint32_t size[2], origin[2], tile[2], shading;
+      float gain;
+    } push{{size.width, size.height},
+           {right ? large.width : 0, bottom ? large.height : 0},
+           {right ? size.width - large.width : large.width,
+            bottom ? size.height - large.height : large.height},
+           tiles[i].source == Drawing::Source::shading,
+           tiles[i].picture ? tiles[i].gain : 0};
+    if (push.tile[0] == 0 || push.tile[1] == 0) continue;  // a frame one pixel wide or high
+    const Plane& picture = tiles[i].picture ? *tiles[i].picture : *any;
+    commands.dispatch(kernel_, {picture.buffer, target.buffer}, push, {push.tile[0], push.tile[1]});
+  }
+}
+
+}  // namespace inverse

@@ -1,0 +1,27 @@
+#pragma once
+#include <array>
+
+#include "../gpu/commands.hpp"
+#include "convert.hpp"
+#include "plane.hpp"
+
+namespace inverse {
+
+/// Draws up to four planes at half size into one, in reading order: top left, top right, bottom
+/// left, bottom right. Each pixel is the mean, in linear light, of the 2×2 under it; w = 1. Where
+/// the size is odd, the left and the top tiles are the larger ones.
+class Mosaic {
+ public:
+  struct Tile {
+    const Plane* picture = nullptr;  ///< of the target's extent; null leaves the tile black
+    Drawing::Source source = Drawing::Source::color;
+    float gain = 1;
+  };
+  explicit Mosaic(const std::shared_ptr<gpu::Device>& device);
+  void record(gpu::Commands& commands, const std::array<Tile, 4>& tiles, const Plane& target) const;
+
+ private:
+  gpu::KernelPtr kernel_;
+};
+
+}  // namespace inverse

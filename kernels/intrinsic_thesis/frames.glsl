@@ -1,0 +1,61 @@
+// Spatio-temporal samples (3.4.3): the frames that they are drawn from, at bindings 0 to 5.
+//
+// A frame holds (r, packed chromaticity) a pixel, so that a sample costs one gather. The frames of a level lie one
+// behind the other, the current one first, kSlots to a buffer: one buffer where the device can bind it. Bindings that
+// a level does not need are bound to the first buffer again.
+#include "../image/random.glsl"
+
+layout(constant_id = 1) const int kSlots = 6;
+
+PLANE_IN(0, frames0);
+PLANE_IN(1, frames1);
+PLANE_IN(2, frames2);
+PLANE_IN(3, frames3);
+PLANE_IN(4, frames4);
+PLANE_IN(5, frames5);
+
+vec4 sample_frame(int slot, int index) {
+  // Everything but the first fetch is folded away by the specialization constant where one buffer holds all slots.
+  int buffer_index = kSlots < 6 ? slot / kSlots : 0;
+  int at = (slot - buffer_index * kSlots) * push.size.x * push.size.y + index;
+  vec4 value = FETCH(frames0, at);
+  if (kSlots < 6) value = buffer_index == 1 ? FETCH(frames1, at) : value;
+  if (kSlots < 3) value = buffer_index == 2 ? FETCH(frames2, at) : value;
+  if (kSlots < 2) {
+    value = buffer_index == 3 ? FETCH(frames3, at) : value;
+    value = buffer_index == 4 ? FETCH(frames4, at) : value;
+    value = buffer_index == 5 ? FETCH(frames5, at) : value;
+  }
+  return value;
+}
+
+const int kCurrent = 1, kKeyframes = 2;
+
+/// (Σ r_ti, count) over the samples that agree in chromaticity with pixel n, whose packed chromaticity is `own`;
+/// `spread` receives Σ |r − r_ti|² over them. `which`: from the current frame, keyframes or both.
+vec4 draw_samples(int n, float own, vec3 r, int which, out float spread) {
+  vec4 sum = vec4(0.0);
+  spread = 0.0;
+  float own_red = floor(own * (1.0 / 4096.0));
+  float own_blue = own - own_red * 4096.0;
+  for (int i = 0; i < push.samples; ++i) {
+    uvec3 random = pcg3d(uvec3(uint(n), uint(i) + push.stream * 256u, push.seed)) >> 16u;
+    uvec3 draw = (random * uvec3(push.size, push.frames)) >> 16u;
+    int slot = int(draw.z);
+    int keyframe = push.ring_start + slot;  // 1 is the oldest; the ring's end wraps
+    slot = slot == 0 ? 0 : keyframe - (keyframe > push.ring_capacity ? push.ring_capacity : 0);
+    bool wanted = ((slot == 0 ? kCurrent : kKeyframes) & which) != 0;
+    // What is not wanted costs a fetch that is in the cache.
+    vec4 value = wanted ? sample_frame(slot, int(draw.y) * push.size.x + int(draw.x)) : FETCH(frames0, n);
+    float red = floor(value.w * (1.0 / 4096.0));
+    float blue = value.w - red * 4096.0 - own_blue;
+    red -= own_red;
+    float green = red + blue;
+    bool agrees = red * red + green * green + blue * blue < push.sample_threshold;
+    // A choice, not a product: the current frame may not be written yet.
+    vec3 d = r - value.rgb;
+    sum += wanted && agrees ? vec4(value.rgb, 1.0) : vec4(0.0);
+    spread += wanted && agrees ? dot(d, d) : 0.0;
+  }
+  return sum;
+}

@@ -1,0 +1,26 @@
+// Reflectance clusters (thesis, 3.4.4): a 30³ histogram of the reflectance with exponential averaging over time, weighted
+// k-means over its bins, and merging of duplicates. Everything is summed in integers or in a fixed order: the same input
+// gives the same clusters.
+//
+//   gauge    g: e^(r + g) has its quantile at gauge_value; g ← g + decay (g_frame − g)
+//   bins     h ← h + decay (h_frame − h), h = (pixels, Σ R)
+//   k-means  argmin_k |R_bin − C_k|², C_k ← Σ h R / Σ h
+//   merge    b into the lower a where |c(C_a) − c(C_b)| < τ_cc and |ln mean C_a − ln mean C_b| < τ_intensity
+
+const int kBins = 30;                       // per channel
+const int kBinCount = kBins * kBins * kBins;
+const int kGaugeBins = 2048;                // of ln R from −16 to 16
+const int kMaxClusters = 16;
+
+layout(push_constant) uniform Push {
+  uvec2 size;
+  int first;         // 1: no history yet
+  int clusters;
+  int iterations;
+  uint frame;
+  uint seed;
+  float decay;
+  float tau_cc, tau_intensity, chroma_floor;
+  float gauge_quantile, gauge_value;
+  float fraction_scale;  // fixed point inside a bin
+} push;

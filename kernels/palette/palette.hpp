@@ -1,0 +1,76 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "../gpu/commands.hpp"
+#include "../image/plane.hpp"
+
+namespace inverse {
+
+/// The reflectance clusters of a video (thesis, section 3.4.4): a histogram of 30³ bins averaged
+/// over time, weighted k-means started from the previous frame's clusters, duplicates collapsed.
+/// All of it on the device. The same frames, parameters and seed give the same clusters. Indices
+/// are stable: a color keeps its index from frame to frame, and merged clusters go by the lower
+/// index.
+class Palette {
+ public:
+  static constexpr uint32_t kMaxClusters = 16;
+
+  struct Params {
+    int clusters = 10;              ///< K, 1…16
+    int iterations = 8;             ///< of k-means a frame, 1…64
+    float decay = 0.1f;             ///< share of the newest frame in histogram and gauge, 0…1
+    float tau_cc = 0.05f;           ///< merge below this chromaticity distance (mean 1), 0…3
+    float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
+    float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0
+    float gauge_quantile = 0.995f;  ///< the gauge puts this quantile of R, 0…1,
+    float gauge_value = 0.95f;      ///< at this value, > 0
+    uint32_t seed = 1;              ///< of the k-means++ start
+  };
+
+  /// A cluster as the host sees it.
+  struct Cluster {
+    std::array<float, 3> color;  ///< linear reflectance in the gauge of `gauge()`, after merging
+    std::array<float, 3> log_color;  ///< ln R in the gauge of the planes given to `record_update`
+    int index;                       ///< of the cluster that stands for it; −1: no pixels
+  };
+
+  /// Throws Error(limit, out_of_memory).
+  explicit Palette(const std::shared_ptr<gpu::Device>& device);
+
+  /// Values outside their range are clamped.
+  void set_params(const Params& params);
+  const Params& params() const { return params_; }
+
+  /// Takes a frame in: rgb of `log_reflectance` is ln R in any gauge, as long as it is the same one
+  /// over time. Throws Error(limit) beyond 2³² / 255 pixels, where the histogram's sums would end.
+  void record_update(gpu::Commands& commands, const Plane& log_reflectance);
+
+  /// Writes (ln color, index) of the cluster nearest in ln R to each pixel, index −1 where there is
+  /// no cluster. Both planes have one size.
+  void record_assign(gpu::Commands& commands, const Plane& log_reflectance,
+                     const Plane& clusters) const;
+
+  /// Forgets histogram, gauge and clusters.
+  void reset() { first_ = true; }
+
+  /// One scalar: ln of the factor that brings R into the palette's gauge.
+  const gpu::BufferPtr& gauge() const { return gauge_; }
+  /// 2 · kMaxClusters vec4, as merge.comp describes them.
+  const gpu::BufferPtr& colors() const { return palette_; }
+  /// Reads what `colors()` holds, given a copy of it in host memory.
+  static std::vector<Cluster> read(const float* colors, int count);
+
+ private:
+  gpu::KernelPtr gauge_count_, gauge_kernel_, count_, average_, compact_, seed_, cluster_, merge_,
+      assign_;
+  gpu::BufferPtr gauge_counts_, gauge_, counts_, list_, list_length_, clusters_, labels_, palette_;
+  std::array<gpu::BufferPtr, 2> histogram_;
+  Params params_;
+  uint32_t frame_ = 0;
+  bool first_ = true;
+  bool cleared_ = false;
+};
+
+}  // namespace inverse

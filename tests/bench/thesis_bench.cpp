@@ -1,0 +1,134 @@
+// Time and memory of ThesisDecomposition by stage.
+//
+//   thesis-bench [--dump IN [--out OUT]] [--size WxH] [--frames N] [--solver pcg|schwarz] [--levels
+//   N]
+//                [--irls N] [--pcg N] [--keyframes N] [--printed]
+//
+// Without a dump (see frames.hpp) the frames are synthetic; --out writes every frame's intrinsic
+// plane (R.rgb, S). Prints medians over the frames after the first.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "frames.hpp"
+#include "intrinsic_thesis/thesis_decomposition.hpp"
+
+namespace {
+
+using namespace inverse;
+using Clock = std::chrono::steady_clock;
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+struct Options {
+  ThesisParams params;
+  Extent extent{640, 480};
+  int frames = 10;
+  std::string dump, out;
+};
+
+void run(const Options& options) {
+  std::vector<bench::Frame> inputs;
+  if (!options.dump.empty()) inputs = bench::read_frames(options.dump);
+  const Extent extent = inputs.empty() ? options.extent : inputs.front().extent;
+  const int count = inputs.empty() ? options.frames : static_cast<int>(inputs.size());
+  const auto device = gpu::Device::open();
+  const auto opened = Clock::now();
+  ThesisDecomposition method(device, extent);
+  method.set_params(options.params);
+  const auto input =
+      gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
+  const auto output =
+      gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);
+  gpu::Commands commands(device);
+  std::ofstream out;
+  if (!options.out.empty()) out.open(options.out, std::ios::binary);
+  std::map<std::string, std::vector<double>> stages;
+  std::vector<std::string> order;
+  std::vector<double> wall;
+  for (int t = 0; t < count; ++t) {
+    const bench::Frame frame =
+        inputs.empty() ? bench::synthetic_frame(extent, t) : inputs[static_cast<size_t>(t)];
+    if (frame.extent != extent) throw std::runtime_error("the frames of a dump have one size");
+    std::memcpy(input->map(), frame.pixels.data(), input->bytes());
+    const auto start = Clock::now();
+    commands.begin();
+    Layers layers;
+    const uint64_t number = method.record(commands, {extent, input}, layers);
+    commands.copy(layers[Role::intrinsic]->buffer, output, output->bytes());
+    commands.submit();
+    commands.wait();
+    const std::chrono::duration<double, std::milli> took = Clock::now() - start;
+    if (out.is_open()) bench::write_frame(out, extent, output->map_as<float>());
+    if (t == 0) {
+      const std::chrono::duration<double, std::milli> first = Clock::now() - opened;
+      printf("first frame, pipelines included: %.0f ms, %u dispatches, %d levels\n", first.count(),
+             commands.dispatches(), method.stats(number).levels);
+      continue;
+    }
+    wall.push_back(took.count());
+    std::map<std::string, double> sums;
+    for (const auto& stage : commands.stages()) {
+      if (std::find(order.begin(), order.end(), stage.name) == order.end())
+        order.emplace_back(stage.name);
+      sums[stage.name] += stage.milliseconds;
+    }
+    for (const auto& [name, milliseconds] : sums) stages[name].push_back(milliseconds);
+  }
+  if (!wall.empty()) {
+    printf("%ux%u, %d frames: %.1f ms a frame\n", extent.width, extent.height, count, median(wall));
+    for (const auto& name : order) printf("  %-16s %8.2f ms\n", name.c_str(), median(stages[name]));
+  }
+  printf("device memory: %.0f bytes a pixel\n",
+         static_cast<double>(device->memory_peak_bytes()) / static_cast<double>(extent.pixels()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string name = argv[i];
+    if (name == "--printed") {
+      options.params.irls = ThesisParams::Irls::printed;
+      continue;
+    }
+    const char* value = i + 1 < argc ? argv[++i] : "";
+    if (name == "--dump") {
+      options.dump = value;
+    } else if (name == "--out") {
+      options.out = value;
+    } else if (name == "--frames") {
+      options.frames = std::max(std::atoi(value), 1);
+    } else if (name == "--solver") {
+      options.params.solver =
+          !strcmp(value, "schwarz") ? ThesisParams::Solver::schwarz : ThesisParams::Solver::pcg;
+    } else if (name == "--levels") {
+      options.params.levels = std::atoi(value);
+    } else if (name == "--irls") {
+      options.params.irls_iterations = std::atoi(value);
+    } else if (name == "--pcg") {
+      options.params.pcg_iterations = std::atoi(value);
+    } else if (name == "--keyframes") {
+      options.params.keyframes = std::atoi(value);
+    } else if (name != "--size" ||
+               sscanf(value, "%ux%u", &options.extent.width, &options.extent.height) != 2) {
+      fprintf(stderr, "unknown option %s; the head of thesis_bench.cpp lists them\n", name.c_str());
+      return 2;
+    }
+  }
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

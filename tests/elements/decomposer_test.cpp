@@ -1,0 +1,350 @@
+// What every decomposer promises whoever embeds it: formats, sizes, bad input, events, properties.
+#include <gst/controller/gstdirectcontrolbinding.h>
+#include <gst/controller/gstinterpolationcontrolsource.h>
+
+#include <cmath>
+
+#include "base/inverse_layers_meta.h"
+#include "element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis"};
+constexpr const char* kFormats[] = {"RGBA",  "BGRA",      "RGBx",      "BGRx",     "RGB",
+                                    "BGR",   "NV12",      "I420",      "YUY2",     "UYVY",
+                                    "GRAY8", "P010_10LE", "I420_10LE", "RGBA64_LE"};
+
+/// The (R.rgb, S) layer of a buffer in host memory; empty where there is none.
+std::vector<float> intrinsic_of(GstBuffer* buffer) {
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  if (!meta) return {};
+  GBytes* bytes = meta->download(meta, GST_INVERSE_ROLE_INTRINSIC);
+  if (!bytes) return {};
+  gsize size = 0;
+  const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
+  std::vector<float> layer(data, data + size / sizeof(float));
+  g_bytes_unref(bytes);
+  return layer;
+}
+
+class Decomposer : public ::testing::TestWithParam<const char*> {};
+
+}  // namespace
+
+TEST_P(Decomposer, EveryFormatPassesThroughUnchangedWhenTheInputIsShown) {
+  for (const char* format : kFormats) {
+    for (const auto& [width, height] : {std::pair{15, 10}, {349, 287}, {1, 1}, {2, 3}}) {
+      if (std::string(GetParam()) == "intrinsicdecompthesis" && width > 15)
+        continue;  // slow, and the base is shared
+      const std::string caps = VideoHarness::caps(format, width, height);
+      VideoHarness harness(std::string(GetParam()) + " show=input", caps, caps);
+      // Random chroma leaves the RGB cube and does not come back from it: a flat frame for Y'CbCr.
+      const bool rgb = std::string(format).find('R') != std::string::npos ||
+                       std::string(format).find("BGR") == 0;
+      auto frame = rgb ? random_frame(caps, 1) : flat_frame(caps, 128);
+      if (std::string(format) == "I420_10LE")
+        for (size_t i = 0; i < frame.size(); ++i)
+          frame[i] = i % 2 ? 2 : 0;  // 512: ten bits in the low end
+      const auto before = visible(caps, frame), after = visible(caps, harness.process(frame));
+      ASSERT_EQ(before.size(), after.size()) << format;
+      const bool padded =
+          std::string(format).find('x') != std::string::npos;  // every fourth byte means nothing
+      const bool deep = std::string(format).find("LE") != std::string::npos;
+      for (size_t i = 0; i < before.size(); i += deep ? 2 : 1) {
+        if (padded && i % 4 == 3) continue;
+        const int was = deep ? before[i] + 256 * before[i + 1] : before[i];
+        const int is = deep ? after[i] + 256 * after[i + 1] : after[i];
+        // One code value of 8 bits; 10 bits in the high end of 16 step by 64.
+        ASSERT_NEAR(is, was, deep ? 64 : 1)
+            << format << " " << width << "x" << height << " at " << i;
+      }
+    }
+  }
+}
+
+TEST_P(Decomposer, ConvertsBetweenFormats) {
+  const std::string in = VideoHarness::caps("NV12", 64, 48),
+                    out = VideoHarness::caps("BGR", 64, 48);
+  VideoHarness harness(std::string(GetParam()) + " show=input", in, out);
+  auto frame = flat_frame(in, 128);
+  const auto shown = harness.process(frame);
+  ASSERT_EQ(shown.size(), 64u * 48 * 3);
+  for (uint8_t value : shown) ASSERT_NEAR(value, 130, 1);  // (128 - 16) · 255 / 219, chroma neutral
+}
+
+TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
+  const int width = 32, height = 24;
+  const std::string caps = VideoHarness::caps("RGBA", width, height);
+  const auto picture = [&](auto value) {
+    std::vector<uint8_t> frame(static_cast<size_t>(width) * height * 4, 255);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c)
+          frame[(static_cast<size_t>(y) * width + x) * 4 + c] = value(x, y, c);
+    return frame;
+  };
+  std::mt19937 random(3);
+  const std::vector<std::pair<const char*, std::vector<uint8_t>>> pictures = {
+      {"black", picture([](int, int, int) { return 0; })},
+      {"white", picture([](int, int, int) { return 255; })},
+      {"one color", picture([](int, int, int c) { return c == 0 ? 255 : 0; })},
+      {"hot pixel", picture([](int x, int y, int) { return x == 7 && y == 9 ? 255 : 1; })},
+      {"checkerboard", picture([](int x, int y, int) { return (x + y) % 2 ? 255 : 0; })},
+      {"noise of one code value",
+       picture([&](int, int, int) { return 100 + static_cast<int>(random() % 2); })},
+  };
+  VideoHarness harness(GetParam(), caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string)intrinsic");
+  for (int round = 0; round < 2; ++round) {
+    for (const auto& [name, frame] : pictures) {
+      ASSERT_EQ(harness.push(frame), GST_FLOW_OK) << name;
+      GstBuffer* buffer = gst_harness_pull(harness.harness());
+      const auto layer = intrinsic_of(buffer);
+      gst_buffer_unref(buffer);
+      ASSERT_EQ(layer.size(), frame.size()) << name;
+      for (size_t i = 0; i < layer.size(); ++i) {
+        ASSERT_TRUE(std::isfinite(layer[i])) << name << " at " << i;
+        ASSERT_GE(layer[i], 0.0f) << name << " at " << i;
+      }
+    }
+  }
+}
+
+TEST_P(Decomposer, AlternatingBlackAndWhiteFramesComeOutOneForOne) {
+  const std::string caps = VideoHarness::caps("I420", 48, 32);
+  VideoHarness harness(GetParam(), caps, caps);
+  for (int i = 0; i < 12; ++i)
+    EXPECT_FALSE(harness.process(flat_frame(caps, i % 2 ? 235 : 16)).empty());
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_P(Decomposer, AShortBufferIsOneClearError) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness harness(GetParam(), caps, caps);
+  EXPECT_EQ(harness.push(std::vector<uint8_t>(1000)), GST_FLOW_ERROR);
+  const auto errors = harness.errors();
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("1000 bytes"), std::string::npos) << errors[0];
+}
+
+TEST_P(Decomposer, InterlacedVideoIsRefusedWithAdvice) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 ! video/x-raw,width=64,height=48,interlace-mode=interleaved ! " +
+      std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find("insert deinterlace"), std::string::npos)
+      << result.first_error();
+}
+
+TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 ! "
+      "video/x-raw,format=P010_10LE,width=64,height=48,colorimetry=bt2100-pq ! " +
+      std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find(GetParam()), std::string::npos) << result.first_error();
+  EXPECT_NE(result.first_error().find("PQ"), std::string::npos) << result.first_error();
+}
+
+TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {
+  const auto result =
+      run_line("videotestsrc num-buffers=1 ! video/x-raw,format=GRAY8,width=32000,height=32000 ! " +
+               std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find("maxStorageBufferRange"), std::string::npos)
+      << result.first_error();
+}
+
+TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
+  const std::string name = GetParam();
+  VideoHarness harness(name, VideoHarness::caps("RGBA", 32, 24));
+  for (int i = 0; i < 10; ++i) {
+    const std::string caps = VideoHarness::caps(i % 2 ? "NV12" : "RGBA", 16 + 6 * i, 40 - 2 * i);
+    harness.set_src_caps(caps);
+    EXPECT_FALSE(harness.process(random_frame(caps, i)).empty()) << caps;
+    if (i % 3 == 0) {
+      gst_harness_push_event(harness.harness(), gst_event_new_flush_start());
+      gst_harness_push_event(harness.harness(), gst_event_new_flush_stop(TRUE));
+      GstSegment segment;
+      gst_segment_init(&segment, GST_FORMAT_TIME);
+      gst_harness_push_event(harness.harness(), gst_event_new_segment(&segment));
+    }
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_P(Decomposer, SameFramesAndSeedGiveTheSameBytes) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  std::vector<std::vector<uint8_t>> first;
+  for (int run = 0; run < 2; ++run) {
+    VideoHarness harness(GetParam(), caps, caps);
+    for (int i = 0; i < 4; ++i) {
+      const auto shown = harness.process(random_frame(caps, i));
+      if (run == 0)
+        first.push_back(shown);
+      else
+        EXPECT_EQ(shown, first[i]) << "frame " << i;
+    }
+  }
+}
+
+TEST_P(Decomposer, StatsTellWhatAFrameTook) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(GetParam(), caps, caps);
+  for (int i = 0; i < 3; ++i) harness.process(random_frame(caps, i));
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find(GetParam()), "stats", &stats, nullptr);
+  guint64 frames = 0, bytes = 0;
+  gdouble wall = 0;
+  EXPECT_TRUE(gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "wall-ms", G_TYPE_DOUBLE,
+                                &wall, "device-bytes", G_TYPE_UINT64, &bytes, nullptr));
+  EXPECT_EQ(frames, 3u);
+  EXPECT_GT(wall, 0);
+  EXPECT_GT(bytes, 40u * 30 * 16);
+  gst_structure_free(stats);
+}
+
+TEST_P(Decomposer, AddsOneFrameOfLatencyToLivePipelines) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(GetParam(), caps, caps);
+  gst_harness_set_upstream_latency(harness.harness(), 5 * GST_MSECOND);
+  harness.process(random_frame(caps, 1));
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);
+}
+
+TEST_P(Decomposer, ShowCanBeDrivenWhilePlaying) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(std::string(GetParam()) + " show=shading", caps, caps);
+  const auto frame = random_frame(caps, 9);
+  EXPECT_GT(largest_difference(harness.process(frame), frame), 1);
+  g_object_set(harness.find(GetParam()), "show", 2 /* input */, nullptr);
+  EXPECT_LE(largest_difference(harness.process(frame), frame), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Decomposer, ::testing::ValuesIn(kDecomposers),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Layers, ReflectanceTimesShadingIsTheInput) {
+  const std::string caps = VideoHarness::caps("RGBA", 33, 21);
+  VideoHarness harness("intrinsicdecomp", caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string)intrinsic");
+  const auto frame = random_frame(caps, 5);
+  ASSERT_EQ(harness.push(frame), GST_FLOW_OK);
+  GstBuffer* buffer = gst_harness_pull(harness.harness());
+  const auto layer = intrinsic_of(buffer);
+  ASSERT_EQ(layer.size(), frame.size());
+  for (size_t i = 0; i < frame.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const double code = frame[i] / 255.0;
+    const double linear = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+    ASSERT_NEAR(layer[i] * layer[i | 3], linear, 2e-3) << i;
+  }
+  gst_buffer_unref(buffer);
+}
+
+TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
+  const std::string caps = VideoHarness::caps("RGBA", 8, 6);
+  VideoHarness harness("intrinsicdecomp", caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string)intrinsic");
+  ASSERT_EQ(harness.push(random_frame(caps, 5)), GST_FLOW_OK);
+  GstBuffer* buffer = gst_harness_pull(harness.harness());
+  EXPECT_EQ(gst_buffer_n_memory(buffer), 0u);
+  GstBuffer* copy = gst_buffer_copy(buffer);
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(copy);
+  ASSERT_NE(meta, nullptr);
+  EXPECT_EQ(meta->width, 8u);
+  EXPECT_EQ(meta->height, 6u);
+  std::vector<float> mine(8 * 6 * 4, 0.25f);
+  GBytes* bytes = g_bytes_new(mine.data(), mine.size() * sizeof(float));
+  EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
+  g_bytes_unref(bytes);
+  bytes = g_bytes_new(mine.data(), 7);
+  EXPECT_FALSE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
+  g_bytes_unref(bytes);
+  EXPECT_EQ(meta->download(meta, GST_INVERSE_ROLE_MASK), nullptr);
+  EXPECT_EQ(intrinsic_of(copy), mine);
+  EXPECT_NE(intrinsic_of(buffer), mine) << "the original must not change with its copy";
+  gst_buffer_unref(copy);
+  gst_buffer_unref(buffer);
+}
+
+TEST(Pipelines, TwoDecomposersRunInOneProcess) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=20 ! video/x-raw,width=64,height=48 ! tee name=t "
+      "t. ! queue ! intrinsicdecomp ! fakesink "
+      "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
+  EXPECT_TRUE(result.eos);
+  EXPECT_EQ(result.frames.size(), 20u);
+}
+
+TEST(Properties, ControllersReachLiveProperties) {
+  const std::string caps = VideoHarness::caps("RGBA", 16, 12);
+  VideoHarness harness("intrinsicdecompthesis", caps, caps);
+  GstElement* element = harness.find("intrinsicdecompthesis");
+  GstControlSource* source = gst_interpolation_control_source_new();
+  g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
+  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), 0, 0.0);
+  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), GST_SECOND, 25.0);
+  gst_object_add_control_binding(GST_OBJECT(element), gst_direct_control_binding_new_absolute(
+                                                          GST_OBJECT(element), "w-data", source));
+  for (int i = 0; i < 6; ++i) harness.process(random_frame(caps, i));
+  gfloat weight = 0;
+  g_object_get(element, "w-data", &weight, nullptr);
+  EXPECT_NEAR(weight, 5.0f, 1e-3f);  // at 5/25 s
+  gst_object_unref(source);
+}
+
+TEST(Properties, QualityIsAPresetThatExplicitValuesOverrule) {
+  GstElement* element = gst_element_factory_make("intrinsicdecompthesis", nullptr);
+  ASSERT_NE(element, nullptr);
+  gint irls = 0, pcg = 0;
+  g_object_set(element, "irls-iterations", 5, "quality", 3 /* best */, nullptr);
+  g_object_get(element, "irls-iterations", &irls, "pcg-iterations", &pcg, nullptr);
+  EXPECT_EQ(irls, 5);
+  EXPECT_EQ(pcg, 16);
+  gst_object_unref(element);
+}
+
+/// Runs gst-launch-1.0 in a process of its own with one more environment variable; its output and
+/// exit status.
+static std::pair<std::string, int> launch_with(const char* variable, const char* value,
+                                               const char* line) {
+  gchar** environment = g_environ_setenv(g_get_environ(), variable, value, TRUE);
+  gchar** arguments = nullptr;
+  g_shell_parse_argv((std::string("gst-launch-1.0 ") + line).c_str(), nullptr, &arguments, nullptr);
+  gchar *out = nullptr, *err = nullptr;
+  gint status = -1;
+  g_spawn_sync(nullptr, arguments, environment, G_SPAWN_SEARCH_PATH, nullptr, nullptr, &out, &err,
+               &status, nullptr);
+  std::string text = std::string(out ? out : "") + (err ? err : "");
+  g_free(out);
+  g_free(err);
+  g_strfreev(arguments);
+  g_strfreev(environment);
+  return {text, status};
+}
+
+TEST(Failures, WithoutAVulkanDriverTheErrorSaysWhatToInstall) {
+  const auto [text, status] = launch_with(
+      "VK_ICD_FILENAMES", "/nowhere", "videotestsrc num-buffers=1 ! intrinsicdecomp ! fakesink");
+  EXPECT_NE(status, 0);
+  EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
+}
+
+TEST(Failures, ALostDeviceIsAnErrorNotAHang) {
+  const auto [text, status] = launch_with(
+      "INVERSE_LOSE_DEVICE", "5", "videotestsrc num-buffers=20 ! intrinsicdecomp ! fakesink");
+  EXPECT_NE(status, 0);
+  EXPECT_NE(text.find("device was lost"), std::string::npos) << text;
+}
+
+TEST(Failures, AnUnknownDeviceListsTheKnownOnes) {
+  const auto result =
+      run_line("videotestsrc num-buffers=1 ! intrinsicdecomp device=nonesuch ! fakesink");
+  EXPECT_NE(result.first_error().find("no Vulkan device matches \"nonesuch\"; there are: 0 ="),
+            std::string::npos)
+      << result.first_error();
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,205 @@
+#include "element_test.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace inverse::testing {
+namespace {
+
+size_t frame_size(const std::string& text) {
+  GstCaps* caps = gst_caps_from_string(text.c_str());
+  GstVideoInfo info;
+  const bool ok = gst_video_info_from_caps(&info, caps);
+  gst_caps_unref(caps);
+  EXPECT_TRUE(ok) << text;
+  return ok ? GST_VIDEO_INFO_SIZE(&info) : 0;
+}
+
+std::vector<uint8_t> bytes_of(GstBuffer* buffer) {
+  std::vector<uint8_t> bytes(gst_buffer_get_size(buffer));
+  gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
+  return bytes;
+}
+
+std::string complaint(GstMessage* message) {
+  GError* error = nullptr;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+    gst_message_parse_error(message, &error, nullptr);
+  else
+    gst_message_parse_warning(message, &error, nullptr);
+  std::string factory = "application";
+  if (GST_IS_ELEMENT(GST_MESSAGE_SRC(message)))
+    if (GstElementFactory* made_by = gst_element_get_factory(GST_ELEMENT(GST_MESSAGE_SRC(message))))
+      factory = GST_OBJECT_NAME(made_by);
+  std::string text = factory + ": " + error->message;
+  g_error_free(error);
+  return text;
+}
+
+}  // namespace
+
+LineResult run_line(const std::string& line, unsigned seconds) {
+  LineResult result;
+  gst_video_info_init(&result.info);
+  GError* error = nullptr;
+  GstElement* pipeline = gst_parse_launch(line.c_str(), &error);
+  if (error) {
+    result.errors.push_back(std::string("parse: ") + error->message);
+    g_error_free(error);
+    if (pipeline) gst_object_unref(pipeline);
+    return result;
+  }
+  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  if (sink) {
+    g_object_set(sink, "sync", FALSE, "emit-signals", TRUE, nullptr);
+    g_signal_connect(sink, "new-sample",
+                     G_CALLBACK(+[](GstAppSink* app, LineResult* kept) -> GstFlowReturn {
+                       GstSample* sample = gst_app_sink_pull_sample(app);
+                       kept->frames.push_back(bytes_of(gst_sample_get_buffer(sample)));
+                       gst_video_info_from_caps(&kept->info, gst_sample_get_caps(sample));
+                       gst_sample_unref(sample);
+                       return GST_FLOW_OK;
+                     }),
+                     &result);
+  }
+  GstBus* bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  const gint64 deadline = g_get_monotonic_time() + seconds * G_USEC_PER_SEC;
+  while (!result.eos && result.errors.empty()) {
+    const gint64 left = deadline - g_get_monotonic_time();
+    GstMessage* message = gst_bus_timed_pop_filtered(
+        bus, left > 0 ? static_cast<GstClockTime>(left) * 1000 : 0,
+        static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_WARNING));
+    if (!message) {
+      ADD_FAILURE() << "neither ended nor complained within " << seconds << " s: " << line;
+      break;
+    }
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
+      result.eos = true;
+    else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+      result.errors.push_back(complaint(message));
+    else
+      result.warnings.push_back(complaint(message));
+    gst_message_unref(message);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
+    result.errors.push_back(complaint(message));
+    gst_message_unref(message);
+  }
+  gst_object_unref(bus);
+  if (sink) gst_object_unref(sink);
+  gst_object_unref(pipeline);
+  return result;
+}
+
+VideoHarness::VideoHarness(const std::string& line, const std::string& src_caps,
+                           const std::string& sink_caps)
+    : harness_(gst_harness_new_parse(line.c_str())), bus_(gst_bus_new()) {
+  gst_element_set_bus(harness_->element, bus_);
+  if (!sink_caps.empty()) gst_harness_set_sink_caps_str(harness_, sink_caps.c_str());
+  gst_harness_set_src_caps_str(harness_, src_caps.c_str());
+}
+
+VideoHarness::~VideoHarness() {
+  gst_element_set_bus(harness_->element, nullptr);
+  gst_harness_teardown(harness_);
+  gst_object_unref(bus_);
+}
+
+std::string VideoHarness::caps(const std::string& format, int width, int height,
+                               const std::string& more) {
+  return "video/x-raw, format=" + format + ", width=" + std::to_string(width) +
+         ", height=" + std::to_string(height) + ", framerate=25/1" +
+         (more.empty() ? "" : ", " + more);
+}
+
+void VideoHarness::set_src_caps(const std::string& caps) {
+  gst_harness_set_src_caps_str(harness_, caps.c_str());
+}
+
+GstFlowReturn VideoHarness::push(const std::vector<uint8_t>& bytes) {
+  GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = time_;
+  GST_BUFFER_DURATION(buffer) = GST_SECOND / 25;
+  time_ += GST_SECOND / 25;
+  return gst_harness_push(harness_, buffer);
+}
+
+std::vector<uint8_t> VideoHarness::pull() {
+  GstBuffer* buffer = nullptr;
+  for (int i = 0; i < 1000 && !buffer; ++i) {
+    buffer = gst_harness_try_pull(harness_);
+    if (!buffer) g_usleep(10000);
+  }
+  if (!buffer) return {};
+  auto bytes = bytes_of(buffer);
+  gst_buffer_unref(buffer);
+  return bytes;
+}
+
+std::vector<uint8_t> VideoHarness::process(const std::vector<uint8_t>& bytes) {
+  return push(bytes) == GST_FLOW_OK ? pull() : std::vector<uint8_t>{};
+}
+
+std::vector<std::string> VideoHarness::errors() {
+  std::vector<std::string> texts;
+  while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
+    texts.push_back(complaint(message));
+    gst_message_unref(message);
+  }
+  return texts;
+}
+
+GstElement* VideoHarness::find(const std::string& factory) {
+  GstElement* found = gst_harness_find_element(harness_, factory.c_str());
+  if (found) gst_object_unref(found);
+  return found;
+}
+
+std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<uint8_t> bytes(frame_size(caps));
+  std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<uint8_t>(random()); });
+  return bytes;
+}
+
+std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value) {
+  return std::vector<uint8_t>(frame_size(caps), value);
+}
+
+std::vector<uint8_t> visible(const std::string& text, const std::vector<uint8_t>& frame) {
+  GstCaps* caps = gst_caps_from_string(text.c_str());
+  GstVideoInfo info;
+  gst_video_info_from_caps(&info, caps);
+  gst_caps_unref(caps);
+  std::vector<uint8_t> bytes;
+  for (guint plane = 0; plane < GST_VIDEO_INFO_N_PLANES(&info) && frame.size() >= info.size;
+       ++plane) {
+    guint component = 0;
+    while (GST_VIDEO_INFO_COMP_PLANE(&info, component) != plane) ++component;
+    const size_t row_bytes = static_cast<size_t>(GST_VIDEO_INFO_COMP_WIDTH(&info, component)) *
+                             static_cast<size_t>(GST_VIDEO_INFO_COMP_PSTRIDE(&info, component));
+    for (gint row = 0; row < GST_VIDEO_INFO_COMP_HEIGHT(&info, component); ++row) {
+      const auto start =
+          frame.begin() + static_cast<ptrdiff_t>(info.offset[plane]) + row * info.stride[plane];
+      bytes.insert(bytes.end(), start, start + static_cast<ptrdiff_t>(row_bytes));
+    }
+  }
+  return bytes;
+}
+
+int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  if (a.size() != b.size()) return 256;
+  int largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+}  // namespace inverse::testing
+
+int main(int count, char** arguments) {
+  ::testing::InitGoogleTest(&count, arguments);
+  gst_init(&count, &arguments);
+  return RUN_ALL_TESTS();
+}

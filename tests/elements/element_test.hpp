@@ -1,0 +1,73 @@
+#pragma once
+#include <gst/app/gstappsink.h>
+#include <gst/check/gstharness.h>
+#include <gst/video/video.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace inverse::testing {
+
+/// What became of a launch line: how it ended, what it complained about, and the frames that
+/// reached its appsink.
+struct LineResult {
+  bool eos = false;
+  std::vector<std::string> errors;  ///< "factory: text", in the order of arrival
+  std::vector<std::string> warnings;
+  std::vector<std::vector<uint8_t>> frames;
+  GstVideoInfo info;  ///< of the last frame
+  /// The error of our own elements, or of the first complaint.
+  std::string first_error() const { return errors.empty() ? "" : errors.front(); }
+};
+
+/// Runs a launch line to its end. Frames are kept where it has an `appsink name=out`. Fails the
+/// test where it neither ends nor complains within `seconds`.
+LineResult run_line(const std::string& line, unsigned seconds = 60);
+
+/// A harness around a piece of a launch line with video caps on both sides.
+class VideoHarness {
+ public:
+  /// `line` is what gst_harness_new_parse takes. `sink_caps` empty: anything.
+  VideoHarness(const std::string& line, const std::string& src_caps,
+               const std::string& sink_caps = {});
+  VideoHarness(const VideoHarness&) = delete;
+  VideoHarness& operator=(const VideoHarness&) = delete;
+  ~VideoHarness();
+
+  /// Caps of raw video as a string.
+  static std::string caps(const std::string& format, int width, int height,
+                          const std::string& more = {});
+
+  /// Pushes one frame, timestamped 1/25 s after the last; returns the flow.
+  GstFlowReturn push(const std::vector<uint8_t>& bytes);
+  /// Pushes a frame and takes what comes out; empty where nothing does within ten seconds.
+  std::vector<uint8_t> process(const std::vector<uint8_t>& bytes);
+  std::vector<uint8_t> pull();
+  /// Error texts posted on the bus so far.
+  std::vector<std::string> errors();
+  /// The element of this name or factory inside the line. Borrowed.
+  GstElement* find(const std::string& factory);
+  GstHarness* harness() { return harness_; }
+  void set_src_caps(const std::string& caps);
+
+ private:
+  GstHarness* harness_;
+  GstBus* bus_;
+  GstClockTime time_ = 0;
+};
+
+/// Random bytes of a frame of these caps.
+std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed);
+/// Bytes of a frame of these caps with every byte the same.
+std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value);
+/// The bytes of a frame that are pixels: without the padding of its rows. Empty where the frame is too short.
+std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>& frame);
+/// The largest difference between two frames, byte by byte; 256 where their sizes differ.
+int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
+
+}  // namespace inverse::testing

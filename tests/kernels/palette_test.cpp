@@ -1,0 +1,154 @@
+// The palette on the device against the double-precision reference.
+#include "palette/palette.hpp"
+
+#include <limits>
+
+#include "../reference/palette.hpp"
+#include "gpu_fixture.hpp"
+
+namespace inverse::testing {
+
+class PaletteTest : public GpuTest {
+ protected:
+  std::vector<Palette::Cluster> update(Palette& palette, const Plane& log_reflectance) {
+    run([&](gpu::Commands& commands) { palette.record_update(commands, log_reflectance); });
+    const Pixels colors = download(palette.colors());
+    return Palette::read(colors.data(), palette.params().clusters);
+  }
+
+  static reference::Plane to_reference(Extent extent, const Pixels& pixels) {
+    reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
+    for (size_t n = 0; n < plane.size(); ++n) {
+      for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+    }
+    return plane;
+  }
+
+  /// ln R of pixels around `colors` distinct colors.
+  static Pixels blobs(Extent extent, int colors, unsigned seed, float spread) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> value(0.05f, 0.95f);
+    std::normal_distribution<float> noise(0, spread);
+    std::vector<std::array<float, 3>> centers(static_cast<size_t>(colors));
+    for (auto& center : centers) {
+      for (float& c : center) c = value(random);
+    }
+    Pixels pixels(extent.pixels() * 4);
+    for (size_t n = 0; n < extent.pixels(); ++n) {
+      const auto& center = centers[random() % centers.size()];
+      for (size_t c = 0; c < 3; ++c) pixels[4 * n + c] = std::log(center[c]) + noise(random) - 2;
+    }
+    return pixels;
+  }
+};
+
+TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
+  for (const Extent extent :
+       {Extent{1, 1}, Extent{2, 3}, Extent{1, 40}, Extent{64, 48}, Extent{349, 287}}) {
+    for (const int colors : {1, 4, 7, 10}) {
+      Palette palette(device);
+      reference::Palette expected{reference::PaletteParams()};
+      for (unsigned t = 0; t < 4; ++t) {
+        // The same colors, other noise; from the third frame on one color more.
+        const Pixels pixels = blobs(extent, colors + (t > 1 ? 1 : 0), 7, 0.02f);
+        const auto got = update(palette, plane(extent, pixels));
+        expected.update(to_reference(extent, pixels));
+        EXPECT_NEAR(download(palette.gauge())[0], expected.gauge(), 1e-4);
+        ASSERT_EQ(got.size(), expected.clusters().size());
+        for (size_t k = 0; k < got.size(); ++k) {
+          const auto& cluster = expected.clusters()[k];
+          ASSERT_EQ(got[k].index, cluster.weight > 0 ? cluster.alias : -1)
+              << extent.width << ", " << colors << " colors, frame " << t << ", cluster " << k;
+          if (got[k].index < 0) continue;
+          const auto& merged = expected.clusters()[static_cast<size_t>(cluster.alias)].merged;
+          for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got[k].color[c], merged[c], 1e-4);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(PaletteTest, AssignsTheNearestCluster) {
+  const Extent extent{67, 49};
+  const Pixels pixels = blobs(extent, 6, 3, 0.3f);
+  const Plane input = plane(extent, pixels), output = plane(extent);
+  Palette palette(device);
+  const auto clusters = update(palette, input);
+  run([&](gpu::Commands& commands) { palette.record_assign(commands, input, output); });
+  const Pixels got = download(output.buffer);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const auto index = static_cast<size_t>(got[4 * n + 3]);
+    ASSERT_LT(index, clusters.size());
+    ASSERT_EQ(clusters[index].index, static_cast<int>(index));
+    const auto distance = [&](const Palette::Cluster& cluster) {
+      float sum = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        sum +=
+            (pixels[4 * n + c] - cluster.log_color[c]) * (pixels[4 * n + c] - cluster.log_color[c]);
+      }
+      return sum;
+    };
+    for (size_t k = 0; k < clusters.size(); ++k) {
+      if (clusters[k].index == static_cast<int>(k)) {
+        ASSERT_LE(distance(clusters[index]), distance(clusters[k]) + 1e-5f);
+      }
+    }
+  }
+}
+
+TEST_F(PaletteTest, IndicesStayWithTheirColors) {
+  const Extent extent{64, 48};
+  Palette palette(device);
+  const auto first = update(palette, plane(extent, blobs(extent, 5, 11, 0.02f)));
+  for (int t = 0; t < 20; ++t) {
+    const auto now = update(palette, plane(extent, blobs(extent, 5, 11, 0.02f)));
+    for (size_t k = 0; k < now.size(); ++k) {
+      EXPECT_EQ(now[k].index, first[k].index);
+      for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(now[k].color[c], first[k].color[c], 0.02);
+    }
+  }
+}
+
+TEST_F(PaletteTest, RecoversFromABlackStart) {
+  const Extent extent{64, 48};
+  Palette palette(device);
+  update(palette, plane(extent, Pixels(extent.pixels() * 4, std::log(1e-3f))));
+  std::vector<Palette::Cluster> clusters;
+  const Plane colorful = plane(extent, blobs(extent, 5, 2, 0.02f));
+  for (int t = 0; t < 60; ++t) clusters = update(palette, colorful);
+  int used = 0;
+  for (size_t k = 0; k < clusters.size(); ++k) used += clusters[k].index == static_cast<int>(k);
+  EXPECT_GE(used, 5);
+}
+
+TEST_F(PaletteTest, BlackGreyAndWhiteStayApart) {
+  const Extent extent{48, 48};
+  Pixels pixels(extent.pixels() * 4);
+  const float values[] = {0.02f, 0.4f, 0.9f};
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    for (size_t c = 0; c < 4; ++c) pixels[4 * n + c] = std::log(values[n % 3]);
+  }
+  Palette palette(device);
+  const auto clusters = update(palette, plane(extent, pixels));
+  int used = 0;
+  for (size_t k = 0; k < clusters.size(); ++k) used += clusters[k].index == static_cast<int>(k);
+  EXPECT_EQ(used, 3);
+}
+
+TEST_F(PaletteTest, ExtremeInputStaysFinite) {
+  const Extent extent{17, 5};
+  for (const float fill : {-60.0f, 0.0f, 60.0f, -16.0f, 16.0f}) {
+    Palette palette(device);
+    const Plane input = plane(extent, Pixels(extent.pixels() * 4, fill)), output = plane(extent);
+    for (int t = 0; t < 3; ++t) {
+      for (const auto& cluster : update(palette, input)) {
+        for (const float c : cluster.color) ASSERT_TRUE(std::isfinite(c)) << fill;
+        for (const float c : cluster.log_color) ASSERT_TRUE(std::isfinite(c)) << fill;
+      }
+    }
+    run([&](gpu::Commands& commands) { palette.record_assign(commands, input, output); });
+    for (const float value : download(output.buffer)) ASSERT_TRUE(std::isfinite(value));
+  }
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,40 @@
+// The editing of layers in double precision: the specification of kernels/edit.
+#pragma once
+#include <array>
+#include <vector>
+
+namespace inverse::reference {
+
+using Rgb = std::array<double, 3>;
+using Rgba = std::array<double, 4>;
+
+/// A value as the editors take it: 0 for what is negative or not a number, at most 65504.
+double finite(double value);
+Rgba finite(const Rgba& pixel);
+
+struct RecolorSpec {
+  Rgb key{}, target{};
+  double tolerance = 0, value_tolerance = 0, softness = 0;  ///< value_tolerance ≥ 20: no limit
+  double texture = 1, strength = 1;
+};
+
+/// How much of a pixel (R.rgb, S) the key selects, 0…1.
+double selection(const Rgba& layers, const RecolorSpec& spec);
+
+/// The same for the pixels nearest to a cluster: `own` is the ln of its color, `others` those of
+/// the rest.
+double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& others,
+                 double softness);
+
+/// (R', S) for a pixel (R, S) that is selected by this much.
+Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec);
+
+/// The pixel whole, with its matte (1 where there is no mask).
+Rgba recolor(const Rgba& layers, double matte, const RecolorSpec& spec);
+
+enum class Residual { add, ratio, none };
+Rgba compose(const Rgba& input, const Rgba& model, const Rgba& intrinsic, Residual residual,
+             double strength);
+Rgba difference(const Rgba& input, const Rgba& model, const Rgba& intrinsic);
+
+}  // namespace inverse::reference
