@@ -186,7 +186,7 @@ void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Compose*
       picture.plane = layers[Role::input];
       break;
   }
-  output_->record(commands, picture, layers, readback_);
+  output_->record(commands, picture, layers, readback_, nullptr);
 }
 
 GstFlowReturn SplitBranch::take(GstBuffer* source, GstBuffer** buffer) {

@@ -77,7 +77,7 @@ void SplitElement::stop() {
   gst_flow_combiner_reset(combiner_);
   for (const BranchPtr& branch : branches_) {
     branch->forget();
-    branch->stream_started = false;
+    branch->stream_started = branch->refused = false;
     branch->flow = GST_FLOW_OK;
   }
   commands_.reset();
@@ -86,10 +86,10 @@ void SplitElement::stop() {
 }
 
 /// Brings a branch to where the stream is: pads may come late.
-void SplitElement::start(SplitBranch& branch) {
-  if (branch.stream_started) return;
+bool SplitElement::start(SplitBranch& branch) {
+  if (branch.stream_started) return true;
   GstEvent* upstream = gst_pad_get_sticky_event(sink_, GST_EVENT_STREAM_START, 0);
-  if (!upstream) return;
+  if (!upstream) return true;
   gchar* id =
       gst_pad_create_stream_id(branch.pad(), element_, SplitBranch::name_of(branch.layer()));
   GstEvent* event = gst_event_new_stream_start(id);
@@ -103,7 +103,7 @@ void SplitElement::start(SplitBranch& branch) {
   gst_pad_push_event(branch.pad(), event);
   branch.stream_started = true;
   branch.flow = GST_FLOW_OK;
-  if (caps_) branch.negotiate(caps_, parameters_.snapshot());
+  const bool good = !caps_ || !carries_layers(caps_) || negotiate(branch);
   gst_pad_sticky_events_foreach(
       sink_,
       [](GstPad*, GstEvent** event, gpointer to) -> gboolean {
@@ -113,28 +113,36 @@ void SplitElement::start(SplitBranch& branch) {
         return TRUE;
       },
       branch.pad());
+  return good;
+}
+
+bool SplitElement::negotiate(SplitBranch& branch) {
+  // An error is told once: who pushes on after it asks again with every buffer.
+  if (branch.refused && !gst_pad_needs_reconfigure(branch.pad())) return false;
+  branch.refused = !guarded(element_, [&] { branch.negotiate(caps_, parameters_.snapshot()); });
+  return !branch.refused;
 }
 
 bool SplitElement::set_caps(GstCaps* caps) {
-  if (!carries_layers(caps)) {
-    GST_ELEMENT_ERROR(
-        element_, STREAM, FORMAT,
-        ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
-        ("got %" GST_PTR_FORMAT, caps));
-    return false;
-  }
+  const bool known = caps_ && gst_caps_is_equal(caps_, caps);
   {
     std::lock_guard lock(mutex_);
     gst_caps_replace(&caps_, caps);
   }
-  return guarded(element_, [&] {
-    for (const BranchPtr& branch : branches()) {
-      if (branch->stream_started)
-        branch->negotiate(caps, parameters_.snapshot());
-      else
-        start(*branch);
-    }
-  });
+  if (!carries_layers(caps)) {
+    if (!known)
+      GST_ELEMENT_ERROR(
+          element_, STREAM, FORMAT,
+          ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
+          ("got %" GST_PTR_FORMAT, caps));
+    return false;
+  }
+  bool good = true;
+  for (const BranchPtr& branch : branches()) {
+    if (!known) branch->refused = false;
+    good &= branch->stream_started ? negotiate(*branch) : start(*branch);
+  }
+  return good;
 }
 
 void SplitElement::send(const std::vector<BranchPtr>& to, GstEvent* event) {
@@ -172,14 +180,11 @@ gboolean SplitElement::sink_event(GstEvent* event) {
       break;
   }
   const bool in_order = gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED;
-  if (in_order && !guarded(element_, [&] {
-        for (const BranchPtr& branch : all) start(*branch);
-      })) {
-    gst_event_unref(event);
-    return FALSE;
-  }
+  bool good = true;
+  if (in_order)
+    for (const BranchPtr& branch : all) good &= start(*branch);
   send(all, event);
-  return TRUE;
+  return good;
 }
 
 gboolean SplitElement::src_event(GstPad* pad, GstEvent* event) {
@@ -193,6 +198,8 @@ GstCaps* SplitElement::sink_caps(GstCaps* filter) {
     GstCaps* taken = gst_pad_peer_query_caps(branch->pad(), sends);
     GstCaps* back = transform_caps(taken, Flow::layers_or_pixels, nullptr);
     GstCaps* both = gst_caps_intersect_full(result, back, GST_CAPS_INTERSECT_FIRST);
+    // A pad that nothing suits is told by name when it is negotiated.
+    if (gst_caps_is_empty(both)) std::swap(both, result);
     for (GstCaps* caps : {sends, taken, back, result}) gst_caps_unref(caps);
     result = both;
   }
@@ -201,7 +208,9 @@ GstCaps* SplitElement::sink_caps(GstCaps* filter) {
     gst_caps_unref(result);
     result = filtered;
   }
-  return result;
+  GstCaps* ordered = prefer_layers(result);
+  gst_caps_unref(result);
+  return ordered;
 }
 
 GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
@@ -286,9 +295,6 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
   std::vector<bool> drawn(all.size());
   for (size_t i = 0; i < all.size(); ++i) {
     SplitBranch& branch = *all[i];
-    start(branch);
-    if (gst_pad_needs_reconfigure(branch.pad()) || !branch.negotiated())
-      branch.negotiate(caps_, params);
     if (branch.flow == GST_FLOW_EOS) continue;  // nobody looks at it any more
     branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
     if (branch.flow != GST_FLOW_OK) continue;
@@ -307,7 +313,14 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
   const auto start_time = Clock::now();
   const auto all = branches();
   std::vector<GstBuffer*> frames(all.size());
-  const bool negotiated = caps_ != nullptr;  // only this thread changes it while data flows
+  // Only this thread changes caps_ while data flows.
+  bool negotiated = caps_ && carries_layers(caps_);
+  for (size_t i = 0; i < all.size() && negotiated; ++i) {
+    SplitBranch& branch = *all[i];
+    negotiated =
+        start(branch) &&
+        ((branch.negotiated() && !gst_pad_needs_reconfigure(branch.pad())) || negotiate(branch));
+  }
   const bool good = negotiated && guarded(element_, [&] { draw(buffer, all, frames); });
   gst_buffer_unref(buffer);
   if (!good) {

@@ -43,7 +43,9 @@ class SplitElement {
   using BranchPtr = std::shared_ptr<SplitBranch>;
   std::vector<BranchPtr> branches() const;
   bool set_caps(GstCaps* caps);
-  void start(SplitBranch& branch);
+  /// Both say on the bus, once, what went wrong.
+  bool start(SplitBranch& branch);
+  bool negotiate(SplitBranch& branch);
   void send(const std::vector<BranchPtr>& to, GstEvent* event);
   void draw(GstBuffer* buffer, const std::vector<BranchPtr>& branches,
             std::vector<GstBuffer*>& frames);

@@ -45,8 +45,10 @@ vec4 draw_samples(int n, float own, vec3 r, int which, out float spread) {
     int keyframe = push.ring_start + slot;  // 1 is the oldest; the ring's end wraps
     slot = slot == 0 ? 0 : keyframe - (keyframe > push.ring_capacity ? push.ring_capacity : 0);
     bool wanted = ((slot == 0 ? kCurrent : kKeyframes) & which) != 0;
-    // What is not wanted costs a fetch that is in the cache.
-    vec4 value = wanted ? sample_frame(slot, int(draw.y) * push.size.x + int(draw.x)) : FETCH(frames0, n);
+    // Both sides of a branch are fetched on some devices: choose the address, so that what is not wanted costs a
+    // fetch that is in the cache.
+    int address = wanted ? int(draw.y) * push.size.x + int(draw.x) : n;
+    vec4 value = sample_frame(wanted ? slot : 0, address);
     float red = floor(value.w * (1.0 / 4096.0));
     float blue = value.w - red * 4096.0 - own_blue;
     red -= own_red;

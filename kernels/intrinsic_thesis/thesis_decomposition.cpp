@@ -172,7 +172,7 @@ void ThesisDecomposition::build_levels() {
     };
     level.image = plane(1);
     level.solution = plane(1);
-    const auto slots = static_cast<uint64_t>(params_.keyframes + 1);
+    const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
     level.slots = slots_per_buffer(slots, extent.pixels(), largest);
     const auto per_buffer = std::min<uint64_t>(static_cast<uint64_t>(level.slots), slots);
     for (uint64_t first = 0; first < slots; first += per_buffer) {
@@ -189,7 +189,7 @@ void ThesisDecomposition::build_levels() {
 void ThesisDecomposition::build_readback() {
   uint64_t entries = 1;
   if (params_.trace) {
-    entries = levels_.size() * static_cast<uint64_t>(params_.irls_iterations + 1);
+    entries = levels_.size() * (static_cast<uint64_t>(params_.irls_iterations) + 1);
   }
   if ((params_.energy || params_.trace) && !energy_partials_) {
     for (auto* buffer : {&energy_partials_, &energy_pull_partials_}) {

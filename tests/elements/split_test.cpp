@@ -352,7 +352,7 @@ TEST(SplitPipelines, LayersGoToSinksOfTheirOwn) {
 
 TEST(SplitPipelines, OneFrameOfLatencyIsAdded) {
   const std::string caps = VideoHarness::caps("RGBA", 16, 8);
-  VideoHarness harness("intrinsicdecomp ! intrinsicsplit name=s s.shading", caps);
+  VideoHarness harness("intrinsicdecomp ! intrinsicsplit name=s s.shading ! identity", caps);
   gst_harness_set_upstream_latency(harness.harness(), 5 * GST_MSECOND);
   harness.process(random_frame(caps, 1));
   EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);

@@ -202,7 +202,7 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
   const int count = thesis_levels(linear.width, linear.height, params_.levels);
   Plane image = linear;
   for (Vec4& value : image.data) {
-    for (double& channel : value) channel = sanitize(channel);
+    for (double& channel : value) channel = finite_light(channel);
   }
   levels_.clear();
   solutions_.assign(static_cast<std::size_t>(count), Plane());
@@ -227,7 +227,7 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
         for (int c = 0; c < 3; ++c) value[c] /= 2;
       }
     } else {
-      x = prolong(solutions_[static_cast<std::size_t>(n + 1)], level.image.width,
+      x = prolong(solutions_[static_cast<std::size_t>(n) + 1], level.image.width,
                   level.image.height);
     }
     if (n == 0 && count > 1) {
