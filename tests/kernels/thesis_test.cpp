@@ -153,6 +153,7 @@ TEST_F(ThesisTest, LargerFrameAgreesWithReference) {
   ThesisParams params;
   params.irls_iterations = 2;
   compare({349, 287}, params, {scene({349, 287}, 1)});
+  compare({8192, 16}, params, {scene({8192, 16}, 2)});
   params.solver = ThesisParams::Solver::schwarz;
   compare({349, 287}, params, {scene({349, 287}, 1)});
 }
