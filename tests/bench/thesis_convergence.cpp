@@ -239,7 +239,7 @@ void draw(const std::vector<Curve>& curves, bool converged, const std::string& p
     svg << "<polyline fill='none' stroke-width='1.5' stroke='" << colors[k] << "' points='";
     for (const Point& point : curves[k].points)
       svg << x(point.iteration) << ',' << y(point.total) << ' ';
-    svg << "'/>\n<text x='" << kWidth - 150 << "' y='" << 40 + 16 * k << "' fill='" << colors[k]
+    svg << "'/>\n<text x='" << kWidth / 2 << "' y='" << 40 + 16 * k << "' fill='" << colors[k]
         << "'>" << curves[k].name << "</text>\n";
     for (size_t n = 1; converged && n < curves[k].points.size(); ++n) {
       const Point &from = curves[k].points[n - 1], &to = curves[k].points[n];
