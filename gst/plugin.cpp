@@ -7,6 +7,7 @@ extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicRecolor;
+gboolean register_intrinsicsplit(GstPlugin* plugin);
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
@@ -18,7 +19,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;
-  return TRUE;
+  return inverse::register_intrinsicsplit(plugin);
 }
 
 GST_PLUGIN_DEFINE(

@@ -155,6 +155,16 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
   return result;
 }
 
+GstCaps* prefer_layers(const GstCaps* caps) {
+  GstCaps* result = gst_caps_new_empty();
+  for (const bool layers : {true, false})
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+      if (gst_caps_features_contains(gst_caps_get_features(caps, i),
+                                     GST_CAPS_FEATURE_META_INVERSE_LAYERS) == layers)
+        gst_caps_append(result, gst_caps_copy_nth(caps, i));
+  return result;
+}
+
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
   GstCaps* alike = like_first(other);
   gst_caps_unref(other);

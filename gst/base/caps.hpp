@@ -29,6 +29,10 @@ bool carries_images(const GstCaps* caps);
 /// reference.
 GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter);
 
+/// The same caps with layers first. What GstBaseTransform answers puts what passes through
+/// unchanged first, which for an editor's sink is what it will refuse. New reference.
+GstCaps* prefer_layers(const GstCaps* caps);
+
 /// GstBaseTransform::fixate_caps: takes the kind of memory that the other side lists first, and of
 /// the formats there the input's where it is allowed, so that nothing is converted without need,
 /// else the first. Consumes `other`.

@@ -34,11 +34,11 @@ GstContext* context_with(const DevicePtr& device, GstElement* element) {
   return context;
 }
 
-/// Whether a context was made in the element's own pipeline, not handed in by the application.
-bool is_familiar(GstContext* context, GstElement* element) {
+/// The pipeline in which a context was made.
+gpointer family_in(GstContext* context) {
   gpointer family = nullptr;
   gst_structure_get(gst_context_get_structure(context), "family", G_TYPE_POINTER, &family, nullptr);
-  return family == family_of(element);
+  return family;
 }
 
 DevicePtr device_in(GstContext* context) {
@@ -78,10 +78,11 @@ DevicePtr ask(GstElement* element, GstPadDirection direction) {
 void DeviceContext::acquire(const std::string& select) {
   DevicePtr device;
   Demand demand = select.empty() ? Demand::none : Demand::property;
+  const gpointer family = family_of(element_);
   const auto take_offered = [&] {
     std::lock_guard lock(mutex_);
     device = offered_;
-    if (device && offered_from_outside_) demand = Demand::application;
+    if (device && offered_family_ != family) demand = Demand::application;
   };
   if (select.empty()) {
     take_offered();
@@ -173,10 +174,10 @@ void DeviceContext::set_context(GstContext* context) {
   if (!context) return;
   neighbor_.set_context(element_, context);
   if (DevicePtr device = device_in(context)) {
-    const bool familiar = is_familiar(context, element_);
+    // A bin may hold its lock while it calls this: nothing above the element is looked at here.
     std::lock_guard lock(mutex_);
     offered_ = std::move(device);
-    offered_from_outside_ = !familiar;
+    offered_family_ = family_in(context);
   }
 }
 

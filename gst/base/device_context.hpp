@@ -55,10 +55,10 @@ class DeviceContext {
   GstElement* element_;
   VulkanNeighbor neighbor_;
   mutable std::mutex mutex_;
-  DevicePtr device_;   // taken at READY
-  DevicePtr offered_;  // by the application or one of our elements
-  bool offered_from_outside_ = false;
-  Demand demand_ = Demand::none;  // who insists on device_
+  DevicePtr device_;                   // taken at READY
+  DevicePtr offered_;                  // by the application or one of our elements
+  gpointer offered_family_ = nullptr;  // the pipeline in which that was announced
+  Demand demand_ = Demand::none;       // who insists on device_
 };
 
 }  // namespace inverse

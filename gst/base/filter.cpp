@@ -191,6 +191,14 @@ gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery*
   if (asks_context && element_of(transform).context().answer(query)) return TRUE;
   if (!GST_BASE_TRANSFORM_CLASS(parent_class)->query(transform, direction, query))
     return asks_context && element_of(transform).context().provide(query);
+  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS && direction == GST_PAD_SINK &&
+      info_of(transform).sink == inverse::Flow::layers_or_pixels) {
+    GstCaps* caps = nullptr;
+    gst_query_parse_caps_result(query, &caps);
+    caps = inverse::prefer_layers(caps);
+    gst_query_set_caps_result(query, caps);
+    gst_caps_unref(caps);
+  }
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
     gboolean live = FALSE;
     GstClockTime min = 0, max = 0;

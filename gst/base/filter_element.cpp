@@ -23,6 +23,7 @@ FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
 }
 
 FilterElement::~FilterElement() {
+  gst_caps_replace(&refused_, nullptr);
   if (stats_) gst_structure_free(stats_);
 }
 
@@ -48,9 +49,18 @@ void FilterElement::stop() {
   images_device_.reset();
   fresh_ = true;
   frames_ = 0;
+  gst_caps_replace(&refused_, nullptr);
 }
 
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
+  // An error is told once: who pushes on after it asks again with every buffer.
+  if (refused_ && gst_caps_is_equal(refused_, in)) return false;
+  const bool good = try_caps(in, out);
+  gst_caps_replace(&refused_, good ? nullptr : in);
+  return good;
+}
+
+bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   const std::string name = info_.factory;
   in_layers_ = carries_layers(in);
   in_images_ = carries_images(in);
@@ -169,6 +179,9 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
     slot.commands->wait();
     output_->write(slot.out, out);
   }
+  // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
+  // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
+  if (in_images_) slot.commands->wait();
   ++frames_;
   publish(slot, milliseconds_since(start));
 }

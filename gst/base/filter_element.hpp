@@ -51,6 +51,7 @@ class FilterElement {
     std::unique_ptr<gpu::Commands> commands;
     gpu::BufferPtr in, out;  // the bytes of a frame
   };
+  bool try_caps(GstCaps* in, GstCaps* out);
   void configure(const std::shared_ptr<gpu::Device>& device);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
@@ -66,6 +67,7 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
+  GstCaps* refused_ = nullptr;  // the input caps that were answered with an error last
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

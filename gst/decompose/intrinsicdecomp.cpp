@@ -13,12 +13,9 @@ struct Params : IntrinsicDecomposition::Params {
 Params preset(const Params& set) {
   Params params;
   params.quality = set.quality;
-  constexpr uint32_t kSteps[] = {2, 4, 6, 12}, kWarmSteps[] = {1, 2, 4, 12},
-                     kCycles[] = {1, 1, 2, 4};
-  const auto level = static_cast<size_t>(set.quality);
-  params.steps = kSteps[level];
-  params.warm_steps = kWarmSteps[level];
-  params.cycles = kCycles[level];
+  constexpr uint32_t kCycles[] = {2, 4, 8, 24}, kWarmCycles[] = {1, 2, 4, 24};
+  params.cycles = kCycles[static_cast<size_t>(set.quality)];
+  params.warm_cycles = kWarmCycles[static_cast<size_t>(set.quality)];
   return params;
 }
 
@@ -40,9 +37,9 @@ class IntrinsicElement final : public Decomposer {
     const auto& method = method_->stats();
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    gst_structure_set(stats, "steps", G_TYPE_UINT, method.steps, "cycles", G_TYPE_UINT,
-                      method.cycles, "levels", G_TYPE_UINT, method.levels, "warm", G_TYPE_BOOLEAN,
-                      method.warm, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT,
+                      method.levels, "history", G_TYPE_BOOLEAN, method.history, "skipped",
+                      G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
  protected:
@@ -62,7 +59,40 @@ class IntrinsicElement final : public Decomposer {
                   "What to show where ordinary video goes out; elements that take layers get all "
                   "of them"),
         choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(),
-                  "Sets steps and cycles as a group; what is set explicitly wins"),
+                  "Sets the cycles as a group; what is set explicitly wins"),
+        number<P>("cycles", &P::cycles, 1u, 32u,
+                  "Multigrid cycles of a frame without history (the first, after a seek, a gap or "
+                  "new caps)"),
+        number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
+                  "Multigrid cycles of a frame that continues the one before, and so starts near "
+                  "its solution"),
+        number<P>(
+            "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
+            1e3f,
+            "Factor on how firmly reflectance stays even where the picture does; more moves "
+            "texture into shading"),
+        number<P>(
+            "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
+            "Factor on how firmly shading stays even; more moves shadows into reflectance"),
+        number<P>(
+            "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
+            "Factor on how firmly the largest channel of reflectance stays near 1"),
+        number<P>(
+            "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
+            "Factor on how firmly equal chroma means equal reflectance; 0 leaves that step out"),
+        number<P>(
+            "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
+            "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
+        number<P>(
+            "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
+            "Change of chroma that halves the temporal weight, natural log units"),
+        number<P>(
+            "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
+            "Change of local contrast that halves the temporal weight, natural log units"),
+        number<P>(
+            "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
+            "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
+            "scene"),
     };
     return table;
   }

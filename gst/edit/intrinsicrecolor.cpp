@@ -21,7 +21,7 @@ const PropertyTable<Params>& table() {
                "A color of the region to recolor, as the reflectance layer shows it (0xAARRGGBB, "
                "sRGB; alpha is ignored). Its chromaticity selects, and its brightness is what "
                "becomes the target's; a gray selects all grays, so narrow value-tolerance then"),
-      number<P>("tolerance", &P::tolerance, 0, 3,
+      number<P>("tolerance", &P::tolerance, 0, 4.25F,
                 "How far chromaticity R / mean(R) may be from the key's: Euclidean distance; gray "
                 "is 2.45 from a pure primary"),
       number<P>("value-tolerance", &P::value_tolerance, 0, P::kAnyValue,

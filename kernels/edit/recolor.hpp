@@ -20,7 +20,7 @@ struct RecolorParams {
   /// becomes the target's.
   std::array<float, 3> key{0.5f, 0.05f, 0.05f};
   /// How far a pixel's chromaticity c = R / mean R may be from the key's and still count as the
-  /// same: Euclidean distance. Gray is 2.45 from a pure primary and 0 from any other gray.
+  /// same: Euclidean distance. Gray is 2.45 from a pure primary, two primaries are 4.25 apart.
   float tolerance = 0.4f;
   /// How far a pixel's mean reflectance may be from the key's: |ln ratio|. kAnyValue: no limit.
   float value_tolerance = kAnyValue;

@@ -18,8 +18,9 @@ def run(arguments):
 
 def main():
     source, name, output, depfile, glslang, spirv_val = sys.argv[1:]
-    text = [f'// Generated from {pathlib.Path(source).name}.', '#include "gpu/kernel.hpp"', "namespace {"]
+    text = [f'// Generated from {pathlib.Path(source).name}.', '#include "gpu/kernel_source.hpp"', "namespace {"]
     dependencies = set()
+    sizes = []
     with tempfile.TemporaryDirectory() as folder:
         for variant, defines in (("fast", []), ("portable", ["-DPORTABLE"])):
             spv = pathlib.Path(folder) / f"{variant}.spv"
@@ -28,12 +29,13 @@ def main():
             run([spirv_val, "--target-env", "vulkan1.1", spv])
             dependencies.update(deps.read_text().split(":", 1)[1].split())
             data = spv.read_bytes()
+            sizes.append(len(data) // 4)
             words = struct.unpack(f"<{len(data) // 4}I", data)
             text.append(f"constexpr uint32_t {variant}[] = {{")
             text += [",".join(map(str, words[i:i + 16])) + "," for i in range(0, len(words), 16)]
             text.append("};")
     text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name};",
-             f'const gpu::KernelSource {name}{{"{name}", fast, portable}};', "}"]
+             f'const gpu::KernelSource {name}{{"{name}", {{fast, {sizes[0]}}}, {{portable, {sizes[1]}}}}};', "}"]
     pathlib.Path(output).write_text("\n".join(text) + "\n")
     pathlib.Path(depfile).write_text(f"{output}: {' '.join(sorted(dependencies))}\n")
 

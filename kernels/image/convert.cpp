@@ -23,7 +23,7 @@ struct Push {
   float power, ceiling, gain, largest;
 };
 constexpr uint32_t kFlagShading = 1, kFlagOpaque = 2;
-constexpr uint32_t kStripRows = 4;  // rows an invocation of unpack_rgb, unpack_yuv, pack_rgb turns
+constexpr uint32_t kStripRows = 8;  // rows that an invocation turns, in every kernel
 
 Push layout_push(const FrameFormat& format) {
   Push push{};
@@ -158,7 +158,7 @@ void Pack::record(gpu::Commands& commands, const Drawing& drawing,
   }
   const uint32_t width = format_.format == PixelFormat::i420 ? 8 : 4;
   commands.dispatch(kernel_, {picture, raw}, push,
-                    {blocks(extent.width, width), blocks(extent.height, 2)});
+                    {blocks(extent.width, width), blocks(extent.height, kStripRows)});
 }
 
 }  // namespace inverse

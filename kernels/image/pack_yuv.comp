@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "../gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
@@ -8,6 +9,7 @@
 
 // A plane to Y'CbCr frames. Each invocation writes the whole words of a block of 4 x 2 pixels, 8 x 2 where four chroma
 // samples share a word; pixels beyond the right edge repeat the last one.
+const uint PAIRS = 4u;  // of rows
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
 
@@ -44,43 +46,24 @@ void store_packed(uint row, uint x, vec4 y, vec2 cb, vec2 cr) {
   if (x + 2u < push.size.x) store(0u, row, x / 2u + 1u, word_of_bytes(right));
 }
 
-void main() {
-  uint first = gl_GlobalInvocationID.x * BLOCKS * 4u;
-  uint pair = gl_GlobalInvocationID.y;
-  if (first >= push.size.x) return;
-  vec4 cb = vec4(0.0), cr = vec4(0.0);  // of up to four samples
-  for (uint block = 0u; block < BLOCKS; ++block) {
-    uint x = first + block * 4u;
-    vec2 sum_cb = vec2(0.0), sum_cr = vec2(0.0);
-    for (int step = COSITED_Y && !PACKED ? -1 : 0; step < 2; ++step) {
-      uint row = uint(clamp(int(pair * 2u) + step, 0, int(push.size.y) - 1));
-      bool own = step >= 0 && pair * 2u + uint(step) < push.size.y;
-      Quad quad = quad_at(row, x);
-      vec4 y = luma(quad);
-      vec2 left = vec2(0.0);
-      if (COSITED_X) {
-        vec4 p = color_at(row, max(x, 1u) - 1u);
-        vec4 beside = encode(sanitized(p * push.gain, push.ceiling), push.curve, push.power);
-        float beside_y = luma(Quad(beside.xxxx, beside.yyyy, beside.zzzz)).x;
-        left = beside.zx - beside_y;
-      }
-      vec2 row_cb = downsample(left.x, quad.b - y) * push.matrix.z;
-      vec2 row_cr = downsample(left.y, quad.r - y) * push.matrix.w;
-      if (PACKED) {
-        if (own && x < push.size.x) store_packed(row, x, y, row_cb, row_cr);
-      } else {
-        if (own && x < push.size.x) store_luma(row, x, y);
-        float weight = COSITED_Y && step != 0 ? 0.25 : 0.5;
-        sum_cb += weight * row_cb;
-        sum_cr += weight * row_cr;
-      }
-    }
-    cb = vec4(cb.zw, sum_cb);
-    cr = vec4(cr.zw, sum_cr);
+// Writes a row of four pixels (where `own`) and gives what it adds to its two chroma samples.
+struct Chroma { vec2 cb, cr; };
+Chroma draw(uint row, uint x, bool own) {
+  Quad quad = quad_at(row, x);
+  vec4 y = luma(quad);
+  vec2 left = vec2(0.0);  // of the pixel left of the four
+  if (COSITED_X) {
+    vec4 beside = color_at(row, max(x, 1u) - 1u);
+    beside = encode(sanitized(beside * push.gain, push.ceiling), push.curve, push.power);
+    left = beside.zx - luma(Quad(beside.xxxx, beside.yyyy, beside.zzzz)).x;
   }
-  if (PACKED) return;
-  uvec4 u = code_of(cb, push.codes.z, push.codes.w) << SHIFT;
-  uvec4 v = code_of(cr, push.codes.z, push.codes.w) << SHIFT;
+  Chroma chroma = Chroma(downsample(left.x, quad.b - y) * push.matrix.z, downsample(left.y, quad.r - y) * push.matrix.w);
+  if (own && PACKED) store_packed(row, x, y, chroma.cb, chroma.cr);
+  if (own && !PACKED) store_luma(row, x, y);
+  return chroma;
+}
+
+void store_chroma(uint pair, uint first, uvec4 u, uvec4 v) {
   if (LAYOUT == kSemiPlanar) {
     if (DEEP) {
       store(1u, pair, first / 2u, word_of_halves(uvec2(u.z, v.z)));
@@ -94,5 +77,34 @@ void main() {
   } else {
     store(1u, pair, first / 8u, word_of_bytes(u));
     store(2u, pair, first / 8u, word_of_bytes(v));
+  }
+}
+
+void main() {
+  uint first = gl_GlobalInvocationID.x * BLOCKS * 4u;
+  if (first >= push.size.x) return;
+  uint begin = gl_GlobalInvocationID.y * PAIRS;
+  uint end = min(begin + PAIRS, (push.size.y + 1u) / 2u);
+  for (uint pair = begin; pair < end; ++pair) {
+    uint row = pair * 2u;
+    bool whole = row + 1u < push.size.y;
+    vec4 cb = vec4(0.0), cr = vec4(0.0);  // of up to four samples
+    [[unroll]] for (uint block = 0u; block < BLOCKS; ++block) {
+      uint x = first + block * 4u;
+      bool own = x < push.size.x;
+      Chroma upper = draw(row, x, own);
+      Chroma lower = draw(whole ? row + 1u : row, x, own && whole);
+      vec2 sum_cb = 0.5 * (upper.cb + lower.cb), sum_cr = 0.5 * (upper.cr + lower.cr);
+      if (COSITED_Y) {
+        Chroma above = draw(max(row, 1u) - 1u, x, false);
+        sum_cb = 0.5 * upper.cb + 0.25 * (above.cb + lower.cb);
+        sum_cr = 0.5 * upper.cr + 0.25 * (above.cr + lower.cr);
+      }
+      cb = vec4(cb.zw, sum_cb);
+      cr = vec4(cr.zw, sum_cr);
+    }
+    if (!PACKED)
+      store_chroma(pair, first, code_of(cb, push.codes.z, push.codes.w) << SHIFT,
+                   code_of(cr, push.codes.z, push.codes.w) << SHIFT);
   }
 }

@@ -7,7 +7,7 @@
 
 // Y'CbCr frames to linear RGB, w = 1. Each invocation turns a strip of 4 pixels x PAIRS pairs of rows, carrying the
 // chroma rows down; values are held component by component, four pixels in a vec4.
-const uint PAIRS = 2u;
+const uint PAIRS = 4u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
 
@@ -27,36 +27,41 @@ vec4 luma(uint row, uint block) {
   return (vec4(code) - push.codes.x) * push.codes.y;
 }
 
-// The sample (Cb, Cr) at a column of a chroma row.
-uvec2 sample_at(uint row, uint column) {
+// The two samples (Cb, Cr, Cb, Cr) of a chroma row at columns 2 pair and 2 pair + 1.
+uvec4 pair_at(uint row, uint pair) {
   if (PACKED) {
-    uvec4 b = bytes_of(word(0u, row, column));
-    return LAYOUT == kYuy2 ? b.yw : b.xz;
+    uvec4 a = bytes_of(word(0u, row, pair * 2u)), b = bytes_of(word(0u, row, pair * 2u + 1u));
+    return LAYOUT == kYuy2 ? uvec4(a.yw, b.yw) : uvec4(a.xz, b.xz);
   }
   if (LAYOUT == kSemiPlanar) {
-    if (DEEP) return codes_of(word(1u, row, column));
-    uint pair = word(1u, row, column >> 1) >> ((column & 1u) * 16u);
-    return uvec2(pair, pair >> 8) & 255u;
+    if (DEEP) return uvec4(codes_of(word(1u, row, pair * 2u)), codes_of(word(1u, row, pair * 2u + 1u)));
+    return bytes_of(word(1u, row, pair));
   }
-  uint index = DEEP ? column >> 1 : column >> 2;
-  uint shift = DEEP ? (column & 1u) * 16u + SHIFT : (column & 3u) * 8u;
-  return (uvec2(word(1u, row, index), word(2u, row, index)) >> shift) & (DEEP ? 1023u : 255u);
+  uvec2 cb_cr = uvec2(word(1u, row, DEEP ? pair : pair / 2u), word(2u, row, DEEP ? pair : pair / 2u));
+  if (DEEP) return uvec4(codes_of(cb_cr.x), codes_of(cb_cr.y)).xzyw;
+  cb_cr >>= (pair & 1u) * 16u;
+  return uvec4(cb_cr & 255u, cb_cr >> 8 & 255u);
 }
 
+// Chroma of the four pixels of a block as a chroma row gives it; edges repeat.
 struct Chroma { vec4 cb, cr; };
 Chroma chroma(uint row, uint block) {
-  uint last = (push.size.x - 1u) / 2u;
-  uvec4 column = min(uvec4(max(block * 2u, 1u) - 1u, block * 2u, block * 2u + 1u, block * 2u + 2u), uvec4(last));
-  uvec2 b = sample_at(row, column.y), c = sample_at(row, column.z), d = sample_at(row, column.w);
-  uvec2 a = COSITED_X ? b : sample_at(row, column.x);
-  return Chroma((upsample(vec4(a.x, b.x, c.x, d.x)) - push.codes.z) * push.codes.w,
-                (upsample(vec4(a.y, b.y, c.y, d.y)) - push.codes.z) * push.codes.w);
+  uint count = (push.size.x + 1u) / 2u - block * 2u;  // samples from here to the right edge
+  uvec4 own = pair_at(row, block);
+  uvec2 left = own.xy, right = pair_at(row, block + 1u).xy;
+  if (!COSITED_X) {
+    left = pair_at(row, max(block, 1u) - 1u).zw;
+    left = mix(left, own.xy, bvec2(block == 0u));
+  }
+  own.zw = mix(own.zw, own.xy, bvec2(count < 2u));
+  right = mix(right, own.zw, bvec2(count < 3u));
+  return Chroma((upsample(vec4(left.x, own.x, own.z, right.x)) - push.codes.z) * push.codes.w,
+                (upsample(vec4(left.y, own.y, own.w, right.y)) - push.codes.z) * push.codes.w);
 }
 
 vec4 light(vec4 value) { return decode(clamp(value, 0.0, push.ceiling), push.curve, push.power); }
 
 void draw(uint row, uint block, vec4 cb, vec4 cr) {
-  if (row >= push.size.y) return;
   vec4 y = luma(row, block);
   vec4 r = light(y + push.matrix.x * cr);
   vec4 g = light(y + push.matrix.y * cb + push.matrix.z * cr);
@@ -87,13 +92,11 @@ void main() {
   if (!COSITED_Y) above = chroma(max(first, 1u) - 1u, block);
   for (uint row = first; row < end; ++row) {
     Chroma below = chroma(min(row + 1u, rows - 1u), block);
-    if (COSITED_Y) {
-      draw(row * 2u, block, own.cb, own.cr);
-      draw(row * 2u + 1u, block, 0.5 * (own.cb + below.cb), 0.5 * (own.cr + below.cr));
-    } else {
-      draw(row * 2u, block, mix(own.cb, above.cb, 0.25), mix(own.cr, above.cr, 0.25));
-      draw(row * 2u + 1u, block, mix(own.cb, below.cb, 0.25), mix(own.cr, below.cr, 0.25));
-    }
+    float weight = COSITED_Y ? 0.0 : 0.25;
+    draw(row * 2u, block, mix(own.cb, above.cb, weight), mix(own.cr, above.cr, weight));
+    weight = COSITED_Y ? 0.5 : 0.25;
+    if (row * 2u + 1u < push.size.y)
+      draw(row * 2u + 1u, block, mix(own.cb, below.cb, weight), mix(own.cr, below.cr, weight));
     above = own;
     own = below;
   }

@@ -2,21 +2,22 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
-#include "quad.glsl"
 #include "relax.glsl"
 
-// The coarse half of a V-cycle in one dispatch of one workgroup: all levels from the first to a single pixel, one after
-// another in the same two buffers. Blocks are single quads here. Reads what it wrote itself, so it uses storage buffers.
+// The coarse end of the multigrid in one dispatch of one workgroup: all levels from the first to a single pixel lie one
+// after another in the same two buffers. With kSetup their operators, once a frame (as coarsen.comp); else a V-cycle, with
+// single quads as blocks. Reads what it wrote itself, and so uses storage buffers.
+layout(constant_id = 1) const bool kSetup = false;
 layout(set = 0, binding = 0, std430) coherent restrict buffer system_block { vec4 system_data[]; };
 layout(set = 0, binding = 1, std430) coherent restrict buffer field_block { vec4 field_data[]; };
 layout(push_constant) uniform Push {
   uvec2 size;  // of the first level
   float scale;
-  uint passes;
 } push;
 
 #define SYNC memoryBarrierBuffer(); barrier()
 #define EVERY_QUAD(i, quads, height) for (uint i = gl_LocalInvocationID.x; i < (quads) * (height); i += gl_WorkGroupSize.x)
+#define SYSTEM(at, slot) LOAD(system, 4u * (at) + slot)
 
 // Half a block Gauss-Seidel pass over the level of `size` that starts at quad `base`.
 void smooth_color(uint base, uvec2 size, uint color) {
@@ -25,16 +26,16 @@ void smooth_color(uint base, uvec2 size, uint color) {
     uint y = i / pairs, x = 2u * (i - y * pairs) + ((y + color) & 1u);
     if (x < quads) {
       uint at = base + y * quads + x;
-      vec4 right = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_RIGHT), down = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_DOWN);
-      vec4 f = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_RHS), d = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_MASS);
+      vec4 right = SYSTEM(at, SYSTEM_RIGHT), down = SYSTEM(at, SYSTEM_DOWN);
+      vec4 f = SYSTEM(at, SYSTEM_RHS), d = SYSTEM(at, SYSTEM_MASS);
       float left = 0.0;
       if (x > 0u) {
-        left = LOAD(system, SYSTEM_STRIDE * (at - 1u) + SYSTEM_RIGHT).w;
+        left = SYSTEM(at - 1u, SYSTEM_RIGHT).w;
         f.x += left * LOAD(field, at - 1u).w;
       }
       if (x + 1u < quads) f.w += right.w * LOAD(field, at + 1u).x;
       if (y > 0u) {
-        vec4 up = LOAD(system, SYSTEM_STRIDE * (at - quads) + SYSTEM_DOWN);
+        vec4 up = SYSTEM(at - quads, SYSTEM_DOWN);
         f += up * LOAD(field, at - quads);
         d += up;
       }
@@ -45,64 +46,68 @@ void smooth_color(uint base, uvec2 size, uint color) {
   SYNC;
 }
 
+// One quad of the next level, at `to`, from the level of `size` at `base`: x, y are its place there.
+void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
+  uint quads = QUADS(size.x);
+  vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), along = vec4(0.0);
+  for (uint part = 0u; part < 4u; ++part) {  // two rows of two quads
+    uint qx = 2u * x + (part & 1u), qy = 2u * y + (part >> 1u);
+    if (qx < quads && qy < size.y) {
+      uint at = base + qy * quads + qx;
+      bool second = (part & 1u) != 0u;
+      vec4 right = SYSTEM(at, SYSTEM_RIGHT), down = SYSTEM(at, SYSTEM_DOWN), m = SYSTEM(at, SYSTEM_MASS);
+      if (kSetup) {
+        vec2 pair = m.xz + m.yw;
+        mass += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
+        across += second ? vec4(0.0, 0.0, right.yw) : vec4(right.yw, 0.0, 0.0);
+        pair = (part >> 1u) != 0u ? down.xz + down.yw : vec2(0.0);
+        along += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
+      } else {
+        vec4 u = LOAD(field, at), f = SYSTEM(at, SYSTEM_RHS) - m * u;
+        vec4 flow = right * (SHIFT_LEFT(u, qx + 1u < quads ? LOAD(field, at + 1u) : u) - u);
+        float left = 0.0;
+        if (qx > 0u) left = SYSTEM(at - 1u, SYSTEM_RIGHT).w * (u.x - LOAD(field, at - 1u).w);
+        f += flow - SHIFT_RIGHT(flow, vec4(left));
+        if (qy > 0u) f += SYSTEM(at - quads, SYSTEM_DOWN) * (LOAD(field, at - quads) - u);
+        if (qy + 1u < size.y) f += down * (LOAD(field, at + quads) - u);
+        rhs += second ? vec4(0.0, 0.0, f.xz + f.yw) : vec4(f.xz + f.yw, 0.0, 0.0);
+      }
+    }
+  }
+  if (kSetup) {
+    SYSTEM(to, SYSTEM_RIGHT) = push.scale * across;
+    SYSTEM(to, SYSTEM_DOWN) = push.scale * along;
+    SYSTEM(to, SYSTEM_MASS) = mass;
+  } else {
+    SYSTEM(to, SYSTEM_RHS) = rhs;
+    STORE(field, to, vec4(0.0));
+  }
+}
+
 void main() {
-  // Down: smooth, then every coarse pixel gathers from its 2 x 2.
   uvec2 size = push.size;
   uint base = 0u, levels = 1u;
   while (size.x > 1u || size.y > 1u) {
-    for (uint pass = 0u; pass < push.passes; ++pass) {
+    if (!kSetup) {
       smooth_color(base, size, 0u);
       smooth_color(base, size, 1u);
     }
-    uint quads = QUADS(size.x);
     uvec2 half_size = (size + 1u) / 2u;
-    uint half_quads = QUADS(half_size.x), to = base + quads * size.y;
+    uint half_quads = QUADS(half_size.x), to = base + QUADS(size.x) * size.y;
     EVERY_QUAD(i, half_quads, half_size.y) {
-      uint y = i / half_quads, x = i - y * half_quads;
-      vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), along = vec4(0.0);
-      for (uint part = 0u; part < 4u; ++part) {  // two rows of two quads
-        uint qx = 2u * x + (part & 1u), qy = 2u * y + (part >> 1u);
-        if (qx < quads && qy < size.y) {
-          uint at = base + qy * quads + qx;
-          vec4 u = LOAD(field, at), m = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_MASS);
-          vec4 right = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_RIGHT);
-          vec4 down = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_DOWN);
-          vec4 f = LOAD(system, SYSTEM_STRIDE * at + SYSTEM_RHS) - m * u;
-          vec4 flow = right * (SHIFT_LEFT(u, qx + 1u < quads ? LOAD(field, at + 1u) : u) - u);
-          float left = 0.0;
-          if (qx > 0u) left = LOAD(system, SYSTEM_STRIDE * (at - 1u) + SYSTEM_RIGHT).w * (u.x - LOAD(field, at - 1u).w);
-          f += flow - SHIFT_RIGHT(flow, vec4(left));
-          if (qy > 0u) f += LOAD(system, SYSTEM_STRIDE * (at - quads) + SYSTEM_DOWN) * (LOAD(field, at - quads) - u);
-          if (qy + 1u < size.y) f += down * (LOAD(field, at + quads) - u);
-          bool second = (part & 1u) != 0u;
-          vec2 pair = f.xz + f.yw;
-          rhs += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
-          pair = m.xz + m.yw;
-          mass += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
-          across += second ? vec4(0.0, 0.0, right.yw) : vec4(right.yw, 0.0, 0.0);
-          pair = (part >> 1u) != 0u ? down.xz + down.yw : vec2(0.0);
-          along += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
-        }
-      }
-      uint at = to + i;
-      STORE(system, SYSTEM_STRIDE * at + SYSTEM_RIGHT, push.scale * across);
-      STORE(system, SYSTEM_STRIDE * at + SYSTEM_DOWN, push.scale * along);
-      STORE(system, SYSTEM_STRIDE * at + SYSTEM_MASS, mass);
-      STORE(system, SYSTEM_STRIDE * at + SYSTEM_RHS, rhs);
-      STORE(field, at, vec4(0.0));
+      uint y = i / half_quads;
+      aggregate(base, size, i - y * half_quads, y, to + i);
     }
     SYNC;
     base = to;
     size = half_size;
     ++levels;
   }
+  if (kSetup) return;
   smooth_color(base, size, 0u);  // the single pixel: exact
-  // Up again: add the coarser level's correction, smooth.
-  while (levels > 1u) {
+  while (levels > 1u) {  // up again: add the coarser level's correction, smooth
     --levels;
-    uint coarse_base = base;
-    uvec2 half_size = size;
-    uint half_quads = QUADS(half_size.x);
+    uint coarse_base = base, coarse_quads = QUADS(size.x);
     size = push.size;
     base = 0u;
     for (uint level = 1u; level < levels; ++level) {
@@ -112,14 +117,12 @@ void main() {
     uint quads = QUADS(size.x);
     EVERY_QUAD(i, quads, size.y) {
       uint y = i / quads, x = i - y * quads;
-      vec4 pair = LOAD(field, coarse_base + (y / 2u) * half_quads + x / 2u);
-      vec4 correction = (x & 1u) == 0u ? pair.xxyy : pair.zzww;
+      vec4 pairs = LOAD(field, coarse_base + (y / 2u) * coarse_quads + x / 2u);
+      vec4 correction = (x & 1u) == 0u ? pairs.xxyy : pairs.zzww;
       STORE(field, base + i, LOAD(field, base + i) + MASKED(correction, INSIDE(x, size.x)));
     }
     SYNC;
-    for (uint pass = 0u; pass < push.passes; ++pass) {
-      smooth_color(base, size, 1u);
-      smooth_color(base, size, 0u);
-    }
+    smooth_color(base, size, 1u);
+    smooth_color(base, size, 0u);
   }
 }

@@ -1,27 +1,38 @@
 #include "edge_prior.hpp"
 
 #include "../gpu/shaders.hpp"
-#include "multigrid.hpp"
 
-INVERSE_SHADER(intrinsic_edge_prior);
+INVERSE_SHADER(intrinsic_fold);
+INVERSE_SHADER(intrinsic_edges);
+INVERSE_SHADER(intrinsic_cell_values);
 
 namespace inverse {
 namespace {
-constexpr uint32_t kRows = 4;
+constexpr uint32_t kMostBiases = 64;  // room for FOLD_COUNT of edge_net.glsl
 }
 
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::intrinsic_edge_prior, {kRows})) {}
+    : fold_(device->kernel(shaders::intrinsic_fold, {}, kMostBiases)),
+      edges_(device->kernel(shaders::intrinsic_edges)),
+      values_(device->kernel(shaders::intrinsic_cell_values)),
+      biases_(gpu::Buffer::create(device, gpu::Element::vec4, kMostBiases / 4)) {}
 
-void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Edges& edges,
+void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target& target,
                        const Params& params) const {
-  const struct {
+  struct Push {
     uint32_t width, height;
-    float sparsity, smoothness, alpha, beta;
-  } push{guide.extent.width, guide.extent.height, params.sparsity,
-         params.smoothness,  params.alpha,        params.beta};
-  commands.dispatch(kernel_, {guide.chroma0, guide.chroma1, edges.right, edges.down}, push,
-                    {quads_of(guide.extent.width) * ((guide.extent.height + kRows - 1) / kRows)});
+    float first, second;
+  };
+  commands.dispatch(fold_, {guide.statistics(), biases_}, {kMostBiases});
+  const Extent extent = guide.extent(), cells = guide.cell_extent();
+  commands.dispatch(edges_,
+                    {guide.level0(), guide.level1(), guide.cells(), guide.statistics(), biases_, target.system,
+                     target.flux},
+                    Push{extent.width, extent.height, params.reflectance_weight, params.shading_weight},
+                    line_of(quads_of(extent)));
+  commands.dispatch(values_, {guide.cells(), guide.wide(), guide.statistics(), biases_, target.value},
+                    Push{cells.width, cells.height, params.value_weight, params.chroma_weight},
+                    line_of(quads_of(cells)));
 }
 
 }  // namespace inverse

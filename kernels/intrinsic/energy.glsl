@@ -1,29 +1,38 @@
-// The energy that intrinsicdecomp minimizes, one frame: a log shading s a pixel, all else follows.
+// The energy that intrinsicdecomp minimizes (docs/method-intrinsicdecomp.md), one unknown a pixel, s = ln shading:
 //
-//   log image      i = ln(I + intensity_floor), m = mean_c i, u = max_c i - m
-//   log chroma     c0 = ln R/G, c1 = ln sqrt(RG)/B, of I + chroma_floor
-//   reflectance    r = i - s (exactly), so that the data and chromaticity terms of Eqs. 3.5 and 3.10 vanish
+//   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here
+//        + sum over cells  v (s' - V)^2                  value prior: pins scale and low frequencies
+//                        + g (m' - s' - r_bin)^2         equal chroma, equal reflectance (soft)
+//                        + t (m' - s' - r_previous)^2    temporal anchor
 //
-//   E(s) =   sum over edges x-y   a rho(3 (dm - ds)^2 + Q) + b ds^2       dm = m_x - m_y, ds = s_x - s_y
-//          + sum over pixels      v (s - V)^2                             gauge prior (EdgePrior)
-//          + sum over pixels      g (s - (m - r_bin))^2                   non-local term through chroma bins
-//          + sum over pixels      w_t e^(-(k dc)^2) (s - (m - r_prev))^2  temporal anchor
+// d is the step across an edge, m the mean log intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
+// Reflectance is r = i - s exactly, so that the data and chromaticity terms of Eqs. 3.5 and 3.10 vanish. a, b, v, V, g
+// come from EdgePrior. E is quadratic; setting its gradient to zero,
 //
-//   rho(z) = (z + e^2)^(p/2) is the sparse penalty of Eq. 3.8 on the reflectance step; Q = dc0^2 / 2 + 2 dc1^2 / 3 is the
-//   chroma part of that step, which s cannot change. Iteratively reweighted least squares (3.5.1) replaces rho by
-//   (p/2) (z0 + e^2)^(p/2 - 1) z, consistent with the energy (the factor p/2 is missing in Eq. 3.19):
-//
-//   A(x,x) = sum_N4 w + mass   A(x,y) = -w = -(a' + b)   rhs = sum_N4 a' (m_x - m_y) + v V + g (m - r_bin) + ...
+//   pixels   A(x,x) = sum_N4 w + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y)
+//   cells    screen = v + g + t          pull = v V + t (m' - r_previous)          (added on multigrid level 2)
+#include "quad.glsl"
 
-// Edges of a quad, as EdgePrior writes them, three vec4 a direction: a, Q, b.
-#define EDGE_SPARSE 0
-#define EDGE_CHROMA 1
-#define EDGE_SMOOTH 2
-#define EDGE_STRIDE 3
-
-// The linear system of a quad, four vec4: weights w of the edges to the right and down, the diagonal's own mass, rhs.
+// The system of a quad: weights w of the edges to the right and down, the right-hand side f and, where a level has it,
+// the diagonal's own mass. Levels 0 and 1 have the same small mass everywhere and no plane for it.
 #define SYSTEM_RIGHT 0
 #define SYSTEM_DOWN 1
-#define SYSTEM_MASS 2
-#define SYSTEM_RHS 3
-#define SYSTEM_STRIDE 4
+#define SYSTEM_RHS 2
+#define SYSTEM_MASS 3
+
+// What EdgePrior writes beside the weights. Flux of a quad of pixels, two vec4: a (m_x - m_y) of its edges to the right
+// and down. Value of a quad of cells, three vec4: v, V, g.
+#define FLUX_RIGHT 0
+#define FLUX_DOWN 1
+#define FLUX_STRIDE 2
+#define VALUE_WEIGHT 0
+#define VALUE_TARGET 1
+#define VALUE_CHROMA 2
+#define VALUE_STRIDE 3
+
+// What a quad of cells adds to the system: screen, pull, g and m'.
+#define TERMS_SCREEN 0
+#define TERMS_PULL 1
+#define TERMS_CHROMA 2
+#define TERMS_MEAN 3
+#define TERMS_STRIDE 4

@@ -1,118 +1,99 @@
 #include "intrinsic_decomposition.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "../gpu/shaders.hpp"
 
-INVERSE_SHADER(intrinsic_guide);
-INVERSE_SHADER(intrinsic_anchor);
-INVERSE_SHADER(intrinsic_reweight);
-INVERSE_SHADER(intrinsic_output);
+INVERSE_SHADER(intrinsic_cell_terms);
+INVERSE_SHADER(intrinsic_assemble);
+INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
 namespace {
-constexpr uint32_t kRows = 4;
-constexpr uint32_t kEdgeStride = 3;
-constexpr uint32_t kKeptStride = 3;
-}  // namespace
+constexpr float kCellArea = 16;  // weights of cell terms are a pixel's, times this
+}
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
     : device_(std::move(device)),
       extent_(extent),
       planes_(device_, extent),
+      guide_(device_, extent),
       prior_(device_),
+      anchor_(device_, guide_.cell_extent()),
+      bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
-      guide_kernel_(device_->kernel(shaders::intrinsic_guide)),
-      anchor_kernel_(device_->kernel(shaders::intrinsic_anchor)),
-      reweight_kernels_{device_->kernel(shaders::intrinsic_reweight, {kRows, 0}),
-                        device_->kernel(shaders::intrinsic_reweight, {kRows, 1}),
-                        device_->kernel(shaders::intrinsic_reweight, {kRows, 2})},
-      output_kernel_(device_->kernel(shaders::intrinsic_output)) {
-  const auto plane = [&](uint32_t stride) {
-    return gpu::Buffer::create(device_, gpu::Element::vec4, quads_of(extent) * stride);
-  };
-  guide_ = {extent, plane(1), plane(1), plane(1), plane(1)};
-  edges_ = {plane(kEdgeStride), plane(kEdgeStride)};
-  anchored_ = plane(1);
-  kept_ = {plane(kKeptStride), plane(kKeptStride)};
-  control_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1, gpu::Memory::upload);
-  control_->map_as<float>()[0] = 1;
+      terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0})),
+      anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
+      assemble_(device_->kernel(shaders::intrinsic_assemble)),
+      layers_(device_->kernel(shaders::intrinsic_layers)) {
+  const auto buffer = [&](uint64_t count) { return gpu::Buffer::create(device_, gpu::Element::vec4, count); };
+  const uint64_t cell_quads = quads_of(guide_.cell_extent());
+  flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
+  value_ = buffer(cell_quads * EdgePrior::kValueStride);
+  terms_ = buffer(cell_quads * Multigrid::kTermsStride);
+  start_ = buffer(cell_quads);
 }
 
-void IntrinsicDecomposition::anchor(gpu::Commands& commands, const Params& params, bool warm) {
+void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
+                                      bool anchored) {
+  if (anchored) anchor_.record(commands, guide_, params);
+  const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float gauge, temporal, spread2, trust;
-  } push{extent_.width,   extent_.height,
-         params.gauge,    params.temporal,
-         params.temporal_spread * params.temporal_spread, warm ? 1.0F : 0.0F};
-  commands.dispatch(anchor_kernel_,
-                    {guide_.mean, guide_.excess, guide_.chroma0, guide_.chroma1, kept_[0], control_,
-                     multigrid_.system(), anchored_, multigrid_.field()},
-                    push, {quads_of(extent_.width) * extent_.height});
+    float anchor, detail, chroma;
+  } push{cells.width, cells.height, kCellArea * params.anchor_weight, 1 / params.anchor_detail,
+         1 / params.anchor_chroma};
+  commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
+                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(), anchor_.verdict(), terms_,
+                     start_},
+                    push, line_of(quads_of(cells)));
+  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+  commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
+                    line_of(quads_of(extent_)));
 }
 
-void IntrinsicDecomposition::reweight(gpu::Commands& commands, float p, float floor) {
-  const size_t variant = p == 1.0F ? 1 : p == 2.0F ? 2 : 0;
-  const struct {
-    uint32_t width, height;
-    float p, floor2;
-  } push{extent_.width, extent_.height, p, floor * floor};
-  commands.dispatch(reweight_kernels_[variant],
-                    {multigrid_.field(), guide_.mean, edges_.right, edges_.down, anchored_,
-                     multigrid_.system()},
-                    push, {quads_of(extent_.width) * ((extent_.height + kRows - 1) / kRows)});
+void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
+  multigrid_.record_operators(commands, terms_, params.multigrid);
+  bins_.record_weights(commands, guide_, terms_, EdgePrior::kMostChroma * params.prior.chroma_weight);
+  commands.stage("operators");
+  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_far(),
+                                multigrid_.cell_system()};
+  for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
+    multigrid_.record_cycle(commands, params.multigrid, [&] { bins_.record(commands, guide_, state); });
 }
 
-Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
-                                      const Params& params, const FrameInfo& info) {
+Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                                      const FrameInfo& info) {
   if (info.reset) reset();
-  const bool warm = history_;
   stats_ = {};
-  const gpu::Items quads{quads_of(extent_.width) * extent_.height};
-  const struct {
-    uint32_t width, height;
-    float intensity_floor, chroma_floor;
-  } push{extent_.width, extent_.height, params.intensity_floor, params.chroma_floor};
-  commands.dispatch(guide_kernel_,
-                    {input->buffer, guide_.mean, guide_.excess, guide_.chroma0, guide_.chroma1},
-                    push, quads);
-  commands.stage("guide");
-  prior_.record(commands, guide_, edges_, params.edges);
-  commands.stage("prior");
-  anchor(commands, params, warm);
-  commands.stage("anchor");
-  stats_.steps = warm ? params.warm_steps : params.steps;
-  for (uint32_t step = 0; step < stats_.steps; ++step) {
-    const bool quadratic = !warm && step == 0;
-    const float floor = warm ? params.edge_floor
-                             : std::max(params.edge_floor, 0.3F * std::ldexp(1.0F, -static_cast<int>(step)));
-    reweight(commands, quadratic ? 2.0F : params.p, floor);
-    commands.stage("reweight");
-    for (uint32_t cycle = 0; cycle < params.cycles; ++cycle)
-      multigrid_.record(commands, params.multigrid);
-    commands.stage("solve");
-  }
-  stats_.cycles = stats_.steps * params.cycles;
   stats_.levels = multigrid_.depth();
-  stats_.warm = warm;
+  stats_.history = history_ && params.anchor.anchor_weight > 0;
+  stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
+  if (!stats_.history)
+    stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
 
-  Layers layers{extent_, {}};
-  PlanePtr intrinsic = planes_.acquire();
-  const uint32_t size[2] = {extent_.width, extent_.height};
-  commands.dispatch(output_kernel_,
-                    {input->buffer, multigrid_.field(), guide_.mean, guide_.chroma0, guide_.chroma1,
-                     intrinsic->buffer, kept_[1]},
-                    size, quads);
-  commands.stage("output");
-  std::swap(kept_[0], kept_[1]);
+  guide_.record(commands, input->buffer);
+  commands.stage("guide");
+  prior_.record(commands, guide_, {multigrid_.system(), flux_, value_}, params.prior);
+  commands.stage("prior");
+  assemble(commands, params.anchor, stats_.history);
+  commands.stage("assemble");
+  solve(commands, params);
+
+  const PlanePtr intrinsic = planes_.acquire();
+  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+  commands.dispatch(layers_,
+                    {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(), intrinsic->buffer,
+                     anchor_.kept()},
+                    size, line_of(guide_.cell_extent().pixels()));
+  commands.stage("layers");
   history_ = true;
   commands.keep(input);
   commands.keep(intrinsic);
+  Layers layers{extent_, {}};
   layers[Role::input] = input;
   layers[Role::model] = intrinsic;
-  layers[Role::intrinsic] = std::move(intrinsic);
+  layers[Role::intrinsic] = intrinsic;
   return layers;
 }
 

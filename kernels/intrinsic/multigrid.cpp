@@ -1,76 +1,140 @@
 #include "multigrid.hpp"
 
+#include <algorithm>
+
 #include "../gpu/shaders.hpp"
 #include "../image/pyramid.hpp"
 
 INVERSE_SHADER(intrinsic_smooth);
-INVERSE_SHADER(intrinsic_descend);
-INVERSE_SHADER(intrinsic_ascend);
+INVERSE_SHADER(intrinsic_coarsen);
+INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
 
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether = 1200;  // quads from which on levels run in one dispatch: 80 x 60 pixels
-constexpr uint32_t kSystemStride = 4;
+constexpr uint64_t kTogether = 1200;    // quads up to which levels run in one dispatch: 80 x 60 pixels
+constexpr uint64_t kCoarseStride = 4;   // vec4 a quad of the system from level 2 on
+constexpr uint32_t kRhsSlot = 2;
+constexpr float kLeastMass = 1e-6F;     // keeps a frame of one pixel regular
+constexpr size_t kCells = 2;            // the cells' level
 
-struct LevelPush {
-  uint32_t width, height;
-  uint32_t color;
+uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
+
+struct SmoothPush {
+  uint32_t width, height, color;
+  float mass, around;
 };
 
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_(device->kernel(shaders::intrinsic_smooth)),
-      descend_(device->kernel(shaders::intrinsic_descend)),
-      ascend_(device->kernel(shaders::intrinsic_ascend)),
-      coarse_(device->kernel(shaders::intrinsic_coarse, {}, device->limits().workgroup_invocations < 256 ? 128 : 256)) {
-  const auto add = [&](Extent level, uint64_t quads) {
-    levels_.push_back({level, gpu::Buffer::create(device, gpu::Element::vec4, quads * kSystemStride),
-                       gpu::Buffer::create(device, gpu::Element::vec4, quads)});
-  };
-  for (; quads_of(extent) > kTogether; extent = half_of(extent), ++depth_) add(extent, quads_of(extent));
+    : smooth_fine_(device->kernel(shaders::intrinsic_smooth, {3, 0})),
+      smooth_(device->kernel(shaders::intrinsic_smooth, {4, 0})),
+      correct_fine_(device->kernel(shaders::intrinsic_smooth, {3, 1})),
+      correct_(device->kernel(shaders::intrinsic_smooth, {4, 1})),
+      coarsen_{device->kernel(shaders::intrinsic_coarsen, {3, 3, 0}),
+               device->kernel(shaders::intrinsic_coarsen, {3, 4, 1}),
+               device->kernel(shaders::intrinsic_coarsen, {4, 4, 0})},
+      restrict_{device->kernel(shaders::intrinsic_restrict, {3, 1}),
+                device->kernel(shaders::intrinsic_restrict, {3, 2}),
+                device->kernel(shaders::intrinsic_restrict, {4, 0})} {
+  const uint32_t lanes = std::min(device->limits().workgroup_invocations, 256U);
+  coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
+  coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
+  const auto buffer = [&](uint64_t count) { return gpu::Buffer::create(device, gpu::Element::vec4, count); };
+  float mass = kLeastMass;
+  for (; levels_.size() < kCells || quads_of(extent) > kTogether; extent = half_of(extent), ++depth_, mass *= 4)
+    levels_.push_back({extent, buffer(quads_of(extent) * stride_of(levels_.size())), buffer(quads_of(extent)), mass});
   uint64_t together = 0;
   for (Extent level = extent;; level = half_of(level), ++depth_) {
     together += quads_of(level);
     if (level.pixels() == 1) break;
   }
-  add(extent, together);
+  levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
+  half_means_ = buffer(quads_of(levels_[1].extent));
+  cell_means_ = buffer(quads_of(levels_[kCells].extent));
+  cell_far_ = buffer(quads_of(levels_[kCells].extent));
 }
 
-void Multigrid::smooth(gpu::Commands& commands, const Level& level, uint32_t color) const {
-  commands.dispatch(smooth_, {level.system, level.field, level.field},
-                    LevelPush{level.extent.width, level.extent.height, color},
-                    {(quads_of(level.extent.width) + 1) / 2 * ((level.extent.height + 3) / 4)});
+void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
+  const Level& level = levels_[i];
+  const gpu::Items items =
+      line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) * ((level.extent.height + 3) / 4));
+  for (const uint32_t color : {0U, 1U})
+    commands.dispatch(i < kCells ? smooth_fine_ : smooth_, {level.system, level.field, level.field, level.field},
+                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0}, items);
 }
 
-void Multigrid::record(gpu::Commands& commands, const Params& params) const {
+void Multigrid::correct(gpu::Commands& commands, size_t i) const {
+  const Level& level = levels_[i];
+  const gpu::Items items =
+      line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) * ((level.extent.height + 3) / 4));
+  for (const uint32_t color : {1U, 0U})
+    commands.dispatch(i < kCells ? correct_fine_ : correct_,
+                      {level.system, level.field, levels_[i + 1].field, level.field},
+                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, static_cast<float>(color)},
+                      items);
+}
+
+void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
+  const Level &fine = levels_[i], &coarse = levels_[i + 1];
+  const bool to_cells = i + 1 == kCells;
+  const struct {
+    uint32_t width, height;
+    float mass;
+    uint32_t stride, slot;
+  } push{fine.extent.width, fine.extent.height, fine.mass, to_cells ? 1 : stride_of(i + 1), to_cells ? 0 : kRhsSlot};
+  commands.dispatch(restrict_[std::min(i, kCells)],
+                    {fine.system, fine.field, half_means_, to_cells ? cell_far_ : coarse.system, coarse.field,
+                     i == 0 ? half_means_ : cell_means_},
+                    push, line_of(quads_of(coarse.extent)));
+}
+
+void Multigrid::record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms, const Params& params) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
-    for (uint32_t pass = 0; pass < params.passes; ++pass)
-      for (const uint32_t color : {0u, 1u}) smooth(commands, fine, color);
     const struct {
       uint32_t width, height;
-      float scale;
-    } push{fine.extent.width, fine.extent.height, params.scale};
-    commands.dispatch(descend_, {fine.system, fine.field, coarse.system, coarse.field}, push,
-                      {quads_of(coarse.extent.width) * coarse.extent.height});
+      float scale, mass;
+    } push{fine.extent.width, fine.extent.height, params.scale, fine.mass};
+    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, terms, coarse.system}, push,
+                      line_of(quads_of(coarse.extent)));
   }
   const struct {
     uint32_t width, height;
     float scale;
-    uint32_t passes;
-  } push{levels_.back().extent.width, levels_.back().extent.height, params.scale, params.coarse_passes};
-  commands.dispatch(coarse_, {levels_.back().system, levels_.back().field}, push, {1, 1, 1});
-  for (size_t i = levels_.size() - 1; i-- > 0;) {
-    const Level &fine = levels_[i], &coarse = levels_[i + 1];
-    commands.dispatch(ascend_, {coarse.field, fine.field, fine.field},
-                      LevelPush{fine.extent.width, fine.extent.height, 0},
-                      {quads_of(fine.extent.width) * coarse.extent.height});
-    for (uint32_t pass = 0; pass < params.passes; ++pass)
-      for (const uint32_t color : {1u, 0u}) smooth(commands, fine, color);
+  } push{levels_.back().extent.width, levels_.back().extent.height, params.scale};
+  commands.dispatch(coarse_setup_, {levels_.back().system, levels_.back().field}, push, {});
+}
+
+void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
+  for (size_t i = kCells; i + 1 < levels_.size(); ++i) {
+    smooth(commands, i);
+    restrict_to(commands, i);
   }
+  const struct {
+    uint32_t width, height;
+    float scale;
+  } push{levels_.back().extent.width, levels_.back().extent.height, params.scale};
+  commands.dispatch(coarse_cycle_, {levels_.back().system, levels_.back().field}, push, {});
+  for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
+}
+
+void Multigrid::record_cycle(gpu::Commands& commands, const Params& params,
+                             const std::function<void()>& cells) const {
+  for (size_t i = 0; i < kCells; ++i) {
+    smooth(commands, i);
+    restrict_to(commands, i);
+  }
+  commands.stage("descend");
+  for (uint32_t cycle = 0; cycle < params.cell_cycles; ++cycle) {
+    cells();
+    cell_cycle(commands, params);
+  }
+  commands.stage("cells");
+  for (size_t i = kCells; i-- > 0;) correct(commands, i);
+  commands.stage("ascend");
 }
 
 }  // namespace inverse

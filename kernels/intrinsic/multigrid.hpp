@@ -1,43 +1,45 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "quads.hpp"
 
 namespace inverse {
 
-/// Quads a row of the layout in quad.glsl: four horizontally adjacent pixels in one vec4.
-constexpr uint32_t quads_of(uint32_t width) { return (width + 3) / 4; }
-/// Quads of a whole plane.
-constexpr uint64_t quads_of(Extent extent) {
-  return static_cast<uint64_t>(quads_of(extent.width)) * extent.height;
-}
-
-/// V-cycles for the linear system of one unknown a pixel and four neighbors (energy.glsl), symmetric and positive
-/// definite. Levels shrink 2:1 to a single pixel; aggregates of 2 x 2 pixels carry corrections; blocks of 4 x 4 pixels
-/// are relaxed in checkerboard order. Levels of few pixels run together in one dispatch.
+/// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors, and terms of 4 x 4 cells
+/// that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates of 2 x 2 carry corrections; blocks of 4 x 4
+/// pixels are relaxed in checkerboard order, their rows solved exactly. Levels of few pixels run in one dispatch.
 class Multigrid {
  public:
   struct Params {
-    /// Relaxations before and after every coarse correction, 1…4.
-    uint32_t passes = 1;
-    /// The same on the levels that run in one dispatch, 1…8.
-    uint32_t coarse_passes = 1;
     /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the smooth functions that
-    /// they stand for; 0.5 is right for equal weights, more is safer where weights jump.
-    float scale = 0.6F;
+    /// they stand for; 0.5 is right for equal weights, more is slower and safer where weights jump.
+    float scale = 0.5F;
+    /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is renewed before each.
+    uint32_t cell_cycles = 2;
   };
+  static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
 
   /// Throws Error(limit) where a level does not fit the device.
   Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// The system, four vec4 a quad: weights of the edges to the right and down, mass, right-hand side.
+  /// Pixels: edges' weights to the right and down and the right-hand side, three vec4 a quad.
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// Records one V-cycle.
-  void record(gpu::Commands& commands, const Params& params) const;
+  /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels left of the
+  /// right-hand side; and the system whose right-hand side (slot 2 of four) the caller writes.
+  const gpu::BufferPtr& cell_means() const { return cell_means_; }
+  const gpu::BufferPtr& cell_correction() const { return levels_[2].field; }
+  const gpu::BufferPtr& cell_far() const { return cell_far_; }
+  const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
+
+  /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
+  void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms, const Params& params) const;
+  /// Records one cycle; `cells` records the cells' right-hand side.
+  void record_cycle(gpu::Commands& commands, const Params& params, const std::function<void()>& cells) const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -45,12 +47,20 @@ class Multigrid {
   struct Level {
     Extent extent;
     gpu::BufferPtr system, field;
+    float mass;  // of every pixel, where the system has no plane of masses
   };
-  void smooth(gpu::Commands& commands, const Level& level, uint32_t color) const;
+  void smooth(gpu::Commands& commands, size_t level) const;
+  void correct(gpu::Commands& commands, size_t level) const;
+  void restrict_to(gpu::Commands& commands, size_t level) const;
+  void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
-  gpu::KernelPtr smooth_, descend_, ascend_, coarse_;
+  gpu::KernelPtr smooth_fine_, smooth_, correct_fine_, correct_;
+  gpu::KernelPtr coarsen_[3];   // between levels 0-1, 1-2, further down
+  gpu::KernelPtr restrict_[3];
+  gpu::KernelPtr coarse_setup_, coarse_cycle_;
+  gpu::BufferPtr half_means_, cell_means_, cell_far_;
 };
 
 }  // namespace inverse

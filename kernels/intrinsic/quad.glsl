@@ -4,13 +4,6 @@
 // Pixels of the padding have no edges, no mass and a zero right-hand side, so that they stay zero and influence nothing:
 // every kernel that writes a plane writes its padding as zero (MASKED), and edges live with the pixel on their left or
 // upper end, zero where the other end is outside.
-#ifdef PORTABLE
-#define WORD4_IN(slot, name) INVERSE_IN(slot, name, uvec4)
-#else
-#define WORD4_IN(slot, name) layout(set = 0, binding = slot) uniform usamplerBuffer name
-#endif
-#define WORD4_OUT(slot, name) INVERSE_OUT(slot, name, uvec4)
-
 #define QUADS(width) (((width) + 3u) / 4u)
 // Which pixels of quad x exist, and which of its pixels have a neighbor on their right.
 #define INSIDE(x, width) lessThan(uvec4(4u * (x)) + uvec4(0, 1, 2, 3), uvec4(width))
@@ -28,4 +21,11 @@ uvec2 grid_position(uint columns) {
   if (y * columns > i) --y;
   if (i - y * columns >= columns) ++y;
   return uvec2(i - y * columns, y);
+}
+
+// How much every one of up to four pixels counts in a mean over a cell that has `count` of them: 2 x 2 means twice over,
+// with the last row or column of an odd border counted twice.
+vec4 cell_weights(uint count) {
+  return count >= 4u ? vec4(0.25) : count == 3u ? vec4(0.25, 0.25, 0.5, 0.0) : count == 2u ? vec4(0.5, 0.5, 0.0, 0.0)
+                                                                                : vec4(1.0, 0.0, 0.0, 0.0);
 }

@@ -1,6 +1,6 @@
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
-//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--steps N] [--warm N] [--cycles N]
+//   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
 //
 // Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height float RGBA, linear
 // light, any number of such frames one after another) they are its frames in turn, and --out writes the last frame's
@@ -84,7 +84,7 @@ struct Run {
 void print(const char* name, Extent extent, const Run& run) {
   std::printf("%5ux%-5u %-5s wall %7.2f ms (best %.2f) processor %.2f ms %6.1f ns/pixel |", extent.width, extent.height, name,
               median(run.wall), *std::min_element(run.wall.begin(), run.wall.end()), median(run.processor), median(run.wall) * 1e6 / static_cast<double>(extent.pixels()));
-  for (const auto& stage : run.order) std::printf(" %s %.2f", stage.c_str(), median(run.stages.at(stage)));
+  for (const auto& stage : run.order) std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)), *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
   std::printf("\n");
 }
 
@@ -128,8 +128,7 @@ int main(int argc, char** argv) try {
     if (option == "--frames") count = std::max(1, std::atoi(value.c_str()));
     else if (option == "--dump") dump = value;
     else if (option == "--out") out = value;
-    else if (option == "--steps") params.steps = static_cast<uint32_t>(std::atoi(value.c_str()));
-    else if (option == "--warm") params.warm_steps = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--warm") params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--cycles") params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--size") {
       Extent extent;

@@ -38,7 +38,8 @@ std::string complaint(GstMessage* message) {
 
 }  // namespace
 
-LineResult run_line(const std::string& line, unsigned seconds) {
+LineResult run_line(const std::string& line, unsigned seconds,
+                    const std::function<void(GstElement* pipeline)>& prepare) {
   LineResult result;
   gst_video_info_init(&result.info);
   GError* error = nullptr;
@@ -62,6 +63,7 @@ LineResult run_line(const std::string& line, unsigned seconds) {
                      }),
                      &result);
   }
+  if (prepare) prepare(pipeline);
   GstBus* bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   const gint64 deadline = g_get_monotonic_time() + seconds * G_USEC_PER_SEC;

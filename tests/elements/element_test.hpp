@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -26,8 +27,10 @@ struct LineResult {
 };
 
 /// Runs a launch line to its end. Frames are kept where it has an `appsink name=out`. Fails the
-/// test where it neither ends nor complains within `seconds`.
-LineResult run_line(const std::string& line, unsigned seconds = 60);
+/// test where it neither ends nor complains within `seconds`. `prepare` may do to the pipeline what
+/// an application does before it starts.
+LineResult run_line(const std::string& line, unsigned seconds = 60,
+                    const std::function<void(GstElement* pipeline)>& prepare = {});
 
 /// A harness around a piece of a launch line with video caps on both sides.
 class VideoHarness {
@@ -65,7 +68,8 @@ class VideoHarness {
 std::vector<uint8_t> random_frame(const std::string& caps, unsigned seed);
 /// Bytes of a frame of these caps with every byte the same.
 std::vector<uint8_t> flat_frame(const std::string& caps, uint8_t value);
-/// The bytes of a frame that are pixels: without the padding of its rows. Empty where the frame is too short.
+/// The bytes of a frame that are pixels: without the padding of its rows. Empty where the frame is
+/// too short.
 std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>& frame);
 /// The largest difference between two frames, byte by byte; 256 where their sizes differ.
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);

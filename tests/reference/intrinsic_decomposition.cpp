@@ -46,60 +46,76 @@ double residual(const SolverLevel& l, int x, int y) {
   return r;
 }
 
-/// Position on the chroma grid: cell and fraction.
+/// The four bins around a chroma and their bilinear weights.
 struct GridPoint {
-  std::size_t cell;
-  double fu, fv;
+  std::array<std::size_t, 4> at;
+  std::array<double, 4> hat;
 };
 GridPoint grid_point(double c0, double c1) {
   const auto place = [](double c) {
     return std::clamp(c / kBinWidth + kBins / 2, 0.0, kBins - 1.001);
   };
   const double u = place(c0), v = place(c1);
-  const int a = int(u), b = int(v);
-  return {std::size_t(b) * kBins + std::size_t(a), u - a, v - b};
+  const std::size_t a = std::size_t(u), b = std::size_t(v), cell = b * kBins + a;
+  const double fu = u - double(a), fv = v - double(b);
+  return {{cell, cell + 1, cell + kBins, cell + kBins + 1},
+          {(1 - fu) * (1 - fv), fu * (1 - fv), (1 - fu) * fv, fu * fv}};
 }
 
-/// How much the anchor is believed at every pixel, and the frame's mean mismatch.
+double square(double v) { return v * v; }
+
+/// 2 x 2 means; an odd border counts twice, as in the guide.
+std::vector<double> halve(const std::vector<double>& in, int width, int height) {
+  const int cw = (width + 1) / 2, ch = (height + 1) / 2;
+  std::vector<double> out(std::size_t(cw) * ch);
+  const auto at = [&](int x, int y) {
+    return in[std::size_t(std::min(y, height - 1)) * width + std::size_t(std::min(x, width - 1))];
+  };
+  for (int y = 0; y < ch; ++y)
+    for (int x = 0; x < cw; ++x)
+      out[std::size_t(y) * cw + x] = 0.25 * (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) +
+                                             at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1));
+  return out;
+}
+
+/// How much the anchor is believed at every cell, and the frame's mean mismatch.
 struct Gate {
   std::vector<double> value;
   double mismatch = 0;
 };
 
 std::vector<double> detail_of(const Guide& guide) {
-  const GuideLevel &l = guide.level[0], &l2 = guide.level[2];
+  const GuideLevel &l = guide.level[kCellLevel], &wide = guide.level[kCellLevel + 2];
   std::vector<double> d(l.m.size());
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x)
-      d[l.index(x, y)] = l.m[l.index(x, y)] - l2.m[l2.index(x >> 2, y >> 2)];
+      d[l.index(x, y)] = l.m[l.index(x, y)] - wide.m[wide.index(x >> 2, y >> 2)];
   return d;
 }
 
 Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
                    const IntrinsicState& state, const IntrinsicParams& params) {
-  const GuideLevel& l = guide.level[0];
-  const auto square = [](double v) { return v * v; };
+  const GuideLevel& l = guide.level[kCellLevel];
   Gate gate;
   gate.value.resize(l.m.size());
-  const int cw = (l.width + 7) / 8, ch = (l.height + 7) / 8;  // cells of 8 x 8 pixels
-  std::vector<double> cell(std::size_t(cw) * ch, 0), count(cell.size(), 0);
+  const int tw = (l.width + 3) / 4, th = (l.height + 3) / 4;  // tiles of 4 x 4 cells
+  std::vector<double> tile(std::size_t(tw) * th, 0), count(tile.size(), 0);
+  const auto tile_of = [&](int x, int y) { return std::size_t(y / 4) * tw + std::size_t(x / 4); };
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x) {
-      const std::size_t i = l.index(x, y), k = std::size_t(y / 8) * cw + std::size_t(x / 8);
+      const std::size_t i = l.index(x, y);
       const double q = square((detail[i] - state.detail[i]) / params.anchor_detail) +
                        (square(l.c0[i] - state.c0[i]) + square(l.c1[i] - state.c1[i])) /
                            square(params.anchor_chroma);
       gate.value[i] = 1 / (1 + q);
-      cell[k] += q / (1 + q);
-      count[k] += 1;
+      tile[tile_of(x, y)] += q / (1 + q);
+      count[tile_of(x, y)] += 1;
       gate.mismatch += q / (1 + q) / double(l.m.size());
     }
   for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x) {
-      const std::size_t i = l.index(x, y), k = std::size_t(y / 8) * cw + std::size_t(x / 8);
-      const double e = cell[k] / count[k];
-      gate.value[i] *= square(std::max(0.0, 1 - 2 * e));
-    }
+    for (int x = 0; x < l.width; ++x)
+      gate.value[l.index(x, y)] *=
+          square(std::max(0.0, 1 - 2 * tile[tile_of(x, y)] / count[tile_of(x, y)]));
   return gate;
 }
 
@@ -109,75 +125,54 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[0];
   const std::size_t n = l.m.size();
   EdgePrior p;
-  for (auto* plane : {&p.a_right, &p.b_right, &p.a_down, &p.b_down, &p.v, &p.V, &p.g})
-    plane->assign(n, 0.0);
+  for (auto* plane : {&p.a_right, &p.b_right, &p.a_down, &p.b_down}) plane->assign(n, 0.0);
   std::array<double, kEdgeFeatures> ef{};
-  std::array<double, kPixelFeatures> pf{};
   std::array<double, 3> out{};
   for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x) {
-      const std::size_t i = l.index(x, y);
-      if (x + 1 < l.width) {
-        edge_features(guide, x, y, false, ef.data());
+    for (int x = 0; x < l.width; ++x)
+      for (const bool down : {false, true}) {
+        if (down ? y + 1 >= l.height : x + 1 >= l.width) continue;
+        edge_features(guide, x, y, down, ef.data());
         evaluate(kEdgeNet, ef.data(), out.data());
-        p.a_right[i] = params.reflectance_weight * weight_of(out[0]);
-        p.b_right[i] = params.shading_weight * weight_of(out[1]);
+        (down ? p.a_down : p.a_right)[l.index(x, y)] =
+            params.reflectance_weight * weight_of(out[0]);
+        (down ? p.b_down : p.b_right)[l.index(x, y)] = params.shading_weight * weight_of(out[1]);
       }
-      if (y + 1 < l.height) {
-        edge_features(guide, x, y, true, ef.data());
-        evaluate(kEdgeNet, ef.data(), out.data());
-        p.a_down[i] = params.reflectance_weight * weight_of(out[0]);
-        p.b_down[i] = params.shading_weight * weight_of(out[1]);
-      }
-      pixel_features(guide, x, y, pf.data());
-      evaluate(kPixelNet, pf.data(), out.data());
-      p.v[i] = params.value_weight * weight_of(out[0]);
-      p.V[i] = l.m[i] + l.u[i] + out[1];
-      p.g[i] = params.chroma_weight * weight_of(out[2]);
+  const GuideLevel& cells = guide.level[kCellLevel];
+  for (auto* plane : {&p.v, &p.V, &p.g}) plane->assign(cells.m.size(), 0.0);
+  std::array<double, kCellFeatures> cf{};
+  for (int y = 0; y < cells.height; ++y)
+    for (int x = 0; x < cells.width; ++x) {
+      const std::size_t i = cells.index(x, y);
+      cell_features(guide, x, y, cf.data());
+      evaluate(kCellNet, cf.data(), out.data());
+      p.v[i] = kCellArea * params.value_weight * weight_of(out[0]);
+      p.V[i] = cells.m[i] + cells.u[i] + out[1];
+      p.g[i] = kCellArea * params.chroma_weight * weight_of(out[2]);
     }
   return p;
 }
 
-ChromaBins splat_bins(const Guide& guide, const EdgePrior& prior, const std::vector<double>& s) {
-  const GuideLevel &l = guide.level[0], &l2 = guide.level[2];
+ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
+                      const std::vector<double>& rho) {
   ChromaBins bins{std::vector<double>(std::size_t(kBins) * kBins, 0.0), {}};
   bins.weight = bins.mean;
-  for (int cy = 0; cy < l2.height; ++cy)
-    for (int cx = 0; cx < l2.width; ++cx) {
-      double weight = 0, sum = 0;
-      for (int y = 4 * cy; y < std::min(l.height, 4 * cy + 4); ++y)
-        for (int x = 4 * cx; x < std::min(l.width, 4 * cx + 4); ++x) {
-          const std::size_t i = l.index(x, y);
-          weight += prior.g[i];
-          sum += prior.g[i] * (l.m[i] - s[i]);
-        }
-      const std::size_t k = l2.index(cx, cy);
-      const GridPoint p = grid_point(l2.c0[k], l2.c1[k]);
-      const std::array<double, 4> hat{(1 - p.fu) * (1 - p.fv), p.fu * (1 - p.fv), (1 - p.fu) * p.fv,
-                                      p.fu * p.fv};
-      const std::array<std::size_t, 4> at{p.cell, p.cell + 1, p.cell + kBins, p.cell + kBins + 1};
-      for (std::size_t j = 0; j < 4; ++j) {
-        bins.weight[at[j]] += hat[j] * weight;
-        bins.mean[at[j]] += hat[j] * sum;
-      }
+  for (std::size_t i = 0; i < rho.size(); ++i) {
+    const GridPoint p = grid_point(cells.c0[i], cells.c1[i]);
+    for (std::size_t j = 0; j < 4; ++j) {
+      bins.weight[p.at[j]] += p.hat[j] * g[i];
+      bins.mean[p.at[j]] += p.hat[j] * g[i] * rho[i];
     }
+  }
   for (std::size_t k = 0; k < bins.mean.size(); ++k) bins.mean[k] /= bins.weight[k] + 1e-6;
   return bins;
 }
 
-double slice_bins(const ChromaBins& bins, double c0, double c1, double* weight) {
+double slice_bins(const ChromaBins& bins, double c0, double c1) {
   const GridPoint p = grid_point(c0, c1);
-  const std::array<double, 4> hat{(1 - p.fu) * (1 - p.fv), p.fu * (1 - p.fv), (1 - p.fu) * p.fv,
-                                  p.fu * p.fv};
-  const std::array<std::size_t, 4> at{p.cell, p.cell + 1, p.cell + kBins, p.cell + kBins + 1};
-  double sum = 0, total = 0;
-  for (std::size_t j = 0; j < 4; ++j) {
-    const double w = bins.weight[at[j]] > 0 ? hat[j] : 0;
-    sum += w * bins.mean[at[j]];
-    total += w;
-  }
-  *weight = total;
-  return total > 0 ? sum / total : 0;
+  double sum = 0;
+  for (std::size_t j = 0; j < 4; ++j) sum += p.hat[j] * bins.mean[p.at[j]];
+  return sum;
 }
 
 SolverLevel coarsen(const SolverLevel& fine) {
@@ -215,121 +210,162 @@ void smooth(SolverLevel& l, int shift) {
         if (y + 1 < l.height) v += l.down[i] * (y + 1 < y1 ? l.s[i + w] : old[i + w]);
         l.s[i] = v / l.diagonal[i];
       };
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) relax(x, y);
-      for (int y = y1 - 1; y >= y0; --y)
-        for (int x = x1 - 1; x >= x0; --x) relax(x, y);
+      for (int n = 0; n < kSweeps; ++n) {
+        for (int y = y0; y < y1; ++y)
+          for (int x = x0; x < x1; ++x) relax(x, y);
+        for (int y = y1 - 1; y >= y0; --y)
+          for (int x = x1 - 1; x >= x0; --x) relax(x, y);
+      }
     }
 }
 
-void cycle(std::vector<SolverLevel>& levels, std::size_t k, const IntrinsicParams& params) {
+namespace {
+
+/// coarse f = sums of the residuals of `l`, coarse s = 0.
+void restrict_residual(const SolverLevel& l, SolverLevel& c) {
+  std::fill(c.f.begin(), c.f.end(), 0.0);
+  std::fill(c.s.begin(), c.s.end(), 0.0);
+  for (int y = 0; y < l.height; ++y)
+    for (int x = 0; x < l.width; ++x)
+      c.f[std::size_t(y / 2) * c.width + std::size_t(x / 2)] += residual(l, x, y);
+}
+
+void add_correction(const SolverLevel& c, SolverLevel& l) {
+  for (int y = 0; y < l.height; ++y)
+    for (int x = 0; x < l.width; ++x)
+      l.s[std::size_t(y) * l.width + x] += c.s[std::size_t(y / 2) * c.width + std::size_t(x / 2)];
+}
+
+/// V(1,1) from level `k` down, for k at or below the cells.
+void coarse_cycle(std::vector<SolverLevel>& levels, std::size_t k, const IntrinsicParams& params) {
   SolverLevel& l = levels[k];
   if (k + 1 == levels.size()) {
     for (int n = 0; n < params.coarsest_sweeps; ++n) smooth(l, n % 2 ? kBlock / 2 : 0);
     return;
   }
   smooth(l, 0);
-  SolverLevel& c = levels[k + 1];
-  std::fill(c.f.begin(), c.f.end(), 0.0);
-  std::fill(c.s.begin(), c.s.end(), 0.0);
-  for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x)
-      c.f[std::size_t(y / 2) * c.width + std::size_t(x / 2)] += residual(l, x, y);
-  cycle(levels, k + 1, params);
-  for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x)
-      l.s[std::size_t(y) * l.width + x] += c.s[std::size_t(y / 2) * c.width + std::size_t(x / 2)];
+  restrict_residual(l, levels[k + 1]);
+  coarse_cycle(levels, k + 1, params);
+  add_correction(levels[k + 1], l);
   smooth(l, kBlock / 2);
+}
+
+}  // namespace
+
+void cycle(std::vector<SolverLevel>& levels, const CellTerms& terms,
+           const IntrinsicParams& params) {
+  SolverLevel &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
+  smooth(l0, 0);
+  restrict_residual(l0, l1);
+  std::vector<double> mean = halve(l0.s, l0.width, l0.height);
+  smooth(l1, 0);
+  restrict_residual(l1, l2);
+  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += l1.s[i];
+  mean = halve(mean, l1.width, l1.height);  // cell means of s as it stands
+  const std::vector<double> edges = l2.f;
+  const std::size_t n = mean.size();
+  std::vector<double> rho(n);
+  for (int j = 0; j < params.cell_cycles; ++j) {
+    for (std::size_t i = 0; i < n; ++i) rho[i] = terms.cells->m[i] - mean[i] - l2.s[i];
+    const ChromaBins bins = splat_bins(*terms.cells, terms.g, rho);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double target =
+          terms.cells->m[i] - slice_bins(bins, terms.cells->c0[i], terms.cells->c1[i]);
+      l2.f[i] = edges[i] + terms.pull[i] + terms.g[i] * target - terms.screen[i] * mean[i];
+    }
+    coarse_cycle(levels, 2, params);
+  }
+  add_correction(l2, l1);
+  smooth(l1, kBlock / 2);
+  add_correction(l1, l0);
+  smooth(l0, kBlock / 2);
 }
 
 IntrinsicResult decompose(const double* rgb, int width, int height, const IntrinsicParams& params,
                           IntrinsicState* state) {
   const Guide guide = make_guide(rgb, width, height);
   const EdgePrior prior = edge_prior(guide, params);
-  const GuideLevel& l = guide.level[0];
-  const std::size_t n = l.m.size(), w = std::size_t(width);
+  const GuideLevel &l = guide.level[0], &cells = guide.level[kCellLevel];
+  const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
   IntrinsicResult result;
 
-  // Temporal anchor.
+  // Cell terms, with the temporal anchor.
+  CellTerms terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g,
+                  &cells};
+  std::vector<double> start = prior.V;
   const std::vector<double> detail = detail_of(guide);
-  std::vector<double> anchor(n, 0.0), start = prior.V;
+  Gate gate;
   if (state && state->width == width && state->height == height && !state->rho.empty()) {
-    const Gate gate = temporal_gate(guide, detail, *state, params);
+    gate = temporal_gate(guide, detail, *state, params);
     result.stats.mismatch = gate.mismatch;
     result.stats.anchored = gate.mismatch < params.cut_fraction;
-    if (result.stats.anchored)
-      for (std::size_t i = 0; i < n; ++i) {
-        anchor[i] = params.anchor_weight * gate.value[i];
-        start[i] += gate.value[i] * (l.m[i] - state->rho[i] - start[i]);
-      }
+  }
+  for (std::size_t i = 0; i < cell_count; ++i) {
+    terms.screen[i] = prior.v[i] + prior.g[i];
+    terms.pull[i] = prior.v[i] * prior.V[i];
+    if (!result.stats.anchored) continue;
+    const double t = kCellArea * params.anchor_weight * gate.value[i],
+                 s = cells.m[i] - state->rho[i];
+    terms.screen[i] += t;
+    terms.pull[i] += t * s;
+    start[i] += gate.value[i] * (s - start[i]);
   }
 
   // Operators of all levels.
   std::vector<SolverLevel> levels(1);
   SolverLevel& fine = levels[0];
   fine.width = width, fine.height = height;
-  fine.right.resize(n), fine.down.resize(n), fine.diagonal.resize(n), fine.f.resize(n);
-  fine.s = start;
-  std::vector<double> base(n, 0.0);
+  fine.right.resize(n), fine.down.resize(n), fine.diagonal.resize(n), fine.f.assign(n, 0.0),
+      fine.s.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     fine.right[i] = prior.a_right[i] + prior.b_right[i];
     fine.down[i] = prior.a_down[i] + prior.b_down[i];
-    base[i] += prior.v[i] * prior.V[i];
-    if (anchor[i] > 0) base[i] += anchor[i] * (l.m[i] - state->rho[i]);
     const std::size_t x = i % w;
     if (x + 1 < w) {
       const double step = prior.a_right[i] * (l.m[i] - l.m[i + 1]);
-      base[i] += step, base[i + 1] -= step;
+      fine.f[i] += step, fine.f[i + 1] -= step;
     }
     if (i + w < n) {
       const double step = prior.a_down[i] * (l.m[i] - l.m[i + w]);
-      base[i] += step, base[i + w] -= step;
+      fine.f[i] += step, fine.f[i + w] -= step;
     }
   }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = l.index(x, y);
-      fine.diagonal[i] = diagonal_of_edges(fine, x, y) + prior.v[i] + prior.g[i] + anchor[i];
+      const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
+      fine.diagonal[i] = diagonal_of_edges(fine, x, y) + kLeastDiagonal;
+      fine.s[i] = start[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
     }
-  while (std::max(levels.back().width, levels.back().height) > kBlock)
+  while (levels.size() <= kCellLevel ||
+         std::max(levels.back().width, levels.back().height) > kBlock) {
     levels.push_back(coarsen(levels.back()));
+    if (levels.size() == kCellLevel + 1)
+      for (std::size_t i = 0; i < cell_count; ++i) levels.back().diagonal[i] += terms.screen[i];
+  }
 
-  // Cycles against renewed bins.
-  SolverLevel& top = levels[0];
-  const auto relative_residual = [&] {
-    double r = 0, f = 1e-30;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const double q = residual(top, x, y);
-        r += q * q;
-        f += top.f[l.index(x, y)] * top.f[l.index(x, y)];
-      }
-    return std::sqrt(r / f);
+  const auto change = [&](const std::vector<double>& before) {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
+    return std::sqrt(sum / double(n));
   };
   for (int k = 0; k < params.cycles; ++k) {
-    const ChromaBins bins = splat_bins(guide, prior, top.s);
-    for (std::size_t i = 0; i < n; ++i) {
-      double known = 0;
-      const double rho = slice_bins(bins, l.c0[i], l.c1[i], &known);
-      const double target = known > 0 ? l.m[i] - rho : top.s[i];
-      top.f[i] = base[i] + prior.g[i] * target;
-    }
-    result.stats.residual.push_back(relative_residual());
-    cycle(levels, 0, params);
+    const std::vector<double> before = levels[0].s;
+    cycle(levels, terms, params);
+    result.stats.change.push_back(change(before));
   }
-  result.stats.residual.push_back(relative_residual());
 
   // Layers and state.
-  result.log_shading = top.s;
+  const std::vector<double>& s = levels[0].s;
+  result.log_shading = s;
   result.reflectance.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      result.reflectance[3 * i + c] = sanitize(rgb[3 * i + c]) * std::exp(-top.s[i]);
+      result.reflectance[3 * i + c] = sanitize(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
-    state->width = width, state->height = height;
-    state->detail = detail, state->c0 = l.c0, state->c1 = l.c1;
-    state->rho.resize(n);
-    for (std::size_t i = 0; i < n; ++i) state->rho[i] = l.m[i] - top.s[i];
+    const std::vector<double> mean =
+        halve(halve(s, width, height), (width + 1) / 2, (height + 1) / 2);
+    *state = {width, height, detail, cells.c0, cells.c1, std::vector<double>(cell_count)};
+    for (std::size_t i = 0; i < cell_count; ++i) state->rho[i] = cells.m[i] - mean[i];
   }
   return result;
 }

@@ -1,12 +1,12 @@
 // The plain specification of intrinsicdecomp: one log-shading unknown a pixel, r = i - s.
 //
-//   E(s) = sum over edges   a (ds - dm)^2 + b ds^2          reflectance constant | shading constant
-//        + sum over pixels  v (s - V)^2                      value prior: pins scale and low
-//        frequencies
-//                         + g (m - s - rho_bin(c))^2         equal chroma, equal reflectance (soft)
-//                         + t (m - s - rho_previous)^2       temporal anchor
+//   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
+//        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
+//                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
+//                        + t (M - S - rho_previous)^2     temporal anchor
 //
-// with m the mean log intensity and d the step across an edge. a, b, v, V and g come from
+// over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
+// edge. a, b, v, V and g come from
 // EdgePrior: here a small fitted function of local cues; the seam where a network may go. See
 // docs/method-intrinsicdecomp.md. Double precision, no dependencies.
 #pragma once
@@ -28,18 +28,23 @@ struct IntrinsicParams {
   double anchor_chroma = 0.2;     ///< Log-chroma change that halves the anchor.
   double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
   double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
-  int cycles = 4;                 ///< Multigrid cycles; the bins are renewed before each.
-  int coarsest_sweeps = 8;        ///< Smoothing passes on the coarsest level.
+  int cycles = 4;                 ///< Multigrid cycles.
+  int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
+  int coarsest_sweeps = 8;  ///< Smoothing passes on the coarsest level.
 };
 
 inline constexpr int kBins = 48;             ///< Cells of the chroma grid along each axis.
 inline constexpr double kBinWidth = 0.1;     ///< Natural log units.
-inline constexpr double kCoarseScale = 0.5;  ///< Of summed edge weights, per level.
-inline constexpr int kBlock = 4;             ///< Smoother block edge, pixels.
-inline constexpr double kLogLow = -4.5;      ///< Least ln of a, b, v, g before the user's factors.
-inline constexpr double kLogHigh = 3;        ///< Largest.
+inline constexpr double kCoarseScale = 0.7;  ///< Of summed edge weights, per level.
+inline constexpr double kCellArea = 16;      ///< Weights of cell terms are per pixel, times this.
+inline constexpr double kLeastDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
+inline constexpr int kSweeps = 2;               ///< Symmetric sweeps inside a block per pass.
+inline constexpr int kBlock = 4;                ///< Smoother block edge, pixels.
+inline constexpr double kLogLow = -4.5;  ///< Least ln of a, b, v, g before the user's factors.
+inline constexpr double kLogHigh = 3;    ///< Largest.
 
-/// What the prior says about each pixel and its right and lower edge. Planes of width x height.
+/// What the prior says: about each pixel's right and lower edge (width x height), and about each
+/// cell of guide level kCellLevel.
 struct EdgePrior {
   std::vector<double> a_right, b_right, a_down, b_down;
   std::vector<double> v, V, g;
@@ -57,12 +62,12 @@ struct SolverLevel {
 /// Carried from frame to frame.
 struct IntrinsicState {
   int width = 0, height = 0;
-  std::vector<double> detail, c0, c1, rho;  ///< Of the previous frame; empty after a reset.
+  std::vector<double> detail, c0, c1, rho;  ///< Cells of the previous frame; empty after a reset.
 };
 
 struct IntrinsicStats {
-  std::vector<double> residual;  ///< |f - A s| / |f| before each cycle and after the last.
-  double mismatch = 0;           ///< Mean temporal mismatch, 0 (static) ... 1.
+  std::vector<double> change;  ///< Root mean square change of s by each cycle, log units.
+  double mismatch = 0;         ///< Mean temporal mismatch, 0 (static) ... 1.
   bool anchored = false;
 };
 
@@ -78,15 +83,15 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
 
 // The parts, for tests of single kernels.
 
-/// Chroma-bin means of rho = m - s, from cells of guide level 2: kBins^2 values, and the total
-/// weight of each bin.
+/// Chroma-bin means of rho over cells, and the total weight of each bin: kBins^2 values each.
 struct ChromaBins {
   std::vector<double> mean, weight;
 };
-ChromaBins splat_bins(const Guide& guide, const EdgePrior& prior, const std::vector<double>& s);
-/// Value of the bins at a pixel's chroma and, in `weight`, how much of the hat falls on filled bins
-/// (0: none).
-double slice_bins(const ChromaBins& bins, double c0, double c1, double* weight);
+ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
+                      const std::vector<double>& rho);
+
+/// Value of the bins at a chroma.
+double slice_bins(const ChromaBins& bins, double c0, double c1);
 
 /// Fills `coarse.right/down/diagonal` from `fine` (screen = diagonal minus the edges).
 SolverLevel coarsen(const SolverLevel& fine);
@@ -95,7 +100,15 @@ SolverLevel coarsen(const SolverLevel& fine);
 /// forward and backward once against the old values around it.
 void smooth(SolverLevel& level, int shift);
 
-/// One V(1,1) cycle from level `k` down.
-void cycle(std::vector<SolverLevel>& levels, std::size_t k, const IntrinsicParams& params);
+/// The cell terms: what level kCellLevel adds to the correction equation.
+struct CellTerms {
+  std::vector<double> screen;  ///< v + g + t.
+  std::vector<double> pull;    ///< v V + t (M - rho_previous).
+  std::vector<double> g;
+  const GuideLevel* cells = nullptr;
+};
+
+/// One V(1,1) cycle on level 0 and down.
+void cycle(std::vector<SolverLevel>& levels, const CellTerms& terms, const IntrinsicParams& params);
 
 }  // namespace inverse::reference

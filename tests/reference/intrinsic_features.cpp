@@ -20,6 +20,10 @@ namespace {
 
 double log_cue(double v, double center) { return (std::log(v + 0.01) + center) / 1.5; }
 
+double chroma_distance(const GuideLevel& a, std::size_t i, const GuideLevel& b, std::size_t j) {
+  return std::hypot(a.c0[i] - b.c0[j], a.c1[i] - b.c1[j]);
+}
+
 double chroma_step(const GuideLevel& l, std::size_t i, std::size_t j) {
   return std::hypot(l.c0[i] - l.c0[j], l.c1[i] - l.c1[j]);
 }
@@ -142,19 +146,17 @@ void edge_features(const Guide& g, int x, int y, bool down, double* out) {
   std::copy(g.statistics.begin(), g.statistics.end(), out + kEdgeFeatures - kFrameStatistics);
 }
 
-void pixel_features(const Guide& g, int x, int y, double* out) {
-  const GuideLevel &l0 = g.level[0], &l2 = g.level[2], &l4 = g.level[4];
-  const std::size_t p = l0.index(x, y), p2 = l2.index(x >> 2, y >> 2),
-                    p4 = l4.index(x >> 4, y >> 4);
-  const double value = l0.m[p] + l0.u[p];
-  out[0] = 2 * l0.u[p] - 0.7;
-  out[1] = std::clamp((l0.m[p] - g.mean) / 1.5, -2.0, 2.0);
-  out[2] = std::max(0.5 * (l0.m[p] + 4), -1.0);
-  out[3] = log_cue(l2.gm[p2], 2.5);
-  out[4] = log_cue(l2.gc[p2], 2.5);
-  out[5] = std::clamp(2 * (value - l2.m[p2] - l2.u[p2]), -2.0, 2.0);
-  out[6] = std::clamp(value - l4.m[p4] - l4.u[p4], -2.0, 2.0);
-  std::copy(g.statistics.begin(), g.statistics.end(), out + kPixelFeatures - kFrameStatistics);
+void cell_features(const Guide& g, int x, int y, double* out) {
+  const GuideLevel &l2 = g.level[kCellLevel], &l4 = g.level[kCellLevel + 2];
+  const std::size_t p = l2.index(x, y), q = l4.index(x >> 2, y >> 2);
+  out[0] = 2 * l2.u[p] - 0.7;
+  out[1] = std::clamp((l2.m[p] - g.mean) / 1.5, -2.0, 2.0);
+  out[2] = std::max(0.5 * (l2.m[p] + 4), -1.0);
+  out[3] = log_cue(l2.gm[p], 2.5);
+  out[4] = log_cue(l2.gc[p], 2.5);
+  out[5] = std::clamp(l2.m[p] + l2.u[p] - l4.m[q] - l4.u[q], -2.0, 2.0);
+  out[6] = log_cue(chroma_distance(l2, p, l4, q), 2);
+  std::copy(g.statistics.begin(), g.statistics.end(), out + kCellFeatures - kFrameStatistics);
 }
 
 }  // namespace inverse::reference

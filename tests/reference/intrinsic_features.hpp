@@ -17,9 +17,10 @@ struct GuideLevel {
 };
 
 inline constexpr int kGuideLevels = 5;
+inline constexpr int kCellLevel = 2;  ///< Cells of 4 x 4 pixels carry every term but the edges.
 inline constexpr int kFrameStatistics = 4;
 inline constexpr int kEdgeFeatures = 15 + kFrameStatistics;  ///< The last are the frame's.
-inline constexpr int kPixelFeatures = 7 + kFrameStatistics;  ///< The last are the frame's.
+inline constexpr int kCellFeatures = 7 + kFrameStatistics;   ///< The last are the frame's.
 
 struct Guide {
   std::array<GuideLevel, kGuideLevels> level;
@@ -41,7 +42,7 @@ Guide make_guide(const double* rgb, int width, int height);
 /// Cues of the edge between pixel (x, y) and its right (down = false) or lower neighbor.
 void edge_features(const Guide& guide, int x, int y, bool down, double* out);
 
-/// Cues of one pixel.
-void pixel_features(const Guide& guide, int x, int y, double* out);
+/// Cues of one cell of level kCellLevel.
+void cell_features(const Guide& guide, int x, int y, double* out);
 
 }  // namespace inverse::reference

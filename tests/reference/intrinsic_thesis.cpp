@@ -206,7 +206,7 @@ Plane IntrinsicThesis::decompose(const Plane& linear) {
   const int count = thesis_levels(linear.width, linear.height, params_.levels);
   Plane image = linear;
   for (Vec4& value : image.data) {
-    for (double& channel : value) channel = sanitize(channel);
+    for (double& channel : value) channel = finite_light(channel);
   }
   levels_.clear();
   solutions_.assign(static_cast<std::size_t>(count), Plane());

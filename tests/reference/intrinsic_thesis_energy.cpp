@@ -54,7 +54,7 @@ void for_each_sample(const ThesisLevel& level, const std::vector<const SampleFra
 
 }  // namespace
 
-double sanitize(double value) {
+double finite_light(double value) {
   if (std::isnan(value)) return 0;
   if (std::isinf(value)) return value > 0 ? 1 : 0;
   return std::clamp(value, 0.0, 65504.0);

@@ -42,7 +42,7 @@ struct ThesisParams {
 };
 
 /// NaN and −∞ become 0, +∞ becomes 1; the rest is clamped to 0 … 65504.
-double sanitize(double value);
+double finite_light(double value);
 
 /// What a pyramid level knows before anything is solved on it.
 struct ThesisLevel {

@@ -1,0 +1,170 @@
+// intrinsicsplit: sends single layers of decomposed video as ordinary video, one request pad each.
+#include <gst/gst.h>
+
+#include "base/caps.hpp"
+#include "split_element.hpp"
+
+using inverse::SplitBranch;
+using inverse::SplitElement;
+using inverse::SplitLayer;
+
+struct GstIntrinsicSplit {
+  GstElement parent;
+  SplitElement* split;
+};
+
+struct GstIntrinsicSplitClass {
+  GstElementClass parent;
+};
+
+namespace {
+
+enum : guint { PROP_STATS = 1, PROP_TABLE = 10 };
+
+G_DEFINE_TYPE(GstIntrinsicSplit, gst_intrinsic_split, GST_TYPE_ELEMENT)
+
+SplitElement& split_of(gpointer object) { return *static_cast<GstIntrinsicSplit*>(object)->split; }
+
+void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
+  if (id >= PROP_TABLE)
+    split_of(object).parameters().get(id - PROP_TABLE, value);
+  else if (id == PROP_STATS)
+    g_value_take_boxed(value, split_of(object).stats());
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
+  if (id >= PROP_TABLE)
+    split_of(object).parameters().set(id - PROP_TABLE, value);
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void finalize(GObject* object) {
+  delete &split_of(object);
+  G_OBJECT_CLASS(gst_intrinsic_split_parent_class)->finalize(object);
+}
+
+gboolean src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  return split_of(parent).src_event(pad, event);
+}
+
+gboolean src_query(GstPad* pad, GstObject* parent, GstQuery* query) {
+  return split_of(parent).src_query(pad, query);
+}
+
+GstPad* request_new_pad(GstElement* element, GstPadTemplate* pad_template, const gchar*,
+                        const GstCaps*) {
+  for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
+    const auto layer = static_cast<SplitLayer>(i);
+    if (g_strcmp0(GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template), SplitBranch::name_of(layer)) != 0)
+      continue;
+    GstPad* pad = gst_pad_new_from_template(pad_template, SplitBranch::name_of(layer));
+    gst_pad_set_event_function(pad, src_event);
+    gst_pad_set_query_function(pad, src_query);
+    gst_pad_set_active(pad, TRUE);
+    if (!split_of(element).add(pad, layer)) {
+      gst_object_unref(pad);
+      return nullptr;
+    }
+    gst_element_add_pad(element, pad);
+    return pad;
+  }
+  return nullptr;
+}
+
+void release_pad(GstElement* element, GstPad* pad) { split_of(element).remove(pad); }
+
+GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
+  const GstStateChangeReturn result =
+      GST_ELEMENT_CLASS(gst_intrinsic_split_parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) split_of(element).stop();
+  return result;
+}
+
+void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
+                  GstPadPresence presence, GstCaps* caps) {
+  gst_element_class_add_pad_template(element,
+                                     gst_pad_template_new(name, direction, presence, caps));
+  gst_caps_unref(caps);
+}
+
+void gst_intrinsic_split_class_init(GstIntrinsicSplitClass* klass) {
+  auto* object = G_OBJECT_CLASS(klass);
+  object->get_property = get_property;
+  object->set_property = set_property;
+  object->finalize = finalize;
+  auto* element = GST_ELEMENT_CLASS(klass);
+  element->request_new_pad = request_new_pad;
+  element->release_pad = release_pad;
+  element->change_state = change_state;
+  gst_element_class_set_static_metadata(element, "Intrinsic split", "Filter/Video",
+                                        "Sends single layers of decomposed video as ordinary "
+                                        "video; what is not asked for is not drawn",
+                                        "the gst-inverse authors");
+  add_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+               inverse::template_caps(inverse::Flow::layers_or_pixels));
+  GstCaps* any = gst_caps_new_any();
+  for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
+    const auto layer = static_cast<SplitLayer>(i);
+    add_template(element, SplitBranch::name_of(layer), GST_PAD_SRC, GST_PAD_REQUEST,
+                 SplitBranch::caps_for(layer, any));
+  }
+  gst_caps_unref(any);
+  g_object_class_install_property(
+      object, PROP_STATS,
+      g_param_spec_boxed(
+          "stats", "stats",
+          "What the last completed frame took: frames (count), wall-ms, device-ms (milliseconds), "
+          "device-bytes now and at peak",
+          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  inverse::Parameters<inverse::SplitParams>(SplitElement::table()).install(object, PROP_TABLE);
+}
+
+GstFlowReturn chain(GstPad*, GstObject* parent, GstBuffer* buffer) {
+  auto* element = GST_ELEMENT(parent);
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  if (GstEvent* event =
+          gst_pad_get_sticky_event(GST_PAD(element->sinkpads->data), GST_EVENT_SEGMENT, 0)) {
+    gst_event_copy_segment(event, &segment);
+    gst_event_unref(event);
+  }
+  const GstClockTime time =
+      gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(parent, time);
+  return split_of(parent).chain(buffer);
+}
+
+gboolean sink_event(GstPad*, GstObject* parent, GstEvent* event) {
+  return split_of(parent).sink_event(event);
+}
+
+gboolean sink_query(GstPad*, GstObject* parent, GstQuery* query) {
+  return split_of(parent).sink_query(query);
+}
+
+void gst_intrinsic_split_init(GstIntrinsicSplit* self) {
+  auto* element = GST_ELEMENT(self);
+  GstPad* sink = gst_pad_new_from_template(
+      gst_element_class_get_pad_template(GST_ELEMENT_GET_CLASS(self), "sink"), "sink");
+  gst_pad_set_chain_function(sink, chain);
+  gst_pad_set_event_function(sink, sink_event);
+  gst_pad_set_query_function(sink, sink_query);
+  GST_PAD_SET_ACCEPT_TEMPLATE(sink);  // what a source pad cannot pass on is told by name
+  self->split = new SplitElement(element, sink);
+  gst_element_add_pad(element, sink);
+}
+
+}  // namespace
+
+namespace inverse {
+
+gboolean register_intrinsicsplit(GstPlugin* plugin);
+gboolean register_intrinsicsplit(GstPlugin* plugin) {
+  return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE,
+                              gst_intrinsic_split_get_type());
+}
+
+}  // namespace inverse

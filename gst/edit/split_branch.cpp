@@ -1,0 +1,212 @@
+#include "split_branch.hpp"
+
+#include <string>
+
+namespace inverse {
+namespace {
+
+// Scalar layers first offer gray.
+constexpr const char* kGray = "GRAY8, GRAY16_LE, ";
+constexpr const char* kColor =
+    "RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, P010_10LE, I420_10LE, RGBA64_LE";
+
+GstCaps* format_caps(SplitLayer layer) {
+  const bool scalar = layer == SplitLayer::shading || layer == SplitLayer::mask;
+  const std::string formats =
+      scalar ? std::string(kGray) + kColor : std::string(kColor) + ", GRAY8, GRAY16_LE";
+  const std::string text = "video/x-raw, format = (string) { " + formats +
+                           " }, width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], "
+                           "framerate = (fraction) [ 0, max ]";
+  return gst_caps_from_string(text.c_str());
+}
+
+/// Says in the caps which transfer curve the samples have, unless what follows insists on its own.
+void describe_encoding(GstCaps* caps, SplitParams::Encoding encoding) {
+  GstStructure* structure = gst_caps_get_structure(caps, 0);
+  if (gst_structure_has_field(structure, "colorimetry")) return;
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) return;
+  GstVideoColorimetry& color = info.colorimetry;
+  color.transfer = encoding == SplitParams::Encoding::linear ? GST_VIDEO_TRANSFER_GAMMA10
+                                                             : GST_VIDEO_TRANSFER_SRGB;
+  if (color.primaries == GST_VIDEO_COLOR_PRIMARIES_UNKNOWN)
+    color.primaries = GST_VIDEO_COLOR_PRIMARIES_BT709;
+  gchar* text = gst_video_colorimetry_to_string(&color);
+  gst_structure_set(structure, "colorimetry", G_TYPE_STRING, text, nullptr);
+  g_free(text);
+}
+
+struct MetaCopy {
+  GstBuffer* target;
+};
+
+/// What is said about the picture stays true; what is said about its memory (the layers, too) does
+/// not.
+gboolean copy_meta(GstBuffer* source, GstMeta** meta, gpointer data) {
+  const GstMetaInfo* info = (*meta)->info;
+  if (!info->transform_func ||
+      gst_meta_api_type_has_tag(info->api, g_quark_from_static_string(GST_META_TAG_MEMORY_STR)))
+    return TRUE;
+  GstMetaTransformCopy copy{FALSE, 0, static_cast<gsize>(-1)};
+  info->transform_func(static_cast<MetaCopy*>(data)->target, *meta, source,
+                       _gst_meta_transform_copy, &copy);
+  return TRUE;
+}
+
+}  // namespace
+
+SplitBranch::SplitBranch(GstPad* pad, SplitLayer layer)
+    : pad_(GST_PAD(gst_object_ref(pad))), layer_(layer) {
+  gst_video_info_init(&info_);
+}
+
+SplitBranch::~SplitBranch() {
+  drop_pool();
+  gst_object_unref(pad_);
+}
+
+const char* SplitBranch::name_of(SplitLayer layer) {
+  constexpr const char* kNames[] = {"reflectance", "shading", "mask", "input"};
+  return kNames[static_cast<size_t>(layer)];
+}
+
+GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
+  GstCaps* formats = format_caps(layer);
+  if (gst_caps_is_any(layers)) return formats;
+  GstCaps* shapes = gst_caps_new_empty();
+  for (guint i = 0; i < gst_caps_get_size(layers); ++i) {
+    GstStructure* shape = gst_structure_copy(gst_caps_get_structure(layers, i));
+    for (const char* field : {"format", "colorimetry", "chroma-site", "layers"})
+      gst_structure_remove_field(shape, field);
+    gst_caps_append_structure(shapes, shape);
+  }
+  GstCaps* caps = gst_caps_intersect_full(formats, shapes, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(shapes);
+  gst_caps_unref(formats);
+  return caps;
+}
+
+void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
+  forget();
+  gst_pad_check_reconfigure(pad_);  // this is what it asks for
+  GstCaps* ours = caps_for(layer_, layers);
+  GstCaps* caps = gst_pad_peer_query_caps(pad_, ours);
+  gst_caps_unref(ours);
+  if (gst_caps_is_empty(caps)) {
+    gst_caps_unref(caps);
+    throw Error(ErrorKind::unsupported,
+                std::string("what follows pad ") + name_of(layer_) +
+                    " of intrinsicsplit takes none of its formats at this size; insert "
+                    "videoconvert, and videoscale where the size differs");
+  }
+  caps = gst_caps_fixate(gst_caps_truncate(caps));
+  describe_encoding(caps, params.encoding);
+  try {
+    if (!gst_video_info_from_caps(&info_, caps))
+      throw Error(ErrorKind::unsupported, std::string("pad ") + name_of(layer_) +
+                                              " of intrinsicsplit was asked for an impossible "
+                                              "video format");
+    output_.emplace(info_, params.encoding == SplitParams::Encoding::linear);
+    GstCaps* current = gst_pad_get_current_caps(pad_);
+    if (!current || !gst_caps_is_equal(current, caps))
+      gst_pad_push_event(pad_, gst_event_new_caps(caps));
+    if (current) gst_caps_unref(current);
+    choose_pool(caps);
+  } catch (...) {
+    gst_caps_unref(caps);
+    throw;
+  }
+  gst_caps_unref(caps);
+}
+
+void SplitBranch::choose_pool(GstCaps* caps) {
+  GstQuery* query = gst_query_new_allocation(caps, TRUE);
+  // Where nobody answers, the query stays as it is, and a pool of our own does.
+  gst_pad_peer_query(pad_, query);
+  GstBufferPool* pool = nullptr;
+  guint size = 0, least = 0, most = 0;
+  if (gst_query_get_n_allocation_pools(query) > 0)
+    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &least, &most);
+  const bool strides = gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
+  gst_query_unref(query);
+  const guint needed = MAX(size, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info_)));
+  for (const bool own : {false, true}) {
+    if (own) pool = gst_video_buffer_pool_new();
+    if (!pool) continue;
+    GstStructure* config = gst_buffer_pool_get_config(pool);
+    gst_buffer_pool_config_set_params(config, caps, needed, own ? 0 : least, own ? 0 : most);
+    if (strides) gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
+    if (gst_buffer_pool_set_config(pool, config) && gst_buffer_pool_set_active(pool, TRUE)) {
+      pool_ = pool;
+      return;
+    }
+    gst_object_unref(pool);
+    pool = nullptr;
+  }
+  throw Error(ErrorKind::out_of_memory,
+              std::string("no buffers for pad ") + name_of(layer_) + " of intrinsicsplit");
+}
+
+void SplitBranch::drop_pool() {
+  if (!pool_) return;
+  gst_buffer_pool_set_active(pool_, FALSE);
+  gst_object_unref(pool_);
+  pool_ = nullptr;
+}
+
+void SplitBranch::forget() {
+  drop_pool();
+  readback_.reset();
+  output_.reset();
+}
+
+void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Compose* compose,
+                         const SplitParams& params) {
+  if (!readback_ || readback_->device() != commands.device()) {
+    output_->configure(commands.device());
+    readback_ = output_->make_buffer(commands.device());
+  }
+  Picture picture{layers[Role::intrinsic]};
+  switch (layer_) {
+    case SplitLayer::reflectance:
+      picture.gain = params.reflectance_scale;
+      break;
+    case SplitLayer::shading:
+      picture.scalar = true;
+      picture.gain = params.shading_scale;
+      break;
+    case SplitLayer::mask:
+      if (!layers[Role::mask])
+        throw Error(ErrorKind::unsupported,
+                    "these layers have no mask for pad mask of intrinsicsplit; set "
+                    "write-mask=true on an editor before it");
+      picture.plane = compose->record_mask(commands, layers);
+      break;
+    default:
+      picture.plane = layers[Role::input];
+      break;
+  }
+  output_->record(commands, picture, layers, readback_, nullptr);
+}
+
+GstFlowReturn SplitBranch::take(GstBuffer* source, GstBuffer** buffer) {
+  GstBuffer* made = nullptr;
+  const GstFlowReturn result = gst_buffer_pool_acquire_buffer(pool_, &made, nullptr);
+  if (result != GST_FLOW_OK) return result;
+  try {
+    output_->write(readback_, made);
+  } catch (...) {
+    gst_buffer_unref(made);
+    throw;
+  }
+  gst_buffer_copy_into(
+      made, source,
+      static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
+      static_cast<gsize>(-1));
+  MetaCopy copy{made};
+  gst_buffer_foreach_meta(source, copy_meta, &copy);
+  *buffer = made;
+  return GST_FLOW_OK;
+}
+
+}  // namespace inverse

@@ -1,0 +1,72 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <atomic>
+#include <optional>
+
+#include "base/frame_io.hpp"
+#include "edit/compose.hpp"
+
+namespace inverse {
+
+/// What a pad of intrinsicsplit sends.
+enum class SplitLayer : uint8_t { reflectance, shading, mask, input, count };
+
+/// How layers become video.
+struct SplitParams {
+  enum class Encoding : uint8_t { linear, srgb };
+  Encoding encoding = Encoding::srgb;
+  float reflectance_scale = 1.0f;  ///< multiplied before clipping at 1
+  float shading_scale = 0.5f;
+};
+
+/// One pad of intrinsicsplit with all that it takes to send a layer through it. Apart from
+/// `released`, everything is the streaming thread's.
+class SplitBranch {
+ public:
+  SplitBranch(GstPad* pad, SplitLayer layer);
+  SplitBranch(const SplitBranch&) = delete;
+  SplitBranch& operator=(const SplitBranch&) = delete;
+  ~SplitBranch();
+
+  /// The name of the pads that send `layer`.
+  static const char* name_of(SplitLayer layer);
+  /// What such a pad can send where layers of these caps come in (template: ANY). New reference.
+  static GstCaps* caps_for(SplitLayer layer, const GstCaps* layers);
+
+  GstPad* pad() const { return pad_; }
+  SplitLayer layer() const { return layer_; }
+
+  /// Agrees with what follows on how to send layers of these caps, sends the caps and takes a
+  /// buffer pool. Throws Error(unsupported) where nothing suits.
+  void negotiate(const GstCaps* layers, const SplitParams& params);
+  bool negotiated() const { return output_.has_value(); }
+  /// Forgets what was agreed on.
+  void forget();
+
+  /// Records drawing the layer. `compose` belongs to the layers' device and size and is only needed
+  /// for masks. Throws Error(unsupported) where the frame has no such layer.
+  void record(gpu::Commands& commands, const Layers& layers, Compose* compose,
+              const SplitParams& params);
+  /// Once the commands are done: the drawn frame as a buffer with the times, flags and descriptions
+  /// of `source`. `buffer` is set only where GST_FLOW_OK is returned.
+  GstFlowReturn take(GstBuffer* source, GstBuffer** buffer);
+
+  bool stream_started = false;       ///< stream-start went out
+  bool refused = false;              ///< negotiation failed, and the bus was told
+  GstFlowReturn flow = GST_FLOW_OK;  ///< of the last push
+  std::atomic<bool> released{false};
+
+ private:
+  void choose_pool(GstCaps* caps);
+  void drop_pool();
+
+  GstPad* pad_;
+  SplitLayer layer_;
+  GstVideoInfo info_;
+  std::optional<FrameOutput> output_;
+  gpu::BufferPtr readback_;  // null until the device is known
+  GstBufferPool* pool_ = nullptr;
+};
+
+}  // namespace inverse

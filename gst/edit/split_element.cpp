@@ -1,0 +1,373 @@
+#include "split_element.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/caps.hpp"
+#include "base/errors.hpp"
+#include "base/layers_meta.hpp"
+
+namespace inverse {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+const PropertyTable<SplitParams>& SplitElement::table() {
+  using P = SplitParams;
+  static const PropertyTable<P> table{
+      choice<P>("encoding", &P::encoding, "GstInverseSplitEncoding",
+                {{static_cast<int>(P::Encoding::linear), "linear",
+                  "Linear light: values are proportional to reflectance and shading"},
+                 {static_cast<int>(P::Encoding::srgb), "srgb",
+                  "The sRGB curve, as screens expect it; where what follows insists on another "
+                  "colorimetry, its curve"}},
+                "How numbers are written", Mutable::ready),
+      number<P>("reflectance-scale", &P::reflectance_scale, 0, 100,
+                "Multiplies reflectance before it is clipped at 1"),
+      number<P>("shading-scale", &P::shading_scale, 0, 100,
+                "Multiplies shading before it is clipped at 1"),
+  };
+  return table;
+}
+
+SplitElement::SplitElement(GstElement* element, GstPad* sink)
+    : element_(element), sink_(sink), combiner_(gst_flow_combiner_new()) {}
+
+SplitElement::~SplitElement() {
+  gst_flow_combiner_free(combiner_);
+  gst_caps_replace(&caps_, nullptr);
+  if (stats_) gst_structure_free(stats_);
+}
+
+std::vector<SplitElement::BranchPtr> SplitElement::branches() const {
+  std::lock_guard lock(mutex_);
+  return branches_;
+}
+
+bool SplitElement::add(GstPad* pad, SplitLayer layer) {
+  std::lock_guard lock(mutex_);
+  for (const BranchPtr& branch : branches_)
+    if (branch->layer() == layer) return false;
+  branches_.push_back(std::make_shared<SplitBranch>(pad, layer));
+  gst_flow_combiner_add_pad(combiner_, pad);
+  return true;
+}
+
+void SplitElement::remove(GstPad* pad) {
+  BranchPtr branch;
+  {
+    std::lock_guard lock(mutex_);
+    const auto at = std::find_if(branches_.begin(), branches_.end(),
+                                 [&](const BranchPtr& b) { return b->pad() == pad; });
+    if (at == branches_.end()) return;
+    branch = *at;
+    branch->released = true;
+    branches_.erase(at);
+    gst_flow_combiner_remove_pad(combiner_, pad);
+  }
+  gst_pad_set_active(pad, FALSE);
+  gst_element_remove_pad(element_, pad);
+}
+
+void SplitElement::stop() {
+  std::lock_guard lock(mutex_);
+  gst_caps_replace(&caps_, nullptr);
+  gst_flow_combiner_reset(combiner_);
+  for (const BranchPtr& branch : branches_) {
+    branch->forget();
+    branch->stream_started = branch->refused = false;
+    branch->flow = GST_FLOW_OK;
+  }
+  commands_.reset();
+  compose_.reset();
+  frames_ = 0;
+}
+
+/// Brings a branch to where the stream is: pads may come late.
+bool SplitElement::start(SplitBranch& branch) {
+  if (branch.stream_started) return true;
+  GstEvent* upstream = gst_pad_get_sticky_event(sink_, GST_EVENT_STREAM_START, 0);
+  if (!upstream) return true;
+  gchar* id =
+      gst_pad_create_stream_id(branch.pad(), element_, SplitBranch::name_of(branch.layer()));
+  GstEvent* event = gst_event_new_stream_start(id);
+  g_free(id);
+  guint group = 0;
+  GstStreamFlags flags = GST_STREAM_FLAG_NONE;
+  if (gst_event_parse_group_id(upstream, &group)) gst_event_set_group_id(event, group);
+  gst_event_parse_stream_flags(upstream, &flags);
+  gst_event_set_stream_flags(event, flags);
+  gst_event_unref(upstream);
+  gst_pad_push_event(branch.pad(), event);
+  branch.stream_started = true;
+  branch.flow = GST_FLOW_OK;
+  const bool good = !caps_ || !carries_layers(caps_) || negotiate(branch);
+  gst_pad_sticky_events_foreach(
+      sink_,
+      [](GstPad*, GstEvent** event, gpointer to) -> gboolean {
+        if (GST_EVENT_TYPE(*event) != GST_EVENT_STREAM_START &&
+            GST_EVENT_TYPE(*event) != GST_EVENT_CAPS)
+          gst_pad_push_event(static_cast<GstPad*>(to), gst_event_ref(*event));
+        return TRUE;
+      },
+      branch.pad());
+  return good;
+}
+
+bool SplitElement::negotiate(SplitBranch& branch) {
+  // An error is told once: who pushes on after it asks again with every buffer.
+  if (branch.refused && !gst_pad_needs_reconfigure(branch.pad())) return false;
+  branch.refused = !guarded(element_, [&] { branch.negotiate(caps_, parameters_.snapshot()); });
+  return !branch.refused;
+}
+
+bool SplitElement::set_caps(GstCaps* caps) {
+  const bool known = caps_ && gst_caps_is_equal(caps_, caps);
+  {
+    std::lock_guard lock(mutex_);
+    gst_caps_replace(&caps_, caps);
+  }
+  if (!carries_layers(caps)) {
+    if (!known)
+      GST_ELEMENT_ERROR(
+          element_, STREAM, FORMAT,
+          ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
+          ("got %" GST_PTR_FORMAT, caps));
+    return false;
+  }
+  bool good = true;
+  for (const BranchPtr& branch : branches()) {
+    if (!known) branch->refused = false;
+    good &= branch->stream_started ? negotiate(*branch) : start(*branch);
+  }
+  return good;
+}
+
+void SplitElement::send(const std::vector<BranchPtr>& to, GstEvent* event) {
+  for (const BranchPtr& branch : to) gst_pad_push_event(branch->pad(), gst_event_ref(event));
+  gst_event_unref(event);
+}
+
+gboolean SplitElement::sink_event(GstEvent* event) {
+  const auto all = branches();
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_STREAM_START:
+      // Every pad is a stream of its own; start() tells it so, with the event that is stored on
+      // the sink pad when the next one comes.
+      for (const BranchPtr& branch : all) branch->stream_started = false;
+      gst_event_unref(event);
+      return TRUE;
+    case GST_EVENT_CAPS: {
+      GstCaps* caps = nullptr;
+      gst_event_parse_caps(event, &caps);
+      const bool good = set_caps(caps);
+      gst_event_unref(event);
+      return good;
+    }
+    case GST_EVENT_FLUSH_START:
+      send(all, event);
+      return TRUE;
+    case GST_EVENT_FLUSH_STOP: {
+      send(all, event);
+      for (const BranchPtr& branch : all) branch->flow = GST_FLOW_OK;
+      std::lock_guard lock(mutex_);
+      gst_flow_combiner_reset(combiner_);
+      return TRUE;
+    }
+    default:
+      break;
+  }
+  const bool in_order = gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED;
+  bool good = true;
+  if (in_order)
+    for (const BranchPtr& branch : all) good &= start(*branch);
+  send(all, event);
+  return good;
+}
+
+gboolean SplitElement::src_event(GstPad* pad, GstEvent* event) {
+  return gst_pad_event_default(pad, GST_OBJECT(element_), event);
+}
+
+GstCaps* SplitElement::sink_caps(GstCaps* filter) {
+  GstCaps* result = template_caps(Flow::layers_or_pixels);
+  for (const BranchPtr& branch : branches()) {
+    GstCaps* sends = SplitBranch::caps_for(branch->layer(), result);
+    GstCaps* taken = gst_pad_peer_query_caps(branch->pad(), sends);
+    GstCaps* back = transform_caps(taken, Flow::layers_or_pixels, nullptr);
+    GstCaps* both = gst_caps_intersect_full(result, back, GST_CAPS_INTERSECT_FIRST);
+    // A pad that nothing suits is told by name when it is negotiated.
+    if (gst_caps_is_empty(both)) std::swap(both, result);
+    for (GstCaps* caps : {sends, taken, back, result}) gst_caps_unref(caps);
+    result = both;
+  }
+  if (filter) {
+    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
+    gst_caps_unref(result);
+    result = filtered;
+  }
+  GstCaps* ordered = prefer_layers(result);
+  gst_caps_unref(result);
+  return ordered;
+}
+
+GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
+  GstCaps* layers = nullptr;
+  {
+    std::lock_guard lock(mutex_);
+    if (caps_) layers = gst_caps_ref(caps_);
+  }
+  if (!layers) {
+    GstCaps* ours = template_caps(Flow::layers);
+    layers = gst_pad_peer_query_caps(sink_, ours);
+    gst_caps_unref(ours);
+  }
+  GstCaps* result = SplitBranch::caps_for(layer, layers);
+  gst_caps_unref(layers);
+  if (filter) {
+    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
+    gst_caps_unref(result);
+    result = filtered;
+  }
+  return result;
+}
+
+gboolean SplitElement::sink_query(GstQuery* query) {
+  if (GST_QUERY_TYPE(query) != GST_QUERY_CAPS)
+    return gst_pad_query_default(sink_, GST_OBJECT(element_), query);
+  GstCaps* filter = nullptr;
+  gst_query_parse_caps(query, &filter);
+  GstCaps* caps = sink_caps(filter);
+  gst_query_set_caps_result(query, caps);
+  gst_caps_unref(caps);
+  return TRUE;
+}
+
+gboolean SplitElement::src_query(GstPad* pad, GstQuery* query) {
+  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS) {
+    for (const BranchPtr& branch : branches()) {
+      if (branch->pad() != pad) continue;
+      GstCaps* filter = nullptr;
+      gst_query_parse_caps(query, &filter);
+      GstCaps* caps = src_caps(branch->layer(), filter);
+      gst_query_set_caps_result(query, caps);
+      gst_caps_unref(caps);
+      return TRUE;
+    }
+    return FALSE;
+  }
+  if (!gst_pad_query_default(pad, GST_OBJECT(element_), query)) return FALSE;
+  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY) {
+    // A frame stays here for as long as it takes to draw it: one frame duration at most.
+    GstVideoInfo info;
+    std::lock_guard lock(mutex_);
+    if (!caps_ || !gst_video_info_from_caps(&info, caps_) || GST_VIDEO_INFO_FPS_N(&info) <= 0)
+      return TRUE;
+    const GstClockTime own = gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info),
+                                                       GST_VIDEO_INFO_FPS_N(&info));
+    gboolean live = FALSE;
+    GstClockTime least = 0, most = 0;
+    gst_query_parse_latency(query, &live, &least, &most);
+    gst_query_set_latency(query, live, least + own,
+                          GST_CLOCK_TIME_IS_VALID(most) ? most + own : most);
+  }
+  return TRUE;
+}
+
+void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
+                        std::vector<GstBuffer*>& frames) {
+  const Layers* found = layers_of(buffer);
+  if (!found)
+    throw Error(ErrorKind::unsupported,
+                "a buffer without layers reached intrinsicsplit; an element before it dropped the "
+                "layers meta");
+  const Layers& layers = *found;
+  const auto& device = layers[Role::intrinsic]->buffer->device();
+  if (!commands_ || commands_->device() != device || extent_ != layers.extent) {
+    commands_ = std::make_unique<gpu::Commands>(device);
+    compose_.reset();
+    extent_ = layers.extent;
+  }
+  const SplitParams params = parameters_.snapshot();
+  commands_->begin();
+  std::vector<bool> drawn(all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    SplitBranch& branch = *all[i];
+    if (branch.flow == GST_FLOW_EOS) continue;  // nobody looks at it any more
+    branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
+    if (branch.flow != GST_FLOW_OK) continue;
+    if (branch.layer() == SplitLayer::mask && !compose_) compose_.emplace(device, layers.extent);
+    branch.record(*commands_, layers, compose_ ? &*compose_ : nullptr, params);
+    drawn[i] = true;
+  }
+  commands_->stage("pack");
+  commands_->submit();
+  commands_->wait();
+  for (size_t i = 0; i < all.size(); ++i)
+    if (drawn[i]) all[i]->flow = all[i]->take(buffer, &frames[i]);
+}
+
+GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
+  const auto start_time = Clock::now();
+  const auto all = branches();
+  std::vector<GstBuffer*> frames(all.size());
+  // Only this thread changes caps_ while data flows.
+  bool negotiated = caps_ && carries_layers(caps_);
+  for (size_t i = 0; i < all.size() && negotiated; ++i) {
+    SplitBranch& branch = *all[i];
+    negotiated =
+        start(branch) &&
+        ((branch.negotiated() && !gst_pad_needs_reconfigure(branch.pad())) || negotiate(branch));
+  }
+  const bool good = negotiated && guarded(element_, [&] { draw(buffer, all, frames); });
+  gst_buffer_unref(buffer);
+  if (!good) {
+    for (GstBuffer* frame : frames)
+      if (frame) gst_buffer_unref(frame);
+    return negotiated ? GST_FLOW_ERROR : GST_FLOW_NOT_NEGOTIATED;
+  }
+  ++frames_;
+  publish(std::chrono::duration<double, std::milli>(Clock::now() - start_time).count());
+  GstFlowReturn result = GST_FLOW_NOT_LINKED;  // where there is no pad at all, as tee says it
+  for (size_t i = 0; i < all.size(); ++i) {
+    SplitBranch& branch = *all[i];
+    if (frames[i]) branch.flow = gst_pad_push(branch.pad(), frames[i]);
+    std::lock_guard lock(mutex_);
+    // A pad that was given back meanwhile says that it is flushing, which is nobody else's concern.
+    result = branch.released
+                 ? GST_FLOW_OK
+                 : gst_flow_combiner_update_pad_flow(combiner_, branch.pad(), branch.flow);
+    if (result == GST_FLOW_OK || result == GST_FLOW_EOS || result == GST_FLOW_NOT_LINKED) continue;
+    for (size_t rest = i + 1; rest < frames.size(); ++rest)
+      if (frames[rest]) gst_buffer_unref(frames[rest]);
+    return result;
+  }
+  return result;
+}
+
+void SplitElement::publish(double wall_ms) {
+  GstStructure* stats = gst_structure_new(
+      "inverse-stats", "frames", G_TYPE_UINT64, frames_, "device", G_TYPE_STRING,
+      commands_->device()->name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
+      G_TYPE_UINT64, commands_->device()->memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
+      commands_->device()->memory_peak_bytes(), nullptr);
+  double device_ms = 0;
+  for (const auto& stage : commands_->stages()) {
+    gst_structure_set(stats, (std::string(stage.name) + "-ms").c_str(), G_TYPE_DOUBLE,
+                      stage.milliseconds, nullptr);
+    device_ms += stage.milliseconds;
+  }
+  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
+  std::lock_guard lock(mutex_);
+  std::swap(stats, stats_);
+  if (stats) gst_structure_free(stats);
+}
+
+GstStructure* SplitElement::stats() const {
+  std::lock_guard lock(mutex_);
+  return stats_ ? gst_structure_copy(stats_) : gst_structure_new_empty("inverse-stats");
+}
+
+}  // namespace inverse

@@ -1,0 +1,38 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "energy.glsl"
+#include "guide.glsl"
+#include "bins.glsl"
+
+// The cells' right-hand side for a correction of s': f = far + pull + g (m' - r_bin) - screen s', `far` being what the
+// finer levels left. One quad of cells an invocation.
+PLANE_IN(0, cells);
+PLANE_IN(1, terms);
+PLANE_IN(2, mean);  // s'
+PLANE_IN(3, far);
+PLANE_IN(4, means);
+PLANE_OUT(5, system);  // of stride 4
+layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
+
+void main() {
+  uint quads = QUADS(push.size.x);
+  uvec2 position = grid_position(quads);
+  if (position.y >= push.size.y) return;
+  int at = int(position.y * quads + position.x);
+  vec4 s = FETCH(mean, at), found = s, m = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN);
+  for (uint k = 0u; k < 4u; ++k) {
+    uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
+    vec2 fraction;
+    uvec2 bin = bin_of(FETCH(cells, int(CELL_STRIDE * cell)).yz, fraction);
+    vec4 four = FETCH(means, int(bin.y * uint(kBins) + bin.x));
+    bvec4 known = lessThan(four, vec4(kEmptyBin));
+    vec4 hat = mix(vec4(0.0), hats(fraction), known);
+    float sum = dot(hat, vec4(1.0)), r = dot(hat, mix(vec4(0.0), four, known)) / max(sum, 1e-20);
+    found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
+    m = m.yzwx;
+  }
+  vec4 f = FETCH(far, at) + FETCH(terms, TERMS_STRIDE * at + TERMS_PULL) +
+           FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s;
+  STORE(system, 4u * uint(at) + SYSTEM_RHS, f);
+}

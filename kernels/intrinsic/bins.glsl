@@ -1,0 +1,19 @@
+// The chroma grid of the non-local term: kBins x kBins cells of kBinWidth over (c0, c1), bilinear hats. Sums are kept in
+// fixed point, so that their order does not matter and every run gives the same bits: weights in steps of 1 / scale,
+// weighted reflectance in steps of kMostReflectance / scale.
+const int kBins = 48;
+const float kBinWidth = 0.1;
+const float kMostReflectance = 16.0;  // |m - s| beyond this counts as this
+const float kEmptyBin = 1e30;         // what an empty bin's mean reads as
+
+// The lower left of the four bins around a chroma, and how far it lies towards the others.
+uvec2 bin_of(vec2 chroma, out vec2 fraction) {
+  vec2 place = clamp(chroma / kBinWidth + float(kBins / 2), vec2(0.0), vec2(float(kBins) - 1.001));
+  uvec2 bin = uvec2(place);
+  fraction = place - vec2(bin);
+  return bin;
+}
+vec4 hats(vec2 fraction) {
+  return vec4((1.0 - fraction.x) * (1.0 - fraction.y), fraction.x * (1.0 - fraction.y),
+              (1.0 - fraction.x) * fraction.y, fraction.x * fraction.y);
+}

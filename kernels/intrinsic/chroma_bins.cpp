@@ -1,0 +1,53 @@
+#include "chroma_bins.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "../gpu/shaders.hpp"
+
+INVERSE_SHADER(intrinsic_bin_splat);
+INVERSE_SHADER(intrinsic_bin_means);
+INVERSE_SHADER(intrinsic_bin_slice);
+
+namespace inverse {
+namespace {
+
+constexpr uint32_t kBins = 48 * 48;  // as in bins.glsl
+
+struct SplatPush {
+  uint32_t width, height;
+  float scale;
+};
+
+}  // namespace
+
+ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
+    : cells_(cells),
+      weigh_(device->kernel(shaders::intrinsic_bin_splat, {1})),
+      splat_(device->kernel(shaders::intrinsic_bin_splat, {0})),
+      mean_(device->kernel(shaders::intrinsic_bin_means)),
+      slice_(device->kernel(shaders::intrinsic_bin_slice)),
+      weights_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
+      totals_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
+      means_(gpu::Buffer::create(device, gpu::Element::vec4, kBins)) {}
+
+void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
+                                float most_weight) {
+  // The largest for which a frame of one chroma does not overflow 31 bits.
+  scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * most_weight, 1e-20F);
+  commands.fill(weights_);
+  commands.dispatch(weigh_, {guide.cells(), terms, terms, terms, weights_},
+                    SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
+}
+
+void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State& state) const {
+  commands.fill(totals_);
+  commands.dispatch(splat_, {guide.cells(), state.terms, state.means, state.correction, totals_},
+                    SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
+  commands.dispatch(mean_, {weights_, totals_, means_}, {kBins});
+  const std::array<uint32_t, 2> size{cells_.width, cells_.height};
+  commands.dispatch(slice_, {guide.cells(), state.terms, state.means, state.far, means_, state.system}, size,
+                    line_of(quads_of(cells_)));
+}
+
+}  // namespace inverse

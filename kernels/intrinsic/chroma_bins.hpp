@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+
+#include "guide.hpp"
+
+namespace inverse {
+
+/// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal reflectance. Means of
+/// r = m' - s' over a grid of chroma (bins.glsl; docs/method-intrinsicdecomp.md, 4), in fixed point and so the same bits
+/// in every run.
+class ChromaBins {
+ public:
+  /// `cells` is the size of guide level 2.
+  ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
+
+  /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in `terms`.
+  void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms, float most_weight);
+  /// The solution that the means are taken at, and where the right-hand side goes that follows from them.
+  struct State {
+    gpu::BufferPtr terms, means, correction, far, system;
+  };
+  void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
+
+ private:
+  Extent cells_;
+  float scale_ = 1;
+  gpu::KernelPtr weigh_, splat_, mean_, slice_;
+  gpu::BufferPtr weights_, totals_, means_;
+};
+
+}  // namespace inverse

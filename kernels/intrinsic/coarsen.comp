@@ -1,0 +1,54 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "energy.glsl"
+
+// The next coarser level's operator, once a frame: aggregates of 2 x 2 pixels add their masses up, and the edges between
+// two aggregates add up to theirs, scaled (multigrid.hpp). With kTerms that level is the cells' and gets their screen too.
+// One coarse quad an invocation.
+layout(constant_id = 1) const int kStride = 4;        // of the fine system
+layout(constant_id = 2) const int kCoarseStride = 4;
+layout(constant_id = 3) const bool kTerms = false;
+PLANE_IN(0, system);
+PLANE_IN(1, terms);
+PLANE_OUT(2, coarse_system);
+layout(push_constant) uniform Push {
+  uvec2 size;  // of the fine level
+  float scale;
+  float mass;  // of every fine pixel where there is no plane of masses
+} push;
+
+#define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
+
+void main() {
+  uvec2 half_size = (push.size + 1u) / 2u;
+  int quads = int(QUADS(push.size.x));
+  uint half_quads = QUADS(half_size.x);
+  uvec2 position = grid_position(half_quads);
+  if (position.y >= half_size.y) return;
+  int x = 2 * int(position.x), second = x + 1 < quads ? 1 : 0;
+  vec4 right = vec4(0.0), down = vec4(0.0), mass = vec4(0.0);
+  uint last = min(2u * position.y + 1u, push.size.y - 1u);
+  for (uint y = 2u * position.y; y <= last; ++y) {
+    int a = kStride * (int(y) * quads + x), b = a + kStride * second;
+    vec4 ra = FETCH(system, a + SYSTEM_RIGHT), rb = float(second) * FETCH(system, b + SYSTEM_RIGHT);
+    vec4 da = FETCH(system, a + SYSTEM_DOWN), db = float(second) * FETCH(system, b + SYSTEM_DOWN);
+    right += vec4(ra.yw, rb.yw);
+    down = (y & 1u) == 1u ? PAIRS(da, db) : down;
+    if (kCoarseStride > 3) {
+      vec4 ma = vec4(push.mass), mb = vec4(push.mass);
+      if (kStride > 3) {
+        ma = FETCH(system, a + SYSTEM_MASS);
+        mb = float(second) * FETCH(system, b + SYSTEM_MASS);
+      }
+      mass += PAIRS(ma, mb);
+    }
+  }
+  uint to = position.y * half_quads + position.x;
+  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_RIGHT, push.scale * right);
+  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_DOWN, push.scale * down);
+  if (kCoarseStride > 3) {
+    if (kTerms) mass += FETCH(terms, TERMS_STRIDE * int(to) + TERMS_SCREEN);
+    STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_MASS, MASKED(mass, INSIDE(position.x, half_size.x)));
+  }
+}

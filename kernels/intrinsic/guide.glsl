@@ -1,0 +1,20 @@
+// Planes that say what a frame looks like. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01),
+// m = mean_c i, u = max_c i - m, c0 = k_R - k_G, c1 = (k_R + k_G) / 2 - k_B. Level 0 is a pixel a vec4, levels above
+// hold means of 2 x 2 cells (at an odd border the last row or column counts twice). Level 2, the cells, has a second vec4 a cell:
+// the mean activity |dm| and |dc| of the pixels' steps to the right and down.
+const float kIntensityFloor = 2e-3;
+const float kChromaFloor = 1e-2;
+const float kMostLight = 1e4;
+#define CELL_STRIDE 2
+
+// Linear light as the method takes it: NaN and negative values count as 0, +Inf (a broken sample) as 1.
+vec3 sanitize(vec3 rgb) {
+  return mix(vec3(0.0), mix(min(rgb, kMostLight), vec3(1.0), isinf(rgb)), greaterThan(rgb, vec3(0.0)));
+}
+
+vec4 guide_of(vec3 rgb) {
+  vec3 light = rgb + kIntensityFloor, color = rgb + kChromaFloor;
+  float m = log(light.r * light.g * light.b) / 3.0;
+  return vec4(m, log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
+              log(max(max(light.r, light.g), light.b)) - m);
+}

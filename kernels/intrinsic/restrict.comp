@@ -1,0 +1,68 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "energy.glsl"
+
+// To the next coarser level: every aggregate's right-hand side is the sum of its 2 x 2 residuals, its correction starts at
+// zero. On levels 0 and 1 (kMeans) also the aggregates' mean of s as it stands. One coarse quad an invocation.
+layout(constant_id = 1) const int kStride = 4;  // of the fine system
+layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of finer means and `now`, its correction
+PLANE_IN(0, system);
+PLANE_IN(1, now);
+PLANE_IN(2, finer_means);
+PLANE_OUT(3, target);
+PLANE_OUT(4, coarse);
+PLANE_OUT(5, means);
+layout(push_constant) uniform Push {
+  uvec2 size;          // of the fine level
+  float mass;          // of every fine pixel where there is no plane of masses
+  uint target_stride;  // where the right-hand side goes in `target`: vec4 a quad, and which of them
+  uint target_slot;
+} push;
+
+#define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
+
+int quads = int(QUADS(push.size.x));
+
+vec4 residual(int x, int y) {
+  int at = y * quads + x, left_quad = x > 0 ? at - 1 : at, right_quad = x + 1 < quads ? at + 1 : at;
+  vec4 u = FETCH(now, at), right = FETCH(system, kStride * at + SYSTEM_RIGHT);
+  vec4 flow = right * (SHIFT_LEFT(u, FETCH(now, right_quad)) - u);
+  float left = (x > 0 ? 1.0 : 0.0) * FETCH(system, kStride * left_quad + SYSTEM_RIGHT).w *
+               (u.x - FETCH(now, left_quad).w);
+  int up = y > 0 ? at - quads : at, down = y + 1 < int(push.size.y) ? at + quads : at;
+  return FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(left)) +
+         (y > 0 ? 1.0 : 0.0) * FETCH(system, kStride * up + SYSTEM_DOWN) * (FETCH(now, up) - u) +
+         FETCH(system, kStride * at + SYSTEM_DOWN) * (FETCH(now, down) - u) -
+         (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : vec4(push.mass)) * u;
+}
+
+void main() {
+  uvec2 half_size = (push.size + 1u) / 2u;
+  uint half_quads = QUADS(half_size.x);
+  ivec2 position = ivec2(grid_position(half_quads));
+  if (position.y >= int(half_size.y)) return;
+  vec4 sum = vec4(0.0), mean = vec4(0.0);
+  int count = min(int(push.size.y) - 2 * position.y, 2);
+  for (int part = 0; part < 2; ++part) {
+    int x = 2 * position.x + part;
+    if (x < quads)
+      for (int row = 0; row < count; ++row) {
+        int y = 2 * position.y + row;
+        vec4 r = residual(x, y);
+        sum += part == 0 ? vec4(r.xz + r.yw, 0.0, 0.0) : vec4(0.0, 0.0, r.xz + r.yw);
+        if (kMeans > 0) {
+          vec4 s = FETCH(now, y * quads + x);
+          if (kMeans > 1) s += FETCH(finer_means, y * quads + x);
+          mean += part == 0 ? vec4(s.xz + s.yw, 0.0, 0.0) : vec4(0.0, 0.0, s.xz + s.yw);
+        }
+      }
+  }
+  uint to = uint(position.y) * half_quads + uint(position.x);
+  STORE(target, push.target_stride * to + push.target_slot, sum);
+  STORE(coarse, to, vec4(0.0));
+  if (kMeans > 0) {
+    uvec4 columns = min(uvec4(push.size.x) - min(uvec4(push.size.x), 8u * uint(position.x) + uvec4(0, 2, 4, 6)), 2u);
+    STORE(means, to, mean / max(vec4(columns * uint(count)), 1.0));
+  }
+}

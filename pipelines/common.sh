@@ -1,0 +1,58 @@
+# Sourced by the scripts beside it.
+#
+# SOURCE and SINK in the environment take the place of a script's first and last elements, so that
+# every line runs without its camera or its window:
+#   SOURCE="videotestsrc is-live=true num-buffers=90" SINK=fakesink pipelines/webcam
+set -euo pipefail
+set -f   # caps hold brackets and stars: no file names here
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
+
+# Says what stands at the head of the script.
+usage() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$0"; exit "${1:-0}"; }
+case "${1:-}" in -h | --help) usage ;; esac
+
+# The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
+command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"
+if ! gst-inspect-1.0 --exists intrinsicdecomp 2>/dev/null; then
+  export GST_PLUGIN_PATH=$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
+  gst-inspect-1.0 --exists intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
+fi
+
+# A window. sync=false: a frame from a camera is shown as soon as it is there.
+window() {
+  [ -n "${SINK:-}${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] ||
+    fail "there is no display for a window; SINK=… names another sink, for example SINK=\"$encoder ! matroskamux ! filesink location=out.mkv\""
+  echo "${SINK:-videoconvert ! autovideosink ${1:-}}"
+}
+
+# Between a camera and us: whatever waited while we worked is old.
+newest="queue leaky=downstream max-size-buffers=1"
+
+# To a file: VP8, which every browser and player opens, fast enough to keep step on two cores.
+encoder="videoconvert ! vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"
+
+# Compressed sound that Matroska takes as it is; of other sound, the samples.
+sound="audio/mpeg;audio/x-vorbis;audio/x-opus;audio/x-flac;audio/x-ac3;audio/x-eac3;audio/x-dts;audio/x-alaw;audio/x-mulaw;audio/x-tta;audio/x-raw"
+
+# The URI of a file, or the URI itself.
+uri_of() {
+  case "$1" in
+    *://*) echo "$1" ;;
+    *)
+      [ -e "$1" ] || fail "there is no file $1"
+      [ -f "$1" ] && [ -r "$1" ] || fail "cannot read $1"
+      gst_path=$(realpath "$1") && printf 'file://'
+      # Everything but letters, digits and -._~/ as %XX.
+      LC_ALL=C awk -v path="$gst_path" 'BEGIN {
+        for (i = 1; i < 256; i++) code[sprintf("%c", i)] = i
+        for (i = 1; i <= length(path); i++) {
+          c = substr(path, i, 1)
+          printf (c ~ /[A-Za-z0-9._~\/-]/) ? "%s" : "%%%02X", (c ~ /[A-Za-z0-9._~\/-]/) ? c : code[c]
+        }
+        print ""
+      }'
+      ;;
+  esac
+}

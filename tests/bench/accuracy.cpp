@@ -1,0 +1,329 @@
+// Error per regime of every decomposition that exists as CPU code.
+//
+//   accuracy [--data DIR] [--frames N] [--leave-one-out] [--temporal] [--pictures DIR]
+//
+// Scores are LMSE k=20 / scale-invariant MSE / DSSIM, mean of reflectance and shading, averaged
+// over the frames of a scene and then over the scenes of a regime. Brackets: 95 % bootstrap
+// interval of LMSE over scenes (frames where a regime has fewer than three scenes). No method sees
+// a mask.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/bench/baselines.hpp"
+#include "tests/bench/datasets.hpp"
+#include "tests/bench/metrics.hpp"
+#include "tests/reference/intrinsic_decomposition.hpp"
+
+namespace inverse::bench {
+namespace {
+
+using Method = std::function<Decomposition(const Image&)>;
+
+struct Named {
+  std::string name;
+  Method run;
+};
+
+Decomposition to_layers(const Image& input, const reference::IntrinsicResult& result) {
+  Decomposition d{Image(input.width, input.height, 3), Image(input.width, input.height, 1)};
+  for (std::size_t i = 0; i < d.shading.data.size(); ++i)
+    d.shading.data[i] = float(std::exp(result.log_shading[i]));
+  for (std::size_t i = 0; i < d.reflectance.data.size(); ++i)
+    d.reflectance.data[i] = float(result.reflectance[i]);
+  return d;
+}
+
+Decomposition intrinsicdecomp(const Image& input, const reference::IntrinsicParams& params,
+                              reference::IntrinsicState* state = nullptr) {
+  const std::vector<double> rgb(input.data.begin(), input.data.end());
+  return to_layers(input,
+                   reference::decompose(rgb.data(), input.width, input.height, params, state));
+}
+
+std::vector<Named> methods() {
+  return {{"constant shading", constant_shading},
+          {"constant reflectance", constant_reflectance},
+          {"R = I / max_c I", max_channel},
+          {"gray Retinex .1",
+           [](const Image& i) {
+             return retinex(i, {false, 0.1, 0});
+           }},
+          {"color Retinex .5 .1",
+           [](const Image& i) {
+             return retinex(i, {true, 0.5, 0.1});
+           }},
+          {"color Retinex, chroma",
+           [](const Image& i) {
+             return retinex(i, {true, 1e9, 0.1});
+           }},
+          {"intrinsicdecomp", [](const Image& i) { return intrinsicdecomp(i, {}); }}};
+}
+
+/// Runs `work(k)` for k = 0 … n-1 on two threads.
+void parallel(std::size_t n, const std::function<void(std::size_t)>& work) {
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 2; ++t)
+    threads.emplace_back([&, t] {
+      for (std::size_t k = t; k < n; k += 2) work(k);
+    });
+  for (std::thread& t : threads) t.join();
+}
+
+std::vector<Scores> score_all(const std::vector<Frame>& frames, const Method& method) {
+  std::vector<Scores> scores(frames.size());
+  parallel(frames.size(), [&](std::size_t k) {
+    const Frame& f = frames[k];
+    const Decomposition d = method(f.input);
+    scores[k] = score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask);
+  });
+  return scores;
+}
+
+double mean(const std::vector<double>& v) {
+  double sum = 0;
+  for (double x : v) sum += x;
+  return v.empty() ? 0.0 : sum / double(v.size());
+}
+
+/// One value per scene of the regime (or per frame where there are fewer than three scenes).
+std::vector<double> units(const std::vector<Frame>& frames, const std::vector<double>& values,
+                          Regime regime) {
+  std::map<std::string, std::vector<double>> scenes;
+  std::vector<double> all;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (frames[k].regime == regime) {
+      scenes[frames[k].scene].push_back(values[k]);
+      all.push_back(values[k]);
+    }
+  if (scenes.size() < 3) return all;
+  std::vector<double> out;
+  for (const auto& [name, v] : scenes) out.push_back(mean(v));
+  return out;
+}
+
+std::array<double, 2> bootstrap(const std::vector<double>& values) {
+  std::mt19937 engine(1);
+  std::vector<double> means(4000);
+  for (double& m : means) {
+    double sum = 0;
+    for (std::size_t k = 0; k < values.size(); ++k) sum += values[engine() % values.size()];
+    m = sum / double(values.size());
+  }
+  std::sort(means.begin(), means.end());
+  return {means[100], means[3899]};
+}
+
+std::vector<double> pick(const std::vector<Scores>& s, double Scores::*field) {
+  std::vector<double> v;
+  for (const Scores& x : s) v.push_back(x.*field);
+  return v;
+}
+
+void print_row(const std::string& name, const std::vector<Frame>& frames,
+               const std::vector<Scores>& s) {
+  std::printf("%-22s", name.c_str());
+  for (int r = 0; r < kRegimes; ++r) {
+    const auto regime = Regime(r);
+    const std::vector<double> l = units(frames, pick(s, &Scores::lmse20), regime);
+    const std::array<double, 2> interval = bootstrap(l);
+    std::printf("  %.4f [%.3f %.3f]/%.3f/%.3f", mean(l), interval[0], interval[1],
+                mean(units(frames, pick(s, &Scores::mse), regime)),
+                mean(units(frames, pick(s, &Scores::dssim), regime)));
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+void print_tables(const std::vector<Frame>& frames) {
+  std::printf("%-22s", "");
+  for (int r = 0; r < kRegimes; ++r) std::printf("  %-33s", regime_name(Regime(r)));
+  std::printf("\n");
+  std::vector<std::pair<std::string, std::vector<Scores>>> rows;
+  for (const Named& m : methods()) {
+    rows.emplace_back(m.name, score_all(frames, m.run));
+    print_row(m.name, frames, rows.back().second);
+  }
+  const std::vector<double> ours = pick(rows.back().second, &Scores::lmse20);
+  std::printf(
+      "\nintrinsicdecomp minus method, paired LMSE and 95 %% interval (negative: better)\n");
+  for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
+    std::vector<double> d = pick(rows[k].second, &Scores::lmse20);
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = ours[i] - d[i];
+    std::printf("%-22s", rows[k].first.c_str());
+    for (int r = 0; r < kRegimes; ++r) {
+      const std::vector<double> u = units(frames, d, Regime(r));
+      const std::array<double, 2> interval = bootstrap(u);
+      std::printf("  %+.4f [%+.4f %+.4f]       ", mean(u), interval[0], interval[1]);
+    }
+    std::printf("\n");
+  }
+  std::printf("\nLMSE k=20 (k=10) by scene: color Retinex, R = I / max_c I, intrinsicdecomp\n");
+  std::map<std::string, std::array<std::vector<double>, 6>> scenes;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const std::string key = std::string(regime_name(frames[k].regime)) + " " + frames[k].scene;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Scores& s = rows[std::array<std::size_t, 3>{4, 2, 6}[j]].second[k];
+      scenes[key][2 * j].push_back(s.lmse20);
+      scenes[key][2 * j + 1].push_back(s.lmse10);
+    }
+  }
+  for (const auto& [name, v] : scenes)
+    std::printf("%-40s %.4f (%.4f)  %.4f (%.4f)  %.4f (%.4f)\n", name.c_str(), mean(v[0]),
+                mean(v[1]), mean(v[2]), mean(v[3]), mean(v[4]), mean(v[5]));
+}
+
+/// Chooses the four weights of each scene on all other scenes, and scores it with them.
+void print_leave_one_out(const std::vector<Frame>& frames) {
+  constexpr std::array<double, 3> kFactors{0.5, 1, 2};
+  std::vector<reference::IntrinsicParams> grid;
+  for (double b : kFactors)
+    for (double v : kFactors)
+      for (double g : kFactors) {
+        reference::IntrinsicParams p;
+        p.shading_weight = b, p.value_weight = v, p.chroma_weight = g;
+        grid.push_back(p);
+      }
+  std::vector<std::vector<Scores>> scores;
+  for (const auto& p : grid)
+    scores.push_back(score_all(frames, [&](const Image& i) { return intrinsicdecomp(i, p); }));
+  // The criterion weighs the four regimes alike.
+  const auto criterion = [&](std::size_t candidate, const std::string& left_out) {
+    std::array<std::vector<double>, kRegimes> per;
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      if (frames[k].scene != left_out)
+        per[std::size_t(frames[k].regime)].push_back(scores[candidate][k].lmse20);
+    double sum = 0;
+    for (const auto& v : per) sum += mean(v) / kRegimes;
+    return sum;
+  };
+  std::vector<Scores> chosen(frames.size());
+  std::map<std::string, std::size_t> best;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const std::string& scene = frames[k].scene;
+    if (!best.count(scene)) {
+      best[scene] = 0;
+      for (std::size_t c = 1; c < grid.size(); ++c)
+        if (criterion(c, scene) < criterion(best[scene], scene)) best[scene] = c;
+      const auto& p = grid[best[scene]];
+      std::printf("without %-20s shading %.1f value %.1f chroma %.1f\n", scene.c_str(),
+                  p.shading_weight, p.value_weight, p.chroma_weight);
+    }
+    chosen[k] = scores[best[scene]][k];
+  }
+  print_row("leave one scene out", frames, chosen);
+}
+
+/// Flicker of static reflectance under moving light and under sensor noise.
+void print_temporal(const std::string& root) {
+  std::printf("\n%-44s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge");
+  for (const char* scene : {"lightchange", "lightchange_values"})
+    for (int noisy = 0; noisy < 2; ++noisy)
+      for (const double anchor : {0.0, reference::IntrinsicParams{}.anchor_weight}) {
+        std::vector<Frame> frames = load_sequence(root, scene);
+        if (noisy) {  // one frame again and again under shot and read noise
+          std::mt19937 engine(1);
+          std::normal_distribution<float> normal;
+          frames.resize(8);
+          for (std::size_t k = 1; k < frames.size(); ++k) frames[k] = frames[0];
+          for (Frame& f : frames)
+            for (float& v : f.input.data)
+              v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(engine));
+        }
+        reference::IntrinsicParams params;
+        params.anchor_weight = anchor;
+        reference::IntrinsicState state;
+        std::vector<Image> reflectance;
+        double error = 0;
+        for (const Frame& f : frames) {
+          const Decomposition d = intrinsicdecomp(f.input, params, &state);
+          error += score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask).lmse20 /
+                   double(frames.size());
+          reflectance.push_back(d.reflectance);
+        }
+        std::printf("%-18s %-12s anchor %-6.2f %11.4f %8.4f %8.4f\n", scene,
+                    noisy ? "noise" : "moving light", anchor, error, flicker(reflectance, true),
+                    flicker(reflectance, false));
+      }
+}
+
+/// Input, reflectance, shading and, below, the truth, gamma 2.2, one PNG a frame.
+void write_pictures(const std::vector<Frame>& frames, const std::string& directory) {
+  parallel(frames.size(), [&](std::size_t k) {
+    const Frame& f = frames[k];
+    const Decomposition d = intrinsicdecomp(f.input, {});
+    const int w = f.input.width, h = f.input.height;
+    cv::Mat out(2 * h, 3 * w, CV_8UC3, cv::Scalar(0, 0, 0));
+    const auto put = [&](const Image& image, int column, int row) {
+      std::vector<float> peak(image.data);
+      std::nth_element(peak.begin(), peak.begin() + std::ptrdiff_t(peak.size() * 99 / 100),
+                       peak.end());
+      const float scale = 1 / std::max(peak[peak.size() * 99 / 100], 1e-6F);
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+          for (int c = 0; c < 3; ++c) {
+            const float v = image.at(x, y, image.channels == 3 ? c : 0) * scale;
+            out.at<cv::Vec3b>(row * h + y, column * w + x)[2 - c] =
+                std::uint8_t(255 * std::pow(std::clamp(v, 0.0F, 1.0F), 1 / 2.2F));
+          }
+    };
+    put(f.input, 0, 0), put(d.reflectance, 1, 0), put(d.shading, 2, 0);
+    put(f.reflectance, 1, 1), put(f.shading, 2, 1);
+    char name[32];
+    std::snprintf(name, sizeof name, "_%03d.png", f.index);
+    cv::imwrite(directory + "/" + f.scene + name, out);
+  });
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) {
+  using namespace inverse::bench;
+  std::string root = "../shared/data", pictures;
+  int frames_per_scene = 4;
+  bool leave_one_out = false, temporal = false;
+  try {
+    for (int k = 1; k < argc; ++k) {
+      const std::string a = argv[k];
+      const auto value = [&] {
+        if (k + 1 >= argc) throw std::runtime_error(a + " needs a value");
+        return std::string(argv[++k]);
+      };
+      if (a == "--data")
+        root = value();
+      else if (a == "--frames")
+        frames_per_scene = std::stoi(value());
+      else if (a == "--leave-one-out")
+        leave_one_out = true;
+      else if (a == "--temporal")
+        temporal = true;
+      else if (a == "--pictures")
+        pictures = value();
+      else
+        throw std::runtime_error("unknown option " + a);
+    }
+    const std::vector<Frame> frames = load_all(root, frames_per_scene);
+    if (!pictures.empty()) {
+      write_pictures(frames, pictures);
+      return 0;
+    }
+    print_tables(frames);
+    if (leave_one_out) print_leave_one_out(frames);
+    if (temporal) print_temporal(root);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "accuracy: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}

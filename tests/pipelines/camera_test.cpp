@@ -1,0 +1,114 @@
+// Lines that begin with a camera. The cameras of USB and libcamera are hardware: videotestsrc
+// stands in for them, live and in the formats they send. With INVERSE_TEST_CAMERA=/dev/videoN the
+// webcam's line runs with a real one as well. The industrial camera is Aravis' own in software.
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "pipeline_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// What a camera sends: moving, live, `format` is caps or an encoder.
+std::string camera(const std::string& format) {
+  return "videotestsrc is-live=true pattern=smpte num-buffers=20 ! " + format;
+}
+
+std::string raw(const std::string& format) {
+  return "video/x-raw,format=" + format + ",width=320,height=240,framerate=10/1";
+}
+
+class Camera : public PipelineTest {
+ protected:
+  void expect_line(const std::string& script, const Process::Environment& environment) {
+    auto all = environment;
+    all["SINK"] = raw_file(file("out.mkv"));
+    ASSERT_EQ(run(script, {}, all), 0) << output_;
+    const Media media = read_media(file("out.mkv"));
+    expect_video(media, 320, 240, 3);
+    if (!media.frames.empty()) expect_mosaic(media.frames.back());
+  }
+};
+
+TEST_F(Camera, WebcamSendsYuy2) { expect_line("webcam", {{"SOURCE", camera(raw("YUY2"))}}); }
+TEST_F(Camera, WebcamSendsNv12) { expect_line("webcam", {{"SOURCE", camera(raw("NV12"))}}); }
+TEST_F(Camera, WebcamSendsMjpeg) {
+  expect_line("webcam", {{"SOURCE", camera(raw("I420") + " ! jpegenc")}});
+}
+TEST_F(Camera, LibcameraSendsNv12) { expect_line("libcamera", {{"SOURCE", camera(raw("NV12"))}}); }
+TEST_F(Camera, LibcameraSendsNv21) { expect_line("libcamera", {{"SOURCE", camera(raw("NV21"))}}); }
+
+TEST_F(Camera, WebcamOfThisMachine) {
+  const char* device = getenv("INVERSE_TEST_CAMERA");
+  if (!device) GTEST_SKIP() << "INVERSE_TEST_CAMERA names no camera";
+  expect_line("webcam", {{"SOURCE", std::string("v4l2src num-buffers=20 device=") + device +
+                                        " ! video/x-raw,width=320,height=240;"
+                                        "image/jpeg,width=320,height=240"}});
+}
+
+TEST_F(Camera, MissingOnesAreNamed) {
+  EXPECT_EQ(run("webcam", {"/dev/video97"}, {{"SINK", "fakesink"}}), 1);
+  EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
+}
+
+TEST_F(Camera, NoDisplayIsSaid) {
+  EXPECT_EQ(run("webcam", {}, {{"SOURCE", camera(raw("YUY2"))}}), 1);
+  EXPECT_NE(output_.find("no display"), std::string::npos) << output_;
+}
+
+/// The camera in software on loopback.
+class Aravis : public PipelineTest {
+ protected:
+  void SetUp() override {
+    if (system("command -v arv-fake-gv-camera-0.8 >/dev/null") != 0)
+      GTEST_SKIP() << "arv-fake-gv-camera-0.8 is missing: install aravis-tools";
+    if (system("gst-inspect-1.0 --exists aravissrc") != 0)
+      GTEST_SKIP() << "aravissrc is missing: install libaravis-0.8-0";
+  }
+
+  /// As root, Aravis takes packet sockets, which hear nothing on loopback.
+  static std::vector<std::string> without_raw_sockets(std::vector<std::string> words) {
+    if (geteuid() == 0)
+      words.insert(words.begin(),
+                   {"setpriv", "--bounding-set", "-net_raw", "--inh-caps", "-net_raw"});
+    return words;
+  }
+
+  void expect_line(const std::string& kind, const std::string& features, bool gray) {
+    const std::string name = "test" + std::to_string(getpid());
+    Process fake(without_raw_sockets({"arv-fake-gv-camera-0.8", "-i", "127.0.0.1", "-s", name}));
+    // The first frames can get lost, and with them the stream: try again.
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      ASSERT_TRUE(fake.running()) << fake.output();
+      Process line(without_raw_sockets({script("aravis"), "", kind}),
+                   environment({{"SOURCE", "aravissrc camera-name=Aravis-Fake-" + name +
+                                               " num-buffers=20 " + features},
+                                {"SINK", raw_file(file("out.mkv"))}}));
+      const int status = line.wait(40);
+      output_ = line.output();
+      if (status != 0) continue;
+      const Media media = read_media(file("out.mkv"));
+      if (media.frames.empty()) continue;
+      ASSERT_TRUE(media.errors.empty()) << media.errors.front();
+      EXPECT_EQ(media.frames.back().width, 512);
+      EXPECT_EQ(media.frames.back().height, 512);
+      // The fake camera sends a diagonal ramp that moves.
+      EXPECT_GT(media.frames.back().variance(0, 0, .5, .5), 100);
+      if (gray) {
+        EXPECT_NEAR(media.frames.back().mean(0), media.frames.back().mean(2), 2);
+      }
+      for (size_t i = 1; i < media.times.size(); ++i) EXPECT_GT(media.times[i], media.times[i - 1]);
+      return;
+    }
+    FAIL() << "no frame came in four attempts:\n" << output_ << fake.output();
+  }
+};
+
+TEST_F(Aravis, Bayer) { expect_line("bayer", "", false); }
+TEST_F(Aravis, Mono) { expect_line("mono", "", true); }
+
+}  // namespace
+}  // namespace inverse::testing

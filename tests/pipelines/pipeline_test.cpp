@@ -1,0 +1,56 @@
+#include "pipeline_test.hpp"
+
+#include <cstdlib>
+
+namespace inverse::testing {
+
+PipelineTest::PipelineTest() {
+  char path[] = "/tmp/inverse-pipelines-XXXXXX";
+  if (!mkdtemp(path)) throw std::runtime_error("cannot make a folder in /tmp");
+  folder_ = path;
+}
+
+PipelineTest::~PipelineTest() {
+  std::error_code code;
+  std::filesystem::remove_all(folder_, code);
+}
+
+std::string PipelineTest::script(const std::string& name) { return SCRIPTS "/" + name; }
+
+Process::Environment PipelineTest::environment(const Process::Environment& more) {
+  Process::Environment all{{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}, {"SOURCE", ""}, {"SINK", ""}};
+  for (const auto& [name, value] : more) all[name] = value;
+  return all;
+}
+
+int PipelineTest::run(const std::string& name, const std::vector<std::string>& words,
+                      const Process::Environment& more, double seconds) {
+  std::vector<std::string> command{script(name)};
+  command.insert(command.end(), words.begin(), words.end());
+  Process process(command, environment(more));
+  const int status = process.wait(seconds);
+  output_ = process.output();
+  EXPECT_NE(status, -1) << name << " did not end within " << seconds << " s:\n" << output_;
+  return status;
+}
+
+std::string raw_file(const std::string& path) {
+  return "video/x-raw,format=I420 ! matroskamux ! filesink location=" + path;
+}
+
+void expect_mosaic(const Image& frame) {
+  EXPECT_GT(frame.variance(0, 0, .5, .5), 100) << "the input is flat";
+  EXPECT_GT(frame.variance(.5, 0, 1, .5), 20) << "the reflectance is flat";
+  for (int channel = 1; channel < 3; ++channel)
+    EXPECT_NEAR(frame.mean(channel, 0, .5, .5, 1), frame.mean(0, 0, .5, .5, 1), 2)
+        << "the shading has color";
+  EXPECT_GT(frame.mean(0, 0, .5, .5, 1), 16) << "the shading is black";
+}
+
+}  // namespace inverse::testing
+
+int main(int count, char** arguments) {
+  ::testing::InitGoogleTest(&count, arguments);
+  gst_init(&count, &arguments);
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,41 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "media.hpp"
+#include "process.hpp"
+
+namespace inverse::testing {
+
+/// A folder of the test's own, and the scripts of pipelines/, run without a display.
+class PipelineTest : public ::testing::Test {
+ protected:
+  PipelineTest();
+  ~PipelineTest() override;
+
+  /// The path of a file in the test's folder.
+  std::string file(const std::string& name) const { return folder_ + "/" + name; }
+  /// The path of a script.
+  static std::string script(const std::string& name);
+  /// Runs a script to its end and returns its exit status; fails the test where it does not end.
+  int run(const std::string& name, const std::vector<std::string>& words,
+          const Process::Environment& more = {}, double seconds = 120);
+  /// The environment of scripts: no display, and `more`.
+  static Process::Environment environment(const Process::Environment& more = {});
+
+  std::string output_;  ///< of the last run
+
+ private:
+  std::string folder_;
+};
+
+/// A SINK that keeps every frame as it is.
+std::string raw_file(const std::string& path);
+
+/// A mosaic of a decomposer: input and reflectance above, shading below, gray.
+void expect_mosaic(const Image& frame);
+
+}  // namespace inverse::testing

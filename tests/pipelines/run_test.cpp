@@ -1,0 +1,134 @@
+// ./dev run: what it writes where there is no display, the window where there is one, and what it
+// says when something is wrong.
+#include <fstream>
+
+#include "pipeline_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class Run : public PipelineTest {
+ protected:
+  int run_it(std::vector<std::string> words, const Process::Environment& more = {}) {
+    words.insert(words.begin(), {"--out", file("out")});
+    auto all = more;
+    all["INVERSE_RUN"] = INVERSE_RUN;
+    return run("run", words, all, 240);
+  }
+  void expect_complaint(const std::string& input, const std::string& text) {
+    EXPECT_EQ(run_it({input}), 1) << input;
+    EXPECT_NE(output_.find(text), std::string::npos) << output_;
+    EXPECT_FALSE(std::filesystem::exists(file("out/decomposition.mkv"))) << input;
+  }
+};
+
+TEST_F(Run, BundledClipWithoutDisplay) {
+  ASSERT_EQ(run_it({"--seconds", "0.6"}), 0) << output_;
+  EXPECT_NE(output_.find("frames/s"), std::string::npos) << output_;
+
+  const Media movie = read_media(file("out/decomposition.mkv"));
+  expect_video(movie, 1280, 960, 15);
+  EXPECT_EQ(movie.frames.size(), 15u);
+  const Image& frame = movie.frames.back();
+  expect_mosaic(frame);
+  // The recolored view is the input but for the recolored parts.
+  EXPECT_GT(frame.variance(.5, .5, 1, 1), 100);
+  // Sound as it came, up to where we stopped.
+  ASSERT_EQ(movie.sounds.size(), 1u);
+  std::filesystem::path clip;
+  for (const auto& entry : std::filesystem::directory_iterator(MEDIA))
+    if (entry.path().stem() == "clip") clip = entry.path();
+  const Media whole = read_media(clip);
+  ASSERT_EQ(whole.sounds.size(), 1u);
+  ASSERT_GT(movie.sounds[0].packets.size(), 3u);
+  ASSERT_LE(movie.sounds[0].packets.size(), whole.sounds[0].packets.size());
+  for (size_t i = 0; i < movie.sounds[0].packets.size(); ++i)
+    EXPECT_EQ(movie.sounds[0].packets[i], whole.sounds[0].packets[i]) << "packet " << i;
+
+  const Media sheet = read_media(file("out/contact-sheet.png"));
+  ASSERT_EQ(sheet.frames.size(), 1u);
+  const Image& png = sheet.frames[0];
+  EXPECT_EQ(png.width, 2 * 640 + 3 * 8);
+  EXPECT_EQ(png.height, 3 * 480 + 4 * 8);
+  // Each of the six tiles shows something.
+  for (int i = 0; i < 6; ++i) {
+    const double left = (i % 2) / 2.0, top = (i / 2) / 3.0;
+    EXPECT_GT(png.variance(left + .02, top + .02, left + .48, top + .31), 300) << "tile " << i;
+  }
+}
+
+TEST_F(Run, ElementsTakeThePlaceOfTheChain) {
+  make_media(file("in.mkv"),
+             "videotestsrc num-buffers=30 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
+             "vp8enc deadline=1 ! matroskamux");
+  ASSERT_EQ(run_it({file("in.mkv"), "--", "intrinsicdecomp", "show=shading", "!", "videoconvert"}),
+            0)
+      << output_;
+  const Media movie = read_media(file("out/decomposition.mkv"));
+  ASSERT_EQ(movie.frames.size(), 30u);
+  const Image& frame = movie.frames.back();
+  EXPECT_EQ(frame.width, 160);
+  EXPECT_EQ(frame.height, 120);
+  EXPECT_NEAR(frame.mean(0), frame.mean(1), 2);
+  EXPECT_NEAR(frame.mean(2), frame.mean(1), 2);
+  EXPECT_GT(std::filesystem::file_size(file("out/contact-sheet.png")), 1000u);
+}
+
+TEST_F(Run, SaysWhatIsWrong) {
+  expect_complaint(file("none.mp4"), "there is no file");
+  expect_complaint("/dev/video97", "there is no camera /dev/video97");
+  expect_complaint("nosuch://place", "nothing installed here opens \"nosuch://\"");
+  expect_complaint("file:///no/such/file.mp4", "cannot read file:///no/such/file.mp4");
+  expect_complaint(file(""), "is a folder");
+  std::ofstream(file("empty.mp4")).flush();
+  expect_complaint(file("empty.mp4"), "is empty");
+  std::ofstream(file("text.mp4")) << "this is no video";
+  expect_complaint(file("text.mp4"), "cannot play");
+  make_media(file("sound.mkv"), "audiotestsrc num-buffers=20 ! vorbisenc ! matroskamux");
+  expect_complaint(file("sound.mkv"), "no video in");
+}
+
+TEST_F(Run, ElementsThatDoNotFitAreSaid) {
+  make_media(file("in.mkv"),
+             "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
+             "matroskamux");
+  EXPECT_EQ(run_it({file("in.mkv"), "--", "nosuchelement"}), 1);
+  EXPECT_NE(output_.find("no element \"nosuchelement\""), std::string::npos) << output_;
+  EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicdecomp ! fakesink"}), 1);
+  EXPECT_NE(output_.find("must take video at its beginning"), std::string::npos) << output_;
+  EXPECT_EQ(run_it({file("in.mkv"), "--", "intrinsicrecolor ! intrinsiccompose"}), 1);
+  EXPECT_NE(output_.find("insert intrinsicdecomp"), std::string::npos) << output_;
+}
+
+TEST_F(Run, WindowWhereThereIsADisplay) {
+  if (system("command -v Xvfb >/dev/null") != 0) GTEST_SKIP() << "Xvfb is missing: install xvfb";
+  Process display({"bash", "-c", "exec Xvfb -displayfd 1 -screen 0 1400x1000x24 -nolisten tcp"});
+  std::string number;
+  for (int i = 0; i < 200 && number.find('\n') == std::string::npos; ++i) {
+    ASSERT_FALSE(display.wait(0.1) >= 0) << display.output();
+    number = display.output();
+  }
+  number = number.substr(0, number.find('\n'));
+  number = number.substr(number.find_last_not_of("0123456789") + 1);
+  ASSERT_FALSE(number.empty()) << display.output();
+  make_media(file("in.mkv"),
+             "videotestsrc num-buffers=10 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
+             "vp8enc deadline=1 ! matroskamux");
+  EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":" + number}}), 0) << output_;
+  EXPECT_NE(output_.find("showing"), std::string::npos) << output_;
+  EXPECT_NE(output_.find(" frames"), std::string::npos) << output_;
+  EXPECT_FALSE(std::filesystem::exists(file("out"))) << "files beside a window";
+}
+
+TEST_F(Run, NoWindowWhereNoDisplayAnswers) {
+  make_media(file("in.mkv"),
+             "videotestsrc num-buffers=5 ! video/x-raw,width=160,height=120 ! vp8enc deadline=1 ! "
+             "matroskamux");
+  EXPECT_EQ(run_it({"--window", file("in.mkv")}, {{"DISPLAY", ":97"}}), 1);
+  EXPECT_NE(output_.find("no window can be shown"), std::string::npos) << output_;
+  EXPECT_EQ(run_it({file("in.mkv")}, {{"DISPLAY", ":97"}}), 0) << output_;
+  EXPECT_TRUE(std::filesystem::exists(file("out/decomposition.mkv")));
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,284 @@
+// soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N]
+//
+// Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
+// seeks among them, caps changes, start-stop cycles. Exit status 1 where memory, open files or
+// threads grow, where an element complains, or where nothing moves for a minute.
+#include <gst/app/gstappsrc.h>
+#include <gst/gst.h>
+#include <gst/video/video.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "growth.hpp"
+
+namespace inverse::soak {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Plan {
+  std::string decomposer = "intrinsicdecomp";
+  unsigned frames = 10000, caps_changes = 200, cycles = 50;
+  Slack slack;
+};
+
+constexpr const char* kChain =
+    " name=decomposer ! intrinsicrecolor cluster=0 ! intrinsicrecolor key=0xffff0000 ! "
+    "intrinsiccompose ! video/x-raw ! fakesink name=sink sync=false signal-handoffs=true";
+
+/// A pipeline that counts the frames at its end.
+class Line {
+ public:
+  Line(const Plan& plan, const std::string& source) {
+    const std::string text = source + " ! " + plan.decomposer + kChain;
+    GError* error = nullptr;
+    pipeline_ = gst_parse_launch(text.c_str(), &error);
+    if (error) {
+      const std::string reason = error->message;
+      g_error_free(error);
+      throw std::runtime_error(text + ": " + reason);
+    }
+    decomposer_ = gst_bin_get_by_name(GST_BIN(pipeline_), "decomposer");
+    bus_ = gst_element_get_bus(pipeline_);
+    GstElement* sink = find("sink");
+    g_signal_connect(
+        sink, "handoff",
+        G_CALLBACK(+[](GstElement*, GstBuffer*, GstPad*, Line* self) { ++self->frames_; }), this);
+    gst_object_unref(sink);
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  ~Line() {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(bus_);
+    gst_object_unref(decomposer_);
+    gst_object_unref(pipeline_);
+  }
+
+  GstElement* find(const char* name) const { return gst_bin_get_by_name(GST_BIN(pipeline_), name); }
+  unsigned frames() const { return frames_; }
+
+  void set_state(GstState state) {
+    if (gst_element_set_state(pipeline_, state) == GST_STATE_CHANGE_FAILURE) {
+      check();
+      throw std::runtime_error(std::string("cannot go to ") + gst_element_state_get_name(state));
+    }
+  }
+  /// Waits until so many frames came through.
+  void wait_for(unsigned frames) {
+    auto moved = Clock::now();
+    for (unsigned seen = frames_; frames_ < frames;) {
+      check();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      if (frames_ != seen) {
+        seen = frames_;
+        moved = Clock::now();
+      } else if (Clock::now() - moved > std::chrono::minutes(1)) {
+        throw std::runtime_error("no frame for a minute after frame " + std::to_string(seen));
+      }
+    }
+  }
+  void wait_for_end() {
+    GstMessage* message = gst_bus_timed_pop_filtered(
+        bus_, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+    if (!message) throw std::runtime_error("no end of stream within a minute");
+    const bool failed = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
+    const std::string reason = failed ? complaint(message) : "";
+    gst_message_unref(message);
+    if (failed) throw std::runtime_error(reason);
+  }
+  void seek(GstClockTime time) {
+    if (!gst_element_seek_simple(pipeline_, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
+                                 static_cast<gint64>(time)))
+      throw std::runtime_error("a seek was refused");
+  }
+  uint64_t device_bytes() const {
+    GstStructure* stats = nullptr;
+    g_object_get(decomposer_, "stats", &stats, nullptr);
+    guint64 bytes = 0;
+    const bool told = stats && gst_structure_get_uint64(stats, "device-bytes", &bytes);
+    if (stats) gst_structure_free(stats);
+    if (!told || bytes == 0) throw std::runtime_error("stats tell no device-bytes");
+    return bytes;
+  }
+
+ private:
+  static std::string complaint(GstMessage* message) {
+    GError* error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    std::string text =
+        std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " + error->message;
+    g_error_free(error);
+    return text;
+  }
+  void check() {
+    if (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
+      const std::string reason = complaint(message);
+      gst_message_unref(message);
+      throw std::runtime_error(reason);
+    }
+    while (GstMessage* other = gst_bus_pop_filtered(
+               bus_, static_cast<GstMessageType>(GST_MESSAGE_ANY & ~GST_MESSAGE_ERROR &
+                                                 ~GST_MESSAGE_EOS)))
+      gst_message_unref(other);
+  }
+
+  GstElement* pipeline_ = nullptr;
+  GstElement* decomposer_ = nullptr;
+  GstBus* bus_ = nullptr;
+  std::atomic<unsigned> frames_{0};
+};
+
+void progress(const char* phase, unsigned done, unsigned all, const Holding& now) {
+  fprintf(stderr,
+          "%-12s %6u of %u: %.1f MiB resident, %.2f MiB on the device, %.0f files, %.0f threads\n",
+          phase, done, all, now.resident_mib, now.device_mib, now.descriptors, now.threads);
+}
+
+/// Frames at one size; two samples to a seek.
+Growth soak_frames(const Plan& plan) {
+  Growth growth("frames", plan.slack);
+  Line line(
+      plan,
+      "videotestsrc pattern=ball ! video/x-raw,format=RGBA,width=96,height=72,framerate=30/1");
+  line.set_state(GST_STATE_PLAYING);
+  std::mt19937 random(1);
+  constexpr unsigned kSamples = 60;
+  for (unsigned i = 1; i <= kSamples; ++i) {
+    line.wait_for(plan.frames * i / kSamples);
+    growth.sample(holding_now(line.device_bytes()));
+    if (i % 2 == 0) line.seek(random() % 600 * GST_SECOND);
+    if (i % 10 == 0) progress("frames", line.frames(), plan.frames, growth.last());
+  }
+  return growth;
+}
+
+/// Sizes and formats by turns, two frames each; a sample after each round.
+Growth soak_caps(const Plan& plan) {
+  struct Caps {
+    const char* format;
+    int width, height;
+  };
+  constexpr Caps kRound[] = {
+      {"RGBA", 96, 72}, {"NV12", 64, 48}, {"YUY2", 130, 74}, {"I420", 35, 29}};
+  Growth growth("caps", plan.slack);
+  Line line(plan, "appsrc name=source format=time block=true max-buffers=2");
+  GstElement* source = line.find("source");
+  line.set_state(GST_STATE_PLAYING);
+  std::mt19937 random(2);
+  unsigned frames = 0;
+  for (unsigned change = 0; change < plan.caps_changes; ++change) {
+    const Caps& caps = kRound[change % std::size(kRound)];
+    GstVideoInfo info;
+    gst_video_info_set_format(&info, gst_video_format_from_string(caps.format),
+                              static_cast<guint>(caps.width), static_cast<guint>(caps.height));
+    info.fps_n = 30;
+    GstCaps* text = gst_video_info_to_caps(&info);
+    gst_app_src_set_caps(GST_APP_SRC(source), text);
+    gst_caps_unref(text);
+    for (int i = 0; i < 2; ++i) {
+      GstBuffer* buffer = gst_buffer_new_allocate(nullptr, info.size, nullptr);
+      gst_buffer_memset(buffer, 0, static_cast<guint8>(random()), info.size);
+      GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(frames++, GST_SECOND, 30);
+      GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
+      if (gst_app_src_push_buffer(GST_APP_SRC(source), buffer) != GST_FLOW_OK) break;
+    }
+    line.wait_for(frames);
+    if ((change + 1) % std::size(kRound) != 0) continue;
+    growth.sample(holding_now(line.device_bytes()));
+    if ((change + 1) % 40 == 0) progress("caps", change + 1, plan.caps_changes, growth.last());
+  }
+  gst_object_unref(source);
+  return growth;
+}
+
+/// NULL → PLAYING → NULL: to the end of the stream and in the middle of it by turns; every fifth
+/// time with a new pipeline.
+Growth soak_cycles(const Plan& plan) {
+  constexpr const char* kSource =
+      "videotestsrc num-buffers=6 ! video/x-raw,format=NV12,width=96,height=72,framerate=30/1";
+  Growth growth("start-stop", plan.slack);
+  auto line = std::make_unique<Line>(plan, kSource);
+  for (unsigned cycle = 0; cycle < plan.cycles; ++cycle) {
+    if (cycle % 5 == 4) {
+      line.reset();
+      line = std::make_unique<Line>(plan, kSource);
+    }
+    const unsigned before = line->frames();
+    line->set_state(GST_STATE_PLAYING);
+    if (cycle % 2)
+      line->wait_for(before + 2);
+    else
+      line->wait_for_end();
+    const uint64_t device_bytes = line->device_bytes();
+    line->set_state(GST_STATE_NULL);
+    growth.sample(holding_now(device_bytes));
+    if ((cycle + 1) % 10 == 0) progress("start-stop", cycle + 1, plan.cycles, growth.last());
+  }
+  return growth;
+}
+
+unsigned number(const char* text) {
+  char* end = nullptr;
+  const unsigned long value = strtoul(text, &end, 10);
+  if (*end || value == 0) throw std::runtime_error(std::string(text) + " is no number above 0");
+  return static_cast<unsigned>(value);
+}
+
+Plan parse(int count, char** words) {
+  Plan plan;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const bool more = i + 1 < count;
+    if (word == "--quick") {
+      plan.frames = 300;
+      plan.caps_changes = 24;
+      plan.cycles = 8;
+    } else if (word == "--decomposer" && more) {
+      plan.decomposer = words[++i];
+    } else if (word == "--frames" && more) {
+      plan.frames = number(words[++i]);
+    } else if (word == "--caps-changes" && more) {
+      plan.caps_changes = number(words[++i]);
+    } else if (word == "--cycles" && more) {
+      plan.cycles = number(words[++i]);
+    } else {
+      throw std::runtime_error(
+          "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N]");
+    }
+  }
+  return plan;
+}
+
+bool run(const Plan& plan) {
+  const auto start = Clock::now();
+  const Growth phases[] = {soak_frames(plan), soak_caps(plan), soak_cycles(plan)};
+  printf("%-12s %-20s %10s %10s %10s %8s\n", "phase", "holds", "warm", "end", "growth", "slack");
+  bool good = true;
+  for (const Growth& phase : phases) good = phase.judge() && good;
+  printf("%s: %u frames, %u caps changes, %u start-stop cycles of %s in %.0f s\n",
+         good ? "no growth" : "GREW", plan.frames, plan.caps_changes, plan.cycles,
+         plan.decomposer.c_str(), std::chrono::duration<double>(Clock::now() - start).count());
+  return good;
+}
+
+}  // namespace
+}  // namespace inverse::soak
+
+int main(int count, char** words) {
+  gst_init(nullptr, nullptr);
+  try {
+    return inverse::soak::run(inverse::soak::parse(count, words)) ? 0 : 1;
+  } catch (const std::exception& error) {
+    fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,41 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace inverse::run {
+
+/// Frames spread evenly over a video of unknown length, tiled into one picture.
+///
+/// It keeps every k-th frame; once twice as many are kept as the sheet shows, every second one goes
+/// and k doubles.
+class ContactSheet {
+ public:
+  static constexpr int kColumns = 2, kRows = 3;
+  static constexpr int kTileWidth = 640;  ///< pixels; the height follows the video's shape
+
+  ContactSheet() = default;
+  ContactSheet(const ContactSheet&) = delete;
+  ContactSheet& operator=(const ContactSheet&) = delete;
+  ~ContactSheet();
+
+  /// Offers the next frame. `caps` are of raw video in system memory; they may change.
+  void offer(GstBuffer* buffer, const GstCaps* caps);
+  /// Writes the sheet as PNG. Throws std::runtime_error where there is nothing to show or the file
+  /// cannot be written.
+  void write(const std::string& path) const;
+
+ private:
+  void configure(const GstVideoInfo& info);
+
+  using Tile = std::vector<uint8_t>;  // RGB, kTileWidth × tile_height_, no padding
+  std::vector<Tile> tiles_;
+  uint64_t frames_ = 0, step_ = 1;
+  int tile_height_ = 0;
+  GstVideoInfo from_{}, to_{};
+  GstVideoConverter* converter_ = nullptr;
+};
+
+}  // namespace inverse::run

@@ -1,0 +1,403 @@
+#include "training/edges/problem.hpp"
+
+#include <array>
+
+#include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic_features.hpp"
+
+namespace inverse::training {
+namespace {
+
+using reference::kBins;
+
+float weight_of(float log_weight) {
+  return std::exp(std::clamp(log_weight, float(reference::kLogLow), float(reference::kLogHigh)));
+}
+
+/// Gradient through the clamp, let through where it leads back inside.
+float clamped(float log_weight, float g) {
+  return (log_weight < float(reference::kLogHigh) || g > 0) &&
+                 (log_weight > float(reference::kLogLow) || g < 0)
+             ? g
+             : 0;
+}
+
+// --- the linear system
+// -----------------------------------------------------------------------------
+
+struct Level {
+  int w, h;
+  Plane right, down, own, diagonal, s, f, r;
+
+  float off_diagonal(const Plane& v, int x, int y) const {
+    const std::size_t i = std::size_t(y) * w + x, stride = std::size_t(w);
+    float a = 0;
+    if (x > 0) a += right[i - 1] * v[i - 1];
+    if (x + 1 < w) a += right[i] * v[i + 1];
+    if (y > 0) a += down[i - stride] * v[i - stride];
+    if (y + 1 < h) a += down[i] * v[i + stride];
+    return a;
+  }
+  void relax(int color) {
+    for (int y = 0; y < h; ++y)
+      for (int x = (y + color) & 1; x < w; x += 2) {
+        const std::size_t i = std::size_t(y) * w + x;
+        s[i] = (f[i] + off_diagonal(s, x, y)) / diagonal[i];
+      }
+  }
+};
+
+/// Edges at full resolution, `screen` on the cells, minus the projection onto the chroma bins.
+class System {
+ public:
+  System(const Example& e, Plane right, Plane down, Plane screen, Plane g)
+      : e_(e), screen_(std::move(screen)), g_(std::move(g)) {
+    levels_.push_back({e.width,
+                       e.height,
+                       std::move(right),
+                       std::move(down),
+                       Plane(e.m.size(), 1e-6F),
+                       {},
+                       {},
+                       {},
+                       {}});
+    while (levels_.size() < 3 || std::max(levels_.back().w, levels_.back().h) > 2) {
+      const Level& f = levels_.back();
+      Level c{(f.w + 1) / 2, (f.h + 1) / 2, {}, {}, {}, {}, {}, {}, {}};
+      const std::size_t n = std::size_t(c.w) * c.h;
+      c.right.assign(n, 0), c.down.assign(n, 0), c.own.assign(n, 0);
+      for (int y = 0; y < f.h; ++y)
+        for (int x = 0; x < f.w; ++x) {
+          const std::size_t i = std::size_t(y) * f.w + x,
+                            j = std::size_t(y / 2) * c.w + std::size_t(x / 2);
+          c.own[j] += f.own[i];
+          if (x % 2 == 1 && x + 1 < f.w) c.right[j] += 0.5F * f.right[i];
+          if (y % 2 == 1 && y + 1 < f.h) c.down[j] += 0.5F * f.down[i];
+        }
+      if (levels_.size() == 2)
+        for (std::size_t j = 0; j < n; ++j) c.own[j] += screen_[j];
+      levels_.push_back(std::move(c));
+    }
+    for (Level& l : levels_) {
+      l.diagonal = l.own;
+      l.s.assign(l.own.size(), 0), l.f = l.r = l.s;
+      const Plane ones(l.own.size(), 1);
+      for (int y = 0; y < l.h; ++y)
+        for (int x = 0; x < l.w; ++x)
+          l.diagonal[std::size_t(y) * l.w + x] += l.off_diagonal(ones, x, y);
+    }
+    weight_ = splat([](std::size_t) { return 1.0F; });
+  }
+
+  const Plane& bin_weight() const { return weight_; }
+
+  /// Sum over cells of hat * g * value(cell) for every bin.
+  template <class T>
+  Plane splat(T value) const {
+    Plane out(std::size_t(kBins) * kBins, 0);
+    for (std::size_t j = 0; j < g_.size(); ++j) {
+      const float u = e_.bin_fraction[2 * j], v = e_.bin_fraction[2 * j + 1], q = g_[j] * value(j);
+      float* z = &out[std::size_t(e_.bin[j])];
+      z[0] += (1 - u) * (1 - v) * q, z[1] += u * (1 - v) * q;
+      z[kBins] += (1 - u) * v * q, z[kBins + 1] += u * v * q;
+    }
+    return out;
+  }
+  float slice(const Plane& grid, std::size_t j) const {
+    const float u = e_.bin_fraction[2 * j], v = e_.bin_fraction[2 * j + 1];
+    const float* z = &grid[std::size_t(e_.bin[j])];
+    return (1 - v) * ((1 - u) * z[0] + u * z[1]) + v * ((1 - u) * z[kBins] + u * z[kBins + 1]);
+  }
+  /// The bin means of a cell plane, read back at every cell.
+  Plane bin_mean(const Plane& cells) const {
+    Plane grid = splat([&](std::size_t j) { return cells[j]; }), out(cells.size());
+    for (std::size_t k = 0; k < grid.size(); ++k) grid[k] /= weight_[k] + 1e-6F;
+    for (std::size_t j = 0; j < out.size(); ++j) out[j] = slice(grid, j);
+    return out;
+  }
+  Plane cell_mean(const Plane& v) const {
+    Plane out(screen_.size(), 0);
+    for (int i = 0; i < int(v.size()); ++i) out[std::size_t(e_.cell_of(i))] += v[std::size_t(i)];
+    for (std::size_t j = 0; j < out.size(); ++j) out[j] /= e_.cell_count[j];
+    return out;
+  }
+  /// Adds the transpose of cell_mean.
+  void add_cells(const Plane& cells, Plane& v) const {
+    for (int i = 0; i < int(v.size()); ++i) {
+      const std::size_t j = std::size_t(e_.cell_of(i));
+      v[std::size_t(i)] += cells[j] / e_.cell_count[j];
+    }
+  }
+
+  /// Conjugate gradients, preconditioned by one symmetric V-cycle, from the start in x.
+  void solve(const Plane& b, Plane& x, int limit, float tolerance) {
+    const std::size_t n = b.size();
+    Plane r = apply(x), p(n, 0);
+    double target = 0, rz = 0;
+    for (std::size_t i = 0; i < n; ++i) r[i] = b[i] - r[i], target += double(b[i]) * b[i];
+    target *= double(tolerance) * tolerance;
+    for (int k = 0; k < limit; ++k) {
+      double rr = 0, rz_new = 0, pq = 0;
+      for (float v : r) rr += double(v) * v;
+      if (rr <= target) return;
+      const Plane& z = precondition(r);
+      for (std::size_t i = 0; i < n; ++i) rz_new += double(r[i]) * z[i];
+      const float beta = k ? float(rz_new / rz) : 0;
+      rz = rz_new;
+      for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+      const Plane q = apply(p);
+      for (std::size_t i = 0; i < n; ++i) pq += double(p[i]) * q[i];
+      if (pq <= 0) return;
+      const float alpha = float(rz / pq);
+      for (std::size_t i = 0; i < n; ++i) x[i] += alpha * p[i], r[i] -= alpha * q[i];
+    }
+  }
+
+ private:
+  Plane apply(const Plane& x) const {
+    const Level& l = levels_[0];
+    Plane out(x.size()), cells = cell_mean(x);
+    const Plane mean = bin_mean(cells);
+    for (std::size_t j = 0; j < cells.size(); ++j)
+      cells[j] = screen_[j] * cells[j] - g_[j] * mean[j];
+    for (int y = 0; y < l.h; ++y)
+      for (int k = 0; k < l.w; ++k) {
+        const std::size_t i = std::size_t(y) * l.w + k;
+        out[i] = l.diagonal[i] * x[i] - l.off_diagonal(x, k, y);
+      }
+    add_cells(cells, out);
+    return out;
+  }
+  const Plane& precondition(const Plane& r) {
+    levels_[0].f = r;
+    std::fill(levels_[0].s.begin(), levels_[0].s.end(), 0.0F);
+    cycle(0);
+    return levels_[0].s;
+  }
+  void cycle(std::size_t k) {
+    Level& l = levels_[k];
+    if (k + 1 == levels_.size()) {
+      for (int n = 0; n < 8; ++n) l.relax(0), l.relax(1);
+      for (int n = 0; n < 8; ++n) l.relax(1), l.relax(0);
+      return;
+    }
+    l.relax(0), l.relax(1);
+    Level& c = levels_[k + 1];
+    std::fill(c.f.begin(), c.f.end(), 0.0F), std::fill(c.s.begin(), c.s.end(), 0.0F);
+    for (int y = 0; y < l.h; ++y)
+      for (int x = 0; x < l.w; ++x) {
+        const std::size_t i = std::size_t(y) * l.w + x;
+        c.f[std::size_t(y / 2) * c.w + std::size_t(x / 2)] +=
+            l.f[i] - l.diagonal[i] * l.s[i] + l.off_diagonal(l.s, x, y);
+      }
+    cycle(k + 1);
+    for (int y = 0; y < l.h; ++y)
+      for (int x = 0; x < l.w; ++x)
+        l.s[std::size_t(y) * l.w + x] += c.s[std::size_t(y / 2) * c.w + std::size_t(x / 2)];
+    l.relax(1), l.relax(0);
+  }
+
+  const Example& e_;
+  Plane screen_, g_, weight_;
+  std::vector<Level> levels_;
+};
+
+/// Adds the windowed error of one plane pair to `error`, and its derivative by the estimate to `d`.
+void windowed(const Example& e, const Plane& estimate, const bench::Image& truth, int channel,
+              int k, int step, Plane& d, double weight, double& error) {
+  const int w = e.width, h = e.height;
+  for (int y0 = 0; y0 == 0 || y0 + k <= h; y0 += step)
+    for (int x0 = 0; x0 == 0 || x0 + k <= w; x0 += step) {
+      const int y1 = std::min(h, y0 + k), x1 = std::min(w, x0 + k);
+      double ee = 0, et = 0, tt = 0;
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          if (e.mask.at(x, y) < 0.5F) continue;
+          const double a = estimate[std::size_t(y) * w + x], t = truth.at(x, y, channel);
+          ee += a * a, et += a * t, tt += t * t;
+        }
+      if (ee < 1e-9) continue;
+      const double alpha = et / ee;
+      error += weight * (tt - alpha * et);
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          if (e.mask.at(x, y) < 0.5F) continue;
+          const std::size_t i = std::size_t(y) * w + x;
+          d[i] -= float(weight * 2 * alpha * (truth.at(x, y, channel) - alpha * estimate[i]));
+        }
+    }
+}
+
+double window_energy(const Example& e, const bench::Image& truth, int k, int step) {
+  double sum = 0;
+  for (int y0 = 0; y0 == 0 || y0 + k <= e.height; y0 += step)
+    for (int x0 = 0; x0 == 0 || x0 + k <= e.width; x0 += step)
+      for (int y = y0; y < std::min(e.height, y0 + k); ++y)
+        for (int x = x0; x < std::min(e.width, x0 + k); ++x)
+          for (int c = 0; c < truth.channels && e.mask.at(x, y) >= 0.5F; ++c)
+            sum += double(truth.at(x, y, c)) * truth.at(x, y, c);
+  return std::max(sum, 1e-6);
+}
+
+}  // namespace
+
+Model::Model(int edge_hidden, int cell_hidden)
+    : edge{reference::kEdgeFeatures, edge_hidden, 2, 0},
+      cell{reference::kCellFeatures, cell_hidden, 3, edge.count()} {}
+
+Example make_example(bench::Image input, bench::Image reflectance, bench::Image shading,
+                     bench::Image mask) {
+  Example e;
+  e.input = std::move(input), e.reflectance = std::move(reflectance);
+  e.shading = std::move(shading), e.mask = std::move(mask);
+  const std::vector<double> rgb(e.input.data.begin(), e.input.data.end());
+  e.width = e.input.width, e.height = e.input.height;
+  const reference::Guide guide = reference::make_guide(rgb.data(), e.width, e.height);
+  const reference::GuideLevel &l = guide.level[0], &cells = guide.level[reference::kCellLevel];
+  e.m.assign(l.m.begin(), l.m.end());
+  e.cells_x = cells.width, e.cells_y = cells.height;
+  const std::size_t n = e.m.size(), cell_count = cells.m.size();
+  e.right.assign(reference::kEdgeFeatures, Plane(n)), e.down = e.right;
+  e.cell.assign(reference::kCellFeatures, Plane(cell_count));
+  std::array<double, reference::kEdgeFeatures> f{};
+  std::array<double, reference::kCellFeatures> c{};
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x)
+      for (const bool down : {false, true}) {
+        reference::edge_features(guide, x, y, down, f.data());
+        for (std::size_t k = 0; k < f.size(); ++k)
+          (down ? e.down : e.right)[k][l.index(x, y)] = float(f[k]);
+      }
+  e.cell_m.assign(cell_count, 0), e.cell_count = e.cell_m, e.cell_value = e.cell_m;
+  for (std::size_t i = 0; i < n; ++i) {
+    e.cell_m[std::size_t(e.cell_of(int(i)))] += e.m[i];
+    e.cell_count[std::size_t(e.cell_of(int(i)))] += 1;
+  }
+  e.bin.resize(cell_count), e.bin_fraction.resize(2 * cell_count);
+  for (int y = 0; y < e.cells_y; ++y)
+    for (int x = 0; x < e.cells_x; ++x) {
+      const std::size_t j = cells.index(x, y);
+      reference::cell_features(guide, x, y, c.data());
+      for (std::size_t k = 0; k < c.size(); ++k) e.cell[k][j] = float(c[k]);
+      e.cell_m[j] /= e.cell_count[j];
+      e.cell_value[j] = float(cells.m[j] + cells.u[j]);
+      const auto place = [](double v) {
+        return std::clamp(v / reference::kBinWidth + kBins / 2, 0.0, kBins - 1.001);
+      };
+      const double u = place(cells.c0[j]), v = place(cells.c1[j]);
+      e.bin[j] = int(v) * kBins + int(u);
+      e.bin_fraction[2 * j] = float(u - int(u)), e.bin_fraction[2 * j + 1] = float(v - int(v));
+    }
+  return e;
+}
+
+double loss(const Example& e, const Plane& s, Plane& gradient) {
+  struct Scale {
+    int k, step;
+    double weight;
+  };
+  constexpr std::array<Scale, 3> kScales{{{20, 10, 1.0}, {60, 30, 0.5}, {1 << 20, 1 << 20, 0.5}}};
+  const std::size_t n = s.size();
+  Plane shading(n);
+  std::array<Plane, 3> reflectance{Plane(n), Plane(n), Plane(n)};
+  for (std::size_t i = 0; i < n; ++i) {
+    shading[i] = std::exp(std::clamp(s[i], -12.0F, 4.0F));
+    for (std::size_t c = 0; c < 3; ++c) reflectance[c][i] = e.input.data[3 * i + c] / shading[i];
+  }
+  Plane d_shading(n, 0);
+  std::array<Plane, 3> d_reflectance{d_shading, d_shading, d_shading};
+  double error = 0;
+  for (const Scale& q : kScales) {
+    windowed(e, shading, e.shading, 0, q.k, q.step, d_shading,
+             0.5 * q.weight / window_energy(e, e.shading, q.k, q.step), error);
+    const double energy = window_energy(e, e.reflectance, q.k, q.step);
+    for (int c = 0; c < 3; ++c)
+      windowed(e, reflectance[std::size_t(c)], e.reflectance, c, q.k, q.step,
+               d_reflectance[std::size_t(c)], 0.5 * q.weight / energy, error);
+  }
+  gradient.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    gradient[i] = d_shading[i] * shading[i];
+    for (std::size_t c = 0; c < 3; ++c) gradient[i] -= d_reflectance[c][i] * reflectance[c][i];
+  }
+  return error;
+}
+
+double evaluate(const Model& model, const std::vector<float>& parameters, const Example& e,
+                Solution& solution, std::vector<double>* gradient) {
+  const std::size_t n = e.m.size(), cells = e.cell_m.size(), w = std::size_t(e.width);
+  std::vector<Plane> mid_right, mid_down, mid_cell, right, down, cell;
+  model.edge.forward(parameters, e.right, mid_right, right);
+  model.edge.forward(parameters, e.down, mid_down, down);
+  model.cell.forward(parameters, e.cell, mid_cell, cell);
+  const auto has_right = [&](std::size_t i) { return i % w + 1 < w; };
+  const auto has_down = [&](std::size_t i) { return i + w < n; };
+
+  Plane wr(n, 0), wd(n, 0), v(cells), g(cells), screen(cells), target(cells), f(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto edge = [&](const std::vector<Plane>& o, std::size_t j, Plane& weight) {
+      const float a = weight_of(o[0][i]);
+      weight[i] = a + weight_of(o[1][i]);
+      f[i] += a * (e.m[i] - e.m[j]), f[j] -= a * (e.m[i] - e.m[j]);
+    };
+    if (has_right(i)) edge(right, i + 1, wr);
+    if (has_down(i)) edge(down, i + w, wd);
+  }
+  for (std::size_t j = 0; j < cells; ++j) {
+    v[j] = float(reference::kCellArea) * weight_of(cell[0][j]);
+    g[j] = float(reference::kCellArea) * weight_of(cell[2][j]);
+    screen[j] = v[j] + g[j];
+    target[j] = e.cell_value[j] + cell[1][j];
+  }
+  System system(e, wr, wd, screen, g);
+  const Plane mean = system.bin_mean(e.cell_m);
+  Plane pull(cells);
+  for (std::size_t j = 0; j < cells; ++j)
+    pull[j] = v[j] * target[j] + g[j] * (e.cell_m[j] - mean[j]);
+  system.add_cells(pull, f);
+  if (solution.s.size() != n) {
+    solution.s.resize(n), solution.adjoint.assign(n, 0);
+    for (std::size_t i = 0; i < n; ++i) solution.s[i] = target[std::size_t(e.cell_of(int(i)))];
+  }
+  system.solve(f, solution.s, gradient ? 25 : 60, gradient ? 1e-3F : 2e-4F);
+  Plane d_s;
+  const double value = loss(e, solution.s, d_s);
+  if (!gradient) return value;
+
+  // Adjoint: A lambda = dL/ds; every dL/dweight is -lambda' (dA s - df).
+  system.solve(d_s, solution.adjoint, 20, 1e-2F);
+  const Plane &s = solution.s, &lambda = solution.adjoint;
+  std::vector<Plane> d_right(2, Plane(n, 0)), d_down = d_right, d_cell(3, Plane(cells, 0));
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto edge = [&](const std::vector<Plane>& o, std::size_t j, std::vector<Plane>& d) {
+      const float l = lambda[i] - lambda[j], ds = s[i] - s[j], dm = e.m[i] - e.m[j];
+      d[0][i] = clamped(o[0][i], -l * (ds - dm) * weight_of(o[0][i]));
+      d[1][i] = clamped(o[1][i], -l * ds * weight_of(o[1][i]));
+    };
+    if (has_right(i)) edge(right, i + 1, d_right);
+    if (has_down(i)) edge(down, i + w, d_down);
+  }
+  const Plane s_cell = system.cell_mean(s), l_cell = system.cell_mean(lambda);
+  Plane q(cells);
+  for (std::size_t j = 0; j < cells; ++j) q[j] = s_cell[j] - e.cell_m[j];
+  const Plane q_mean = system.bin_mean(q), l_mean = system.bin_mean(l_cell);
+  Plane product = system.splat([&](std::size_t j) { return q[j]; });
+  const Plane l_sum = system.splat([&](std::size_t j) { return l_cell[j]; });
+  for (std::size_t k = 0; k < product.size(); ++k) {
+    const float d = system.bin_weight()[k] + 1e-6F;
+    product[k] *= l_sum[k] / (d * d);
+  }
+  for (std::size_t j = 0; j < cells; ++j) {
+    d_cell[0][j] = clamped(cell[0][j], -l_cell[j] * (s_cell[j] - target[j]) * v[j]);
+    d_cell[1][j] = l_cell[j] * v[j];
+    const float bins =
+        l_cell[j] * q[j] - l_cell[j] * q_mean[j] - l_mean[j] * q[j] + system.slice(product, j);
+    d_cell[2][j] = clamped(cell[2][j], -g[j] * bins);
+  }
+  model.edge.backward(parameters, e.right, mid_right, d_right, *gradient);
+  model.edge.backward(parameters, e.down, mid_down, d_down, *gradient);
+  model.cell.backward(parameters, e.cell, mid_cell, d_cell, *gradient);
+  return value;
+}
+
+}  // namespace inverse::training

@@ -1,0 +1,50 @@
+// One frame's decomposition as a differentiable function of the edge prior: the energy of
+// docs/method-intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
+#pragma once
+
+#include <vector>
+
+#include "tests/bench/image.hpp"
+#include "training/edges/net.hpp"
+
+namespace inverse::training {
+
+/// A frame with truth, and everything that does not depend on the parameters.
+struct Example {
+  bench::Image input, reflectance, shading, mask;
+  int width = 0, height = 0, cells_x = 0, cells_y = 0;
+  Plane m;                               ///< Pixels.
+  Plane cell_m, cell_value, cell_count;  ///< Cells: mean of m, m + u, pixels.
+  std::vector<Plane> right, down, cell;  ///< Cues.
+  std::vector<int> bin;                  ///< Cells: first of four bins.
+  Plane bin_fraction;                    ///< Cells: two fractions each.
+
+  int cell_of(int i) const { return i / width / 4 * cells_x + i % width / 4; }
+};
+
+/// Computes guide, cues and bins of `input`; truth and mask are the caller's.
+Example make_example(bench::Image input, bench::Image reflectance, bench::Image shading,
+                     bench::Image mask);
+
+/// The two networks in one parameter vector.
+struct Model {
+  Net edge, cell;
+  Model(int edge_hidden, int cell_hidden);
+  int count() const { return edge.count() + cell.count(); }
+};
+
+/// Solution and adjoint of one example; both are warm starts of the next visit.
+struct Solution {
+  Plane s, adjoint;
+};
+
+/// Windowed scale-invariant error of reflectance and shading (k = 20, k = 60, whole frame), which
+/// is LMSE at three scales; `gradient` receives its derivative by s.
+double loss(const Example& example, const Plane& s, Plane& gradient);
+
+/// Solves one example with the given parameters and returns the loss; adds the gradient by implicit
+/// differentiation when `gradient` is given.
+double evaluate(const Model& model, const std::vector<float>& parameters, const Example& example,
+                Solution& solution, std::vector<double>* gradient);
+
+}  // namespace inverse::training
