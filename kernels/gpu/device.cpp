@@ -246,6 +246,7 @@ Device::Device(Borrowed handles, bool owned) : handles_(std::move(handles)), own
 
 Device::~Device() {
   if (owned_) vkDeviceWaitIdle(handles_.device);
+  kernels_.clear();
 }
 
 void Device::read_properties() {
@@ -287,14 +288,9 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   std::string key = std::string(source.name) + '/' + std::to_string(workgroup);
   for (uint32_t value : constants) key += ',' + std::to_string(value);
   std::lock_guard lock(kernels_mutex_);
-  auto& slot = kernels_[key];
-  auto kernel = slot.lock();
-  if (!kernel) {
-    // Kernels hold the device; it does not hold them.
-    kernel = std::make_shared<Kernel>(shared_from_this(), source, constants, workgroup);
-    slot = kernel;
-  }
-  return kernel;
+  auto& kernel = kernels_[key];
+  if (!kernel) kernel = std::make_unique<Kernel>(*this, source, constants, workgroup);
+  return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
 }
 
 void Device::count_memory(int64_t bytes) {

@@ -76,7 +76,9 @@ class Device : public std::enable_shared_from_this<Device> {
   const Variant& variant() const { return variant_; }
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
-  /// workgroup size). Built once a device and shared. `workgroup` 0 means the variant's.
+  /// workgroup size). Built once and kept as long as the device: to compile it
+  /// again after a change of caps would cost more than it weighs. `workgroup` 0 means the
+  /// variant's.
   std::shared_ptr<Kernel> kernel(const KernelSource& source,
                                  const std::vector<uint32_t>& constants = {},
                                  uint32_t workgroup = 0);
@@ -109,7 +111,7 @@ class Device : public std::enable_shared_from_this<Device> {
   VkPhysicalDeviceMemoryProperties memory_{};
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
-  std::map<std::string, std::weak_ptr<Kernel>> kernels_;
+  std::map<std::string, std::unique_ptr<Kernel>> kernels_;
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

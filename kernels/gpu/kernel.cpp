@@ -4,10 +4,10 @@
 
 namespace inverse::gpu {
 
-Kernel::Kernel(std::shared_ptr<Device> device, const KernelSource& source,
+Kernel::Kernel(const Device& device, const KernelSource& source,
                const std::vector<uint32_t>& constants, uint32_t workgroup)
-    : device_(std::move(device)), name_(source.name), workgroup_(workgroup) {
-  const Spirv embedded = device_->variant().portable ? source.portable : source.fast;
+    : device_(device), name_(source.name), workgroup_(workgroup) {
+  const Spirv embedded = device_.variant().portable ? source.portable : source.fast;
   const std::span spirv(embedded.words, embedded.count);
   slots_ = reflect_slots(spirv, name_);
   VkShaderModule module = VK_NULL_HANDLE;
@@ -18,18 +18,18 @@ Kernel::Kernel(std::shared_ptr<Device> device, const KernelSource& source,
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = static_cast<uint32_t>(bindings.size());
     set.pBindings = bindings.data();
-    check(vkCreateDescriptorSetLayout(device_->handle(), &set, nullptr, &set_layout_), name_);
+    check(vkCreateDescriptorSetLayout(device_.handle(), &set, nullptr, &set_layout_), name_);
     const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, kPushBytes};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &set_layout_;
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &push;
-    check(vkCreatePipelineLayout(device_->handle(), &layout, nullptr, &layout_), name_);
+    check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), name_);
     VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     code.codeSize = spirv.size_bytes();
     code.pCode = spirv.data();
-    check(vkCreateShaderModule(device_->handle(), &code, nullptr, &module), name_);
+    check(vkCreateShaderModule(device_.handle(), &code, nullptr, &module), name_);
 
     std::vector<uint32_t> values{workgroup_};
     values.insert(values.end(), constants.begin(), constants.end());
@@ -44,12 +44,11 @@ Kernel::Kernel(std::shared_ptr<Device> device, const KernelSource& source,
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization;
     info.layout = layout_;
-    check(
-        vkCreateComputePipelines(device_->handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
-        name_);
-    vkDestroyShaderModule(device_->handle(), module, nullptr);
+    check(vkCreateComputePipelines(device_.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
+          name_);
+    vkDestroyShaderModule(device_.handle(), module, nullptr);
   } catch (...) {
-    if (module) vkDestroyShaderModule(device_->handle(), module, nullptr);
+    if (module) vkDestroyShaderModule(device_.handle(), module, nullptr);
     release();
     throw;
   }
@@ -58,9 +57,9 @@ Kernel::Kernel(std::shared_ptr<Device> device, const KernelSource& source,
 Kernel::~Kernel() { release(); }
 
 void Kernel::release() {
-  if (pipeline_) vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
-  if (layout_) vkDestroyPipelineLayout(device_->handle(), layout_, nullptr);
-  if (set_layout_) vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+  if (pipeline_) vkDestroyPipeline(device_.handle(), pipeline_, nullptr);
+  if (layout_) vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
+  if (set_layout_) vkDestroyDescriptorSetLayout(device_.handle(), set_layout_, nullptr);
 }
 
 }  // namespace inverse::gpu

@@ -27,11 +27,11 @@ std::vector<Slot> reflect_slots(std::span<const uint32_t> spirv, const char* nam
 /// A float as a specialization constant.
 inline uint32_t constant(float value) { return std::bit_cast<uint32_t>(value); }
 
-/// A compute pipeline with its layout. Made through Device::kernel.
+/// A compute pipeline with its layout. Made and owned by Device::kernel.
 class Kernel {
  public:
-  Kernel(std::shared_ptr<Device> device, const KernelSource& source,
-         const std::vector<uint32_t>& constants, uint32_t workgroup);
+  Kernel(const Device& device, const KernelSource& source, const std::vector<uint32_t>& constants,
+         uint32_t workgroup);
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
   ~Kernel();
@@ -48,7 +48,7 @@ class Kernel {
  private:
   void release();
 
-  std::shared_ptr<Device> device_;
+  const Device& device_;
   const char* name_;
   uint32_t workgroup_;
   std::vector<Slot> slots_;

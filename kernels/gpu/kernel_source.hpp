@@ -10,8 +10,8 @@ struct Spirv {
   size_t count;
 };
 
-/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable). Its header is small, as
-/// dozens of generated files include it.
+/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable). Its
+/// header is small, as dozens of generated files include it.
 struct KernelSource {
   const char* name;
   Spirv fast;
