@@ -218,7 +218,7 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
   Push push{};
   push.size[0] = static_cast<int32_t>(levels_[level].extent.width);
   push.size[1] = static_cast<int32_t>(levels_[level].extent.height);
-  push.samples = p.samples;
+  push.samples = p.w_non_local > 0 ? p.samples : 0;
   push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
   push.ring_capacity = std::max(p.keyframes, 1);
   push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
@@ -335,7 +335,9 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
   };
   commands.dispatch(setup_, {levels_[level].image, links_, data_}, push, pixels);
   push.mode = clustered ? 1 : 0;
+  if (push.frames == 1) push.samples = 0;  // nothing but clusters
   pull(levels_[level].sample_past, clusters_, constant_pulls_);
+  push.samples = push_for(level).samples;
   for (int step = 0; step <= params_.irls_iterations; ++step) {
     const bool last = step == params_.irls_iterations;
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
