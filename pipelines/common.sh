@@ -15,9 +15,9 @@ case "${1:-}" in -h | --help) usage ;; esac
 
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
 command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"
-if ! gst-inspect-1.0 --exists intrinsicdecomp 2>/dev/null; then
+if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/null; then
   export GST_PLUGIN_PATH=$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
-  gst-inspect-1.0 --exists intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
+  gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
 fi
 
 # A window. sync=false: a frame from a camera is shown as soon as it is there.

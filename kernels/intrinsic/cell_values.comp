@@ -39,7 +39,9 @@ void main() {
     f[4] = cue(activity.y, 2.5);
     f[5] = clamp(around.x + around.w, -2.0, 2.0);
     f[6] = cue(length(around.yz), 2.0);
-    vec3 result = cell_net(f);
+    vec4 sums[CELL_VECTORS];
+    CELL_BIASES(sums);
+    vec3 result = cell_net(f, sums);
     float on = x < push.size.x ? 1.0 : 0.0;
     v = vec4(v.yzw, on * kCellArea * push.value_weight * weight(result.x));
     target = vec4(target.yzw, on * (p.x + p.w + result.y));

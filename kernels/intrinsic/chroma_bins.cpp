@@ -31,8 +31,8 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
       means_(gpu::Buffer::create(device, gpu::Element::vec4, kBins)) {}
 
-void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
-                                float most_weight) {
+void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
+                                const gpu::BufferPtr& terms, float most_weight) {
   // The largest for which a frame of one chroma does not overflow 31 bits.
   scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * most_weight, 1e-20F);
   commands.fill(weights_);
@@ -46,8 +46,9 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                     SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
   commands.dispatch(mean_, {weights_, totals_, means_}, {kBins});
   const std::array<uint32_t, 2> size{cells_.width, cells_.height};
-  commands.dispatch(slice_, {guide.cells(), state.terms, state.means, state.far, means_, state.system}, size,
-                    line_of(quads_of(cells_)));
+  commands.dispatch(slice_,
+                    {guide.cells(), state.terms, state.means, state.far, means_, state.system},
+                    size, line_of(quads_of(cells_)));
 }
 
 }  // namespace inverse

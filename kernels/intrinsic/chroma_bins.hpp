@@ -5,17 +5,20 @@
 
 namespace inverse {
 
-/// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal reflectance. Means of
-/// r = m' - s' over a grid of chroma (bins.glsl; docs/method-intrinsicdecomp.md, 4), in fixed point and so the same bits
-/// in every run.
+/// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal
+/// reflectance. Means of r = m' - s' over a grid of chroma (bins.glsl;
+/// docs/method-intrinsicdecomp.md, 4), in fixed point and so the same bits in every run.
 class ChromaBins {
  public:
   /// `cells` is the size of guide level 2.
   ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
-  /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in `terms`.
-  void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms, float most_weight);
-  /// The solution that the means are taken at, and where the right-hand side goes that follows from them.
+  /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in
+  /// `terms`.
+  void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
+                      float most_weight);
+  /// The solution that the means are taken at, and where the right-hand side goes that follows from
+  /// them.
   struct State {
     gpu::BufferPtr terms, means, correction, far, system;
   };

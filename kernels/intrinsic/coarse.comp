@@ -85,44 +85,40 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
 }
 
 void main() {
-  uvec2 size = push.size;
-  uint base = 0u, levels = 1u;
-  while (size.x > 1u || size.y > 1u) {
-    if (!kSetup) {
-      smooth_color(base, size, 0u);
-      smooth_color(base, size, 1u);
-    }
-    uvec2 half_size = (size + 1u) / 2u;
-    uint half_quads = QUADS(half_size.x), to = base + QUADS(size.x) * size.y;
-    EVERY_QUAD(i, half_quads, half_size.y) {
-      uint y = i / half_quads;
-      aggregate(base, size, i - y * half_quads, y, to + i);
-    }
-    SYNC;
-    base = to;
-    size = half_size;
-    ++levels;
-  }
-  if (kSetup) return;
-  smooth_color(base, size, 0u);  // the single pixel: exact
-  while (levels > 1u) {  // up again: add the coarser level's correction, smooth
-    --levels;
-    uint coarse_base = base, coarse_quads = QUADS(size.x);
-    size = push.size;
-    base = 0u;
-    for (uint level = 1u; level < levels; ++level) {
+  // Down to the single pixel and up again; every operation stands here once, so that it is compiled once.
+  uint level = 0u;
+  for (bool up = false;;) {
+    uvec2 size = push.size;
+    uint base = 0u;
+    for (uint i = 0u; i < level; ++i) {
       base += QUADS(size.x) * size.y;
       size = (size + 1u) / 2u;
     }
-    uint quads = QUADS(size.x);
-    EVERY_QUAD(i, quads, size.y) {
-      uint y = i / quads, x = i - y * quads;
-      vec4 pairs = LOAD(field, coarse_base + (y / 2u) * coarse_quads + x / 2u);
-      vec4 correction = (x & 1u) == 0u ? pairs.xxyy : pairs.zzww;
-      STORE(field, base + i, LOAD(field, base + i) + MASKED(correction, INSIDE(x, size.x)));
+    uvec2 half_size = (size + 1u) / 2u;
+    uint quads = QUADS(size.x), half_quads = QUADS(half_size.x), coarse = base + quads * size.y;
+    if (up) {
+      EVERY_QUAD(i, quads, size.y) {
+        uint y = i / quads, x = i - y * quads;
+        vec4 pairs = LOAD(field, coarse + (y / 2u) * half_quads + x / 2u);
+        vec4 correction = (x & 1u) == 0u ? pairs.xxyy : pairs.zzww;
+        STORE(field, base + i, LOAD(field, base + i) + MASKED(correction, INSIDE(x, size.x)));
+      }
+      SYNC;
     }
-    SYNC;
-    smooth_color(base, size, 1u);
-    smooth_color(base, size, 0u);
+    if (!kSetup)
+      for (uint color = 0u; color < 2u; ++color) smooth_color(base, size, up ? 1u - color : color);
+    bool single = size.x == 1u && size.y == 1u;
+    if (!up && !single) {
+      EVERY_QUAD(i, half_quads, half_size.y) {
+        uint y = i / half_quads;
+        aggregate(base, size, i - y * half_quads, y, coarse + i);
+      }
+      SYNC;
+      ++level;
+    } else {
+      if (kSetup || level == 0u) break;
+      up = true;
+      --level;
+    }
   }
 }

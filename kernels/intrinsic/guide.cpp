@@ -15,8 +15,8 @@ INVERSE_SHADER(intrinsic_frame);
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 8;        // cells that an invocation of statistics.comp adds up
-constexpr uint32_t kSumLanes = 64;   // of frame.comp
+constexpr uint32_t kRows = 8;       // cells that an invocation of statistics.comp adds up
+constexpr uint32_t kSumLanes = 64;  // of frame.comp
 constexpr uint64_t kCellStride = 2;
 
 gpu::Items sum_items(Extent level1) {
@@ -50,11 +50,14 @@ void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame) {
   if (!cleared_)
     for (const auto& sums : sums_) commands.fill(sums);
   cleared_ = true;
-  const auto size = [](Extent extent) { return std::array<uint32_t, 2>{extent.width, extent.height}; };
+  const auto size = [](Extent extent) {
+    return std::array<uint32_t, 2>{extent.width, extent.height};
+  };
   commands.dispatch(guide_, {frame, level0_, level1_}, size(extent_), line_of(extent1_.pixels()));
   commands.dispatch(cells_kernel_, {level0_, cells_}, size(extent_), line_of(extent2_.pixels()));
   commands.dispatch(wide_kernel_, {cells_, wide_}, size(extent2_), line_of(extent4_.pixels()));
-  commands.dispatch(sum_, {level1_, sums_[0], sums_[1], sums_[2]}, size(extent1_), sum_items(extent1_));
+  commands.dispatch(sum_, {level1_, sums_[0], sums_[1], sums_[2]}, size(extent1_),
+                    sum_items(extent1_));
   commands.dispatch(frame_, {sums_[0], sums_[1], sums_[2], statistics_},
                     static_cast<uint32_t>(sums_[0]->count()), {});
 }

@@ -5,7 +5,8 @@
 
 namespace inverse {
 
-/// What a frame looks like to a prior (guide.glsl; docs/method-intrinsicdecomp.md, 1), made from linear RGB.
+/// What a frame looks like to a prior (guide.glsl; docs/method-intrinsicdecomp.md, 1), made from
+/// linear RGB.
 class Guide {
  public:
   /// Throws Error(limit) where the planes do not fit the device.
@@ -17,9 +18,13 @@ class Guide {
   Extent cell_extent() const { return extent2_; }
   const gpu::BufferPtr& level0() const { return level0_; }  ///< vec4 a pixel: m, c0, c1, u
   const gpu::BufferPtr& level1() const { return level1_; }  ///< means of 2 x 2
-  const gpu::BufferPtr& cells() const { return cells_; }    ///< level 2, two vec4 a cell of 4 x 4 pixels
-  const gpu::BufferPtr& wide() const { return wide_; }      ///< level 4, vec4 a cell of 16 x 16 pixels
-  const gpu::BufferPtr& statistics() const { return statistics_; }  ///< of the frame, two vec4 (frame.comp)
+  const gpu::BufferPtr& cells() const {
+    return cells_;
+  }  ///< level 2, two vec4 a cell of 4 x 4 pixels
+  const gpu::BufferPtr& wide() const { return wide_; }  ///< level 4, vec4 a cell of 16 x 16 pixels
+  const gpu::BufferPtr& statistics() const {
+    return statistics_;
+  }  ///< of the frame, two vec4 (frame.comp)
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;

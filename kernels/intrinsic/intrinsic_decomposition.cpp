@@ -26,7 +26,9 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
       assemble_(device_->kernel(shaders::intrinsic_assemble)),
       layers_(device_->kernel(shaders::intrinsic_layers)) {
-  const auto buffer = [&](uint64_t count) { return gpu::Buffer::create(device_, gpu::Element::vec4, count); };
+  const auto buffer = [&](uint64_t count) {
+    return gpu::Buffer::create(device_, gpu::Element::vec4, count);
+  };
   const uint64_t cell_quads = quads_of(guide_.cell_extent());
   flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
   value_ = buffer(cell_quads * EdgePrior::kValueStride);
@@ -44,8 +46,8 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   } push{cells.width, cells.height, kCellArea * params.anchor_weight, 1 / params.anchor_detail,
          1 / params.anchor_chroma};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
-                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(), anchor_.verdict(), terms_,
-                     start_},
+                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(),
+                     anchor_.verdict(), terms_, start_},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
@@ -54,16 +56,18 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
   multigrid_.record_operators(commands, terms_, params.multigrid);
-  bins_.record_weights(commands, guide_, terms_, EdgePrior::kMostChroma * params.prior.chroma_weight);
+  bins_.record_weights(commands, guide_, terms_,
+                       EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
-  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_far(),
-                                multigrid_.cell_system()};
+  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(),
+                                multigrid_.cell_far(), multigrid_.cell_system()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
-    multigrid_.record_cycle(commands, params.multigrid, [&] { bins_.record(commands, guide_, state); });
+    multigrid_.record_cycle(commands, params.multigrid,
+                            [&] { bins_.record(commands, guide_, state); });
 }
 
-Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                                      const FrameInfo& info) {
+Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
+                                      const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
   stats_ = {};
   stats_.levels = multigrid_.depth();
@@ -83,8 +87,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   const PlanePtr intrinsic = planes_.acquire();
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(layers_,
-                    {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(), intrinsic->buffer,
-                     anchor_.kept()},
+                    {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
+                     intrinsic->buffer, anchor_.kept()},
                     size, line_of(guide_.cell_extent().pixels()));
   commands.stage("layers");
   history_ = true;

@@ -13,8 +13,9 @@
 
 namespace inverse {
 
-/// Live intrinsic decomposition: reflectance and scalar shading of every frame of a video (energy.glsl;
-/// docs/method-intrinsicdecomp.md). Owns the kernels and the temporal state for one size on one device. Not thread-safe.
+/// Live intrinsic decomposition: reflectance and scalar shading of every frame of a video
+/// (energy.glsl; docs/method-intrinsicdecomp.md). Owns the kernels and the temporal state for one
+/// size on one device. Not thread-safe.
 class IntrinsicDecomposition {
  public:
   struct Params {
@@ -30,18 +31,20 @@ class IntrinsicDecomposition {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
   };
   struct Stats {
-    uint32_t cycles = 0;  ///< multigrid cycles recorded
-    uint32_t levels = 0;  ///< of the multigrid
-    bool history = false;  ///< a frame before was looked at
+    uint32_t cycles = 0;               ///< multigrid cycles recorded
+    uint32_t levels = 0;               ///< of the multigrid
+    bool history = false;              ///< a frame before was looked at
     std::vector<std::string> skipped;  ///< what was left out, and why
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
   IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent);
 
-  /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its layers: input,
-  /// intrinsic (R.rgb, S) and, the same plane, model. Who edits in place copies first what others hold.
-  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params, const FrameInfo& info);
+  /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
+  /// layers: input, intrinsic (R.rgb, S) and, the same plane, model. Who edits in place copies
+  /// first what others hold.
+  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
   void reset() { history_ = false; }
   /// Of the frame recorded last.

@@ -13,11 +13,12 @@ INVERSE_SHADER(intrinsic_coarse);
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether = 1200;    // quads up to which levels run in one dispatch: 80 x 60 pixels
-constexpr uint64_t kCoarseStride = 4;   // vec4 a quad of the system from level 2 on
+constexpr uint64_t kTogether =
+    1200;  // quads up to which levels run in one dispatch: 80 x 60 pixels
+constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
-constexpr float kLeastMass = 1e-6F;     // keeps a frame of one pixel regular
-constexpr size_t kCells = 2;            // the cells' level
+constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
+constexpr size_t kCells = 2;         // the cells' level
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
@@ -42,10 +43,14 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   const uint32_t lanes = std::min(device->limits().workgroup_invocations, 256U);
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
-  const auto buffer = [&](uint64_t count) { return gpu::Buffer::create(device, gpu::Element::vec4, count); };
+  const auto buffer = [&](uint64_t count) {
+    return gpu::Buffer::create(device, gpu::Element::vec4, count);
+  };
   float mass = kLeastMass;
-  for (; levels_.size() < kCells || quads_of(extent) > kTogether; extent = half_of(extent), ++depth_, mass *= 4)
-    levels_.push_back({extent, buffer(quads_of(extent) * stride_of(levels_.size())), buffer(quads_of(extent)), mass});
+  for (; levels_.size() < kCells || quads_of(extent) > kTogether;
+       extent = half_of(extent), ++depth_, mass *= 4)
+    levels_.push_back({extent, buffer(quads_of(extent) * stride_of(levels_.size())),
+                       buffer(quads_of(extent)), mass});
   uint64_t together = 0;
   for (Extent level = extent;; level = half_of(level), ++depth_) {
     together += quads_of(level);
@@ -59,21 +64,23 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
   const Level& level = levels_[i];
-  const gpu::Items items =
-      line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) * ((level.extent.height + 3) / 4));
+  const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
+                                   ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    commands.dispatch(i < kCells ? smooth_fine_ : smooth_, {level.system, level.field, level.field, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0}, items);
+    commands.dispatch(
+        i < kCells ? smooth_fine_ : smooth_, {level.system, level.field, level.field, level.field},
+        SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0}, items);
 }
 
 void Multigrid::correct(gpu::Commands& commands, size_t i) const {
   const Level& level = levels_[i];
-  const gpu::Items items =
-      line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) * ((level.extent.height + 3) / 4));
+  const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
+                                   ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
     commands.dispatch(i < kCells ? correct_fine_ : correct_,
                       {level.system, level.field, levels_[i + 1].field, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, static_cast<float>(color)},
+                      SmoothPush{level.extent.width, level.extent.height, color, level.mass,
+                                 static_cast<float>(color)},
                       items);
 }
 
@@ -84,14 +91,16 @@ void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
     uint32_t width, height;
     float mass;
     uint32_t stride, slot;
-  } push{fine.extent.width, fine.extent.height, fine.mass, to_cells ? 1 : stride_of(i + 1), to_cells ? 0 : kRhsSlot};
+  } push{fine.extent.width, fine.extent.height, fine.mass, to_cells ? 1 : stride_of(i + 1),
+         to_cells ? 0 : kRhsSlot};
   commands.dispatch(restrict_[std::min(i, kCells)],
-                    {fine.system, fine.field, half_means_, to_cells ? cell_far_ : coarse.system, coarse.field,
-                     i == 0 ? half_means_ : cell_means_},
+                    {fine.system, fine.field, half_means_, to_cells ? cell_far_ : coarse.system,
+                     coarse.field, i == 0 ? half_means_ : cell_means_},
                     push, line_of(quads_of(coarse.extent)));
 }
 
-void Multigrid::record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms, const Params& params) const {
+void Multigrid::record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
+                                 const Params& params) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
     const struct {

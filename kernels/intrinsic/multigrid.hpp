@@ -7,16 +7,19 @@
 
 namespace inverse {
 
-/// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors, and terms of 4 x 4 cells
-/// that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates of 2 x 2 carry corrections; blocks of 4 x 4
-/// pixels are relaxed in checkerboard order, their rows solved exactly. Levels of few pixels run in one dispatch.
+/// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors,
+/// and terms of 4 x 4 cells that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates
+/// of 2 x 2 carry corrections; blocks of 4 x 4 pixels are relaxed in checkerboard order, their rows
+/// solved exactly. Levels of few pixels run in one dispatch.
 class Multigrid {
  public:
   struct Params {
-    /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the smooth functions that
-    /// they stand for; 0.5 is right for equal weights, more is slower and safer where weights jump.
+    /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the
+    /// smooth functions that they stand for; 0.5 is right for equal weights, more is slower and
+    /// safer where weights jump.
     float scale = 0.5F;
-    /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is renewed before each.
+    /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
+    /// renewed before each.
     uint32_t cell_cycles = 2;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
@@ -29,17 +32,20 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels left of the
-  /// right-hand side; and the system whose right-hand side (slot 2 of four) the caller writes.
+  /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
+  /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
+  /// writes.
   const gpu::BufferPtr& cell_means() const { return cell_means_; }
   const gpu::BufferPtr& cell_correction() const { return levels_[2].field; }
   const gpu::BufferPtr& cell_far() const { return cell_far_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
   /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
-  void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms, const Params& params) const;
+  void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
+                        const Params& params) const;
   /// Records one cycle; `cells` records the cells' right-hand side.
-  void record_cycle(gpu::Commands& commands, const Params& params, const std::function<void()>& cells) const;
+  void record_cycle(gpu::Commands& commands, const Params& params,
+                    const std::function<void()>& cells) const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -57,7 +63,7 @@ class Multigrid {
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
   gpu::KernelPtr smooth_fine_, smooth_, correct_fine_, correct_;
-  gpu::KernelPtr coarsen_[3];   // between levels 0-1, 1-2, further down
+  gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
   gpu::KernelPtr coarse_setup_, coarse_cycle_;
   gpu::BufferPtr half_means_, cell_means_, cell_far_;

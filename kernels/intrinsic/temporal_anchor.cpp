@@ -21,7 +21,8 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells.pixels())),
       tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells))),
-      sums_(gpu::Buffer::create(device, gpu::Element::vec4, gpu::partial_count(*mismatch_, line_of(tiles_of(cells))))),
+      sums_(gpu::Buffer::create(device, gpu::Element::vec4,
+                                gpu::partial_count(*mismatch_, line_of(tiles_of(cells))))),
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params) {
@@ -36,7 +37,8 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   const struct {
     uint32_t count;
     float cells, cut_fraction;
-  } decide{static_cast<uint32_t>(sums_->count()), static_cast<float>(cells_.pixels()), params.cut_fraction};
+  } decide{static_cast<uint32_t>(sums_->count()), static_cast<float>(cells_.pixels()),
+           params.cut_fraction};
   commands.dispatch(decide_, {sums_, verdict_}, decide, {});
 }
 

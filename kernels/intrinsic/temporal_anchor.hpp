@@ -6,11 +6,13 @@
 namespace inverse {
 
 /// What a frame leaves to the next one, and how far the next one may believe it (temporal.glsl;
-/// docs/method-intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing waits for the host.
+/// docs/method-intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing waits for the
+/// host.
 class TemporalAnchor {
  public:
   struct Params {
-    /// Weight of the previous frame's reflectance where nothing moves, a pixel, 0…1e3; 0 switches it off.
+    /// Weight of the previous frame's reflectance where nothing moves, a pixel, 0…1e3; 0 switches
+    /// it off.
     float anchor_weight = 1.0F;
     /// Change of chroma that halves it, natural log units, 1e-3…10.
     float anchor_chroma = 0.2F;
@@ -24,9 +26,13 @@ class TemporalAnchor {
 
   /// Records how far the frame of `guide` matches the one kept; needs one kept.
   void record(gpu::Commands& commands, const Guide& guide, const Params& params);
-  const gpu::BufferPtr& kept() const { return kept_; }        ///< vec4 a cell: d, c0, c1, r; layers.comp writes it
-  const gpu::BufferPtr& tiles() const { return tiles_; }      ///< mean mismatch of 4 x 4 cells
-  const gpu::BufferPtr& verdict() const { return verdict_; }  ///< mean mismatch; 1 anchored or 0 cut
+  const gpu::BufferPtr& kept() const {
+    return kept_;
+  }  ///< vec4 a cell: d, c0, c1, r; layers.comp writes it
+  const gpu::BufferPtr& tiles() const { return tiles_; }  ///< mean mismatch of 4 x 4 cells
+  const gpu::BufferPtr& verdict() const {
+    return verdict_;
+  }  ///< mean mismatch; 1 anchored or 0 cut
 
  private:
   Extent cells_;

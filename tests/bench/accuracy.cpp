@@ -1,6 +1,6 @@
 // Error per regime of every decomposition that exists as CPU code.
 //
-//   accuracy [--data DIR] [--frames N] [--leave-one-out] [--temporal] [--pictures DIR]
+//   accuracy [--data DIR] [--frames N] [--thesis] [--leave-one-out] [--temporal] [--pictures DIR]
 //
 // Scores are LMSE k=20 / scale-invariant MSE / DSSIM, mean of reflectance and shading, averaged
 // over the frames of a scene and then over the scenes of a regime. Brackets: 95 % bootstrap
@@ -24,6 +24,7 @@
 #include "tests/bench/datasets.hpp"
 #include "tests/bench/metrics.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic_thesis.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -51,23 +52,40 @@ Decomposition intrinsicdecomp(const Image& input, const reference::IntrinsicPara
                    reference::decompose(rgb.data(), input.width, input.height, params, state));
 }
 
-std::vector<Named> methods() {
-  return {{"constant shading", constant_shading},
-          {"constant reflectance", constant_reflectance},
-          {"R = I / max_c I", max_channel},
-          {"gray Retinex .1",
-           [](const Image& i) {
-             return retinex(i, {false, 0.1, 0});
-           }},
-          {"color Retinex .5 .1",
-           [](const Image& i) {
-             return retinex(i, {true, 0.5, 0.1});
-           }},
-          {"color Retinex, chroma",
-           [](const Image& i) {
-             return retinex(i, {true, 1e9, 0.1});
-           }},
-          {"intrinsicdecomp", [](const Image& i) { return intrinsicdecomp(i, {}); }}};
+/// The thesis' method with its own settings, each frame on its own.
+Decomposition thesis(const Image& input) {
+  reference::Plane linear(input.width, input.height);
+  for (std::size_t i = 0; i < linear.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) linear.data[i][c] = input.data[3 * i + c];
+  const reference::Plane rs = reference::IntrinsicThesis({}).decompose(linear);
+  Decomposition d{Image(input.width, input.height, 3), Image(input.width, input.height, 1)};
+  for (std::size_t i = 0; i < rs.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c)
+      d.reflectance.data[3 * i + c] = float(std::exp(rs.data[i][c]));
+    d.shading.data[i] = float(std::exp(rs.data[i][3]));
+  }
+  return d;
+}
+
+/// The last one is ours.
+std::vector<Named> methods(bool with_thesis) {
+  std::vector<Named> all{{"constant shading", constant_shading},
+                         {"constant reflectance", constant_reflectance},
+                         {"R = I / max_c I", max_channel},
+                         {"gray Retinex .1",
+                          [](const Image& i) {
+                            return retinex(i, {false, 0.1, 0});
+                          }},
+                         {"color Retinex .5 .1",
+                          [](const Image& i) {
+                            return retinex(i, {true, 0.5, 0.1});
+                          }},
+                         {"color Retinex, chroma", [](const Image& i) {
+                            return retinex(i, {true, 1e9, 0.1});
+                          }}};
+  if (with_thesis) all.push_back({"thesis", thesis});
+  all.push_back({"intrinsicdecomp", [](const Image& i) { return intrinsicdecomp(i, {}); }});
+  return all;
 }
 
 /// Runs `work(k)` for k = 0 … n-1 on two threads.
@@ -145,12 +163,12 @@ void print_row(const std::string& name, const std::vector<Frame>& frames,
   std::fflush(stdout);
 }
 
-void print_tables(const std::vector<Frame>& frames) {
+void print_tables(const std::vector<Frame>& frames, bool with_thesis) {
   std::printf("%-22s", "");
   for (int r = 0; r < kRegimes; ++r) std::printf("  %-33s", regime_name(Regime(r)));
   std::printf("\n");
   std::vector<std::pair<std::string, std::vector<Scores>>> rows;
-  for (const Named& m : methods()) {
+  for (const Named& m : methods(with_thesis)) {
     rows.emplace_back(m.name, score_all(frames, m.run));
     print_row(m.name, frames, rows.back().second);
   }
@@ -173,7 +191,7 @@ void print_tables(const std::vector<Frame>& frames) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const std::string key = std::string(regime_name(frames[k].regime)) + " " + frames[k].scene;
     for (std::size_t j = 0; j < 3; ++j) {
-      const Scores& s = rows[std::array<std::size_t, 3>{4, 2, 6}[j]].second[k];
+      const Scores& s = rows[std::array<std::size_t, 3>{4, 2, rows.size() - 1}[j]].second[k];
       scenes[key][2 * j].push_back(s.lmse20);
       scenes[key][2 * j + 1].push_back(s.lmse10);
     }
@@ -292,7 +310,7 @@ int main(int argc, char** argv) {
   using namespace inverse::bench;
   std::string root = "../shared/data", pictures;
   int frames_per_scene = 4;
-  bool leave_one_out = false, temporal = false;
+  bool with_thesis = false, leave_one_out = false, temporal = false;
   try {
     for (int k = 1; k < argc; ++k) {
       const std::string a = argv[k];
@@ -304,6 +322,8 @@ int main(int argc, char** argv) {
         root = value();
       else if (a == "--frames")
         frames_per_scene = std::stoi(value());
+      else if (a == "--thesis")
+        with_thesis = true;
       else if (a == "--leave-one-out")
         leave_one_out = true;
       else if (a == "--temporal")
@@ -318,7 +338,7 @@ int main(int argc, char** argv) {
       write_pictures(frames, pictures);
       return 0;
     }
-    print_tables(frames);
+    print_tables(frames, with_thesis);
     if (leave_one_out) print_leave_one_out(frames);
     if (temporal) print_temporal(root);
   } catch (const std::exception& e) {

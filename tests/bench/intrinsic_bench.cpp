@@ -2,9 +2,12 @@
 //
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
 //
-// Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height float RGBA, linear
-// light, any number of such frames one after another) they are its frames in turn, and --out writes the last frame's
-// intrinsic plane (R.rgb, S) in the same form. `cold` frames have no history, `warm` ones continue the frame before.
+// Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height
+// float RGBA, linear light, any number of such frames one after another) they are its frames in
+// turn, and --out writes the last frame's intrinsic plane (R.rgb, S) in the same form. `cold`
+// frames have no history, `warm` ones continue the frame before.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,8 +18,6 @@
 #include <map>
 #include <string>
 #include <vector>
-
-#include <sys/resource.h>
 
 #include "intrinsic/intrinsic_decomposition.hpp"
 
@@ -63,15 +64,19 @@ std::vector<Frame> read_dump(const std::string& path) {
 }
 
 double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
-/// Processor time of all threads of this process so far, milliseconds: what the shared machine cannot blur.
+/// Processor time of all threads of this process so far, milliseconds: what the shared machine
+/// cannot blur.
 double processor_time() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto milliseconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) * 1e-3; };
+  const auto milliseconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) * 1e-3;
+  };
   return milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime);
 }
 
@@ -82,9 +87,13 @@ struct Run {
 };
 
 void print(const char* name, Extent extent, const Run& run) {
-  std::printf("%5ux%-5u %-5s wall %7.2f ms (best %.2f) processor %.2f ms %6.1f ns/pixel |", extent.width, extent.height, name,
-              median(run.wall), *std::min_element(run.wall.begin(), run.wall.end()), median(run.processor), median(run.wall) * 1e6 / static_cast<double>(extent.pixels()));
-  for (const auto& stage : run.order) std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)), *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
+  std::printf("%5ux%-5u %-5s wall %7.2f ms (best %.2f) processor %.2f ms %6.1f ns/pixel |",
+              extent.width, extent.height, name, median(run.wall),
+              *std::min_element(run.wall.begin(), run.wall.end()), median(run.processor),
+              median(run.wall) * 1e6 / static_cast<double>(extent.pixels()));
+  for (const auto& stage : run.order)
+    std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)),
+                *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
   std::printf("\n");
 }
 
@@ -97,7 +106,8 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
     const double processor = processor_time();
     const auto start = Clock::now();
     commands.begin();
-    const Layers layers = method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
+    const Layers layers =
+        method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
     commands.submit();
     commands.wait();
     const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -125,14 +135,20 @@ int main(int argc, char** argv) try {
   IntrinsicDecomposition::Params params;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i], value = argv[i + 1];
-    if (option == "--frames") count = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--dump") dump = value;
-    else if (option == "--out") out = value;
-    else if (option == "--warm") params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
-    else if (option == "--cycles") params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    if (option == "--frames")
+      count = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--dump")
+      dump = value;
+    else if (option == "--out")
+      out = value;
+    else if (option == "--warm")
+      params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--cycles")
+      params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--size") {
       Extent extent;
-      if (std::sscanf(value.c_str(), "%ux%u", &extent.width, &extent.height) != 2) throw std::runtime_error("--size WxH");
+      if (std::sscanf(value.c_str(), "%ux%u", &extent.width, &extent.height) != 2)
+        throw std::runtime_error("--size WxH");
       sizes.push_back(extent);
     } else {
       throw std::runtime_error("unknown option " + option);
@@ -154,7 +170,8 @@ int main(int argc, char** argv) try {
     const Extent extent = frames[0].extent;
     std::vector<PlanePtr> inputs;
     for (const Frame& frame : frames) {
-      auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
+      auto buffer =
+          gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
       std::memcpy(buffer->map(), frame.pixels.data(), frame.pixels.size() * sizeof(float));
       inputs.push_back(std::make_shared<Plane>(Plane{extent, buffer}));
     }
@@ -166,18 +183,21 @@ int main(int argc, char** argv) try {
     measure(device, method, params, inputs, 0, true, last);
     std::printf("%5ux%-5u first frames %.0f ms, %.0f bytes/pixel\n", extent.width, extent.height,
                 std::chrono::duration<double, std::milli>(Clock::now() - start).count(),
-                static_cast<double>(device->memory_bytes() - before) / static_cast<double>(extent.pixels()));
+                static_cast<double>(device->memory_bytes() - before) /
+                    static_cast<double>(extent.pixels()));
     print("warm", extent, measure(device, method, params, inputs, count, true, last));
     print("cold", extent, measure(device, method, params, inputs, count, false, last));
     if (!out.empty()) {
-      auto host = gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);
+      auto host =
+          gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);
       gpu::Commands commands(device);
       commands.begin();
       commands.copy(last->buffer, host, host->bytes());
       commands.submit();
       commands.wait();
       std::ofstream file(out, std::ios::binary);
-      const int32_t size[2] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height)};
+      const int32_t size[2] = {static_cast<int32_t>(extent.width),
+                               static_cast<int32_t>(extent.height)};
       file.write(reinterpret_cast<const char*>(size), sizeof size);
       file.write(host->map_as<char>(), static_cast<std::streamsize>(host->bytes()));
     }

@@ -64,7 +64,7 @@ class Aravis : public PipelineTest {
   void SetUp() override {
     if (system("command -v arv-fake-gv-camera-0.8 >/dev/null") != 0)
       GTEST_SKIP() << "arv-fake-gv-camera-0.8 is missing: install aravis-tools";
-    if (system("gst-inspect-1.0 --exists aravissrc") != 0)
+    if (system("gst-inspect-1.0 --exists --atleast-version=0.0.0 aravissrc") != 0)
       GTEST_SKIP() << "aravissrc is missing: install libaravis-0.8-0";
   }
 

@@ -1,10 +1,10 @@
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "intrinsic_decomposition.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "tests/reference/intrinsic_edge_weights.hpp"
+#include "intrinsic_edge_weights.hpp"
 
 namespace inverse::reference {
 namespace {
@@ -360,7 +360,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   result.reflectance.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      result.reflectance[3 * i + c] = sanitize(rgb[3 * i + c]) * std::exp(-s[i]);
+      result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
     const std::vector<double> mean =
         halve(halve(s, width, height), (width + 1) / 2, (height + 1) / 2);

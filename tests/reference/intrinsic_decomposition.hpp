@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/reference/intrinsic_features.hpp"
+#include "intrinsic_features.hpp"
 
 namespace inverse::reference {
 

@@ -1,4 +1,4 @@
-#include "tests/reference/intrinsic_features.hpp"
+#include "intrinsic_features.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr double kChromaFloor = 1e-2;
 
 }  // namespace
 
-double sanitize(double v) {
+double sanitize_linear(double v) {
   if (std::isnan(v) || v < 0) return 0;
   return std::min(v, 1e4);
 }
@@ -94,7 +94,7 @@ Guide make_guide(const double* rgb, int width, int height) {
   for (std::size_t i = 0; i < n; ++i) {
     std::array<double, 3> v{}, f{}, k{};
     for (std::size_t c = 0; c < 3; ++c) {
-      v[c] = sanitize(rgb[3 * i + c]);
+      v[c] = sanitize_linear(rgb[3 * i + c]);
       f[c] = std::log(v[c] + kIntensityFloor);
       k[c] = std::log(v[c] + kChromaFloor);
     }

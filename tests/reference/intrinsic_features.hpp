@@ -33,10 +33,10 @@ struct Guide {
 };
 
 /// What an input value counts as: NaN and negatives 0, at most 1e4.
-double sanitize(double v);
+double sanitize_linear(double v);
 
 /// Builds the guide of an interleaved linear RGB image (3 x width x height values, any finite or
-/// non-finite value; see sanitize).
+/// non-finite value; see sanitize_linear).
 Guide make_guide(const double* rgb, int width, int height);
 
 /// Cues of the edge between pixel (x, y) and its right (down = false) or lower neighbor.

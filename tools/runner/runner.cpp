@@ -128,7 +128,8 @@ class Session {
   uint64_t frames_ = 0;
   int width_ = 0, height_ = 0;
   Clock::time_point first_, last_;
-  std::map<std::string, std::vector<double>> milliseconds_;  // device time a frame, of elements with stats
+  std::map<std::string, std::vector<double>>
+      milliseconds_;  // device time a frame, of elements with stats
   ContactSheet sheet_;
 };
 

@@ -1,0 +1,148 @@
+#include "tests/reference/multigrid.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace inverse::reference::multigrid {
+
+Level::Level(int w, int h) : width(w), height(h) {
+  for (auto* plane : {&right, &down, &mass, &f, &s})
+    plane->assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0);
+}
+
+double Level::diagonal(int x, int y) const {
+  double d = mass[at(x, y)] + right[at(x, y)] + down[at(x, y)];
+  if (x > 0) d += right[at(x - 1, y)];
+  if (y > 0) d += down[at(x, y - 1)];
+  return d;
+}
+
+double Level::residual(int x, int y) const {
+  double r = f[at(x, y)] - diagonal(x, y) * s[at(x, y)];
+  if (x > 0) r += right[at(x - 1, y)] * s[at(x - 1, y)];
+  if (x + 1 < width) r += right[at(x, y)] * s[at(x + 1, y)];
+  if (y > 0) r += down[at(x, y - 1)] * s[at(x, y - 1)];
+  if (y + 1 < height) r += down[at(x, y)] * s[at(x, y + 1)];
+  return r;
+}
+
+void solve_row(Level& l, int first, int y) {
+  const int count = std::min(4, l.width - first);
+  std::array<double, 4> gain{}, value{};
+  for (int k = 0; k < count; ++k) {
+    const int x = first + k;
+    double f = l.f[l.at(x, y)];
+    if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
+    if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
+    if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
+    if (k == 3 && x + 1 < l.width) f += l.right[l.at(x, y)] * l.s[l.at(x + 1, y)];
+    const auto i = static_cast<std::size_t>(k);
+    const double before = k > 0 ? l.right[l.at(x - 1, y)] : 0;
+    const double pivot = l.diagonal(x, y) - (k > 0 ? before * gain[i - 1] : 0);
+    gain[i] = (k + 1 < count ? l.right[l.at(x, y)] : 0) / pivot;
+    value[i] = (f + (k > 0 ? before * value[i - 1] : 0)) / pivot;
+  }
+  for (int k = count - 1; k >= 0; --k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (k + 1 < count) value[i] += gain[i] * value[i + 1];
+    l.s[l.at(first + k, y)] = value[i];
+  }
+}
+
+void smooth(Level& l, int color, int rows) {
+  for (int by = 0; by * rows < l.height; ++by)
+    for (int bx = (by + color) & 1; 4 * bx < l.width; bx += 2) {
+      const int top = by * rows, bottom = std::min(l.height, top + rows);
+      for (int y = top; y < bottom; ++y) solve_row(l, 4 * bx, y);
+      for (int y = bottom - 2; y >= top; --y) solve_row(l, 4 * bx, y);
+    }
+}
+
+Level coarsen(const Level& fine, double scale) {
+  Level c((fine.width + 1) / 2, (fine.height + 1) / 2);
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) {
+      const std::size_t to = c.at(x / 2, y / 2);
+      c.mass[to] += fine.mass[fine.at(x, y)];
+      if (x % 2 == 1) c.right[to] += scale * fine.right[fine.at(x, y)];
+      if (y % 2 == 1) c.down[to] += scale * fine.down[fine.at(x, y)];
+    }
+  return c;
+}
+
+std::vector<double> halve(const std::vector<double>& fine, int width, int height) {
+  const int w = (width + 1) / 2, h = (height + 1) / 2;
+  std::vector<double> coarse;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      double sum = 0;
+      for (const int v : {2 * y, std::min(2 * y + 1, height - 1)})
+        for (const int u : {2 * x, std::min(2 * x + 1, width - 1)})
+          sum += fine[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(u)];
+      coarse.push_back(sum / 4);
+    }
+  return coarse;
+}
+
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale) {
+  std::vector<Level> levels{finest};
+  while (levels.size() < 3 || levels.back().width * levels.back().height > 1) {
+    levels.push_back(coarsen(levels.back(), scale));
+    if (levels.size() == 3)
+      for (std::size_t i = 0; i < screen.size(); ++i) levels.back().mass[i] += screen[i];
+  }
+  return levels;
+}
+
+namespace {
+
+void restrict_to(const Level& fine, Level& coarse) {
+  std::fill(coarse.f.begin(), coarse.f.end(), 0.0);
+  std::fill(coarse.s.begin(), coarse.s.end(), 0.0);
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) coarse.f[coarse.at(x / 2, y / 2)] += fine.residual(x, y);
+}
+
+void correct(Level& fine, const Level& coarse, int rows) {
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) fine.s[fine.at(x, y)] += coarse.s[coarse.at(x / 2, y / 2)];
+  smooth(fine, 1, rows);
+  smooth(fine, 0, rows);
+}
+
+void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
+  Level& l = levels[k];
+  const std::size_t quads =
+      static_cast<std::size_t>((l.width + 3) / 4) * static_cast<std::size_t>(l.height);
+  const int rows = quads > together ? 4 : 1;
+  smooth(l, 0, rows);
+  if (k + 1 == levels.size()) return;
+  smooth(l, 1, rows);
+  restrict_to(l, levels[k + 1]);
+  v_cycle(levels, k + 1, together);
+  correct(l, levels[k + 1], rows);
+}
+
+}  // namespace
+
+void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
+           std::size_t together) {
+  Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
+  for (const int color : {0, 1}) smooth(l0, color, 4);
+  restrict_to(l0, l1);
+  std::vector<double> means = halve(l0.s, l0.width, l0.height);
+  for (const int color : {0, 1}) smooth(l1, color, 4);
+  restrict_to(l1, l2);
+  for (std::size_t i = 0; i < means.size(); ++i) means[i] += l1.s[i];
+  means = halve(means, l1.width, l1.height);
+  const std::vector<double> far = l2.f;
+  for (int k = 0; k < cell_cycles; ++k) {
+    cells(far, means, l2);
+    v_cycle(levels, 2, together);
+  }
+  correct(l1, l2, 4);
+  correct(l0, l1, 4);
+}
+
+}  // namespace inverse::reference::multigrid

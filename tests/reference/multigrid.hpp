@@ -1,0 +1,53 @@
+// The plain specification of kernels/intrinsic's multigrid: checkerboard blocks whose rows are
+// solved exactly, piecewise constant corrections, cell terms on level 2. Double precision, no
+// dependencies.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace inverse::reference::multigrid {
+
+/// One level of A s = f: A(x,x) = mass + edges, A(x,y) = -right or -down. Planes of width x height;
+/// edges live with the pixel on their left or upper end, 0 where the other end is outside.
+struct Level {
+  int width = 0, height = 0;
+  std::vector<double> right, down, mass, f, s;
+
+  Level() = default;
+  Level(int w, int h);
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+  double diagonal(int x, int y) const;
+  double residual(int x, int y) const;
+};
+
+/// Exact solution of four pixels of a row, x from `first`, with everything else fixed.
+void solve_row(Level& level, int first, int y);
+
+/// Half a pass: blocks of 4 x `rows` pixels of one color of the checkerboard; rows downwards, then
+/// upwards.
+void smooth(Level& level, int color, int rows);
+
+/// The next coarser operator: masses add up, edges that cross the aggregates' borders add up and
+/// are scaled.
+Level coarsen(const Level& fine, double scale);
+
+/// 2 x 2 means; the last row or column of an odd border counts twice.
+std::vector<double> halve(const std::vector<double>& fine, int width, int height);
+
+/// All levels down to a single pixel. `screen` is added to the masses of level 2.
+std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale);
+
+/// One cycle, as Multigrid::record_cycle: `cells(far, means, level2)` sets the right-hand side of
+/// level 2 from what the finer levels left of it and the cell means of s, before each of
+/// `cell_cycles` V-cycles. Levels of at most `together` quads have blocks of single rows.
+using CellTerms = std::function<void(const std::vector<double>& far,
+                                     const std::vector<double>& means, Level& cells)>;
+void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
+           std::size_t together = 1200);
+
+}  // namespace inverse::reference::multigrid
