@@ -30,10 +30,12 @@ struct SmoothPush {
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_fine_(device->kernel(shaders::intrinsic_smooth, {3, 0})),
-      smooth_(device->kernel(shaders::intrinsic_smooth, {4, 0})),
-      correct_fine_(device->kernel(shaders::intrinsic_smooth, {3, 1})),
-      correct_(device->kernel(shaders::intrinsic_smooth, {4, 1})),
+    : smooth_{device->kernel(shaders::intrinsic_smooth, {3, 0, 4}),
+              device->kernel(shaders::intrinsic_smooth, {3, 0, 2}),
+              device->kernel(shaders::intrinsic_smooth, {4, 0, 0})},
+      correct_{device->kernel(shaders::intrinsic_smooth, {3, 1, 4}),
+               device->kernel(shaders::intrinsic_smooth, {3, 1, 2}),
+               device->kernel(shaders::intrinsic_smooth, {4, 1, 0})},
       coarsen_{device->kernel(shaders::intrinsic_coarsen, {3, 3, 0}),
                device->kernel(shaders::intrinsic_coarsen, {3, 4, 1}),
                device->kernel(shaders::intrinsic_coarsen, {4, 4, 0})},
@@ -60,6 +62,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   half_means_ = buffer(quads_of(levels_[1].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
+  cell_force_ = buffer(quads_of(levels_[kCells].extent));
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
@@ -67,9 +70,10 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    commands.dispatch(
-        i < kCells ? smooth_fine_ : smooth_, {level.system, level.field, level.field, level.field},
-        SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0}, items);
+    commands.dispatch(smooth_[std::min(i, kCells)],
+                      {level.system, level.field, level.field, cell_force_, level.field},
+                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0},
+                      items);
 }
 
 void Multigrid::correct(gpu::Commands& commands, size_t i) const {
@@ -77,8 +81,8 @@ void Multigrid::correct(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    commands.dispatch(i < kCells ? correct_fine_ : correct_,
-                      {level.system, level.field, levels_[i + 1].field, level.field},
+    commands.dispatch(correct_[std::min(i, kCells)],
+                      {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
                       SmoothPush{level.extent.width, level.extent.height, color, level.mass,
                                  static_cast<float>(color)},
                       items);
@@ -131,16 +135,18 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
 }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params,
-                             const std::function<void()>& cells) const {
+                             const std::function<void()>& before,
+                             const std::function<void()>& after) const {
   for (size_t i = 0; i < kCells; ++i) {
     smooth(commands, i);
     restrict_to(commands, i);
   }
   commands.stage("descend");
   for (uint32_t cycle = 0; cycle < params.cell_cycles; ++cycle) {
-    cells();
+    before();
     cell_cycle(commands, params);
   }
+  after();
   commands.stage("cells");
   for (size_t i = kCells; i-- > 0;) correct(commands, i);
   commands.stage("ascend");

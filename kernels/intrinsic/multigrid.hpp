@@ -32,6 +32,9 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
+  /// The force with which the cells' terms pull at the pixels, one vec4 a quad of cells; set before
+  /// the first cycle and by every cycle's `after`.
+  const gpu::BufferPtr& cell_force() const { return cell_force_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
   /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
   /// writes.
@@ -43,9 +46,10 @@ class Multigrid {
   /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
   void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
                         const Params& params) const;
-  /// Records one cycle; `cells` records the cells' right-hand side.
+  /// Records one cycle; `before` records the cells' right-hand side, `after` their force after the
+  /// last correction.
   void record_cycle(gpu::Commands& commands, const Params& params,
-                    const std::function<void()>& cells) const;
+                    const std::function<void()>& before, const std::function<void()>& after) const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -62,11 +66,12 @@ class Multigrid {
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
-  gpu::KernelPtr smooth_fine_, smooth_, correct_fine_, correct_;
+  gpu::KernelPtr smooth_[3];  // on levels 0, 1, further down
+  gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
   gpu::KernelPtr coarse_setup_, coarse_cycle_;
-  gpu::BufferPtr half_means_, cell_means_, cell_far_;
+  gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
 };
 
 }  // namespace inverse

@@ -11,12 +11,16 @@
 //
 // With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates, to the
 // block and to what it reads around it where push.around says that those blocks have not been corrected yet.
+//
+// On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
 layout(constant_id = 2) const bool kCorrect = false;
+layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no force
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, coarse);
-PLANE_OUT(3, improved);  // the same buffer as `now`
+PLANE_IN(3, force);      // of quads of cells
+PLANE_OUT(4, improved);  // the same buffer as `now`
 layout(push_constant) uniform Push {
   uvec2 size;
   uint color;
@@ -24,6 +28,7 @@ layout(push_constant) uniform Push {
   float around;  // 1 or 0
 } push;
 
+ivec2 push_size = ivec2(push.size);
 int quads = int(QUADS(push.size.x)), coarse_quads = int(QUADS((push.size.x + 1u) / 2u));
 
 vec4 corrected(int x, int y, float share) {
@@ -33,6 +38,19 @@ vec4 corrected(int x, int y, float share) {
     value += share * ((x & 1) == 0 ? pairs.xxyy : pairs.zzww);
   }
   return value;
+}
+
+// What the cells' force adds to the right-hand side of row y of quad x.
+vec4 share_of_force(int x, int y) {
+  ivec2 cell = ivec2(x, y) * ivec2(4, 1) / kCellPixels, left = push_size - ivec2(4 * x, y);
+  int cell_quads = int(QUADS((push.size.x + uint(kCellPixels) - 1u) / uint(kCellPixels)));
+  vec4 four = FETCH(force, cell.y * cell_quads + cell.x / 4);
+  ivec2 row = ivec2(y % kCellPixels, min(push_size.y - y / kCellPixels * kCellPixels, kCellPixels));
+  if (kCellPixels == 4) return cell_weights(uint(row.y))[row.x] * four[cell.x & 3] * cell_weights(uint(min(left.x, 4)));
+  float weight = row.y == 2 ? 0.5 : 1.0;
+  vec4 columns = left.x >= 4 ? vec4(0.5) : left.x == 3 ? vec4(0.5, 0.5, 1.0, 0.0) : left.x == 2 ? vec4(0.5, 0.5, 0.0, 0.0)
+                                                                                          : vec4(1.0, 0.0, 0.0, 0.0);
+  return weight * columns * ((cell.x & 2) == 0 ? four.xxyy : four.zzww);
 }
 
 #define SOLVE_ROW(k, up, down) \
@@ -53,6 +71,7 @@ void main() {
     right[k] = FETCH(system, at + SYSTEM_RIGHT);
     fall[k + 1] = FETCH(system, at + SYSTEM_DOWN);
     rhs[k] = FETCH(system, at + SYSTEM_RHS);
+    if (kCellPixels > 0) rhs[k] += share_of_force(x, y);
     float left = has_left * FETCH(system, kStride * (y * quads + before) + SYSTEM_RIGHT).w;
     diagonal[k] = (kStride > 3 ? FETCH(system, at + SYSTEM_MASS) : vec4(push.mass)) + right[k] +
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];

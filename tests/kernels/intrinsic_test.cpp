@@ -198,31 +198,41 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
       multigrid.record_operators(commands, terms_buffer, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
+      const ChromaBins::State state{
+          terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
+          multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
+      commands.fill(multigrid.cell_force());
       for (int k = 0; k < 2; ++k)
-        multigrid.record_cycle(commands, params, [&] {
-          bins.record(commands, guide,
-                      {terms_buffer, multigrid.cell_means(), multigrid.cell_correction(),
-                       multigrid.cell_far(), multigrid.cell_system()});
-        });
+        multigrid.record_cycle(
+            commands, params, [&] { bins.record(commands, guide, state); },
+            [&] { bins.record_force(commands, state); });
     });
-    auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
-    for (int k = 0; k < 2; ++k)
-      grid::cycle(levels, static_cast<int>(params.cell_cycles),
-                  [&](const std::vector<double>& far, const std::vector<double>& means,
-                      grid::Level& level) {
-                    for (size_t i = 0; i < far.size(); ++i)
-                      level.f[i] = far[i] + pull[i] - screen[i] * means[i];
-                  });
-    const Pixels got = download(multigrid.field());
-    for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < 4 * quads; ++x) {
-        const double want =
-            x < extent.width ? levels[0].s[finest.at(static_cast<int>(x), static_cast<int>(y))] : 0;
-        const double value = got[4 * (static_cast<size_t>(y) * quads + x / 4) + x % 4];
-        ASSERT_NEAR(value, want, 1e-3 * (1 + std::abs(want)))
-            << name_of(extent) << " at " << x << "," << y;
-      }
-  }
+  });
+  auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
+  std::vector<double> force(cells.pixels());
+  const grid::CellTerms cell_terms{
+      [&](const std::vector<double>& far, const std::vector<double>& means, grid::Level& level) {
+        for (size_t i = 0; i < far.size(); ++i)
+          level.f[i] = far[i] + pull[i] - screen[i] * means[i];
+      },
+      [&](const std::vector<double>& means, const grid::Level& level) {
+        std::vector<double> left(means.size());
+        for (size_t i = 0; i < left.size(); ++i)
+          left[i] = pull[i] - screen[i] * (means[i] + level.s[i]);
+        return left;
+      }};
+  for (int k = 0; k < 2; ++k)
+    grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, force);
+  const Pixels got = download(multigrid.field());
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < 4 * quads; ++x) {
+      const double want =
+          x < extent.width ? levels[0].s[finest.at(static_cast<int>(x), static_cast<int>(y))] : 0;
+      const double value = got[4 * (static_cast<size_t>(y) * quads + x / 4) + x % 4];
+      ASSERT_NEAR(value, want, 1e-3 * (1 + std::abs(want)))
+          << name_of(extent) << " at " << x << "," << y;
+    }
+}
 }
 
 TEST_F(IntrinsicTest, BinsAgreeWithReference) {

@@ -6,7 +6,7 @@
 namespace inverse::reference::multigrid {
 
 Level::Level(int w, int h) : width(w), height(h) {
-  for (auto* plane : {&right, &down, &mass, &f, &s})
+  for (auto* plane : {&right, &down, &mass, &f, &s, &pull})
     plane->assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0);
 }
 
@@ -31,7 +31,7 @@ void solve_row(Level& l, int first, int y) {
   std::array<double, 4> gain{}, value{};
   for (int k = 0; k < count; ++k) {
     const int x = first + k;
-    double f = l.f[l.at(x, y)];
+    double f = l.f[l.at(x, y)] + l.pull[l.at(x, y)];
     if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
     if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
     if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
@@ -126,9 +126,39 @@ void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
 
 }  // namespace
 
-void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
-           std::size_t together) {
+namespace {
+
+/// How much every pixel of a line counts in the mean of its cell of `size` (4 or 2) pixels.
+std::vector<double> shares(int count, int size) {
+  std::vector<double> share(static_cast<std::size_t>(count));
+  for (int first = 0; first < count; first += size)
+    for (int k = 0; k < size;
+         ++k) {  // nested 2 x 2 means; indices past the border count as the last
+      const int parent = std::min(first / 2 + k / 2, (count + 1) / 2 - 1);
+      const int at =
+          size == 4 ? std::min(2 * parent + k % 2, count - 1) : std::min(first + k, count - 1);
+      share[static_cast<std::size_t>(at)] += 1.0 / size;
+    }
+  return share;
+}
+
+void share_force(const std::vector<double>& force, int columns, int size, Level& level) {
+  const auto horizontal = shares(level.width, size), vertical = shares(level.height, size);
+  for (int y = 0; y < level.height; ++y)
+    for (int x = 0; x < level.width; ++x)
+      level.pull[level.at(x, y)] =
+          force[static_cast<std::size_t>(y / size) * static_cast<std::size_t>(columns) +
+                static_cast<std::size_t>(x / size)] *
+          horizontal[static_cast<std::size_t>(x)] * vertical[static_cast<std::size_t>(y)];
+}
+
+}  // namespace
+
+void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
+           std::vector<double>& force, std::size_t together) {
   Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
+  share_force(force, l2.width, 4, l0);
+  share_force(force, l2.width, 2, l1);
   for (const int color : {0, 1}) smooth(l0, color, 4);
   restrict_to(l0, l1);
   std::vector<double> means = halve(l0.s, l0.width, l0.height);
@@ -138,9 +168,12 @@ void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
   means = halve(means, l1.width, l1.height);
   const std::vector<double> far = l2.f;
   for (int k = 0; k < cell_cycles; ++k) {
-    cells(far, means, l2);
+    terms.before(far, means, l2);
     v_cycle(levels, 2, together);
   }
+  force = terms.after(means, l2);
+  share_force(force, l2.width, 4, l0);
+  share_force(force, l2.width, 2, l1);
   correct(l1, l2, 4);
   correct(l0, l1, 4);
 }
