@@ -56,5 +56,7 @@ void main() {
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
   STORE(start, at, s);
-  STORE(force, at, kAnchored ? gate * LOAD(force, at) : vec4(0.0));
+  vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
+  STORE(force, FORCE_STRIDE * at + FORCE_PULL, pull_before);
+  STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, screen);
 }

@@ -17,5 +17,5 @@ void main() {
   if (position.y >= push.size.y) return;
   int at = int(position.y * QUADS(push.size.x) + position.x);
   vec4 pull = FETCH(wanted, at) - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * (FETCH(mean, at) + FETCH(correction, at));
-  STORE(force, uint(at), MASKED(pull, INSIDE(position.x, push.size.x)));
+  STORE(force, FORCE_STRIDE * uint(at) + FORCE_PULL, MASKED(pull, INSIDE(position.x, push.size.x)));
 }

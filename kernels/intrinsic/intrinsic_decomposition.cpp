@@ -50,8 +50,10 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
                      anchor_.verdict(), terms_, start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
-                    line_of(quads_of(extent_)));
+  commands.dispatch(
+      assemble_,
+      {flux_, start_, guide_.level0(), guide_.cells(), multigrid_.system(), multigrid_.field()},
+      size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {

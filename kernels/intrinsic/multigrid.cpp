@@ -62,7 +62,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   half_means_ = buffer(quads_of(levels_[1].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
-  cell_force_ = buffer(quads_of(levels_[kCells].extent));
+  cell_force_ = buffer(quads_of(levels_[kCells].extent) * kForceStride);
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i) const {

@@ -17,12 +17,13 @@ class Multigrid {
     /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the
     /// smooth functions that they stand for; 0.5 is right for equal weights, more is slower and
     /// safer where weights jump.
-    float scale = 0.5F;
+    float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
     uint32_t cell_cycles = 2;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kForceStride = 2;  ///< vec4 a quad of cells of `cell_force`
   static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
 
   /// Throws Error(limit) where a level does not fit the device.
@@ -32,8 +33,8 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// The force with which the cells' terms pull at the pixels, one vec4 a quad of cells; set before
-  /// the first cycle and by every cycle's `after`.
+  /// The force with which the cells' terms pull at the pixels, and their screen, two vec4 a quad of
+  /// cells; set before the first cycle, and the force renewed by every cycle's `after`.
   const gpu::BufferPtr& cell_force() const { return cell_force_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
   /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller

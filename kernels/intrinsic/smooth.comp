@@ -12,7 +12,8 @@
 // With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates, to the
 // block and to what it reads around it where push.around says that those blocks have not been corrected yet.
 //
-// On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share.
+// On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share. So that it gives way
+// as they do, a pixel feels it as if it were alone: screen (mean s)^2 <= screen mean(s^2), with equality where all agree.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
 layout(constant_id = 2) const bool kCorrect = false;
 layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no force
@@ -40,17 +41,17 @@ vec4 corrected(int x, int y, float share) {
   return value;
 }
 
-// What the cells' force adds to the right-hand side of row y of quad x.
-vec4 share_of_force(int x, int y) {
-  ivec2 cell = ivec2(x, y) * ivec2(4, 1) / kCellPixels, left = push_size - ivec2(4 * x, y);
-  int cell_quads = int(QUADS((push.size.x + uint(kCellPixels) - 1u) / uint(kCellPixels)));
-  vec4 four = FETCH(force, cell.y * cell_quads + cell.x / 4);
-  ivec2 row = ivec2(y % kCellPixels, min(push_size.y - y / kCellPixels * kCellPixels, kCellPixels));
-  if (kCellPixels == 4) return cell_weights(uint(row.y))[row.x] * four[cell.x & 3] * cell_weights(uint(min(left.x, 4)));
-  float weight = row.y == 2 ? 0.5 : 1.0;
-  vec4 columns = left.x >= 4 ? vec4(0.5) : left.x == 3 ? vec4(0.5, 0.5, 1.0, 0.0) : left.x == 2 ? vec4(0.5, 0.5, 0.0, 0.0)
-                                                                                          : vec4(1.0, 0.0, 0.0, 0.0);
-  return weight * columns * ((cell.x & 2) == 0 ? four.xxyy : four.zzww);
+// How much the pixels of row y of quad x count in their cells' means, and (slot) what of the cells reaches them.
+vec4 shares(int x, int y) {
+  int row = y % kCellPixels, rows = min(push_size.y - y + row, kCellPixels), columns = min(push_size.x - 4 * x, 4);
+  if (kCellPixels == 4) return cell_weights(uint(rows))[row] * cell_weights(uint(columns));
+  return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
+                                    columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
+}
+vec4 of_cells(int x, int y, int slot) {
+  int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
+  vec4 four = FETCH(force, FORCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
+  return kCellPixels == 4 ? vec4(four[cell & 3]) : (cell & 2) == 0 ? four.xxyy : four.zzww;
 }
 
 #define SOLVE_ROW(k, up, down) \
@@ -71,10 +72,14 @@ void main() {
     right[k] = FETCH(system, at + SYSTEM_RIGHT);
     fall[k + 1] = FETCH(system, at + SYSTEM_DOWN);
     rhs[k] = FETCH(system, at + SYSTEM_RHS);
-    if (kCellPixels > 0) rhs[k] += share_of_force(x, y);
     float left = has_left * FETCH(system, kStride * (y * quads + before) + SYSTEM_RIGHT).w;
     diagonal[k] = (kStride > 3 ? FETCH(system, at + SYSTEM_MASS) : vec4(push.mass)) + right[k] +
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];
+    if (kCellPixels > 0) {
+      vec4 share = shares(x, y), screen = share * of_cells(x, y, FORCE_SCREEN);
+      diagonal[k] += screen;
+      rhs[k] += share * of_cells(x, y, FORCE_PULL) + screen * u[k];
+    }
     rhs[k].x += left * corrected(before, y, push.around).w;
     rhs[k].w += right[k].w * corrected(next, y, push.around).x;
   }

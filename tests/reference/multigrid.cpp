@@ -1,4 +1,4 @@
-#include "tests/reference/multigrid.hpp"
+#include "multigrid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 namespace inverse::reference::multigrid {
 
 Level::Level(int w, int h) : width(w), height(h) {
-  for (auto* plane : {&right, &down, &mass, &f, &s, &pull})
+  for (auto* plane : {&right, &down, &mass, &f, &s, &pull, &hold, &still})
     plane->assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0);
 }
 
@@ -31,14 +31,14 @@ void solve_row(Level& l, int first, int y) {
   std::array<double, 4> gain{}, value{};
   for (int k = 0; k < count; ++k) {
     const int x = first + k;
-    double f = l.f[l.at(x, y)] + l.pull[l.at(x, y)];
+    double f = l.f[l.at(x, y)] + l.pull[l.at(x, y)] + l.hold[l.at(x, y)] * l.still[l.at(x, y)];
     if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
     if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
     if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
     if (k == 3 && x + 1 < l.width) f += l.right[l.at(x, y)] * l.s[l.at(x + 1, y)];
     const auto i = static_cast<std::size_t>(k);
     const double before = k > 0 ? l.right[l.at(x - 1, y)] : 0;
-    const double pivot = l.diagonal(x, y) - (k > 0 ? before * gain[i - 1] : 0);
+    const double pivot = l.diagonal(x, y) + l.hold[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
     gain[i] = (k + 1 < count ? l.right[l.at(x, y)] : 0) / pivot;
     value[i] = (f + (k > 0 ? before * value[i - 1] : 0)) / pivot;
   }
@@ -53,6 +53,9 @@ void smooth(Level& l, int color, int rows) {
   for (int by = 0; by * rows < l.height; ++by)
     for (int bx = (by + color) & 1; 4 * bx < l.width; bx += 2) {
       const int top = by * rows, bottom = std::min(l.height, top + rows);
+      for (int y = top; y < bottom; ++y)  // the force gives way from where the block stands now
+        for (int x = 4 * bx; x < std::min(l.width, 4 * bx + 4); ++x)
+          l.still[l.at(x, y)] = l.s[l.at(x, y)];
       for (int y = top; y < bottom; ++y) solve_row(l, 4 * bx, y);
       for (int y = bottom - 2; y >= top; --y) solve_row(l, 4 * bx, y);
     }
@@ -142,12 +145,13 @@ std::vector<double> shares(int count, int size) {
   return share;
 }
 
-void share_force(const std::vector<double>& force, int columns, int size, Level& level) {
+void share(const std::vector<double>& cells, int columns, int size, const Level& level,
+           std::vector<double>& plane) {
   const auto horizontal = shares(level.width, size), vertical = shares(level.height, size);
   for (int y = 0; y < level.height; ++y)
     for (int x = 0; x < level.width; ++x)
-      level.pull[level.at(x, y)] =
-          force[static_cast<std::size_t>(y / size) * static_cast<std::size_t>(columns) +
+      plane[level.at(x, y)] =
+          cells[static_cast<std::size_t>(y / size) * static_cast<std::size_t>(columns) +
                 static_cast<std::size_t>(x / size)] *
           horizontal[static_cast<std::size_t>(x)] * vertical[static_cast<std::size_t>(y)];
 }
@@ -155,10 +159,12 @@ void share_force(const std::vector<double>& force, int columns, int size, Level&
 }  // namespace
 
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
-           std::vector<double>& force, std::size_t together) {
+           const std::vector<double>& screen, std::vector<double>& force, std::size_t together) {
   Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
-  share_force(force, l2.width, 4, l0);
-  share_force(force, l2.width, 2, l1);
+  share(screen, l2.width, 4, l0, l0.hold);
+  share(screen, l2.width, 2, l1, l1.hold);
+  share(force, l2.width, 4, l0, l0.pull);
+  share(force, l2.width, 2, l1, l1.pull);
   for (const int color : {0, 1}) smooth(l0, color, 4);
   restrict_to(l0, l1);
   std::vector<double> means = halve(l0.s, l0.width, l0.height);
@@ -172,8 +178,8 @@ void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
     v_cycle(levels, 2, together);
   }
   force = terms.after(means, l2);
-  share_force(force, l2.width, 4, l0);
-  share_force(force, l2.width, 2, l1);
+  share(force, l2.width, 4, l0, l0.pull);
+  share(force, l2.width, 2, l1, l1.pull);
   correct(l1, l2, 4);
   correct(l0, l1, 4);
 }

@@ -14,7 +14,9 @@ namespace inverse::reference::multigrid {
 struct Level {
   int width = 0, height = 0;
   std::vector<double> right, down, mass, f, s;
-  std::vector<double> pull;  ///< Added to f while relaxing: the pixels' shares of the cells' force.
+  std::vector<double> pull, hold,
+      still;  ///< While relaxing: the pixels' shares of the cells' force, and of their screen
+              ///< about where a block stood before the pass.
 
   Level() = default;
   Level(int w, int h);
@@ -54,9 +56,10 @@ struct CellTerms {
   std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
 };
 
-/// One cycle, as Multigrid::record_cycle; `force` is read and renewed. Levels of at most `together`
-/// quads have blocks of single rows.
+/// One cycle, as Multigrid::record_cycle; `screen` is the cells', `force` is read and renewed.
+/// Levels of at most `together` quads have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
-           std::vector<double>& force, std::size_t together = 1200);
+           const std::vector<double>& screen, std::vector<double>& force,
+           std::size_t together = 1200);
 
 }  // namespace inverse::reference::multigrid
