@@ -69,7 +69,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, [&] { bins_.record(commands, guide_, state); },
+        commands, params.multigrid, cycle, [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
 

@@ -9,6 +9,7 @@ INVERSE_SHADER(intrinsic_smooth);
 INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
+INVERSE_SHADER(intrinsic_extrapolate);
 
 namespace inverse {
 namespace {
@@ -45,6 +46,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   const uint32_t lanes = std::min(device->limits().workgroup_invocations, 256U);
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
+  extrapolate_ = device->kernel(shaders::intrinsic_extrapolate);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -60,6 +62,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   }
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
+  for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
   cell_force_ = buffer(quads_of(levels_[kCells].extent) * kForceStride);
@@ -134,9 +137,25 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
   for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
 }
 
-void Multigrid::record_cycle(gpu::Commands& commands, const Params& params,
+void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k) const {
+  // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
+  // Analysis, 5.1.
+  const float ratio = slowest / (2 - slowest);
+  float w = 1;
+  for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
+  const struct {
+    uint32_t count;
+    float w, c;
+  } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
+  commands.dispatch(extrapolate_,
+                    {field(), starts_[k % 2], starts_[k == 0 ? 0 : (k + 1) % 2], field()}, push,
+                    line_of(field()->count()));
+}
+
+void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              const std::function<void()>& before,
                              const std::function<void()>& after) const {
+  if (params.slowest > 0) commands.copy(field(), starts_[k % 2], field()->bytes());
   for (size_t i = 0; i < kCells; ++i) {
     smooth(commands, i);
     restrict_to(commands, i);
@@ -149,6 +168,7 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params,
   after();
   commands.stage("cells");
   for (size_t i = kCells; i-- > 0;) correct(commands, i);
+  if (params.slowest > 0) extrapolate(commands, params.slowest, k);
   commands.stage("ascend");
 }
 

@@ -21,6 +21,10 @@ class Multigrid {
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
     uint32_t cell_cycles = 2;
+    /// Consecutive cycles are combined so that errors of which a cycle leaves between nothing and
+    /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
+    /// diverges on some frames, because the chroma bins lag behind.
+    float slowest = 0.5F;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
   static constexpr uint64_t kForceStride = 2;  ///< vec4 a quad of cells of `cell_force`
@@ -47,9 +51,9 @@ class Multigrid {
   /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
   void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
                         const Params& params) const;
-  /// Records one cycle; `before` records the cells' right-hand side, `after` their force after the
-  /// last correction.
-  void record_cycle(gpu::Commands& commands, const Params& params,
+  /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
+  /// `after` their force after the last correction.
+  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const std::function<void()>& before, const std::function<void()>& after) const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
@@ -63,6 +67,7 @@ class Multigrid {
   void smooth(gpu::Commands& commands, size_t level) const;
   void correct(gpu::Commands& commands, size_t level) const;
   void restrict_to(gpu::Commands& commands, size_t level) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k) const;
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
@@ -71,7 +76,8 @@ class Multigrid {
   gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_;
+  gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
 };
 

@@ -206,9 +206,10 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
           terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
           multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
       commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
-      for (int k = 0; k < 2; ++k)
+      for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
-            commands, params, [&] { bins.record(commands, guide, state); },
+            commands, params, static_cast<uint32_t>(k),
+            [&] { bins.record(commands, guide, state); },
             [&] { bins.record_force(commands, state); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
@@ -224,8 +225,12 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
             left[i] = pull[i] - screen[i] * (means[i] + level.s[i]);
           return left;
         }};
-    for (int k = 0; k < 2; ++k)
+    grid::Extrapolation extrapolation(static_cast<double>(params.slowest));
+    for (int k = 0; k < 3; ++k) {
+      const std::vector<double> before = levels[0].s;
       grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, force);
+      extrapolation.apply(k, before, levels[0].s);
+    }
     const Pixels got = download(multigrid.field());
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < 4 * quads; ++x) {

@@ -29,6 +29,7 @@ struct IntrinsicParams {
   double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
   double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
   int cycles = 4;                 ///< Multigrid cycles.
+  double slowest = 0.5;           ///< Error factor up to which cycles are extrapolated; 0: not.
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
 };
 

@@ -184,4 +184,13 @@ void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
   correct(l0, l1, 4);
 }
 
+void Extrapolation::apply(int k, const std::vector<double>& start, std::vector<double>& s) {
+  const double ratio = slowest_ / (2 - slowest_);
+  if (k == 0) before_ = start;
+  if (k > 0) w_ = 1 / (1 - ratio * ratio * w_ / (k == 1 ? 2 : 4));
+  for (std::size_t i = 0; i < s.size(); ++i)
+    s[i] = before_[i] + w_ * (2 / (2 - slowest_) * (s[i] - start[i]) + start[i] - before_[i]);
+  before_ = start;
+}
+
 }  // namespace inverse::reference::multigrid

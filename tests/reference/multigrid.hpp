@@ -56,10 +56,22 @@ struct CellTerms {
   std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
 };
 
-/// One cycle, as Multigrid::record_cycle; `screen` is the cells', `force` is read and renewed.
-/// Levels of at most `together` quads have blocks of single rows.
+/// One cycle, as Multigrid::record_cycle without extrapolation; `screen` is the cells', `force` is
+/// read and renewed. Levels of at most `together` quads have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
            const std::vector<double>& screen, std::vector<double>& force,
            std::size_t together = 1200);
+
+/// Chebyshev's combination of cycles whose error factors lie between 0 and `slowest` (Varga, Matrix
+/// Iterative Analysis, 5.1): call with the number of the cycle, from 0, and s before it.
+class Extrapolation {
+ public:
+  explicit Extrapolation(double slowest) : slowest_(slowest) {}
+  void apply(int k, const std::vector<double>& start, std::vector<double>& s);
+
+ private:
+  double slowest_, w_ = 1;
+  std::vector<double> before_;
+};
 
 }  // namespace inverse::reference::multigrid
