@@ -153,7 +153,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
                 std::string("this pipeline needs two Vulkan devices at once: frames reach ") +
                     info_.factory + " on \"" + device->name() +
                     "\", and the images that it sends are expected on another device, opened by a "
-                    "neighbour as \"" +
+                    "neighbor as \"" +
                     images_device_->name() +
                     "\"; let the elements share one (GstContext), or put vulkandownload and "
                     "vulkanupload between");
