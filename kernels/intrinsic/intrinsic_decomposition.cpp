@@ -47,11 +47,13 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
          1 / params.anchor_chroma};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(),
-                     anchor_.verdict(), terms_, start_},
+                     anchor_.verdict(), terms_, start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
-                    line_of(quads_of(extent_)));
+  commands.dispatch(
+      assemble_,
+      {flux_, start_, guide_.level0(), guide_.cells(), multigrid_.system(), multigrid_.field()},
+      size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
@@ -59,11 +61,16 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
-  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(),
-                                multigrid_.cell_far(), multigrid_.cell_system()};
+  const ChromaBins::State state{terms_,
+                                multigrid_.cell_means(),
+                                multigrid_.cell_correction(),
+                                multigrid_.cell_far(),
+                                multigrid_.cell_system(),
+                                multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
-    multigrid_.record_cycle(commands, params.multigrid,
-                            [&] { bins_.record(commands, guide_, state); });
+    multigrid_.record_cycle(
+        commands, params.multigrid, cycle, [&] { bins_.record(commands, guide_, state); },
+        [&] { bins_.record_force(commands, state); });
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,

@@ -231,9 +231,12 @@ void draw(const std::vector<Curve>& curves, bool converged, const std::string& p
       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' "
          "fill='white'/>\n";
   const char* colors[] = {"#1b6ca8", "#c8553d"};
-  for (double tick = std::pow(10, std::ceil(std::log10(low))); tick <= high; tick *= 10) {
-    svg << "<path d='M" << kMargin << ' ' << y(tick) << 'H' << kWidth - kMargin / 2
-        << "' stroke='#ddd'/><text x='4' y='" << y(tick) + 4 << "'>" << tick << "</text>\n";
+  for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10) {
+    for (const double tick : {decade, 2 * decade, 5 * decade}) {
+      if (tick < low || tick > high) continue;
+      svg << "<path d='M" << kMargin << ' ' << y(tick) << 'H' << kWidth - kMargin / 2
+          << "' stroke='#ddd'/><text x='4' y='" << y(tick) + 4 << "'>" << tick << "</text>\n";
+    }
   }
   for (size_t k = 0; k < curves.size(); ++k) {
     svg << "<polyline fill='none' stroke-width='1.5' stroke='" << colors[k] << "' points='";

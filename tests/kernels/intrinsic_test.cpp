@@ -191,6 +191,10 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
     const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
+    Pixels forces(quads_of(cells) * 8);
+    for (size_t quad = 0; quad < quads_of(cells); ++quad)
+      std::copy_n(&terms[16 * quad], 4, &forces[8 * quad + 4]);  // screen; no force yet
+    const auto force_buffer = upload(gpu::Element::vec4, forces.data(), forces.size() / 4);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
       guide.record(commands, frame.buffer);
@@ -198,21 +202,35 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
       multigrid.record_operators(commands, terms_buffer, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
-      for (int k = 0; k < 2; ++k)
-        multigrid.record_cycle(commands, params, [&] {
-          bins.record(commands, guide,
-                      {terms_buffer, multigrid.cell_means(), multigrid.cell_correction(),
-                       multigrid.cell_far(), multigrid.cell_system()});
-        });
+      const ChromaBins::State state{
+          terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
+          multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
+      commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
+      for (int k = 0; k < 3; ++k)
+        multigrid.record_cycle(
+            commands, params, static_cast<uint32_t>(k),
+            [&] { bins.record(commands, guide, state); },
+            [&] { bins.record_force(commands, state); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
-    for (int k = 0; k < 2; ++k)
-      grid::cycle(levels, static_cast<int>(params.cell_cycles),
-                  [&](const std::vector<double>& far, const std::vector<double>& means,
-                      grid::Level& level) {
-                    for (size_t i = 0; i < far.size(); ++i)
-                      level.f[i] = far[i] + pull[i] - screen[i] * means[i];
-                  });
+    std::vector<double> force(cells.pixels());
+    const grid::CellTerms cell_terms{
+        [&](const std::vector<double>& far, const std::vector<double>& means, grid::Level& level) {
+          for (size_t i = 0; i < far.size(); ++i)
+            level.f[i] = far[i] + pull[i] - screen[i] * means[i];
+        },
+        [&](const std::vector<double>& means, const grid::Level& level) {
+          std::vector<double> left(means.size());
+          for (size_t i = 0; i < left.size(); ++i)
+            left[i] = pull[i] - screen[i] * (means[i] + level.s[i]);
+          return left;
+        }};
+    grid::Extrapolation extrapolation(static_cast<double>(params.slowest));
+    for (int k = 0; k < 3; ++k) {
+      const std::vector<double> before = levels[0].s;
+      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, force);
+      extrapolation.apply(k, before, levels[0].s);
+    }
     const Pixels got = download(multigrid.field());
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < 4 * quads; ++x) {
@@ -283,29 +301,22 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   EXPECT_EQ(got, once()) << "the sums' order must not matter";
 }
 
-TEST_F(IntrinsicTest, WholeSolveComesNearTheReference) {
-  // The reference relaxes blocks in another order, so that equality is not to be expected: a
-  // hundredth of a log unit is.
-  for (const Extent extent :
-       {Extent{160, 120}, Extent{349, 287}, Extent{17, 5}, Extent{1, 40}, Extent{2, 3}}) {
+TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
+  for (const Extent extent : kOddSizes) {
     const Pixels pixels = scene(extent, 1);
     const auto rgb = rgb_of(pixels);
-    reference::IntrinsicParams reference_params;
-    reference_params.cycles = 12;
-    const auto expected =
-        reference::decompose(rgb.data(), static_cast<int>(extent.width),
-                             static_cast<int>(extent.height), reference_params, nullptr);
-    IntrinsicDecomposition::Params params;
-    params.cycles = 12;
-    const Pixels got = decompose(extent, pixels, params);
+    const auto expected = reference::decompose(rgb.data(), static_cast<int>(extent.width),
+                                               static_cast<int>(extent.height), {}, nullptr);
+    const Pixels got = decompose(extent, pixels);
     double sum = 0;
     for (size_t i = 0; i < extent.pixels(); ++i) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
       sum += d * d;
+      ASSERT_LT(std::abs(d), 0.03) << name_of(extent) << " at " << i;  // bins are in fixed point
       for (size_t c = 0; c < 3; ++c)
         ASSERT_NEAR(got[4 * i + c] * got[4 * i + 3], pixels[4 * i + c], 1e-5) << "R S must be I";
     }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.02) << name_of(extent);
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << name_of(extent);
   }
 }
 
@@ -313,9 +324,9 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent);
   IntrinsicDecomposition::Params params;
-  params.cycles = params.warm_cycles = 8;
+  params.cycles = params.warm_cycles = 3;
   reference::IntrinsicParams reference_params;
-  reference_params.cycles = 8;
+  reference_params.cycles = 3;
   reference::IntrinsicState state;
   for (int time = 0; time < 4; ++time) {
     Pixels pixels = scene(extent, time < 3 ? 6 : 7);  // the last frame is another scene: a cut
@@ -337,7 +348,7 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
       sum += d * d;
     }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.02) << "frame " << time;
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << "frame " << time;
   }
 }
 

@@ -27,8 +27,8 @@ class Camera : public PipelineTest {
     all["SINK"] = raw_file(file("out.mkv"));
     ASSERT_EQ(run(script, {}, all), 0) << output_;
     const Media media = read_media(file("out.mkv"));
-    expect_video(media, 320, 240, 3);
-    if (!media.frames.empty()) expect_mosaic(media.frames.back());
+    ASSERT_NO_FATAL_FAILURE(expect_video(media, 320, 240, 3));
+    expect_mosaic(media.frames.back());
   }
 };
 

@@ -1,0 +1,22 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+
+// Chebyshev's step after a cycle that led from s_k to V(s_k): s_(k+1) = s_(k-1) + w (c (V(s_k) - s_k) + s_k - s_(k-1)), with
+// w and c from the range of error factors of a cycle (multigrid.cpp). In place. One quad an invocation.
+PLANE_IN(0, now);
+PLANE_IN(1, start);   // s_k
+PLANE_IN(2, before);  // s_(k-1)
+PLANE_OUT(3, next);   // the same buffer as `now`
+layout(push_constant) uniform Push {
+  uint count;
+  float w;
+  float c;
+} push;
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  vec4 s = FETCH(start, int(i)), old = FETCH(before, int(i));
+  STORE(next, i, old + push.w * (push.c * (FETCH(now, int(i)) - s) + s - old));
+}
