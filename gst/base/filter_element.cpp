@@ -69,7 +69,9 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     GST_ELEMENT_ERROR(
         element_, STREAM, FORMAT,
         ("%s works on decomposed video; insert %s before it", name.c_str(), info_.needs),
-        ("got %" GST_PTR_FORMAT, in));
+        ("got %" GST_PTR_FORMAT
+         "; behind a tee every branch must take layers: end each with intrinsiccompose",
+         in));
     return false;
   }
   if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
