@@ -80,7 +80,7 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
                                              static_cast<int>(extent.height));
     const auto expected = reference::edge_prior(guide, {});
     Guide made(device, extent);
-    const EdgePrior prior(device);
+    EdgePrior prior(device, extent);
     const Extent cells = made.cell_extent();
     const auto buffer = [&](uint64_t count) {
       return gpu::Buffer::create(device, gpu::Element::vec4, count);
@@ -350,6 +350,37 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
     }
     EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << "frame " << time;
   }
+}
+
+TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
+  const Extent extent{349, 287};
+  const Pixels still = scene(extent, 15);
+  Pixels moved = still;  // 20 x 20 pixels get darker
+  for (size_t y = 100; y < 120; ++y)
+    for (size_t x = 200; x < 220; ++x)
+      for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
+  IntrinsicDecomposition::Params adaptive, whole;
+  whole.adaptive = false;
+  IntrinsicDecomposition one(device, extent), other(device, extent);
+  const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
+  const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
+  for (int time = 0; time < 4; ++time) {
+    const PlanePtr frame = input(extent, time < 2 ? still : moved);
+    const Pixels got = decompose(one, frame, adaptive, false);
+    EXPECT_EQ(one.findings().tiles_evaluated, expected[time]) << "frame " << time;
+    const Pixels want = decompose(other, frame, whole, false);
+    EXPECT_EQ(other.findings().tiles_evaluated, tiles);
+    if (time < 2) {
+      EXPECT_EQ(got, want) << "frame " << time;
+    }
+    double sum = 0;
+    for (size_t i = 3; i < got.size(); i += 4)
+      sum += std::pow(std::log(static_cast<double>(got[i]) / static_cast<double>(want[i])), 2);
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.003) << "frame " << time;
+  }
+  adaptive.prior.shading_weight = 2;
+  decompose(one, input(extent, moved), adaptive, false);
+  EXPECT_EQ(one.findings().tiles_evaluated, tiles) << "new parameters concern every tile";
 }
 
 TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
