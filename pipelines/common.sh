@@ -15,9 +15,9 @@ case "${1:-}" in -h | --help) usage ;; esac
 
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.
 command -v gst-launch-1.0 >/dev/null || fail "gst-launch-1.0 is missing: install gstreamer1.0-tools"
-if ! gst-inspect-1.0 --exists intrinsicdecomp 2>/dev/null; then
+if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/null; then
   export GST_PLUGIN_PATH=$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}
-  gst-inspect-1.0 --exists intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
+  gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
 fi
 
 # A window. sync=false: a frame from a camera is shown as soon as it is there.
@@ -34,7 +34,7 @@ newest="queue leaky=downstream max-size-buffers=1"
 encoder="videoconvert ! vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"
 
 # Compressed sound that Matroska takes as it is; of other sound, the samples.
-sound="audio/mpeg;audio/x-vorbis;audio/x-opus;audio/x-flac;audio/x-ac3;audio/x-eac3;audio/x-dts;audio/x-alaw;audio/x-mulaw;audio/x-tta;audio/x-raw"
+sound="audio/mpeg,mpegversion=1;audio/mpeg,mpegversion={2,4},stream-format=raw;audio/x-vorbis;audio/x-opus;audio/x-flac,framed=true;audio/x-ac3;audio/x-eac3;audio/x-dts;audio/x-alaw;audio/x-mulaw;audio/x-tta;audio/x-raw"
 
 # The URI of a file, or the URI itself.
 uri_of() {

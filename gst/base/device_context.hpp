@@ -27,6 +27,8 @@ class DeviceContext {
   /// to the rest of the pipeline. Throws Error(no_device).
   void acquire(const std::string& select);
   void release();
+  /// Waits for what Vulkan neighbors have left on their device when they were stopped.
+  void settle() const { neighbor_.settle(); }
 
   /// Looks again for a device of Vulkan neighbours: some of them only have one in PAUSED. Throws
   /// Error(no_device) where it is of no use to the kernels.

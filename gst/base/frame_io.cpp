@@ -129,27 +129,6 @@ class MappedFrame {
   GstVideoFrame frame_;
 };
 
-/// Copies rows between a mapped frame and the device's layout; `to_device` gives the direction.
-template <bool to_device>
-void copy_rows(const FrameFormat& format, const MappedFrame& frame, void* device) {
-  for (uint32_t plane = 0; plane < plane_count(format.format); ++plane) {
-    const size_t bytes = row_bytes(format.format, format.extent, plane);
-    const size_t rows = plane_rows(format.format, format.extent, plane);
-    uint8_t* on_device = static_cast<uint8_t*>(device) + format.offset[plane];
-    uint8_t* in_frame = frame.data(plane);
-    const size_t device_stride = format.stride[plane], frame_stride = frame.stride(plane);
-    const auto copy = [](uint8_t* a, uint8_t* b, size_t size) {
-      to_device ? memcpy(a, b, size) : memcpy(b, a, size);
-    };
-    if (device_stride == frame_stride) {
-      copy(on_device, in_frame, device_stride * (rows - 1) + bytes);
-    } else {
-      for (size_t row = 0; row < rows; ++row)
-        copy(on_device + row * device_stride, in_frame + row * frame_stride, bytes);
-    }
-  }
-}
-
 }  // namespace
 
 FrameFormat frame_format(const GstVideoInfo& info) {
@@ -189,7 +168,9 @@ void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::B
 
 void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
   const MappedFrame frame(info_, buffer, GST_MAP_READ);
-  copy_rows<true>(format_, frame, raw->map());
+  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+    copy_plane(format_.format, format_.extent, plane, frame.data(plane), frame.stride(plane),
+               raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane]);
 }
 
 FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
@@ -198,7 +179,10 @@ FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
 }
 
 gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
-  return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
+  auto raw =
+      gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
+  memset(raw->map(), 0, raw->bytes());  // row padding goes out with the rows
+  return raw;
 }
 
 void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
@@ -218,7 +202,10 @@ void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const 
 
 void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
   const MappedFrame frame(info_, buffer, GST_MAP_WRITE);
-  copy_rows<false>(format_, frame, raw->map());
+  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+    copy_plane(format_.format, format_.extent, plane,
+               raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane],
+               frame.data(plane), frame.stride(plane));
 }
 
 }  // namespace inverse

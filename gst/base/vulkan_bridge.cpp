@@ -279,7 +279,20 @@ bool VulkanNeighbor::asks_for_device(GstQuery* query) {
   return g_strcmp0(type, GST_VULKAN_DEVICE_CONTEXT_TYPE_STR) == 0;
 }
 
+void VulkanNeighbor::settle() const {
+  HandlesPtr handles;
+  {
+    std::lock_guard lock(mutex_);
+    handles = contexts_->handles;
+  }
+  if (!handles) return;
+  gst_vulkan_queue_submit_lock(handles->queue.get());
+  vkQueueWaitIdle(handles->queue->queue);
+  gst_vulkan_queue_submit_unlock(handles->queue.get());
+}
+
 void VulkanNeighbor::release() {
+  settle();
   std::lock_guard lock(mutex_);
   contexts_ = std::make_unique<Contexts>();
 }

@@ -50,6 +50,11 @@ class VulkanNeighbor {
   /// Whether a query asks for a device.
   static bool asks_for_device(GstQuery* query);
 
+  /// Waits until the device held has done all that was submitted to it, by whomever. vulkanupload
+  /// frees what the device still reads where a stream stops in the middle of a frame (GStreamer
+  /// 1.22).
+  void settle() const;
+  /// Settles and lets go.
   void release();
 
  private:

@@ -220,7 +220,8 @@ GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
     if (caps_) layers = gst_caps_ref(caps_);
   }
   if (!layers) {
-    GstCaps* ours = template_caps(Flow::layers);
+    // Pixels, too: pads must link, so that set_caps can say what is missing.
+    GstCaps* ours = template_caps(Flow::layers_or_pixels);
     layers = gst_pad_peer_query_caps(sink_, ours);
     gst_caps_unref(ours);
   }

@@ -17,7 +17,7 @@ uint64_t raw_words(const FrameFormat& format);
 class Unpack {
  public:
   /// Throws Error(unsupported) for what validate() refuses and for frames that are not
-  /// word-aligned: copy_frame() those to their aligned_layout() and unpack that.
+  /// word-aligned: copy_plane() those to their aligned_layout() and unpack that.
   Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// `raw` holds the frame as words, raw_words() of them or more; `linear` has the frame's extent.
   void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear) const;

@@ -84,30 +84,17 @@ bool is_word_aligned(const FrameFormat& format) {
   return true;
 }
 
-void copy_frame(const FrameFormat& from, std::span<const std::byte> source, const FrameFormat& to,
-                std::span<std::byte> target) {
-  if (from.format != to.format || from.extent != to.extent)
-    throw Error(ErrorKind::internal, "copy_frame between different formats or sizes");
-  if (source.size() < frame_bytes(from) || target.size() < frame_bytes(to))
-    throw Error(ErrorKind::unsupported,
-                std::string("a ") + name_of(from.format) + " frame of " + size_text(from.extent) +
-                    " needs " + std::to_string(std::max(frame_bytes(from), frame_bytes(to))) +
-                    " bytes, the buffer has " +
-                    std::to_string(std::min(source.size(), target.size())));
-  for (uint32_t p = 0; p < plane_count(from.format); ++p) {
-    const uint32_t row = row_bytes(from.format, from.extent, p);
-    const uint32_t rows = plane_rows(from.format, from.extent, p);
-    const std::byte* in = source.data() + from.offset[p];
-    std::byte* out = target.data() + to.offset[p];
-    if (from.stride[p] == to.stride[p]) {
-      // One copy takes the padding along, except behind the last row, where there may be none.
-      std::memcpy(out, in, static_cast<size_t>(rows - 1) * from.stride[p] + row);
-      continue;
-    }
-    for (uint32_t y = 0; y < rows; ++y)
-      std::memcpy(out + static_cast<size_t>(y) * to.stride[p],
-                  in + static_cast<size_t>(y) * from.stride[p], row);
+void copy_plane(PixelFormat format, Extent extent, uint32_t plane, const void* source,
+                size_t source_stride, void* target, size_t target_stride) {
+  const size_t bytes = row_bytes(format, extent, plane), rows = plane_rows(format, extent, plane);
+  if (source_stride == target_stride) {
+    // One copy takes the padding along, except behind the last row, where there may be none.
+    std::memcpy(target, source, (rows - 1) * source_stride + bytes);
+    return;
   }
+  for (size_t row = 0; row < rows; ++row)
+    std::memcpy(static_cast<std::byte*>(target) + row * target_stride,
+                static_cast<const std::byte*>(source) + row * source_stride, bytes);
 }
 
 void validate(const FrameFormat& format) {

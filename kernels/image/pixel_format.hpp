@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "plane.hpp"
 #include "transfer.hpp"
@@ -85,11 +84,11 @@ FrameFormat aligned_layout(FrameFormat format, uint32_t alignment = 16);
 /// Whether Unpack and Pack take this frame as it lies: offsets and strides are multiples of 4.
 bool is_word_aligned(const FrameFormat& format);
 
-/// Copies the rows of a frame from one layout to another: how frames that are not word-aligned
-/// reach and leave a device buffer. Format and extent of the two must agree. Padding is left as it
-/// was. Throws Error(unsupported) where either span is too short.
-void copy_frame(const FrameFormat& from, std::span<const std::byte> source, const FrameFormat& to,
-                std::span<std::byte> target);
+/// Copies the rows of one plane between two layouts, strides in bytes: how frames reach and leave a
+/// device buffer. Padding moves along where the strides agree and stays as it was where they do
+/// not.
+void copy_plane(PixelFormat format, Extent extent, uint32_t plane, const void* source,
+                size_t source_stride, void* target, size_t target_stride);
 
 /// Throws Error(unsupported), saying what is wrong: an empty frame, strides shorter than rows,
 /// a frame of more than 4 GiB, a Y'CbCr format without a matrix.

@@ -218,7 +218,7 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
   Push push{};
   push.size[0] = static_cast<int32_t>(levels_[level].extent.width);
   push.size[1] = static_cast<int32_t>(levels_[level].extent.height);
-  push.samples = p.samples;
+  push.samples = p.w_non_local > 0 ? p.samples : 0;
   push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
   push.ring_capacity = std::max(p.keyframes, 1);
   push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
@@ -335,7 +335,9 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
   };
   commands.dispatch(setup_, {levels_[level].image, links_, data_}, push, pixels);
   push.mode = clustered ? 1 : 0;
+  if (push.frames == 1) push.samples = 0;  // nothing but clusters
   pull(levels_[level].sample_past, clusters_, constant_pulls_);
+  push.samples = push_for(level).samples;
   for (int step = 0; step <= params_.irls_iterations; ++step) {
     const bool last = step == params_.irls_iterations;
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
@@ -438,6 +440,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
 }
 
 ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
+  if (recorded_ == 0) return {};
   if (frame >= recorded_ || frame + readback_.size() < recorded_) {
     throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
   }
@@ -447,6 +450,9 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   stats.gauge = values[0];
   stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
+  for (size_t k = 0; k < stats.clusters.size(); ++k) {
+    if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;
+  }
   for (size_t n = 0; n < stats.energy.size(); ++n) {
     std::memcpy(&stats.energy[n].data_and_chromaticity, values + 4 * (kTraceAt + n),
                 4 * sizeof(float));

@@ -2,7 +2,7 @@
 //
 //   thesis-bench [--dump IN [--out OUT]] [--size WxH] [--frames N] [--solver pcg|schwarz] [--levels
 //   N]
-//                [--irls N] [--pcg N] [--keyframes N] [--printed]
+//                [--irls N] [--pcg N] [--keyframes N] [--epsilon E] [--printed]
 //
 // Without a dump (see frames.hpp) the frames are synthetic; --out writes every frame's intrinsic
 // plane (R.rgb, S). Prints medians over the frames after the first.
@@ -116,6 +116,8 @@ int main(int argc, char** argv) {
       options.params.irls_iterations = std::atoi(value);
     } else if (name == "--pcg") {
       options.params.pcg_iterations = std::atoi(value);
+    } else if (name == "--epsilon") {
+      options.params.epsilon = static_cast<float>(std::atof(value));
     } else if (name == "--keyframes") {
       options.params.keyframes = std::atoi(value);
     } else if (name != "--size" ||

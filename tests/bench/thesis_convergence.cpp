@@ -1,12 +1,19 @@
 // Convergence of the thesis' solvers, like its figure 3.12: energy a pixel after every IRLS step on
 // every pyramid level, for pcg and schwarz, beside the double-precision reference at the same
-// iterations and the converged energy.
+// iterations and the converged energy. Ends with the difference from the reference.
 //
 //   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N]
 //   [--no-converged]
+//                      [--epsilon E] [--p P] [--svg FILE]
 //
-// Prints one line a step, separated by commas. The converged solve is the reference's, on the
-// processor: seconds at 160×120, minutes from 640×480 on.
+// Prints one line a step, separated by commas; --svg also draws the curves. Each solver is compared
+// at its own clusters, the converged energy too: they differ a little. The converged solve is the
+// reference's, on the processor: seconds at 80×60, minutes at 160×120; leave it out for more.
+//
+// The last lines tell how far r is from the reference's without the gauge (99 % of pixels, the
+// worst), and how far the reference itself goes when it rounds to single precision: sparsity with
+// p < 1 is not convex, and where an edge hangs between on and off rounding decides.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -21,13 +28,35 @@ namespace {
 
 using namespace inverse;
 
-/// The finest level's energy by solver, and the last value on every level: (level, step) → energy.
-using Curve = std::map<std::pair<int, int>, double>;
-
 struct Options {
   ThesisParams params;
   bool converged = true;
+  std::string svg;
 };
+
+/// One IRLS step of one solver; energies a pixel.
+struct Point {
+  int iteration;
+  Extent extent;
+  ThesisDecomposition::Energy energy;
+  double total, reference, converged;
+};
+
+/// |Δr| without the gauge, the largest channel's: at 99 % of pixels, and the largest of all.
+struct Difference {
+  double most, worst;
+};
+
+/// Both sides' view of one solve.
+struct Curve {
+  const char* name;
+  std::vector<Point> points;
+  Difference device, single;  ///< from the reference, and the reference's own in single precision
+  double energy = 0, reference = 0;
+};
+
+/// (level, step) → energy; of a converged solve only step 0 is kept, its last.
+using Energies = std::map<std::pair<int, int>, double>;
 
 std::vector<float> download(gpu::Commands& commands, const gpu::BufferPtr& buffer) {
   const auto host = gpu::Buffer::create(commands.device(), buffer->element(), buffer->count(),
@@ -48,72 +77,184 @@ reference::Plane to_reference(Extent extent, const std::vector<float>& pixels) {
   return plane;
 }
 
-reference::ThesisParams to_reference(const ThesisParams& params) {
-  reference::ThesisParams result;  // every weight has the same default
-  result.schwarz = params.solver == ThesisParams::Solver::schwarz;
-  result.levels = params.levels;
-  result.irls_iterations = params.irls_iterations;
-  result.pcg_iterations = params.pcg_iterations;
-  return result;
+/// The reference at the device's samples and clusters; every weight has the same default.
+struct Reference {
+  reference::IntrinsicThesis method;
+  Energies energies;
+  reference::Plane solution;
+
+  Reference(const bench::Frame& frame, const ThesisParams& params,
+            const std::vector<reference::Plane>& samples, const reference::Plane& clusters,
+            bool converged, bool single = false)
+      : method([&] {
+          reference::ThesisParams p;
+          p.schwarz = params.solver == ThesisParams::Solver::schwarz;
+          p.levels = params.levels;
+          p.epsilon = params.epsilon;
+          p.p = params.p;
+          p.irls_iterations = params.irls_iterations;
+          p.pcg_iterations = params.pcg_iterations;
+          return p;
+        }()) {
+    method.set_chromaticities(samples);
+    method.set_clusters(clusters);
+    method.set_converged(converged);
+    method.set_single_precision(single);
+    method.set_trace([&](int level, int step, const reference::ThesisEnergy& energy) {
+      energies[{level, converged ? 0 : step}] = energy.total();
+    });
+    solution = method.decompose(to_reference(frame.extent, frame.pixels));
+  }
+};
+
+/// The mean difference is the gauge's.
+Difference difference(const reference::Plane& got, const reference::Plane& expected) {
+  double gauge = 0;
+  for (size_t n = 0; n < expected.size(); ++n) {
+    for (size_t c = 0; c < 3; ++c) gauge += got.data[n][c] - expected.data[n][c];
+  }
+  gauge /= 3.0 * static_cast<double>(expected.size());
+  std::vector<double> differences(expected.size());
+  for (size_t n = 0; n < expected.size(); ++n) {
+    for (size_t c = 0; c < 3; ++c) {
+      differences[n] =
+          std::max(differences[n], std::abs(got.data[n][c] - expected.data[n][c] - gauge));
+    }
+  }
+  std::sort(differences.begin(), differences.end());
+  return {differences[(differences.size() - 1) * 99 / 100], differences.back()};
 }
 
-Curve reference_curve(const bench::Frame& frame, const ThesisParams& params,
-                      const reference::Plane& clusters, bool converged) {
-  reference::IntrinsicThesis method(to_reference(params));
-  method.set_clusters(clusters);
-  method.set_converged(converged);
+Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::Frame& frame,
+            const Options& options, ThesisParams::Solver solver) {
+  ThesisParams params = options.params;
+  params.solver = solver;
+  params.trace = true;
+  ThesisDecomposition method(device, frame.extent);
+  method.set_params(params);
+  const auto input =
+      gpu::Buffer::create(device, gpu::Element::vec4, frame.extent.pixels(), gpu::Memory::upload);
+  std::memcpy(input->map(), frame.pixels.data(), input->bytes());
+  gpu::Commands commands(device);
+  commands.begin();
+  Layers layers;
+  const uint64_t number = method.record(commands, {frame.extent, input}, layers);
+  commands.submit();
+  commands.wait();
+  const auto stats = method.stats(number);
+
+  std::vector<reference::Plane> samples;
+  for (int n = 0; n < stats.levels; ++n) {
+    const Plane level = method.sample_frame(n);
+    std::vector<float> pixels = download(commands, level.buffer);
+    samples.push_back(to_reference(level.extent, pixels));
+  }
+  reference::Plane clusters;
+  if (stats.clustered) {
+    clusters = to_reference(frame.extent, download(commands, method.clusters().buffer));
+  }
+  const Reference expected(frame, params, samples, clusters, false);
+  Energies converged;
+  if (options.converged) {
+    converged = Reference(frame, params, samples, clusters, true).energies;
+  }
+
   Curve curve;
-  method.set_trace([&](int level, int step, const reference::ThesisEnergy& energy) {
-    curve[{level, converged ? 0 : step}] = energy.total();
-  });
-  method.decompose(to_reference(frame.extent, frame.pixels));
+  curve.name = solver == ThesisParams::Solver::pcg ? "pcg" : "schwarz";
+  int iteration = 0;
+  for (const auto& energy : stats.energy) {
+    const Extent extent = method.sample_frame(energy.level).extent;
+    const auto pixels = static_cast<double>(extent.pixels());
+    if (energy.step >= 0) iteration += params.pcg_iterations;
+    const double limit = options.converged ? converged.at({energy.level, 0}) / pixels : 0;
+    curve.points.push_back({iteration, extent, energy, energy.total() / pixels,
+                            expected.energies.at({energy.level, energy.step}) / pixels, limit});
+  }
+  const reference::Plane got =
+      to_reference(frame.extent, download(commands, method.solution().buffer));
+  curve.device = difference(got, expected.solution);
+  curve.single = difference(Reference(frame, params, samples, clusters, false, true).solution,
+                            expected.solution);
+  curve.energy = expected.method.energy(got).total();
+  curve.reference = expected.method.energy(expected.solution).total();
   return curve;
 }
 
-void run(const std::shared_ptr<gpu::Device>& device, const bench::Frame& frame,
-         const Options& options) {
+void print(const std::vector<Curve>& curves, bool converged) {
   printf(
       "solver,iteration,level,width,height,irls step,energy/pixel,reference,converged,"
       "data+chromaticity,sparsity,smoothness,samples+clusters\n");
-  for (const auto solver : {ThesisParams::Solver::pcg, ThesisParams::Solver::schwarz}) {
-    ThesisParams params = options.params;
-    params.solver = solver;
-    params.trace = true;
-    ThesisDecomposition method(device, frame.extent);
-    method.set_params(params);
-    const auto input =
-        gpu::Buffer::create(device, gpu::Element::vec4, frame.extent.pixels(), gpu::Memory::upload);
-    std::memcpy(input->map(), frame.pixels.data(), input->bytes());
-    gpu::Commands commands(device);
-    commands.begin();
-    Layers layers;
-    const uint64_t number = method.record(commands, {frame.extent, input}, layers);
-    commands.submit();
-    commands.wait();
-    const auto stats = method.stats(number);
-
-    reference::Plane clusters;
-    if (stats.clustered) {
-      clusters = to_reference(frame.extent, download(commands, method.clusters().buffer));
-    }
-    const Curve expected = reference_curve(frame, params, clusters, false);
-    Curve best;
-    if (options.converged) best = reference_curve(frame, params, clusters, true);
-    int iteration = 0;
-    for (const auto& energy : stats.energy) {
-      const Plane level = method.sample_frame(energy.level);
-      const auto pixels = static_cast<double>(level.extent.pixels());
-      if (energy.step >= 0) iteration += params.pcg_iterations;
-      printf("%s,%d,%d,%u,%u,%d,%.6f,%.6f,",
-             solver == ThesisParams::Solver::pcg ? "pcg" : "schwarz", iteration, energy.level,
-             level.extent.width, level.extent.height, energy.step + 1, energy.total() / pixels,
-             expected.at({energy.level, energy.step}) / pixels);
-      if (options.converged) printf("%.6f", best.at({energy.level, 0}) / pixels);
+  for (const Curve& curve : curves) {
+    for (const Point& point : curve.points) {
+      const auto pixels = static_cast<double>(point.extent.pixels());
+      const auto& energy = point.energy;
+      printf("%s,%d,%d,%u,%u,%d,%.6f,%.6f,", curve.name, point.iteration, energy.level,
+             point.extent.width, point.extent.height, energy.step + 1, point.total,
+             point.reference);
+      if (converged) printf("%.6f", point.converged);
       printf(",%.6f,%.6f,%.6f,%.6f\n", energy.data_and_chromaticity / pixels,
              energy.sparsity / pixels, energy.smoothness / pixels,
              energy.samples_and_clusters / pixels);
     }
   }
+  for (const Curve& curve : curves) {
+    printf("# %s: energy %.6g, reference %.6g (%+.4f %%)", curve.name, curve.energy,
+           curve.reference, 100 * (curve.energy / curve.reference - 1));
+    if (converged)
+      printf(", converged %.6g", curve.points.back().converged *
+                                     static_cast<double>(curve.points.back().extent.pixels()));
+    printf("\n#   |dr| 99 %% %.1e, max %.1e; reference in single precision 99 %% %.1e, max %.1e\n",
+           curve.device.most, curve.device.worst, curve.single.most, curve.single.worst);
+  }
+}
+
+/// Energy over iterations, logarithmic, with the converged energy of each level dashed.
+void draw(const std::vector<Curve>& curves, bool converged, const std::string& path) {
+  constexpr double kWidth = 720, kHeight = 360, kMargin = 48;
+  double low = 1e300, high = 0;
+  int last = 1;
+  for (const Curve& curve : curves) {
+    for (const Point& point : curve.points) {
+      low = std::min({low, point.total, converged ? point.converged : point.total});
+      high = std::max(high, point.total);
+      last = std::max(last, point.iteration);
+    }
+  }
+  const auto x = [&](double iteration) {
+    return kMargin + iteration / last * (kWidth - 1.5 * kMargin);
+  };
+  const auto y = [&](double energy) {
+    return kMargin / 2 + std::log(high / energy) / std::log(high / low) * (kHeight - 1.5 * kMargin);
+  };
+  std::ofstream svg(path);
+  svg << "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 " << kWidth << ' ' << kHeight
+      << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' "
+         "fill='white'/>\n";
+  const char* colors[] = {"#1b6ca8", "#c8553d"};
+  for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10) {
+    for (const double tick : {decade, 2 * decade, 5 * decade}) {
+      if (tick < low || tick > high) continue;
+      svg << "<path d='M" << kMargin << ' ' << y(tick) << 'H' << kWidth - kMargin / 2
+          << "' stroke='#ddd'/><text x='4' y='" << y(tick) + 4 << "'>" << tick << "</text>\n";
+    }
+  }
+  for (size_t k = 0; k < curves.size(); ++k) {
+    svg << "<polyline fill='none' stroke-width='1.5' stroke='" << colors[k] << "' points='";
+    for (const Point& point : curves[k].points)
+      svg << x(point.iteration) << ',' << y(point.total) << ' ';
+    svg << "'/>\n<text x='" << kWidth / 2 << "' y='" << 40 + 16 * k << "' fill='" << colors[k]
+        << "'>" << curves[k].name << "</text>\n";
+    for (size_t n = 1; converged && n < curves[k].points.size(); ++n) {
+      const Point &from = curves[k].points[n - 1], &to = curves[k].points[n];
+      if (from.energy.level != to.energy.level) continue;
+      svg << "<path stroke-dasharray='3 3' stroke='" << colors[k] << "' d='M" << x(from.iteration)
+          << ' ' << y(to.converged) << 'H' << x(to.iteration) << "'/>\n";
+    }
+  }
+  svg << "<text x='" << kWidth / 2 - 120 << "' y='" << kHeight - 8
+      << "'>conjugate-gradient iterations, coarse to fine</text>\n<text x='4' y='14'>energy a pixel"
+      << (converged ? " (dashed: converged)" : "") << "</text>\n</svg>\n";
+  if (!svg) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace
@@ -126,30 +267,40 @@ int main(int argc, char** argv) {
   std::string dump;
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
-    const char* value = i + 1 < argc ? argv[i + 1] : "";
     if (name == "--no-converged") {
       options.converged = false;
       continue;
     }
-    ++i;
+    const char* value = i + 1 < argc ? argv[++i] : "";
     if (name == "--dump") {
       dump = value;
+    } else if (name == "--svg") {
+      options.svg = value;
     } else if (name == "--irls") {
       options.params.irls_iterations = std::atoi(value);
     } else if (name == "--pcg") {
       options.params.pcg_iterations = std::atoi(value);
+    } else if (name == "--epsilon") {
+      options.params.epsilon = static_cast<float>(std::atof(value));
+    } else if (name == "--p") {
+      options.params.p = static_cast<float>(std::atof(value));
     } else if (name == "--levels") {
       options.params.levels = std::atoi(value);
     } else if (name != "--size" || sscanf(value, "%ux%u", &extent.width, &extent.height) != 2) {
       fprintf(stderr, "unknown option %s; the head of thesis_convergence.cpp lists them\n",
-              argv[i - 1]);
+              name.c_str());
       return 2;
     }
   }
   try {
     const bench::Frame frame =
         dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();
-    run(gpu::Device::open(), frame, options);
+    const auto device = gpu::Device::open();
+    const std::vector<Curve> curves = {
+        solve(device, frame, options, ThesisParams::Solver::pcg),
+        solve(device, frame, options, ThesisParams::Solver::schwarz)};
+    print(curves, options.converged);
+    if (!options.svg.empty()) draw(curves, options.converged, options.svg);
   } catch (const std::exception& error) {
     fprintf(stderr, "%s\n", error.what());
     return 1;

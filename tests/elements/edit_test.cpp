@@ -224,6 +224,27 @@ TEST(Recolor, EveryEditorOfAChainWorksInPlaceWithoutTouchingTheModel) {
   }
 }
 
+TEST(Recolor, ALongerChainOfEditorsTakesNoMorePlanes) {
+  const int width = 128, height = 96;
+  const std::string caps = VideoHarness::caps("RGBA", width, height);
+  const auto frame = random_frame(caps, 1);
+  const auto bytes_with = [&](int editors) {
+    std::string line = "intrinsicdecomp";
+    for (int i = 0; i < editors; ++i) line += " ! intrinsicrecolor";
+    VideoHarness harness(line + " ! intrinsiccompose", caps, caps);
+    for (int i = 0; i < 6; ++i) EXPECT_FALSE(harness.process(frame).empty());
+    GstStructure* stats = nullptr;
+    g_object_get(harness.find("intrinsiccompose"), "stats", &stats, nullptr);
+    guint64 bytes = 0;
+    EXPECT_TRUE(gst_structure_get_uint64(stats, "device-bytes", &bytes));
+    gst_structure_free(stats);
+    return static_cast<int64_t>(bytes);
+  };
+  const int64_t plane = static_cast<int64_t>(width) * height * 16;
+  EXPECT_GE(bytes_with(1), bytes_with(0) + plane) << "the first editor needs a plane of its own";
+  EXPECT_LT(bytes_with(5), bytes_with(1) + plane);
+}
+
 TEST(Recolor, AnEditOnOneBranchOfATeeLeavesTheOtherAlone) {
   const std::string source =
       "videotestsrc num-buffers=12 pattern=ball ! video/x-raw,format=RGBA,width=64,height=48 ! "
@@ -252,6 +273,17 @@ TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
     EXPECT_NE(errors[0].find(editor + " works on decomposed video; insert intrinsicdecomp"),
               std::string::npos)
         << errors[0];
+  }
+}
+
+TEST(Editors, WithoutADecomposerALineSaysSoToo) {
+  for (const std::string editor : {"intrinsicrecolor ! intrinsiccompose", "intrinsiccompose",
+                                   "intrinsicsplit name=s s.shading ! queue"}) {
+    const auto result = run_line("videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! " +
+                                 editor + " ! fakesink");
+    EXPECT_NE(result.first_error().find("works on decomposed video; insert intrinsicdecomp"),
+              std::string::npos)
+        << editor << ": " << result.first_error();
   }
 }
 

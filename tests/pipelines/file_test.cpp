@@ -29,7 +29,7 @@ class Files : public PipelineTest {
     make_clip(file("in.mkv"), encoder);
     ASSERT_EQ(run("file-to-file", {file("in.mkv"), file("out.mkv")}), 0) << output_;
     const Media in = read_media(file("in.mkv")), out = read_media(file("out.mkv"));
-    expect_video(out, 160, 120, 12);
+    ASSERT_NO_FATAL_FAILURE(expect_video(out, 160, 120, 12));
     EXPECT_EQ(out.frames.size(), in.frames.size());
     EXPECT_EQ(out.times, in.times);
     ASSERT_EQ(in.sounds.size(), 1u);
@@ -47,7 +47,7 @@ TEST_F(Files, WithoutSound) {
   make_silent_clip(file("in.mkv"));
   ASSERT_EQ(run("file-to-file", {file("in.mkv"), file("out.mkv"), "mosaic"}), 0) << output_;
   const Media out = read_media(file("out.mkv"));
-  expect_video(out, 160, 120, 12);
+  ASSERT_NO_FATAL_FAILURE(expect_video(out, 160, 120, 12));
   EXPECT_TRUE(out.sounds.empty());
   expect_mosaic(out.frames.back());
 }
@@ -56,7 +56,7 @@ TEST_F(Files, NamesWithSpacesAndSigns) {
   const std::string in = file("a clip, 100 % \xc3\xbc & #1?.mkv");
   make_clip(in);
   ASSERT_EQ(run("file-to-file", {in, file("its reflectance.mkv")}), 0) << output_;
-  expect_video(read_media(file("its reflectance.mkv")), 160, 120, 12);
+  ASSERT_NO_FATAL_FAILURE(expect_video(read_media(file("its reflectance.mkv")), 160, 120, 12));
 }
 
 TEST_F(Files, MissingAndBrokenOnesFail) {
@@ -73,7 +73,7 @@ TEST_F(Files, Playbin) {
             0)
       << output_;
   const Media in = read_media(file("in.mkv")), out = read_media(file("out.mkv"));
-  expect_video(out, 160, 120, 3);
+  ASSERT_NO_FATAL_FAILURE(expect_video(out, 160, 120, 3));
   // The filter was in: the picture is not the input's.
   EXPECT_GT(std::abs(out.frames[0].mean(1) - in.frames[0].mean(1)), 1);
 }
@@ -87,7 +87,7 @@ TEST_F(Files, TestPatternTurnsRedBarsGreen) {
             0)
       << output_;
   const Media media = read_media(file("out.mkv"));
-  expect_video(media, 320, 240, 1);
+  ASSERT_NO_FATAL_FAILURE(expect_video(media, 320, 240, 1));
   // The upper bars of smpte: white, yellow, cyan, green, magenta, red, blue.
   const auto bar = [&](int index, int channel) {
     return media.frames.back().mean(channel, (index + .3) / 7, .1, (index + .7) / 7, .5);
@@ -111,9 +111,9 @@ TEST_F(Files, BatchGoesOnWhereItWasAndTellsWhatFailed) {
   EXPECT_NE(output_.find("3 done, 0 already there, 1 failed"), std::string::npos) << output_;
   EXPECT_NE(output_.find("broken.mp4: ERROR"), std::string::npos) << output_;
   const std::string results = file("results/day one");
-  expect_video(read_media(results + "/a.mkv.mkv"), 160, 120, 12);
+  ASSERT_NO_FATAL_FAILURE(expect_video(read_media(results + "/a.mkv.mkv"), 160, 120, 12));
   EXPECT_EQ(read_media(results + "/a.mkv.mkv").sounds.size(), 1u);
-  expect_video(read_media(results + "/deep/b c.mkv.mkv"), 160, 120, 12);
+  ASSERT_NO_FATAL_FAILURE(expect_video(read_media(results + "/deep/b c.mkv.mkv"), 160, 120, 12));
   EXPECT_FALSE(std::filesystem::exists(results + "/broken.mp4.mkv"));
 
   std::filesystem::remove(file("day one/broken.mp4"));

@@ -54,8 +54,8 @@ TEST_F(Network, RtpIn) {
                       port});
   receive(receiver, sender, file("in.mkv"));
   const Media media = read_media(file("in.mkv"));
-  expect_video(media, 160, 120, 3);
-  if (!media.frames.empty()) expect_mosaic(media.frames.back());
+  ASSERT_NO_FATAL_FAILURE(expect_video(media, 160, 120, 3));
+  expect_mosaic(media.frames.back());
 }
 
 TEST_F(Network, RtpOut) {
@@ -68,7 +68,7 @@ TEST_F(Network, RtpOut) {
                         "clock-rate=90000 ! rtpvp8depay ! vp8dec ! " +
                         raw_file(file("out.mkv"))});
   receive(receiver, sender, file("out.mkv"));
-  expect_video(read_media(file("out.mkv")), 160, 120, 3);
+  ASSERT_NO_FATAL_FAILURE(expect_video(read_media(file("out.mkv")), 160, 120, 3));
 }
 
 }  // namespace

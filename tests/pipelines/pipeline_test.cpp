@@ -35,7 +35,7 @@ int PipelineTest::run(const std::string& name, const std::vector<std::string>& w
 }
 
 std::string raw_file(const std::string& path) {
-  return "video/x-raw,format=I420 ! matroskamux ! filesink location=" + path;
+  return "queue ! video/x-raw,format=I420 ! matroskamux ! filesink location=" + path;
 }
 
 void expect_mosaic(const Image& frame) {

@@ -27,7 +27,7 @@ TEST_F(Run, BundledClipWithoutDisplay) {
   EXPECT_NE(output_.find("frames/s"), std::string::npos) << output_;
 
   const Media movie = read_media(file("out/decomposition.mkv"));
-  expect_video(movie, 1280, 960, 15);
+  ASSERT_NO_FATAL_FAILURE(expect_video(movie, 1280, 960, 15));
   EXPECT_EQ(movie.frames.size(), 15u);
   const Image& frame = movie.frames.back();
   expect_mosaic(frame);

@@ -80,16 +80,20 @@ std::array<int, 2> schwarz_shift(int iteration) {
   return {halton16(iteration, 2), halton16(iteration, 3)};
 }
 
-ConjugateGradients::ConjugateGradients(int width, int height)
+ConjugateGradients::ConjugateGradients(int width, int height, bool single)
     : residual_(width, height),
       z_(width, height),
       direction_(width, height),
-      product_(width, height) {}
+      product_(width, height),
+      single_(single) {}
 
 void ConjugateGradients::run(const ThesisSystem& system, int iterations, double tolerance, int x0,
                              int y0, int x1, int y1, const Plane& start, Plane* x) {
   const int width = x->width;
   const int height = x->height;
+  const auto store = [&](double value) {
+    return single_ ? static_cast<double>(static_cast<float>(value)) : value;
+  };
   const auto for_block = [&](auto f) {
     for (int row = y0; row < y1; ++row) {
       for (int column = x0; column < x1; ++column) f(x->index(column, row));
@@ -113,7 +117,7 @@ void ConjugateGradients::run(const ThesisSystem& system, int iterations, double 
   for (int k = 0; k < iterations && rz > stop; ++k) {
     for_block([&](std::size_t n) {
       for (int c = 0; c < 4; ++c) {
-        direction_.data[n][c] = z_.data[n][c] + beta * direction_.data[n][c];
+        direction_.data[n][c] = store(z_.data[n][c] + beta * direction_.data[n][c]);
       }
     });
     apply(system, direction_, x0, y0, x1, y1, &product_);
@@ -122,8 +126,8 @@ void ConjugateGradients::run(const ThesisSystem& system, int iterations, double 
     const double alpha = rz / curvature;
     for_block([&](std::size_t n) {
       for (int c = 0; c < 4; ++c) {
-        x->data[n][c] += alpha * direction_.data[n][c];
-        residual_.data[n][c] -= alpha * product_.data[n][c];
+        x->data[n][c] = store(x->data[n][c] + alpha * direction_.data[n][c]);
+        residual_.data[n][c] = store(residual_.data[n][c] - alpha * product_.data[n][c]);
       }
       precondition(n);
     });
@@ -140,13 +144,13 @@ void IntrinsicThesis::irls_step(const ThesisSystem& system, int step, Plane* x) 
     return;
   }
   if (!params_.schwarz) {
-    ConjugateGradients(x->width, x->height)
+    ConjugateGradients(x->width, x->height, single_)
         .run(system, params_.pcg_iterations, 0, 0, 0, x->width, x->height, *x, x);
     return;
   }
   // Additive: every block starts from the same x and writes a new one.
   const auto [shift_x, shift_y] = schwarz_shift(step);
-  ConjugateGradients solver(x->width, x->height);
+  ConjugateGradients solver(x->width, x->height, single_);
   const Plane start = *x;
   for (int y = -shift_y; y < x->height; y += kBlock) {
     for (int column = -shift_x; column < x->width; column += kBlock) {

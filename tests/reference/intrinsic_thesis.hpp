@@ -28,7 +28,9 @@ std::array<int, 2> schwarz_shift(int iteration);
 /// Jacobi-preconditioned conjugate gradients on a block of the image, with its work space.
 class ConjugateGradients {
  public:
-  ConjugateGradients(int width, int height);
+  /// single: rounds x and the search vectors to single precision wherever a device would store
+  /// them.
+  ConjugateGradients(int width, int height, bool single = false);
 
   /// `iterations` steps on A x = b from `start`, on the block [x0, x1) × [y0, y1) with the values
   /// outside it held fixed; only the block of `x` (equal to `start` there on entry) is written.
@@ -42,6 +44,7 @@ class ConjugateGradients {
   Plane z_;
   Plane direction_;
   Plane product_;
+  bool single_;
 };
 
 /// Decomposes frame after frame and keeps keyframes and the palette between them.
@@ -61,6 +64,8 @@ class IntrinsicThesis {
   /// Iterates each level until the energy's relative change is below 1e-10 (at most 400 IRLS steps,
   /// each solved to 1e-8): the converged decomposition for the same samples.
   void set_converged(bool converged) { converged_ = converged; }
+  /// Rounds what a device would store to single precision: shows how far rounding alone leads.
+  void set_single_precision(bool single) { single_ = single; }
   void set_trace(Trace trace) { trace_ = std::move(trace); }
 
   /// Uses this clustered reflectance r_cluster (w < 0: no cluster) instead of its own palette from
@@ -98,6 +103,7 @@ class IntrinsicThesis {
   std::vector<Plane> chromaticities_;
   Trace trace_;
   bool converged_ = false;
+  bool single_ = false;
   std::uint32_t frame_ = 0;
   std::deque<Keyframe> keyframes_;        // newest last
   std::vector<Keyframe> used_keyframes_;  // those that the last frame was solved with

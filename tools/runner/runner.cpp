@@ -28,8 +28,10 @@ using Clock = std::chrono::steady_clock;
 
 // Compressed sound that Matroska takes as it is; other sound is decoded and kept as samples.
 constexpr const char* kVideoOrSound =
-    "video/x-raw(ANY); audio/mpeg; audio/x-vorbis; audio/x-opus; audio/x-flac; audio/x-ac3; "
-    "audio/x-eac3; audio/x-dts; audio/x-alaw; audio/x-mulaw; audio/x-tta; audio/x-raw";
+    "video/x-raw(ANY); audio/mpeg, mpegversion=1; audio/mpeg, mpegversion={2,4}, "
+    "stream-format=raw; "
+    "audio/x-vorbis; audio/x-opus; audio/x-flac, framed=true; audio/x-ac3; audio/x-eac3; "
+    "audio/x-dts; audio/x-alaw; audio/x-mulaw; audio/x-tta; audio/x-raw";
 
 // Fast enough to keep step on two cores, and good enough to judge the picture.
 constexpr const char* kFileSink =
@@ -128,7 +130,8 @@ class Session {
   uint64_t frames_ = 0;
   int width_ = 0, height_ = 0;
   Clock::time_point first_, last_;
-  std::map<std::string, std::vector<double>> milliseconds_;  // device time a frame, of elements with stats
+  std::map<std::string, std::vector<double>>
+      milliseconds_;  // device time a frame, of elements with stats
   ContactSheet sheet_;
 };
 

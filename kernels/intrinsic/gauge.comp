@@ -1,0 +1,34 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "gauge.glsl"
+
+// One invocation: the quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.
+//   gauge[0] = ln c, where R c and S / c go out
+WORD_INOUT(0, counts);
+PLANE_IN(1, verdict);  // .y = 0 at a cut (verdict.comp)
+PLANE_INOUT(2, gauge);
+layout(push_constant) uniform Push {
+  float quantile;
+  float log_target;  // ln of the value that the quantile comes to
+  float share;       // of the newest frame
+  uint history;      // 0: no frame before, and no verdict on it
+} push;
+
+void main() {
+  if (gl_GlobalInvocationID.x > 0u) return;
+  uint total = 0u;
+  for (uint i = 0u; i < kGaugeBins; ++i) total += LOAD(counts, i);
+  float reach = push.quantile * float(total);
+  uint sum = 0u, bin = 0u;
+  for (uint i = 0u; i < kGaugeBins; ++i) {
+    if (float(sum) < reach) bin = i;
+    sum += LOAD(counts, i);
+    STORE(counts, i, 0u);
+  }
+  float before = LOAD(gauge, 0).x;
+  bool carries = push.history != 0u && FETCH(verdict, 0).y > 0.0;
+  // A frame that is all dark has no say; where nothing is known either, the solver's own scale stays.
+  float wanted = total > 0u ? push.log_target - gauge_value(bin) : (carries ? before : 0.0);
+  STORE(gauge, 0, vec4(carries ? mix(before, wanted, push.share) : wanted, 0.0, 0.0, 0.0));
+}

@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+#include <memory>
+
+#include "guide.hpp"
+
+namespace inverse {
+
+/// The scale in which reflectance and shading go out (gauge.glsl). Found on the device, frame by frame; steady over time,
+/// fresh at cuts.
+class OutputGauge {
+ public:
+  struct Params {
+    /// Quantile of max_c R over the frame, 0…1, that …
+    float quantile = 0.98F;
+    /// … comes to this value, 0.05…1 (1 = the brightest that a display shows).
+    float value = 0.9F;
+    /// Share of the newest frame, 0…1; 1 follows every frame, 0 never moves until a cut.
+    float share = 0.1F;
+  };
+  explicit OutputGauge(const std::shared_ptr<gpu::Device>& device);
+
+  /// Records finding the gauge for `shading`, the solution in quads. `verdict` is TemporalAnchor's; it counts only with
+  /// `history`.
+  void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
+              const gpu::BufferPtr& verdict, bool history, const Params& params);
+  /// One vec4: ln c in x.
+  const gpu::BufferPtr& value() const { return gauge_; }
+
+ private:
+  gpu::KernelPtr count_, gauge_kernel_;
+  gpu::BufferPtr counts_, gauge_;
+  bool cleared_ = false;
+};
+
+}  // namespace inverse
