@@ -30,7 +30,7 @@ class IntrinsicDecomposition {
     /// weights.
     bool adaptive = true;
     /// Change of a 2 x 2 mean's log intensity or chroma, 0…1, from which on a tile has changed.
-    float still_tolerance = 0.02F;
+    float still_tolerance = 0.05F;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)

@@ -1,7 +1,7 @@
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
-//   [--adaptive 0|1]
+//   [--adaptive 0|1] [--tolerance T]
 //
 // Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height
 // float RGBA, linear light, any number of such frames one after another) they are its frames in
@@ -147,6 +147,8 @@ int main(int argc, char** argv) try {
       params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--cycles")
       params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--tolerance")
+      params.still_tolerance = static_cast<float>(std::atof(value.c_str()));
     else if (option == "--adaptive")
       params.adaptive = value != "0";
     else if (option == "--size") {
