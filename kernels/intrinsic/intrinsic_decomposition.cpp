@@ -69,7 +69,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, cycle, [&] { bins_.record(commands, guide_, state); },
+        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
 
@@ -117,6 +118,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 
 IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
   Findings findings;
+  findings.change = multigrid_.change();
   findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
   if (stats_.history) {
     const float* verdict = anchor_.verdict()->map_as<float>();

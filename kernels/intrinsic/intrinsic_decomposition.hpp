@@ -57,8 +57,9 @@ class IntrinsicDecomposition {
   const Stats& stats() const { return stats_; }
   /// What the device found out about the last frame that was waited for.
   struct Findings {
-    float mismatch = 0;            ///< with the frame before, 0…1; 0 without one
-    bool cut = false;              ///< a cut: nothing was taken over
+    float change = 0;    ///< rms change of log shading by the last cycle: what is left to do
+    float mismatch = 0;  ///< with the frame before, 0…1; 0 without one
+    bool cut = false;    ///< a cut: nothing was taken over
     uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
   };
   Findings findings() const;

@@ -208,7 +208,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
       for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
-            commands, params, static_cast<uint32_t>(k),
+            commands, params, static_cast<uint32_t>(k), false,
             [&] { bins.record(commands, guide, state); },
             [&] { bins.record_force(commands, state); });
     });
@@ -343,6 +343,10 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
         << "the scenes must be what this test takes them for";
     const Pixels got = decompose(method, input(extent, pixels), params, false);
     EXPECT_EQ(method.stats().history, time > 0);
+    const auto findings = method.findings();
+    EXPECT_NEAR(findings.mismatch, expected.stats.mismatch, 1e-3);
+    EXPECT_EQ(findings.cut, time == 3);
+    EXPECT_NEAR(findings.change, expected.stats.change.back(), 0.02 * expected.stats.change.back());
     double sum = 0;
     for (size_t i = 0; i < extent.pixels(); ++i) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
