@@ -18,7 +18,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       extent_(extent),
       planes_(device_, extent),
       guide_(device_, extent),
-      prior_(device_),
+      prior_(device_, extent),
       anchor_(device_, guide_.cell_extent()),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
@@ -69,7 +69,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, cycle, [&] { bins_.record(commands, guide_, state); },
+        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
 
@@ -85,7 +86,14 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 
   guide_.record(commands, input->buffer);
   commands.stage("guide");
-  prior_.record(commands, guide_, {multigrid_.system(), flux_, value_}, params.prior);
+  const EdgePrior::Target target{multigrid_.system(), flux_, value_};
+  stats_.tiles = prior_.tiles();
+  adaptive_ = params.adaptive;
+  if (!history_) prior_.reset();
+  if (params.adaptive)
+    prior_.record_changes(commands, guide_, target, params.prior, params.still_tolerance);
+  else
+    prior_.record(commands, guide_, target, params.prior);
   commands.stage("prior");
   assemble(commands, params.anchor, stats_.history);
   commands.stage("assemble");
@@ -106,6 +114,18 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   layers[Role::model] = intrinsic;
   layers[Role::intrinsic] = intrinsic;
   return layers;
+}
+
+IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
+  Findings findings;
+  findings.change = multigrid_.change();
+  findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
+  if (stats_.history) {
+    const float* verdict = anchor_.verdict()->map_as<float>();
+    findings.mismatch = verdict[0];
+    findings.cut = verdict[1] == 0;
+  }
+  return findings;
 }
 
 }  // namespace inverse

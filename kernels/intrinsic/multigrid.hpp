@@ -53,8 +53,11 @@ class Multigrid {
                         const Params& params) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their force after the last correction.
-  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
-                    const std::function<void()>& before, const std::function<void()>& after) const;
+  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k, bool measure,
+                    const std::function<void()>& before, const std::function<void()>& after);
+  /// Root mean square change of the unknown by the last cycle that was recorded with `measure` and
+  /// is done, log units; on the host.
+  float change() const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -67,7 +70,7 @@ class Multigrid {
   void smooth(gpu::Commands& commands, size_t level) const;
   void correct(gpu::Commands& commands, size_t level) const;
   void restrict_to(gpu::Commands& commands, size_t level) const;
-  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
@@ -76,8 +79,10 @@ class Multigrid {
   gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, sum_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
+  gpu::BufferPtr sums_, change_;
+  bool cleared_ = false;
   gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
 };
 

@@ -223,10 +223,10 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
     multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
-    extrapolation.apply(k, before, levels[0].s);
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
     result.stats.change.push_back(std::sqrt(sum / double(n)));
+    extrapolation.apply(k, before, levels[0].s);
   }
 
   // Layers and state.
