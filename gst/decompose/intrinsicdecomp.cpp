@@ -32,7 +32,10 @@ class IntrinsicElement final : public Decomposer {
     method_.reset();
     Decomposer::release();
   }
-  void reset() override { method_->reset(); }
+  void reset() override {
+    Decomposer::reset();
+    method_->reset();
+  }
 
   void describe(GstStructure* stats) const override {
     const auto& method = method_->stats();
