@@ -32,11 +32,11 @@ class VulkanNeighbor {
   VulkanNeighbor& operator=(const VulkanNeighbor&) = delete;
   ~VulkanNeighbor();
 
-  /// Looks for the device of neighbours, downstream first, and wraps it; null where there is none.
+  /// Looks for the device of neighbors, downstream first, and wraps it; null where there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
   std::shared_ptr<gpu::Device> find(GstElement* element);
-  /// Makes a device for the neighbours: a GstVulkanDevice on the physical device that `like` is on.
+  /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
   /// Throws Error(no_device) where GStreamer's Vulkan library cannot open it.
   std::shared_ptr<gpu::Device> make(GstElement* element, const gpu::Device& like);
   /// What was found or made last; null where nothing was.
@@ -50,6 +50,11 @@ class VulkanNeighbor {
   /// Whether a query asks for a device.
   static bool asks_for_device(GstQuery* query);
 
+  /// Waits until the device held has done all that was submitted to it, by whomever. vulkanupload
+  /// frees what the device still reads where a stream stops in the middle of a frame (GStreamer
+  /// 1.22).
+  void settle() const;
+  /// Settles and lets go.
   void release();
 
  private:

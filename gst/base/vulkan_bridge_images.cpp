@@ -1,4 +1,5 @@
 // Frames as images on a device of GStreamer's Vulkan library.
+#include <mutex>
 #include <string>
 
 #include "frame_io.hpp"
@@ -70,6 +71,8 @@ class ImageInput final : public FrameInput {
                       std::to_string(image->create_info.format) +
                       " is not the 8-bit RGBA frame that can be copied from which its caps "
                       "promise; mend the element that sent it");
+    static std::mutex notes;  // branches of a tee may read one image at a time
+    std::lock_guard lock(notes);
     const VkImageLayout before = image->barrier.image_layout;
     // As it was: another branch of a tee may have recorded, and not yet submitted, its own use.
     const VkImageLayout after =

@@ -1,4 +1,4 @@
-// The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbours,
+// The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbors,
 // and no template lets images in or out.
 #include "frame_io.hpp"
 #include "vulkan_bridge.hpp"
@@ -24,6 +24,7 @@ std::shared_ptr<gpu::Device> VulkanNeighbor::held() const { return nullptr; }
 void VulkanNeighbor::set_context(GstElement*, GstContext*) {}
 bool VulkanNeighbor::answer(GstElement*, GstQuery*) const { return false; }
 bool VulkanNeighbor::asks_for_device(GstQuery*) { return false; }
+void VulkanNeighbor::settle() const {}
 void VulkanNeighbor::release() {}
 
 bool same_hardware(const gpu::Device& a, const gpu::Device& b) { return &a == &b; }

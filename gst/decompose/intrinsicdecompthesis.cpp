@@ -42,7 +42,7 @@ class ThesisElement final : public Decomposer {
                       "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
                       static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
                       static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
-                      static_cast<int>(method.clusters.size()), nullptr);
+                      method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }

@@ -134,7 +134,9 @@ bool SplitElement::set_caps(GstCaps* caps) {
       GST_ELEMENT_ERROR(
           element_, STREAM, FORMAT,
           ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
-          ("got %" GST_PTR_FORMAT, caps));
+          ("got %" GST_PTR_FORMAT
+           "; behind a tee every branch must take layers: end each with intrinsiccompose",
+           caps));
     return false;
   }
   bool good = true;
@@ -220,7 +222,8 @@ GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
     if (caps_) layers = gst_caps_ref(caps_);
   }
   if (!layers) {
-    GstCaps* ours = template_caps(Flow::layers);
+    // Pixels, too: pads must link, so that set_caps can say what is missing.
+    GstCaps* ours = template_caps(Flow::layers_or_pixels);
     layers = gst_pad_peer_query_caps(sink_, ours);
     gst_caps_unref(ours);
   }

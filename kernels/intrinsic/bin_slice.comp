@@ -5,14 +5,15 @@
 #include "guide.glsl"
 #include "bins.glsl"
 
-// The cells' right-hand side for a correction of s': f = far + pull + g (m' - r_bin) - screen s', `far` being what the
-// finer levels left. One quad of cells an invocation.
+// The cells' right-hand side for a correction of s': f = far + wanted - screen s', wanted = pull + g (m' - r_bin), `far`
+// being what the finer levels left. One quad of cells an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);  // s'
 PLANE_IN(3, far);
 PLANE_IN(4, means);
 PLANE_OUT(5, system);  // of stride 4
+PLANE_OUT(6, wanted);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
@@ -32,7 +33,7 @@ void main() {
     found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
     m = m.yzwx;
   }
-  vec4 f = FETCH(far, at) + FETCH(terms, TERMS_STRIDE * at + TERMS_PULL) +
-           FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s;
-  STORE(system, 4u * uint(at) + SYSTEM_RHS, f);
+  vec4 want = FETCH(terms, TERMS_STRIDE * at + TERMS_PULL) + FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
+  STORE(wanted, uint(at), want);
+  STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + want - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s);
 }

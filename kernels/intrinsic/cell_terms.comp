@@ -16,6 +16,7 @@ SCALAR_IN(4, tiles);
 PLANE_IN(5, verdict);
 PLANE_OUT(6, terms);
 PLANE_OUT(7, start);
+PLANE_INOUT(8, force);  // the last frame's, a good guess where this one continues it
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves
@@ -55,4 +56,7 @@ void main() {
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
   STORE(start, at, s);
+  vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
+  STORE(force, FORCE_STRIDE * at + FORCE_PULL, pull_before);
+  STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, screen);
 }

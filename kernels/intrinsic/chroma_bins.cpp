@@ -8,6 +8,7 @@
 INVERSE_SHADER(intrinsic_bin_splat);
 INVERSE_SHADER(intrinsic_bin_means);
 INVERSE_SHADER(intrinsic_bin_slice);
+INVERSE_SHADER(intrinsic_force);
 
 namespace inverse {
 namespace {
@@ -27,9 +28,11 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       splat_(device->kernel(shaders::intrinsic_bin_splat, {0})),
       mean_(device->kernel(shaders::intrinsic_bin_means)),
       slice_(device->kernel(shaders::intrinsic_bin_slice)),
+      force_(device->kernel(shaders::intrinsic_force)),
       weights_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
-      means_(gpu::Buffer::create(device, gpu::Element::vec4, kBins)) {}
+      means_(gpu::Buffer::create(device, gpu::Element::vec4, kBins)),
+      wanted_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(cells))) {}
 
 void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
                                 const gpu::BufferPtr& terms, float most_weight) {
@@ -46,8 +49,14 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                     SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
   commands.dispatch(mean_, {weights_, totals_, means_}, {kBins});
   const std::array<uint32_t, 2> size{cells_.width, cells_.height};
-  commands.dispatch(slice_,
-                    {guide.cells(), state.terms, state.means, state.far, means_, state.system},
+  commands.dispatch(
+      slice_, {guide.cells(), state.terms, state.means, state.far, means_, state.system, wanted_},
+      size, line_of(quads_of(cells_)));
+}
+
+void ChromaBins::record_force(gpu::Commands& commands, const State& state) const {
+  const std::array<uint32_t, 2> size{cells_.width, cells_.height};
+  commands.dispatch(force_, {state.terms, wanted_, state.means, state.correction, state.force},
                     size, line_of(quads_of(cells_)));
 }
 

@@ -20,15 +20,18 @@ class ChromaBins {
   /// The solution that the means are taken at, and where the right-hand side goes that follows from
   /// them.
   struct State {
-    gpu::BufferPtr terms, means, correction, far, system;
+    gpu::BufferPtr terms, means, correction, far, system, force;
   };
+  /// Records the means and the right-hand side for a correction.
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
+  /// Records the force that is left after it.
+  void record_force(gpu::Commands& commands, const State& state) const;
 
  private:
   Extent cells_;
   float scale_ = 1;
-  gpu::KernelPtr weigh_, splat_, mean_, slice_;
-  gpu::BufferPtr weights_, totals_, means_;
+  gpu::KernelPtr weigh_, splat_, mean_, slice_, force_;
+  gpu::BufferPtr weights_, totals_, means_, wanted_;
 };
 
 }  // namespace inverse

@@ -8,7 +8,8 @@ namespace inverse {
 /// Decides edge by edge how much of a step is paint and how much is light, and cell by cell what
 /// pins the rest (energy.glsl: a, b, v, V, g). The solver knows nothing of how: whatever fills the
 /// same three buffers can take its place. This one evaluates two small fitted functions of local
-/// cues (docs/method-intrinsicdecomp.md, 2).
+/// cues (docs/method-intrinsicdecomp.md, 2), and can leave alone the edges of tiles that have not
+/// changed.
 class EdgePrior {
  public:
   struct Params {
@@ -22,25 +23,47 @@ class EdgePrior {
     /// Factor on g, how firmly equal chroma means equal reflectance; 0…1e3, 0 switches the chroma
     /// bins off.
     float chroma_weight = 1.0F;
+    bool operator==(const Params&) const = default;
   };
-  /// Where the prior writes.
+  /// Where the prior writes. Edges stay there from frame to frame.
   struct Target {
-    gpu::BufferPtr
-        system;  ///< three vec4 a quad; the prior writes the first two, a + b to the right and down
-    gpu::BufferPtr flux;   ///< two vec4 a quad: a (m_x - m_y) to the right and down
-    gpu::BufferPtr value;  ///< three vec4 a quad of cells: v, V, g
+    gpu::BufferPtr system;  ///< three vec4 a quad; the first two are a + b to the right and down
+    gpu::BufferPtr flux;    ///< two vec4 a quad: a (m_x - m_y) to the right and down
+    gpu::BufferPtr value;   ///< three vec4 a quad of cells: v, V, g
   };
   static constexpr uint64_t kFluxStride = 2, kValueStride = 3;
   /// The largest g that it writes, for a chroma_weight of 1: e^3 a pixel, 16 pixels a cell.
   static constexpr float kMostChroma = 16 * 20.0856F;
 
-  explicit EdgePrior(const std::shared_ptr<gpu::Device>& device);
+  EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records everything anew.
   void record(gpu::Commands& commands, const Guide& guide, const Target& target,
-              const Params& params) const;
+              const Params& params);
+  /// As `record`, but keeps the edges of tiles of 16 x 16 pixels where the guide's 2 x 2 means are
+  /// within `tolerance` (log units) of those that the edges were evaluated on. The first time, and
+  /// after another target or other params, it does everything.
+  void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
+                      const Params& params, float tolerance);
+  /// Forgets what the edges were evaluated on.
+  void reset() { known_ = false; }
+  /// How many tiles a frame has, and on the host, once a frame of `record_changes` is done, how
+  /// many of them were evaluated.
+  uint32_t tiles() const { return tiles_; }
+  uint32_t evaluated() const { return *control_->map_as<uint32_t>(); }
 
  private:
-  gpu::KernelPtr fold_, edges_, values_;
-  gpu::BufferPtr biases_;
+  void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
+                    const Params& params, bool listed) const;
+  void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
+                     const Params& params) const;
+
+  gpu::KernelPtr fold_, edges_, listed_edges_, values_, change_, launch_, keep_;
+  uint32_t tiles_;
+  gpu::BufferPtr biases_, control_, list_, kept_, kept_statistics_;
+  Params known_params_;
+  gpu::BufferPtr known_system_;
+  bool known_ = false;
 };
 
 }  // namespace inverse

@@ -3,18 +3,22 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 #include "guide.glsl"
+#include "tiles.glsl"
 
 // EdgePrior, pixels: from local cues of the guide, how much of every step is paint (a) and how much is light (b). An
 // invocation has a block of 4 x 2 pixels, edges to the right and down. What edges share is evaluated once: the surroundings
 // on level 2 for up to six edges, those on level 1 for the two edges side by side in the same cells. All loops are rolled, so
-// that the function is compiled once.
+// that the function is compiled once. With kListed, blocks of the tiles on a list only (change.comp).
+layout(constant_id = 1) const bool kListed = false;
 PLANE_IN(0, level0);
 PLANE_IN(1, level1);
 PLANE_IN(2, cells);
 PLANE_IN(3, statistics);
 PLANE_IN(4, tuning);
-PLANE_OUT(5, system);  // of stride 3
-PLANE_OUT(6, flux);
+WORD_IN(5, control);
+WORD_IN(6, list);
+PLANE_OUT(7, system);  // of stride 3
+PLANE_OUT(8, flux);
 layout(push_constant) uniform Push {
   ivec2 size;
   float reflectance_weight;
@@ -29,6 +33,13 @@ float value_step(vec4 step) { return 5.0 * clamp(abs(step.x + step.w) - abs(step
 void main() {
   int quads = int(QUADS(uint(push.size.x)));
   ivec2 block = ivec2(grid_position(uint(quads))) * ivec2(4, 2), last = push.size - 1;
+  if (kListed) {
+    int i = int(gl_GlobalInvocationID.x), slot = i / TILE_BLOCKS, columns = (push.size.x + TILE - 1) / TILE;
+    if (slot >= int(FETCH1(control, CONTROL_COUNT))) return;
+    int tile = int(FETCH1(list, slot));
+    block = ivec2(tile % columns, tile / columns) * TILE + ivec2(i % 4, i % TILE_BLOCKS / 4) * ivec2(4, 2);
+    if (block.x > last.x) return;
+  }
   if (block.y > last.y) return;
   ivec2 size1 = (push.size + 1) / 2, size2 = (size1 + 1) / 2;
   float mean = FETCH(statistics, 0).x;
@@ -75,7 +86,7 @@ void main() {
           vec4 step_after = q - FETCH(level0, next + (along + 1 < end ? stride : 0));
           f[0] = cue(abs(step.x), 3.0);
           f[1] = cue(length(step.yz), 3.0);
-          f[8] = clamp((0.5 * (p.x + q.x) - mean) / 1.5, -2.0, 2.0);
+          f[8] = clamp((0.5 * (p.x + q.x) - mean) * (1.0 / 1.5), -2.0, 2.0);
           f[9] = p.w + q.w - 0.7;
           f[10] = value_step(step);
           f[12] = cue(abs(step_before.x) + abs(step_after.x), 3.0);

@@ -36,3 +36,8 @@
 #define TERMS_CHROMA 2
 #define TERMS_MEAN 3
 #define TERMS_STRIDE 4
+
+// With how much force a quad of cells pulls at its pixels, screen (target - s'), and how that falls as they give way.
+#define FORCE_PULL 0
+#define FORCE_SCREEN 1
+#define FORCE_STRIDE 2

@@ -15,7 +15,8 @@ class Guide {
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame);
 
   Extent extent() const { return extent_; }
-  Extent cell_extent() const { return extent2_; }
+  Extent extent1() const { return extent1_; }
+  Extent cell_extent() const { return extent2_; }           ///< of level 2
   const gpu::BufferPtr& level0() const { return level0_; }  ///< vec4 a pixel: m, c0, c1, u
   const gpu::BufferPtr& level1() const { return level1_; }  ///< means of 2 x 2
   const gpu::BufferPtr& cells() const {

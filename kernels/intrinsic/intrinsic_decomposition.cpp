@@ -18,7 +18,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       extent_(extent),
       planes_(device_, extent),
       guide_(device_, extent),
-      prior_(device_),
+      prior_(device_, extent),
       anchor_(device_, guide_.cell_extent()),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
@@ -47,11 +47,13 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
          1 / params.anchor_chroma};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(),
-                     anchor_.verdict(), terms_, start_},
+                     anchor_.verdict(), terms_, start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(assemble_, {flux_, start_, multigrid_.system(), multigrid_.field()}, size,
-                    line_of(quads_of(extent_)));
+  commands.dispatch(
+      assemble_,
+      {flux_, start_, guide_.level0(), guide_.cells(), multigrid_.system(), multigrid_.field()},
+      size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
@@ -59,11 +61,17 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
-  const ChromaBins::State state{terms_, multigrid_.cell_means(), multigrid_.cell_correction(),
-                                multigrid_.cell_far(), multigrid_.cell_system()};
+  const ChromaBins::State state{terms_,
+                                multigrid_.cell_means(),
+                                multigrid_.cell_correction(),
+                                multigrid_.cell_far(),
+                                multigrid_.cell_system(),
+                                multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
-    multigrid_.record_cycle(commands, params.multigrid,
-                            [&] { bins_.record(commands, guide_, state); });
+    multigrid_.record_cycle(
+        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        [&] { bins_.record(commands, guide_, state); },
+        [&] { bins_.record_force(commands, state); });
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
@@ -78,7 +86,14 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 
   guide_.record(commands, input->buffer);
   commands.stage("guide");
-  prior_.record(commands, guide_, {multigrid_.system(), flux_, value_}, params.prior);
+  const EdgePrior::Target target{multigrid_.system(), flux_, value_};
+  stats_.tiles = prior_.tiles();
+  adaptive_ = params.adaptive;
+  if (!history_) prior_.reset();
+  if (params.adaptive)
+    prior_.record_changes(commands, guide_, target, params.prior, params.still_tolerance);
+  else
+    prior_.record(commands, guide_, target, params.prior);
   commands.stage("prior");
   assemble(commands, params.anchor, stats_.history);
   commands.stage("assemble");
@@ -99,6 +114,18 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   layers[Role::model] = intrinsic;
   layers[Role::intrinsic] = intrinsic;
   return layers;
+}
+
+IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
+  Findings findings;
+  findings.change = multigrid_.change();
+  findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
+  if (stats_.history) {
+    const float* verdict = anchor_.verdict()->map_as<float>();
+    findings.mismatch = verdict[0];
+    findings.cut = verdict[1] == 0;
+  }
+  return findings;
 }
 
 }  // namespace inverse

@@ -26,6 +26,11 @@ class IntrinsicDecomposition {
     /// The same of a frame that continues the one before, and so starts near its solution, 1…32.
     uint32_t warm_cycles = 2;
     Multigrid::Params multigrid;
+    /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
+    /// weights.
+    bool adaptive = true;
+    /// Change of a 2 x 2 mean's log intensity or chroma, 0…1, from which on a tile has changed.
+    float still_tolerance = 0.05F;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
@@ -35,6 +40,7 @@ class IntrinsicDecomposition {
     uint32_t levels = 0;               ///< of the multigrid
     bool history = false;              ///< a frame before was looked at
     std::vector<std::string> skipped;  ///< what was left out, and why
+    uint32_t tiles = 0;  ///< tiles of 16 x 16 pixels whose edges are decided one by one
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
@@ -49,6 +55,14 @@ class IntrinsicDecomposition {
   void reset() { history_ = false; }
   /// Of the frame recorded last.
   const Stats& stats() const { return stats_; }
+  /// What the device found out about the last frame that was waited for.
+  struct Findings {
+    float change = 0;    ///< rms change of log shading by the last cycle: what is left to do
+    float mismatch = 0;  ///< with the frame before, 0…1; 0 without one
+    bool cut = false;    ///< a cut: nothing was taken over
+    uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
+  };
+  Findings findings() const;
 
  private:
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored);
@@ -64,7 +78,7 @@ class IntrinsicDecomposition {
   Multigrid multigrid_;
   gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
-  bool history_ = false;
+  bool history_ = false, adaptive_ = false;
   Stats stats_;
 };
 

@@ -1,7 +1,9 @@
 #include "multigrid.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
 #include "../image/pyramid.hpp"
 
@@ -9,6 +11,8 @@ INVERSE_SHADER(intrinsic_smooth);
 INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
+INVERSE_SHADER(intrinsic_extrapolate);
+INVERSE_SHADER(intrinsic_verdict);
 
 namespace inverse {
 namespace {
@@ -18,6 +22,7 @@ constexpr uint64_t kTogether =
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
+constexpr uint32_t kSumLanes = 64;   // of verdict.comp
 constexpr size_t kCells = 2;         // the cells' level
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
@@ -30,10 +35,12 @@ struct SmoothPush {
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_fine_(device->kernel(shaders::intrinsic_smooth, {3, 0})),
-      smooth_(device->kernel(shaders::intrinsic_smooth, {4, 0})),
-      correct_fine_(device->kernel(shaders::intrinsic_smooth, {3, 1})),
-      correct_(device->kernel(shaders::intrinsic_smooth, {4, 1})),
+    : smooth_{device->kernel(shaders::intrinsic_smooth, {3, 0, 4}),
+              device->kernel(shaders::intrinsic_smooth, {3, 0, 2}),
+              device->kernel(shaders::intrinsic_smooth, {4, 0, 0})},
+      correct_{device->kernel(shaders::intrinsic_smooth, {3, 1, 4}),
+               device->kernel(shaders::intrinsic_smooth, {3, 1, 2}),
+               device->kernel(shaders::intrinsic_smooth, {4, 1, 0})},
       coarsen_{device->kernel(shaders::intrinsic_coarsen, {3, 3, 0}),
                device->kernel(shaders::intrinsic_coarsen, {3, 4, 1}),
                device->kernel(shaders::intrinsic_coarsen, {4, 4, 0})},
@@ -43,6 +50,9 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   const uint32_t lanes = std::min(device->limits().workgroup_invocations, 256U);
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
+  extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});
+  measure_ = device->kernel(shaders::intrinsic_extrapolate, {1});
+  sum_ = device->kernel(shaders::intrinsic_verdict, {}, kSumLanes);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -58,8 +68,12 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   }
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
+  sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
+  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
+  for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
+  cell_force_ = buffer(quads_of(levels_[kCells].extent) * kForceStride);
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
@@ -67,9 +81,10 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    commands.dispatch(
-        i < kCells ? smooth_fine_ : smooth_, {level.system, level.field, level.field, level.field},
-        SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0}, items);
+    commands.dispatch(smooth_[std::min(i, kCells)],
+                      {level.system, level.field, level.field, cell_force_, level.field},
+                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0},
+                      items);
 }
 
 void Multigrid::correct(gpu::Commands& commands, size_t i) const {
@@ -77,8 +92,8 @@ void Multigrid::correct(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    commands.dispatch(i < kCells ? correct_fine_ : correct_,
-                      {level.system, level.field, levels_[i + 1].field, level.field},
+    commands.dispatch(correct_[std::min(i, kCells)],
+                      {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
                       SmoothPush{level.extent.width, level.extent.height, color, level.mass,
                                  static_cast<float>(color)},
                       items);
@@ -130,19 +145,48 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
   for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
 }
 
-void Multigrid::record_cycle(gpu::Commands& commands, const Params& params,
-                             const std::function<void()>& cells) const {
+void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure) {
+  // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
+  // Analysis, 5.1.
+  const float ratio = slowest / (2 - slowest);
+  float w = 1;
+  for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
+  if (!cleared_) commands.fill(sums_);
+  cleared_ = true;
+  const struct {
+    uint32_t count;
+    float w, c;
+  } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
+  commands.dispatch(measure ? measure_ : extrapolate_,
+                    {field(), starts_[k % 2], starts_[k == 0 ? 0 : (k + 1) % 2], field(), sums_},
+                    push, line_of(field()->count()));
+  if (!measure) return;
+  const struct {
+    uint32_t count;
+    float pixels, threshold;
+  } sum{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()), 0};
+  commands.dispatch(sum_, {sums_, change_}, sum, {});
+}
+
+float Multigrid::change() const { return std::sqrt(change_->map_as<float>()[0]); }
+
+void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
+                             bool measure, const std::function<void()>& before,
+                             const std::function<void()>& after) {
+  if (params.slowest > 0 || measure) commands.copy(field(), starts_[k % 2], field()->bytes());
   for (size_t i = 0; i < kCells; ++i) {
     smooth(commands, i);
     restrict_to(commands, i);
   }
   commands.stage("descend");
   for (uint32_t cycle = 0; cycle < params.cell_cycles; ++cycle) {
-    cells();
+    before();
     cell_cycle(commands, params);
   }
+  after();
   commands.stage("cells");
   for (size_t i = kCells; i-- > 0;) correct(commands, i);
+  if (params.slowest > 0 || measure) extrapolate(commands, params.slowest, k, measure);
   commands.stage("ascend");
 }
 

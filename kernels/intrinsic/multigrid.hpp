@@ -17,12 +17,17 @@ class Multigrid {
     /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the
     /// smooth functions that they stand for; 0.5 is right for equal weights, more is slower and
     /// safer where weights jump.
-    float scale = 0.5F;
+    float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
     uint32_t cell_cycles = 2;
+    /// Consecutive cycles are combined so that errors of which a cycle leaves between nothing and
+    /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
+    /// diverges on some frames, because the chroma bins lag behind.
+    float slowest = 0.5F;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kForceStride = 2;  ///< vec4 a quad of cells of `cell_force`
   static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
 
   /// Throws Error(limit) where a level does not fit the device.
@@ -32,6 +37,9 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
+  /// The force with which the cells' terms pull at the pixels, and their screen, two vec4 a quad of
+  /// cells; set before the first cycle, and the force renewed by every cycle's `after`.
+  const gpu::BufferPtr& cell_force() const { return cell_force_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
   /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
   /// writes.
@@ -43,9 +51,13 @@ class Multigrid {
   /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
   void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
                         const Params& params) const;
-  /// Records one cycle; `cells` records the cells' right-hand side.
-  void record_cycle(gpu::Commands& commands, const Params& params,
-                    const std::function<void()>& cells) const;
+  /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
+  /// `after` their force after the last correction.
+  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k, bool measure,
+                    const std::function<void()>& before, const std::function<void()>& after);
+  /// Root mean square change of the unknown by the last cycle that was recorded with `measure` and
+  /// is done, log units; on the host.
+  float change() const;
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -58,15 +70,20 @@ class Multigrid {
   void smooth(gpu::Commands& commands, size_t level) const;
   void correct(gpu::Commands& commands, size_t level) const;
   void restrict_to(gpu::Commands& commands, size_t level) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
-  gpu::KernelPtr smooth_fine_, smooth_, correct_fine_, correct_;
+  gpu::KernelPtr smooth_[3];  // on levels 0, 1, further down
+  gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_;
-  gpu::BufferPtr half_means_, cell_means_, cell_far_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, sum_;
+  gpu::BufferPtr starts_[2];  // of this cycle and the one before
+  gpu::BufferPtr sums_, change_;
+  bool cleared_ = false;
+  gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
 };
 
 }  // namespace inverse

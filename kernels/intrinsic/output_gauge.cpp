@@ -33,9 +33,8 @@ void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu:
   const struct {
     float quantile, log_target, share;
     uint32_t history;
-  } push{std::clamp(params.quantile, 0.0F, 1.0F),
-         std::log(std::clamp(params.value, 0.05F, 1.0F)), std::clamp(params.share, 0.0F, 1.0F),
-         history ? 1U : 0U};
+  } push{std::clamp(params.quantile, 0.0F, 1.0F), std::log(std::clamp(params.value, 0.05F, 1.0F)),
+         std::clamp(params.share, 0.0F, 1.0F), history ? 1U : 0U};
   commands.dispatch(gauge_kernel_, {counts_, verdict, gauge_}, push, {});
 }
 

@@ -6,8 +6,8 @@
 
 namespace inverse {
 
-/// The scale in which reflectance and shading go out (gauge.glsl). Found on the device, frame by frame; steady over time,
-/// fresh at cuts.
+/// The scale in which reflectance and shading go out (gauge.glsl). Found on the device, frame by
+/// frame; steady over time, fresh at cuts.
 class OutputGauge {
  public:
   struct Params {
@@ -20,8 +20,8 @@ class OutputGauge {
   };
   explicit OutputGauge(const std::shared_ptr<gpu::Device>& device);
 
-  /// Records finding the gauge for `shading`, the solution in quads. `verdict` is TemporalAnchor's; it counts only with
-  /// `history`.
+  /// Records finding the gauge for `shading`, the solution in quads. `verdict` is TemporalAnchor's;
+  /// it counts only with `history`.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
               const gpu::BufferPtr& verdict, bool history, const Params& params);
   /// One vec4: ln c in x.

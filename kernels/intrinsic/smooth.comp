@@ -11,12 +11,17 @@
 //
 // With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates, to the
 // block and to what it reads around it where push.around says that those blocks have not been corrected yet.
+//
+// On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share. So that it gives way
+// as they do, a pixel feels it as if it were alone: screen (mean s)^2 <= screen mean(s^2), with equality where all agree.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
 layout(constant_id = 2) const bool kCorrect = false;
+layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no force
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, coarse);
-PLANE_OUT(3, improved);  // the same buffer as `now`
+PLANE_IN(3, force);      // of quads of cells
+PLANE_OUT(4, improved);  // the same buffer as `now`
 layout(push_constant) uniform Push {
   uvec2 size;
   uint color;
@@ -24,6 +29,7 @@ layout(push_constant) uniform Push {
   float around;  // 1 or 0
 } push;
 
+ivec2 push_size = ivec2(push.size);
 int quads = int(QUADS(push.size.x)), coarse_quads = int(QUADS((push.size.x + 1u) / 2u));
 
 vec4 corrected(int x, int y, float share) {
@@ -33,6 +39,19 @@ vec4 corrected(int x, int y, float share) {
     value += share * ((x & 1) == 0 ? pairs.xxyy : pairs.zzww);
   }
   return value;
+}
+
+// How much the pixels of row y of quad x count in their cells' means, and (slot) what of the cells reaches them.
+vec4 shares(int x, int y) {
+  int row = y % kCellPixels, rows = min(push_size.y - y + row, kCellPixels), columns = min(push_size.x - 4 * x, 4);
+  if (kCellPixels == 4) return cell_weights(uint(rows))[row] * cell_weights(uint(columns));
+  return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
+                                    columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
+}
+vec4 of_cells(int x, int y, int slot) {
+  int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
+  vec4 four = FETCH(force, FORCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
+  return kCellPixels == 4 ? vec4(four[cell & 3]) : (cell & 2) == 0 ? four.xxyy : four.zzww;
 }
 
 #define SOLVE_ROW(k, up, down) \
@@ -56,6 +75,11 @@ void main() {
     float left = has_left * FETCH(system, kStride * (y * quads + before) + SYSTEM_RIGHT).w;
     diagonal[k] = (kStride > 3 ? FETCH(system, at + SYSTEM_MASS) : vec4(push.mass)) + right[k] +
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];
+    if (kCellPixels > 0) {
+      vec4 share = shares(x, y), screen = share * of_cells(x, y, FORCE_SCREEN);
+      diagonal[k] += screen;
+      rhs[k] += share * of_cells(x, y, FORCE_PULL) + screen * u[k];
+    }
     rhs[k].x += left * corrected(before, y, push.around).w;
     rhs[k].w += right[k].w * corrected(next, y, push.around).x;
   }

@@ -16,15 +16,16 @@ PLANE_IN(5, frames5);
 
 vec4 sample_frame(int slot, int index) {
   // Everything but the first fetch is folded away by the specialization constant where one buffer holds all slots.
-  int buffer_index = kSlots < 6 ? slot / kSlots : 0;
-  int at = (slot - buffer_index * kSlots) * push.size.x * push.size.y + index;
-  vec4 value = FETCH(frames0, at);
-  if (kSlots < 6) value = buffer_index == 1 ? FETCH(frames1, at) : value;
-  if (kSlots < 3) value = buffer_index == 2 ? FETCH(frames2, at) : value;
+  // Fetches of buffers that the slot is not in go to pixel 0, which is in the cache.
+  int b = kSlots < 6 ? slot / kSlots : 0;
+  int at = (slot - b * kSlots) * push.size.x * push.size.y + index;
+  vec4 value = FETCH(frames0, b == 0 ? at : 0);
+  if (kSlots < 6) value = b == 1 ? FETCH(frames1, b == 1 ? at : 0) : value;
+  if (kSlots < 3) value = b == 2 ? FETCH(frames2, b == 2 ? at : 0) : value;
   if (kSlots < 2) {
-    value = buffer_index == 3 ? FETCH(frames3, at) : value;
-    value = buffer_index == 4 ? FETCH(frames4, at) : value;
-    value = buffer_index == 5 ? FETCH(frames5, at) : value;
+    value = b == 3 ? FETCH(frames3, b == 3 ? at : 0) : value;
+    value = b == 4 ? FETCH(frames4, b == 4 ? at : 0) : value;
+    value = b == 5 ? FETCH(frames5, b == 5 ? at : 0) : value;
   }
   return value;
 }

@@ -440,6 +440,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
 }
 
 ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
+  if (recorded_ == 0) return {};
   if (frame >= recorded_ || frame + readback_.size() < recorded_) {
     throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
   }
@@ -449,6 +450,9 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   stats.gauge = values[0];
   stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
+  for (size_t k = 0; k < stats.clusters.size(); ++k) {
+    if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;
+  }
   for (size_t n = 0; n < stats.energy.size(); ++n) {
     std::memcpy(&stats.energy[n].data_and_chromaticity, values + 4 * (kTraceAt + n),
                 4 * sizeof(float));

@@ -38,6 +38,7 @@ class ThesisDecomposition {
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
     std::vector<Palette::Cluster> clusters;
+    int cluster_count = 0;  ///< of them that have pixels and are not merged into another
   };
 
   /// Throws Error(limit, out_of_memory).
@@ -56,7 +57,8 @@ class ThesisDecomposition {
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
   void reset();
 
-  /// Of one of the last three frames, once its Commands have been waited for.
+  /// Of one of the last three frames, once its Commands have been waited for; empty before the
+  /// first frame. Throws Error(internal) for older ones.
   Stats stats(uint64_t frame) const;
 
   /// (r, s) of the finest level in the solver's gauge: valid until the next record.

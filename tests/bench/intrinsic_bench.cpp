@@ -1,6 +1,7 @@
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
+//   [--adaptive 0|1] [--tolerance T]
 //
 // Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height
 // float RGBA, linear light, any number of such frames one after another) they are its frames in
@@ -83,7 +84,7 @@ double processor_time() {
 struct Run {
   std::map<std::string, std::vector<double>> stages;
   std::vector<std::string> order;
-  std::vector<double> wall, processor;
+  std::vector<double> wall, processor, tiles;
 };
 
 void print(const char* name, Extent extent, const Run& run) {
@@ -94,7 +95,7 @@ void print(const char* name, Extent extent, const Run& run) {
   for (const auto& stage : run.order)
     std::printf(" %s %.2f/%.2f", stage.c_str(), median(run.stages.at(stage)),
                 *std::min_element(run.stages.at(stage).begin(), run.stages.at(stage).end()));
-  std::printf("\n");
+  std::printf(" | tiles evaluated %.0f%%\n", median(run.tiles));
 }
 
 Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& method,
@@ -112,6 +113,7 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
     commands.wait();
     const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     last = layers[Role::intrinsic];
+    run.tiles.push_back(100.0 * method.findings().tiles_evaluated / method.stats().tiles);
     if (i == 0) continue;
     run.wall.push_back(wall);
     run.processor.push_back(processor_time() - processor);
@@ -145,6 +147,10 @@ int main(int argc, char** argv) try {
       params.warm_cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
     else if (option == "--cycles")
       params.cycles = static_cast<uint32_t>(std::atoi(value.c_str()));
+    else if (option == "--tolerance")
+      params.still_tolerance = static_cast<float>(std::atof(value.c_str()));
+    else if (option == "--adaptive")
+      params.adaptive = value != "0";
     else if (option == "--size") {
       Extent extent;
       if (std::sscanf(value.c_str(), "%ux%u", &extent.width, &extent.height) != 2)

@@ -276,6 +276,17 @@ TEST(Editors, WithoutADecomposerThereIsOneErrorThatNamesIt) {
   }
 }
 
+TEST(Editors, WithoutADecomposerALineSaysSoToo) {
+  for (const std::string editor : {"intrinsicrecolor ! intrinsiccompose", "intrinsiccompose",
+                                   "intrinsicsplit name=s s.shading ! queue"}) {
+    const auto result = run_line("videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! " +
+                                 editor + " ! fakesink");
+    EXPECT_NE(result.first_error().find("works on decomposed video; insert intrinsicdecomp"),
+              std::string::npos)
+        << editor << ": " << result.first_error();
+  }
+}
+
 TEST(Editors, AMissingMaskIsOneErrorThatSaysHowToGetOne) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 24);
   VideoHarness harness("intrinsicdecomp ! intrinsiccompose show=mask", caps, caps);

@@ -80,7 +80,7 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
                                              static_cast<int>(extent.height));
     const auto expected = reference::edge_prior(guide, {});
     Guide made(device, extent);
-    const EdgePrior prior(device);
+    EdgePrior prior(device, extent);
     const Extent cells = made.cell_extent();
     const auto buffer = [&](uint64_t count) {
       return gpu::Buffer::create(device, gpu::Element::vec4, count);
@@ -191,6 +191,10 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
     const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
+    Pixels forces(quads_of(cells) * 8);
+    for (size_t quad = 0; quad < quads_of(cells); ++quad)
+      std::copy_n(&terms[16 * quad], 4, &forces[8 * quad + 4]);  // screen; no force yet
+    const auto force_buffer = upload(gpu::Element::vec4, forces.data(), forces.size() / 4);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
       guide.record(commands, frame.buffer);
@@ -198,21 +202,35 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
       multigrid.record_operators(commands, terms_buffer, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
-      for (int k = 0; k < 2; ++k)
-        multigrid.record_cycle(commands, params, [&] {
-          bins.record(commands, guide,
-                      {terms_buffer, multigrid.cell_means(), multigrid.cell_correction(),
-                       multigrid.cell_far(), multigrid.cell_system()});
-        });
+      const ChromaBins::State state{
+          terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
+          multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
+      commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
+      for (int k = 0; k < 3; ++k)
+        multigrid.record_cycle(
+            commands, params, static_cast<uint32_t>(k), false,
+            [&] { bins.record(commands, guide, state); },
+            [&] { bins.record_force(commands, state); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
-    for (int k = 0; k < 2; ++k)
-      grid::cycle(levels, static_cast<int>(params.cell_cycles),
-                  [&](const std::vector<double>& far, const std::vector<double>& means,
-                      grid::Level& level) {
-                    for (size_t i = 0; i < far.size(); ++i)
-                      level.f[i] = far[i] + pull[i] - screen[i] * means[i];
-                  });
+    std::vector<double> force(cells.pixels());
+    const grid::CellTerms cell_terms{
+        [&](const std::vector<double>& far, const std::vector<double>& means, grid::Level& level) {
+          for (size_t i = 0; i < far.size(); ++i)
+            level.f[i] = far[i] + pull[i] - screen[i] * means[i];
+        },
+        [&](const std::vector<double>& means, const grid::Level& level) {
+          std::vector<double> left(means.size());
+          for (size_t i = 0; i < left.size(); ++i)
+            left[i] = pull[i] - screen[i] * (means[i] + level.s[i]);
+          return left;
+        }};
+    grid::Extrapolation extrapolation(static_cast<double>(params.slowest));
+    for (int k = 0; k < 3; ++k) {
+      const std::vector<double> before = levels[0].s;
+      grid::cycle(levels, static_cast<int>(params.cell_cycles), cell_terms, screen, force);
+      extrapolation.apply(k, before, levels[0].s);
+    }
     const Pixels got = download(multigrid.field());
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < 4 * quads; ++x) {
@@ -283,29 +301,22 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   EXPECT_EQ(got, once()) << "the sums' order must not matter";
 }
 
-TEST_F(IntrinsicTest, WholeSolveComesNearTheReference) {
-  // The reference relaxes blocks in another order, so that equality is not to be expected: a
-  // hundredth of a log unit is.
-  for (const Extent extent :
-       {Extent{160, 120}, Extent{349, 287}, Extent{17, 5}, Extent{1, 40}, Extent{2, 3}}) {
+TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
+  for (const Extent extent : kOddSizes) {
     const Pixels pixels = scene(extent, 1);
     const auto rgb = rgb_of(pixels);
-    reference::IntrinsicParams reference_params;
-    reference_params.cycles = 12;
-    const auto expected =
-        reference::decompose(rgb.data(), static_cast<int>(extent.width),
-                             static_cast<int>(extent.height), reference_params, nullptr);
-    IntrinsicDecomposition::Params params;
-    params.cycles = 12;
-    const Pixels got = decompose(extent, pixels, params);
+    const auto expected = reference::decompose(rgb.data(), static_cast<int>(extent.width),
+                                               static_cast<int>(extent.height), {}, nullptr);
+    const Pixels got = decompose(extent, pixels);
     double sum = 0;
     for (size_t i = 0; i < extent.pixels(); ++i) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
       sum += d * d;
+      ASSERT_LT(std::abs(d), 0.03) << name_of(extent) << " at " << i;  // bins are in fixed point
       for (size_t c = 0; c < 3; ++c)
         ASSERT_NEAR(got[4 * i + c] * got[4 * i + 3], pixels[4 * i + c], 1e-5) << "R S must be I";
     }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.02) << name_of(extent);
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << name_of(extent);
   }
 }
 
@@ -313,9 +324,9 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent);
   IntrinsicDecomposition::Params params;
-  params.cycles = params.warm_cycles = 8;
+  params.cycles = params.warm_cycles = 3;
   reference::IntrinsicParams reference_params;
-  reference_params.cycles = 8;
+  reference_params.cycles = 3;
   reference::IntrinsicState state;
   for (int time = 0; time < 4; ++time) {
     Pixels pixels = scene(extent, time < 3 ? 6 : 7);  // the last frame is another scene: a cut
@@ -332,13 +343,48 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
         << "the scenes must be what this test takes them for";
     const Pixels got = decompose(method, input(extent, pixels), params, false);
     EXPECT_EQ(method.stats().history, time > 0);
+    const auto findings = method.findings();
+    EXPECT_NEAR(findings.mismatch, expected.stats.mismatch, 1e-3);
+    EXPECT_EQ(findings.cut, time == 3);
+    EXPECT_NEAR(findings.change, expected.stats.change.back(), 0.02 * expected.stats.change.back());
     double sum = 0;
     for (size_t i = 0; i < extent.pixels(); ++i) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
       sum += d * d;
     }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.02) << "frame " << time;
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << "frame " << time;
   }
+}
+
+TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
+  const Extent extent{349, 287};
+  const Pixels still = scene(extent, 15);
+  Pixels moved = still;  // 20 x 20 pixels get darker
+  for (size_t y = 100; y < 120; ++y)
+    for (size_t x = 200; x < 220; ++x)
+      for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
+  IntrinsicDecomposition::Params adaptive, whole;
+  whole.adaptive = false;
+  IntrinsicDecomposition one(device, extent), other(device, extent);
+  const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
+  const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
+  for (int time = 0; time < 4; ++time) {
+    const PlanePtr frame = input(extent, time < 2 ? still : moved);
+    const Pixels got = decompose(one, frame, adaptive, false);
+    EXPECT_EQ(one.findings().tiles_evaluated, expected[time]) << "frame " << time;
+    const Pixels want = decompose(other, frame, whole, false);
+    EXPECT_EQ(other.findings().tiles_evaluated, tiles);
+    if (time < 2) {
+      EXPECT_EQ(got, want) << "frame " << time;
+    }
+    double sum = 0;
+    for (size_t i = 3; i < got.size(); i += 4)
+      sum += std::pow(std::log(static_cast<double>(got[i]) / static_cast<double>(want[i])), 2);
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.003) << "frame " << time;
+  }
+  adaptive.prior.shading_weight = 2;
+  decompose(one, input(extent, moved), adaptive, false);
+  EXPECT_EQ(one.findings().tiles_evaluated, tiles) << "new parameters concern every tile";
 }
 
 TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
@@ -431,6 +477,42 @@ TEST_F(IntrinsicTest, FiniteAndExactOnAnything) {
             << name << " " << name_of(extent) << " at " << i;
       }
     }
+  }
+}
+
+TEST_F(IntrinsicTest, ManyCyclesConverge) {
+  const Extent extent{160, 120};
+  std::vector<std::pair<std::string, Pixels>> frames{{"scene", scene(extent, 16)},
+                                                     {"noise", random_pixels(extent, 17)}};
+  for (const uint32_t size : {1U, 2U, 3U, 4U, 5U, 8U, 16U, 32U}) {  // mosaics of strong colors
+    std::mt19937 random(size);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<float> colors(3 * 4096);
+    for (float& c : colors) c = unit(random) < 0.3F ? 0.01F : unit(random);
+    Pixels pixels(extent.pixels() * 4, 1);
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < extent.width; ++x)
+        for (uint32_t c = 0; c < 3; ++c)
+          pixels[4 * (static_cast<size_t>(y) * extent.width + x) + c] =
+              colors[3 * ((x / size * 131 + y / size * 17) % 4096) + c];
+    frames.emplace_back("mosaic of " + std::to_string(size), pixels);
+  }
+  for (const auto& [name, pixels] : frames) {
+    std::vector<Pixels> results;
+    for (const uint32_t cycles : {16U, 32U, 96U}) {
+      IntrinsicDecomposition::Params params;
+      params.cycles = cycles;
+      results.push_back(decompose(extent, pixels, params));
+    }
+    const auto apart = [&](const Pixels& one, const Pixels& other) {
+      double sum = 0;
+      for (size_t i = 3; i < one.size(); i += 4)
+        sum += std::pow(std::log(static_cast<double>(one[i]) / static_cast<double>(other[i])), 2);
+      return std::sqrt(sum / static_cast<double>(extent.pixels()));
+    };
+    // Slowly on some mosaics, whose strong edges all meet; a solver that diverges grows instead.
+    EXPECT_LT(apart(results[0], results[2]), 0.2) << name;
+    EXPECT_LT(apart(results[1], results[2]), 0.7 * apart(results[0], results[2]) + 0.002) << name;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "intrinsic_edge_weights.hpp"
+#include "multigrid.hpp"
 
 namespace inverse::reference {
 namespace {
@@ -28,24 +29,6 @@ void evaluate(const SmallNet<H, O, F>& net, const double* f, double* out) {
   }
 }
 
-double diagonal_of_edges(const SolverLevel& l, int x, int y) {
-  const std::size_t i = std::size_t(y) * l.width + x;
-  double d = l.right[i] + l.down[i];
-  if (x > 0) d += l.right[i - 1];
-  if (y > 0) d += l.down[i - std::size_t(l.width)];
-  return d;
-}
-
-double residual(const SolverLevel& l, int x, int y) {
-  const std::size_t w = std::size_t(l.width), i = std::size_t(y) * w + x;
-  double r = l.f[i] - l.diagonal[i] * l.s[i];
-  if (x > 0) r += l.right[i - 1] * l.s[i - 1];
-  if (x + 1 < l.width) r += l.right[i] * l.s[i + 1];
-  if (y > 0) r += l.down[i - w] * l.s[i - w];
-  if (y + 1 < l.height) r += l.down[i] * l.s[i + w];
-  return r;
-}
-
 /// The four bins around a chroma and their bilinear weights.
 struct GridPoint {
   std::array<std::size_t, 4> at;
@@ -63,20 +46,6 @@ GridPoint grid_point(double c0, double c1) {
 }
 
 double square(double v) { return v * v; }
-
-/// 2 x 2 means; an odd border counts twice, as in the guide.
-std::vector<double> halve(const std::vector<double>& in, int width, int height) {
-  const int cw = (width + 1) / 2, ch = (height + 1) / 2;
-  std::vector<double> out(std::size_t(cw) * ch);
-  const auto at = [&](int x, int y) {
-    return in[std::size_t(std::min(y, height - 1)) * width + std::size_t(std::min(x, width - 1))];
-  };
-  for (int y = 0; y < ch; ++y)
-    for (int x = 0; x < cw; ++x)
-      out[std::size_t(y) * cw + x] = 0.25 * (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) +
-                                             at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1));
-  return out;
-}
 
 /// How much the anchor is believed at every cell, and the frame's mean mismatch.
 struct Gate {
@@ -175,112 +144,6 @@ double slice_bins(const ChromaBins& bins, double c0, double c1) {
   return sum;
 }
 
-SolverLevel coarsen(const SolverLevel& fine) {
-  SolverLevel c;
-  c.width = (fine.width + 1) / 2, c.height = (fine.height + 1) / 2;
-  const std::size_t n = std::size_t(c.width) * c.height;
-  for (auto* plane : {&c.right, &c.down, &c.diagonal, &c.f, &c.s}) plane->assign(n, 0.0);
-  for (int y = 0; y < fine.height; ++y)
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t i = std::size_t(y) * fine.width + x,
-                        j = std::size_t(y / 2) * c.width + std::size_t(x / 2);
-      c.diagonal[j] += fine.diagonal[i] - diagonal_of_edges(fine, x, y);
-      if (x % 2 == 1) c.right[j] += kCoarseScale * fine.right[i];
-      if (y % 2 == 1) c.down[j] += kCoarseScale * fine.down[i];
-    }
-  for (int y = 0; y < c.height; ++y)
-    for (int x = 0; x < c.width; ++x)
-      c.diagonal[std::size_t(y) * c.width + x] += diagonal_of_edges(c, x, y);
-  return c;
-}
-
-void smooth(SolverLevel& l, int shift) {
-  const std::size_t w = std::size_t(l.width);
-  const std::vector<double> old = l.s;
-  for (int by = -shift; by < l.height; by += kBlock)
-    for (int bx = 0; bx < l.width; bx += kBlock) {
-      const int x0 = bx, x1 = std::min(l.width, bx + kBlock);
-      const int y0 = std::max(0, by), y1 = std::min(l.height, by + kBlock);
-      const auto relax = [&](int x, int y) {
-        const std::size_t i = std::size_t(y) * w + x;
-        double v = l.f[i];
-        if (x > 0) v += l.right[i - 1] * (x > x0 ? l.s[i - 1] : old[i - 1]);
-        if (x + 1 < l.width) v += l.right[i] * (x + 1 < x1 ? l.s[i + 1] : old[i + 1]);
-        if (y > 0) v += l.down[i - w] * (y > y0 ? l.s[i - w] : old[i - w]);
-        if (y + 1 < l.height) v += l.down[i] * (y + 1 < y1 ? l.s[i + w] : old[i + w]);
-        l.s[i] = v / l.diagonal[i];
-      };
-      for (int n = 0; n < kSweeps; ++n) {
-        for (int y = y0; y < y1; ++y)
-          for (int x = x0; x < x1; ++x) relax(x, y);
-        for (int y = y1 - 1; y >= y0; --y)
-          for (int x = x1 - 1; x >= x0; --x) relax(x, y);
-      }
-    }
-}
-
-namespace {
-
-/// coarse f = sums of the residuals of `l`, coarse s = 0.
-void restrict_residual(const SolverLevel& l, SolverLevel& c) {
-  std::fill(c.f.begin(), c.f.end(), 0.0);
-  std::fill(c.s.begin(), c.s.end(), 0.0);
-  for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x)
-      c.f[std::size_t(y / 2) * c.width + std::size_t(x / 2)] += residual(l, x, y);
-}
-
-void add_correction(const SolverLevel& c, SolverLevel& l) {
-  for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x)
-      l.s[std::size_t(y) * l.width + x] += c.s[std::size_t(y / 2) * c.width + std::size_t(x / 2)];
-}
-
-/// V(1,1) from level `k` down, for k at or below the cells.
-void coarse_cycle(std::vector<SolverLevel>& levels, std::size_t k, const IntrinsicParams& params) {
-  SolverLevel& l = levels[k];
-  if (k + 1 == levels.size()) {
-    for (int n = 0; n < params.coarsest_sweeps; ++n) smooth(l, n % 2 ? kBlock / 2 : 0);
-    return;
-  }
-  smooth(l, 0);
-  restrict_residual(l, levels[k + 1]);
-  coarse_cycle(levels, k + 1, params);
-  add_correction(levels[k + 1], l);
-  smooth(l, kBlock / 2);
-}
-
-}  // namespace
-
-void cycle(std::vector<SolverLevel>& levels, const CellTerms& terms,
-           const IntrinsicParams& params) {
-  SolverLevel &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
-  smooth(l0, 0);
-  restrict_residual(l0, l1);
-  std::vector<double> mean = halve(l0.s, l0.width, l0.height);
-  smooth(l1, 0);
-  restrict_residual(l1, l2);
-  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += l1.s[i];
-  mean = halve(mean, l1.width, l1.height);  // cell means of s as it stands
-  const std::vector<double> edges = l2.f;
-  const std::size_t n = mean.size();
-  std::vector<double> rho(n);
-  for (int j = 0; j < params.cell_cycles; ++j) {
-    for (std::size_t i = 0; i < n; ++i) rho[i] = terms.cells->m[i] - mean[i] - l2.s[i];
-    const ChromaBins bins = splat_bins(*terms.cells, terms.g, rho);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double target =
-          terms.cells->m[i] - slice_bins(bins, terms.cells->c0[i], terms.cells->c1[i]);
-      l2.f[i] = edges[i] + terms.pull[i] + terms.g[i] * target - terms.screen[i] * mean[i];
-    }
-    coarse_cycle(levels, 2, params);
-  }
-  add_correction(l2, l1);
-  smooth(l1, kBlock / 2);
-  add_correction(l1, l0);
-  smooth(l0, kBlock / 2);
-}
-
 IntrinsicResult decompose(const double* rgb, int width, int height, const IntrinsicParams& params,
                           IntrinsicState* state) {
   const Guide guide = make_guide(rgb, width, height);
@@ -290,8 +153,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   IntrinsicResult result;
 
   // Cell terms, with the temporal anchor.
-  CellTerms terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g,
-                  &cells};
+  struct {
+    std::vector<double> screen, pull, g;  // v + g + t, v V + t (M - rho_previous), g
+  } terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g};
   std::vector<double> start = prior.V;
   const std::vector<double> detail = detail_of(guide);
   Gate gate;
@@ -311,13 +175,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     start[i] += gate.value[i] * (s - start[i]);
   }
 
-  // Operators of all levels.
-  std::vector<SolverLevel> levels(1);
-  SolverLevel& fine = levels[0];
-  fine.width = width, fine.height = height;
-  fine.right.resize(n), fine.down.resize(n), fine.diagonal.resize(n), fine.f.assign(n, 0.0),
-      fine.s.resize(n);
+  multigrid::Level fine(width, height);
   for (std::size_t i = 0; i < n; ++i) {
+    fine.mass[i] = kLeastDiagonal;
     fine.right[i] = prior.a_right[i] + prior.b_right[i];
     fine.down[i] = prior.a_down[i] + prior.b_down[i];
     const std::size_t x = i % w;
@@ -333,25 +193,40 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
-      fine.diagonal[i] = diagonal_of_edges(fine, x, y) + kLeastDiagonal;
       fine.s[i] = start[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
     }
-  while (levels.size() <= kCellLevel ||
-         std::max(levels.back().width, levels.back().height) > kBlock) {
-    levels.push_back(coarsen(levels.back()));
-    if (levels.size() == kCellLevel + 1)
-      for (std::size_t i = 0; i < cell_count; ++i) levels.back().diagonal[i] += terms.screen[i];
-  }
+  std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screen, kCoarseScale);
 
-  const auto change = [&](const std::vector<double>& before) {
-    double sum = 0;
-    for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
-    return std::sqrt(sum / double(n));
-  };
+  // What the cells want, at the bins' present means, and the force with which they pull.
+  std::vector<double> wanted(cell_count), rho(cell_count);
+  const multigrid::CellTerms cell_terms{
+      [&](const std::vector<double>& far, const std::vector<double>& means,
+          multigrid::Level& level) {
+        for (std::size_t i = 0; i < cell_count; ++i) rho[i] = cells.m[i] - means[i] - level.s[i];
+        const ChromaBins bins = splat_bins(cells, terms.g, rho);
+        for (std::size_t i = 0; i < cell_count; ++i) {
+          wanted[i] = terms.pull[i] +
+                      terms.g[i] * (cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]));
+          level.f[i] = far[i] + wanted[i] - terms.screen[i] * means[i];
+        }
+      },
+      [&](const std::vector<double>& means, const multigrid::Level& level) {
+        std::vector<double> force(cell_count);
+        for (std::size_t i = 0; i < cell_count; ++i)
+          force[i] = wanted[i] - terms.screen[i] * (means[i] + level.s[i]);
+        return force;
+      }};
+  std::vector<double> force(cell_count, 0.0);
+  if (result.stats.anchored)
+    for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
+  multigrid::Extrapolation extrapolation(params.slowest);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
-    cycle(levels, terms, params);
-    result.stats.change.push_back(change(before));
+    multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) sum += square(levels[0].s[i] - before[i]);
+    result.stats.change.push_back(std::sqrt(sum / double(n)));
+    extrapolation.apply(k, before, levels[0].s);
   }
 
   // Layers and state.
@@ -363,8 +238,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
     const std::vector<double> mean =
-        halve(halve(s, width, height), (width + 1) / 2, (height + 1) / 2);
-    *state = {width, height, detail, cells.c0, cells.c1, std::vector<double>(cell_count)};
+        multigrid::halve(multigrid::halve(s, width, height), (width + 1) / 2, (height + 1) / 2);
+    *state = {width, height, detail, cells.c0, cells.c1, std::vector<double>(cell_count), force};
     for (std::size_t i = 0; i < cell_count; ++i) state->rho[i] = cells.m[i] - mean[i];
   }
   return result;

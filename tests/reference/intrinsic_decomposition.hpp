@@ -29,17 +29,15 @@ struct IntrinsicParams {
   double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
   double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
   int cycles = 4;                 ///< Multigrid cycles.
+  double slowest = 0.5;           ///< Error factor up to which cycles are extrapolated; 0: not.
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
-  int coarsest_sweeps = 8;  ///< Smoothing passes on the coarsest level.
 };
 
 inline constexpr int kBins = 48;             ///< Cells of the chroma grid along each axis.
 inline constexpr double kBinWidth = 0.1;     ///< Natural log units.
-inline constexpr double kCoarseScale = 0.7;  ///< Of summed edge weights, per level.
+inline constexpr double kCoarseScale = 0.6;  ///< Of summed edge weights, per level.
 inline constexpr double kCellArea = 16;      ///< Weights of cell terms are per pixel, times this.
 inline constexpr double kLeastDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
-inline constexpr int kSweeps = 2;               ///< Symmetric sweeps inside a block per pass.
-inline constexpr int kBlock = 4;                ///< Smoother block edge, pixels.
 inline constexpr double kLogLow = -4.5;  ///< Least ln of a, b, v, g before the user's factors.
 inline constexpr double kLogHigh = 3;    ///< Largest.
 
@@ -53,16 +51,11 @@ struct EdgePrior {
 /// Evaluates the fitted prior.
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
 
-/// One level of A s = f: A(x,x) = diagonal, A(x,y) = -right or -down.
-struct SolverLevel {
-  int width = 0, height = 0;
-  std::vector<double> right, down, diagonal, f, s;
-};
-
 /// Carried from frame to frame.
 struct IntrinsicState {
   int width = 0, height = 0;
-  std::vector<double> detail, c0, c1, rho;  ///< Cells of the previous frame; empty after a reset.
+  /// Cells of the previous frame; empty after a reset. `force` is the multigrid's at its end.
+  std::vector<double> detail, c0, c1, rho, force;
 };
 
 struct IntrinsicStats {
@@ -92,23 +85,5 @@ ChromaBins splat_bins(const GuideLevel& cells, const std::vector<double>& g,
 
 /// Value of the bins at a chroma.
 double slice_bins(const ChromaBins& bins, double c0, double c1);
-
-/// Fills `coarse.right/down/diagonal` from `fine` (screen = diagonal minus the edges).
-SolverLevel coarsen(const SolverLevel& fine);
-
-/// One pass of the smoother: every kBlock x kBlock block, shifted up by `shift` rows, is swept
-/// forward and backward once against the old values around it.
-void smooth(SolverLevel& level, int shift);
-
-/// The cell terms: what level kCellLevel adds to the correction equation.
-struct CellTerms {
-  std::vector<double> screen;  ///< v + g + t.
-  std::vector<double> pull;    ///< v V + t (M - rho_previous).
-  std::vector<double> g;
-  const GuideLevel* cells = nullptr;
-};
-
-/// One V(1,1) cycle on level 0 and down.
-void cycle(std::vector<SolverLevel>& levels, const CellTerms& terms, const IntrinsicParams& params);
 
 }  // namespace inverse::reference

@@ -1,4 +1,4 @@
-#include "tests/reference/multigrid.hpp"
+#include "multigrid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 namespace inverse::reference::multigrid {
 
 Level::Level(int w, int h) : width(w), height(h) {
-  for (auto* plane : {&right, &down, &mass, &f, &s})
+  for (auto* plane : {&right, &down, &mass, &f, &s, &pull, &hold, &still})
     plane->assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0);
 }
 
@@ -31,14 +31,14 @@ void solve_row(Level& l, int first, int y) {
   std::array<double, 4> gain{}, value{};
   for (int k = 0; k < count; ++k) {
     const int x = first + k;
-    double f = l.f[l.at(x, y)];
+    double f = l.f[l.at(x, y)] + l.pull[l.at(x, y)] + l.hold[l.at(x, y)] * l.still[l.at(x, y)];
     if (y > 0) f += l.down[l.at(x, y - 1)] * l.s[l.at(x, y - 1)];
     if (y + 1 < l.height) f += l.down[l.at(x, y)] * l.s[l.at(x, y + 1)];
     if (k == 0 && x > 0) f += l.right[l.at(x - 1, y)] * l.s[l.at(x - 1, y)];
     if (k == 3 && x + 1 < l.width) f += l.right[l.at(x, y)] * l.s[l.at(x + 1, y)];
     const auto i = static_cast<std::size_t>(k);
     const double before = k > 0 ? l.right[l.at(x - 1, y)] : 0;
-    const double pivot = l.diagonal(x, y) - (k > 0 ? before * gain[i - 1] : 0);
+    const double pivot = l.diagonal(x, y) + l.hold[l.at(x, y)] - (k > 0 ? before * gain[i - 1] : 0);
     gain[i] = (k + 1 < count ? l.right[l.at(x, y)] : 0) / pivot;
     value[i] = (f + (k > 0 ? before * value[i - 1] : 0)) / pivot;
   }
@@ -53,6 +53,9 @@ void smooth(Level& l, int color, int rows) {
   for (int by = 0; by * rows < l.height; ++by)
     for (int bx = (by + color) & 1; 4 * bx < l.width; bx += 2) {
       const int top = by * rows, bottom = std::min(l.height, top + rows);
+      for (int y = top; y < bottom; ++y)  // the force gives way from where the block stands now
+        for (int x = 4 * bx; x < std::min(l.width, 4 * bx + 4); ++x)
+          l.still[l.at(x, y)] = l.s[l.at(x, y)];
       for (int y = top; y < bottom; ++y) solve_row(l, 4 * bx, y);
       for (int y = bottom - 2; y >= top; --y) solve_row(l, 4 * bx, y);
     }
@@ -126,9 +129,42 @@ void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
 
 }  // namespace
 
-void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
-           std::size_t together) {
+namespace {
+
+/// How much every pixel of a line counts in the mean of its cell of `size` (4 or 2) pixels.
+std::vector<double> shares(int count, int size) {
+  std::vector<double> share(static_cast<std::size_t>(count));
+  for (int first = 0; first < count; first += size)
+    for (int k = 0; k < size;
+         ++k) {  // nested 2 x 2 means; indices past the border count as the last
+      const int parent = std::min(first / 2 + k / 2, (count + 1) / 2 - 1);
+      const int at =
+          size == 4 ? std::min(2 * parent + k % 2, count - 1) : std::min(first + k, count - 1);
+      share[static_cast<std::size_t>(at)] += 1.0 / size;
+    }
+  return share;
+}
+
+void share(const std::vector<double>& cells, int columns, int size, const Level& level,
+           std::vector<double>& plane) {
+  const auto horizontal = shares(level.width, size), vertical = shares(level.height, size);
+  for (int y = 0; y < level.height; ++y)
+    for (int x = 0; x < level.width; ++x)
+      plane[level.at(x, y)] =
+          cells[static_cast<std::size_t>(y / size) * static_cast<std::size_t>(columns) +
+                static_cast<std::size_t>(x / size)] *
+          horizontal[static_cast<std::size_t>(x)] * vertical[static_cast<std::size_t>(y)];
+}
+
+}  // namespace
+
+void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
+           const std::vector<double>& screen, std::vector<double>& force, std::size_t together) {
   Level &l0 = levels[0], &l1 = levels[1], &l2 = levels[2];
+  share(screen, l2.width, 4, l0, l0.hold);
+  share(screen, l2.width, 2, l1, l1.hold);
+  share(force, l2.width, 4, l0, l0.pull);
+  share(force, l2.width, 2, l1, l1.pull);
   for (const int color : {0, 1}) smooth(l0, color, 4);
   restrict_to(l0, l1);
   std::vector<double> means = halve(l0.s, l0.width, l0.height);
@@ -138,11 +174,23 @@ void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
   means = halve(means, l1.width, l1.height);
   const std::vector<double> far = l2.f;
   for (int k = 0; k < cell_cycles; ++k) {
-    cells(far, means, l2);
+    terms.before(far, means, l2);
     v_cycle(levels, 2, together);
   }
+  force = terms.after(means, l2);
+  share(force, l2.width, 4, l0, l0.pull);
+  share(force, l2.width, 2, l1, l1.pull);
   correct(l1, l2, 4);
   correct(l0, l1, 4);
+}
+
+void Extrapolation::apply(int k, const std::vector<double>& start, std::vector<double>& s) {
+  const double ratio = slowest_ / (2 - slowest_);
+  if (k == 0) before_ = start;
+  if (k > 0) w_ = 1 / (1 - ratio * ratio * w_ / (k == 1 ? 2 : 4));
+  for (std::size_t i = 0; i < s.size(); ++i)
+    s[i] = before_[i] + w_ * (2 / (2 - slowest_) * (s[i] - start[i]) + start[i] - before_[i]);
+  before_ = start;
 }
 
 }  // namespace inverse::reference::multigrid

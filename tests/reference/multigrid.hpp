@@ -14,6 +14,9 @@ namespace inverse::reference::multigrid {
 struct Level {
   int width = 0, height = 0;
   std::vector<double> right, down, mass, f, s;
+  std::vector<double> pull, hold,
+      still;  ///< While relaxing: the pixels' shares of the cells' force, and of their screen
+              ///< about where a block stood before the pass.
 
   Level() = default;
   Level(int w, int h);
@@ -42,12 +45,33 @@ std::vector<double> halve(const std::vector<double>& fine, int width, int height
 /// All levels down to a single pixel. `screen` is added to the masses of level 2.
 std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale);
 
-/// One cycle, as Multigrid::record_cycle: `cells(far, means, level2)` sets the right-hand side of
-/// level 2 from what the finer levels left of it and the cell means of s, before each of
-/// `cell_cycles` V-cycles. Levels of at most `together` quads have blocks of single rows.
-using CellTerms = std::function<void(const std::vector<double>& far,
-                                     const std::vector<double>& means, Level& cells)>;
-void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& cells,
+/// What the cells' terms do in a cycle, as functions of what the finer levels left of the
+/// right-hand side (`far`), the cell means of s and the level of the cells.
+struct CellTerms {
+  /// Sets the right-hand side of level 2, before each of its V-cycles.
+  std::function<void(const std::vector<double>& far, const std::vector<double>& means,
+                     Level& cells)>
+      before;
+  /// The force with which the cells pull after the last of them.
+  std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
+};
+
+/// One cycle, as Multigrid::record_cycle without extrapolation; `screen` is the cells', `force` is
+/// read and renewed. Levels of at most `together` quads have blocks of single rows.
+void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
+           const std::vector<double>& screen, std::vector<double>& force,
            std::size_t together = 1200);
+
+/// Chebyshev's combination of cycles whose error factors lie between 0 and `slowest` (Varga, Matrix
+/// Iterative Analysis, 5.1): call with the number of the cycle, from 0, and s before it.
+class Extrapolation {
+ public:
+  explicit Extrapolation(double slowest) : slowest_(slowest) {}
+  void apply(int k, const std::vector<double>& start, std::vector<double>& s);
+
+ private:
+  double slowest_, w_ = 1;
+  std::vector<double> before_;
+};
 
 }  // namespace inverse::reference::multigrid

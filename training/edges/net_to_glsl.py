@@ -80,12 +80,20 @@ def main():
         for o in range(outputs):
             i = hidden + o
             print(f"  float out{o} = sums[{i // 4}].{lanes[i]}{products([skip[o * cues + k] for k in which], [names[k] for k in which])};")
-        print("  float h;")
-        for h in range(hidden):
-            print(f"  h = sums[{h // 4}].{lanes[h]}{products([inner[h * cues + k] for k in which], [names[k] for k in which])};")
-            print("  h /= 1.0 + abs(h);")
+        # softsign(h) = h / (1 + |h|); four of them share a division
+        print("  float " + ", ".join(f"h{i}, d{i}" for i in range(4)) + ", part;")
+        for first in range(0, hidden, 4):
+            group = range(first, min(first + 4, hidden))
+            for h in group:
+                print(f"  h{h - first} = sums[{h // 4}].{lanes[h]}{products([inner[h * cues + k] for k in which], [names[k] for k in which])};")
+                print(f"  d{h - first} = 1.0 + abs(h{h - first});")
+            product = " * ".join(f"d{h - first}" for h in group)
+            print(f"  part = 1.0 / ({product});")
+            for h in group:
+                others = " * ".join(f"d{g - first}" for g in group if g != h)
+                print(f"  h{h - first} *= part * ({others});" if others else f"  h{h - first} *= part;")
             for o in range(outputs):
-                print(f"  out{o} +={leading(products([outer[o * hidden + h]], ['h']))};")
+                print(f"  out{o} +={leading(products([outer[o * hidden + h] for h in group], [f'h{h - first}' for h in group]))};")
         print(f"  return {result}({', '.join(f'out{o}' for o in range(outputs))});\n}}")
         for h in range(hidden):
             fold.append((bias1[h], inner[h * cues + local:(h + 1) * cues]))
