@@ -74,6 +74,18 @@ TEST_F(Run, ElementsTakeThePlaceOfTheChain) {
   EXPECT_GT(std::filesystem::file_size(file("out/contact-sheet.png")), 1000u);
 }
 
+TEST_F(Run, InterruptEndsTheFilesProperly) {
+  Process process({script("run"), "--out", file("out")},
+                  environment({{"INVERSE_RUN", INVERSE_RUN}}));
+  for (int i = 0; i < 600 && process.output().find("frame ") == std::string::npos; ++i)
+    ASSERT_EQ(process.wait(0.1), -1) << process.output();
+  process.interrupt();
+  ASSERT_EQ(process.wait(60), 0) << process.output();
+  const Media movie = read_media(file("out/decomposition.mkv"));
+  ASSERT_NO_FATAL_FAILURE(expect_video(movie, 1280, 960, 3));
+  EXPECT_TRUE(std::filesystem::exists(file("out/contact-sheet.png")));
+}
+
 TEST_F(Run, SaysWhatIsWrong) {
   expect_complaint(file("none.mp4"), "there is no file");
   expect_complaint("/dev/video97", "there is no camera /dev/video97");
