@@ -114,14 +114,16 @@ TEST_F(Run, ElementsThatDoNotFitAreSaid) {
 
 TEST_F(Run, WindowWhereThereIsADisplay) {
   if (system("command -v Xvfb >/dev/null") != 0) GTEST_SKIP() << "Xvfb is missing: install xvfb";
-  Process display({"bash", "-c", "exec Xvfb -displayfd 1 -screen 0 1400x1000x24 -nolisten tcp"});
+  // Only the display's number is kept: keyboard warnings would stand before it.
+  Process display({"bash", "-c",
+                   "exec Xvfb -displayfd 3 -screen 0 1400x1000x24 -nolisten tcp "
+                   "3>&1 >/dev/null 2>&1"});
   std::string number;
   for (int i = 0; i < 200 && number.find('\n') == std::string::npos; ++i) {
     ASSERT_FALSE(display.wait(0.1) >= 0) << display.output();
     number = display.output();
   }
   number = number.substr(0, number.find('\n'));
-  number = number.substr(number.find_last_not_of("0123456789") + 1);
   ASSERT_FALSE(number.empty()) << display.output();
   make_media(file("in.mkv"),
              "videotestsrc num-buffers=10 ! video/x-raw,width=160,height=120,framerate=10/1 ! "
