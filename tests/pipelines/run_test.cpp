@@ -114,9 +114,10 @@ TEST_F(Run, ElementsThatDoNotFitAreSaid) {
 
 TEST_F(Run, WindowWhereThereIsADisplay) {
   if (system("command -v Xvfb >/dev/null") != 0) GTEST_SKIP() << "Xvfb is missing: install xvfb";
-  // Only the display's number is kept: keyboard warnings would stand before it.
+  // Only the display's number is kept: keyboard warnings would stand before it. -noreset: without
+  // it, the server starts anew whenever its last window closes, and refuses who comes then.
   Process display({"bash", "-c",
-                   "exec Xvfb -displayfd 3 -screen 0 1400x1000x24 -nolisten tcp "
+                   "exec Xvfb -displayfd 3 -noreset -screen 0 1400x1000x24 -nolisten tcp "
                    "3>&1 >/dev/null 2>&1"});
   std::string number;
   for (int i = 0; i < 200 && number.find('\n') == std::string::npos; ++i) {
