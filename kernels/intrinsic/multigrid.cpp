@@ -18,7 +18,7 @@ namespace inverse {
 namespace {
 
 constexpr uint64_t kTogether =
-    1200;  // quads up to which levels run in one dispatch: 80 x 60 pixels
+    300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
