@@ -49,7 +49,7 @@ DevicePtr device_in(GstContext* context) {
              : nullptr;
 }
 
-/// Asks the neighbours on all pads of one direction.
+/// Asks the neighbors on all pads of one direction.
 DevicePtr ask(GstElement* element, GstPadDirection direction) {
   GstQuery* query = gst_query_new_context(kDeviceContext);
   struct Search {
@@ -134,12 +134,12 @@ void DeviceContext::permit(const DevicePtr& device) const {
   if (permitted(*device)) return;
   throw Error(
       ErrorKind::no_device,
-      "this pipeline needs two Vulkan devices at once: neighbouring elements have their "
+      "this pipeline needs two Vulkan devices at once: neighboring elements have their "
       "images on \"" +
           device->name() + "\", and " +
           (demand_ == Demand::property
                ? "the property device demands \"" + device_->name() +
-                     "\"; leave device empty or choose the neighbours' there"
+                     "\"; leave device empty or choose the neighbors' there"
                : "the application set another one as the context " + std::string(kDeviceContext) +
                      "; set none, or put vulkandownload and vulkanupload between"));
 }

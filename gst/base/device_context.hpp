@@ -13,16 +13,16 @@ namespace inverse {
 /// The context type under which elements of one pipeline share a device.
 inline constexpr const char* kDeviceContext = "gst.inverse.device";
 
-/// One element's part in sharing a Vulkan device with its neighbours: with our own elements as
+/// One element's part in sharing a Vulkan device with its neighbors: with our own elements as
 /// GstContext `gst.inverse.device`, with those of GStreamer's Vulkan plugin through VulkanNeighbor.
-/// One device serves a pipeline. Where the neighbours have one, it is theirs, unless the property
+/// One device serves a pipeline. Where the neighbors have one, it is theirs, unless the property
 /// `device` or the application demands another; frames that would need both are refused.
 class DeviceContext {
  public:
   explicit DeviceContext(GstElement* element) : element_(element) {}
 
   /// The device for the element, from NULL → READY on: where `select` is not empty, the one that it
-  /// names. Else, in this order: one that was set on the element, a neighbour's, one that the
+  /// names. Else, in this order: one that was set on the element, a neighbor's, one that the
   /// application provides on request, the best there is. A device that is opened here is announced
   /// to the rest of the pipeline. Throws Error(no_device).
   void acquire(const std::string& select);
@@ -30,12 +30,12 @@ class DeviceContext {
   /// Waits for what Vulkan neighbors have left on their device when they were stopped.
   void settle() const { neighbor_.settle(); }
 
-  /// Looks again for a device of Vulkan neighbours: some of them only have one in PAUSED. Throws
+  /// Looks again for a device of Vulkan neighbors: some of them only have one in PAUSED. Throws
   /// Error(no_device) where it is of no use to the kernels.
   void look();
   /// The device to use for frames that are bound to none; null before `acquire`.
   std::shared_ptr<gpu::Device> current() const;
-  /// The device on which the neighbours expect images, after `look`; where none of them has one it
+  /// The device on which the neighbors expect images, after `look`; where none of them has one it
   /// is made. Throws Error(no_device) where that is not the device that is demanded.
   std::shared_ptr<gpu::Device> for_images();
   /// Throws Error(no_device) where frames lie on `device` and another one is demanded.
@@ -46,7 +46,7 @@ class DeviceContext {
   /// Answers a context query with what is in use; false where the query is about something else.
   bool answer(GstQuery* query);
   /// Answers a context query that nobody else had an answer to, by making a device for the
-  /// neighbours.
+  /// neighbors.
   bool provide(GstQuery* query);
 
  private:

@@ -69,7 +69,9 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     GST_ELEMENT_ERROR(
         element_, STREAM, FORMAT,
         ("%s works on decomposed video; insert %s before it", name.c_str(), info_.needs),
-        ("got %" GST_PTR_FORMAT, in));
+        ("got %" GST_PTR_FORMAT
+         "; behind a tee every branch must take layers: end each with intrinsiccompose",
+         in));
     return false;
   }
   if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
@@ -153,7 +155,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
                 std::string("this pipeline needs two Vulkan devices at once: frames reach ") +
                     info_.factory + " on \"" + device->name() +
                     "\", and the images that it sends are expected on another device, opened by a "
-                    "neighbour as \"" +
+                    "neighbor as \"" +
                     images_device_->name() +
                     "\"; let the elements share one (GstContext), or put vulkandownload and "
                     "vulkanupload between");

@@ -29,7 +29,7 @@ class Registry {
     return registry;
   }
 
-  /// The wrapped device; `queue` is where the neighbours submit, or null where nobody says.
+  /// The wrapped device; `queue` is where the neighbors submit, or null where nobody says.
   DevicePtr adopt(GstVulkanDevice* device, GstVulkanQueue* queue) {
     std::lock_guard lock(mutex_);
     std::erase_if(entries_, [](const Entry& entry) { return entry.device.expired(); });
@@ -81,13 +81,13 @@ class Registry {
         physical->properties.apiVersion < VK_API_VERSION_1_1)
       throw Error(ErrorKind::no_device,
                   "the Vulkan device \"" + name +
-                      "\" that neighbouring elements use has no Vulkan 1.1, which is needed; "
+                      "\" that neighboring elements use has no Vulkan 1.1, which is needed; "
                       "choose another driver or put vulkandownload before this element");
     if (!handles.queue ||
         !(physical->queue_family_props[handles.queue->family].queueFlags & VK_QUEUE_COMPUTE_BIT))
       throw Error(ErrorKind::no_device,
                   "the queue of the Vulkan device \"" + name +
-                      "\" that neighbouring elements use cannot compute; choose another driver or "
+                      "\" that neighboring elements use cannot compute; choose another driver or "
                       "put vulkandownload before this element");
   }
 
@@ -109,7 +109,7 @@ bool same_physical(VkPhysicalDevice a, VkPhysicalDevice b) {
          !memcmp(x.driverUUID, y.driverUUID, VK_UUID_SIZE);
 }
 
-/// Devices that were made for neighbours and live on. Those keep pools and command buffers on the
+/// Devices that were made for neighbors and live on. Those keep pools and command buffers on the
 /// device that they had when they are stopped, and mix them with what they get when they start
 /// again (1.22): it has to be the same device.
 class Made {
@@ -180,7 +180,9 @@ struct VulkanNeighbor::Contexts {
   DevicePtr device;
   HandlesPtr handles;
 
-  ~Contexts() { gst_clear_object(&instance); }
+  ~Contexts() {
+    if (instance) gst_object_unref(instance);
+  }
 };
 
 VulkanNeighbor::VulkanNeighbor() : contexts_(std::make_unique<Contexts>()) {}
@@ -191,7 +193,7 @@ DevicePtr VulkanNeighbor::find(GstElement* element) {
   if (!gst_vulkan_device_run_context_query(element, &found)) return nullptr;
   const DeviceRef owned(found);
   GError* error = nullptr;
-  if (!gst_vulkan_device_open(found, &error)) fail_to_open("opening the neighbours' device", error);
+  if (!gst_vulkan_device_open(found, &error)) fail_to_open("opening the neighbors' device", error);
   DevicePtr device = bridge::adopt(element, found);
   std::lock_guard lock(mutex_);
   contexts_->device = device;
@@ -200,7 +202,7 @@ DevicePtr VulkanNeighbor::find(GstElement* element) {
 }
 
 DevicePtr VulkanNeighbor::make(GstElement* element, const gpu::Device& like) {
-  // The instance as gst_vulkan_ensure_element_data() finds it: had already, a neighbour's, the
+  // The instance as gst_vulkan_ensure_element_data() finds it: had already, a neighbor's, the
   // pipeline's or the application's, a new one. No lock is held while others are asked.
   const auto noted = [this]() -> InstanceRef {
     std::lock_guard lock(mutex_);
@@ -241,7 +243,7 @@ DevicePtr VulkanNeighbor::make(GstElement* element, const gpu::Device& like) {
   if (!made) {
     made.reset(gst_vulkan_device_new_with_index(instance.get(), index));
     if (!gst_vulkan_device_open(made.get(), &error))
-      fail_to_open("opening a device for the neighbours", error);
+      fail_to_open("opening a device for the neighbors", error);
     Made::get().add(made.get());
   }
   DevicePtr device = Registry::get().adopt(made.get(), nullptr);

@@ -32,11 +32,11 @@ class VulkanNeighbor {
   VulkanNeighbor& operator=(const VulkanNeighbor&) = delete;
   ~VulkanNeighbor();
 
-  /// Looks for the device of neighbours, downstream first, and wraps it; null where there is none.
+  /// Looks for the device of neighbors, downstream first, and wraps it; null where there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
   std::shared_ptr<gpu::Device> find(GstElement* element);
-  /// Makes a device for the neighbours: a GstVulkanDevice on the physical device that `like` is on.
+  /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
   /// Throws Error(no_device) where GStreamer's Vulkan library cannot open it.
   std::shared_ptr<gpu::Device> make(GstElement* element, const gpu::Device& like);
   /// What was found or made last; null where nothing was.

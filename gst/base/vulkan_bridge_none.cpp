@@ -1,4 +1,4 @@
-// The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbours,
+// The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbors,
 // and no template lets images in or out.
 #include "frame_io.hpp"
 #include "vulkan_bridge.hpp"

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "image/transfer.hpp"
@@ -22,7 +23,7 @@ inline uint32_t srgb_color(const std::array<float, 3>& linear) {
   uint32_t argb = 255;
   for (const float channel : linear) {
     const double bounded = channel > 0 ? std::min(channel, 1.0f) : 0.0;
-    argb = argb << 8 | static_cast<uint32_t>(srgb.encode(bounded) * 255 + 0.5);
+    argb = argb << 8 | static_cast<uint32_t>(std::lround(srgb.encode(bounded) * 255));
   }
   return argb;
 }

@@ -21,7 +21,7 @@ namespace {
 
 enum : guint { PROP_STATS = 1, PROP_TABLE = 10 };
 
-G_DEFINE_TYPE(GstIntrinsicSplit, gst_intrinsic_split, GST_TYPE_ELEMENT)
+gpointer parent_class = nullptr;
 
 SplitElement& split_of(gpointer object) { return *static_cast<GstIntrinsicSplit*>(object)->split; }
 
@@ -43,7 +43,7 @@ void set_property(GObject* object, guint id, const GValue* value, GParamSpec* sp
 
 void finalize(GObject* object) {
   delete &split_of(object);
-  G_OBJECT_CLASS(gst_intrinsic_split_parent_class)->finalize(object);
+  G_OBJECT_CLASS(parent_class)->finalize(object);
 }
 
 gboolean src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
@@ -78,7 +78,7 @@ void release_pad(GstElement* element, GstPad* pad) { split_of(element).remove(pa
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
   const GstStateChangeReturn result =
-      GST_ELEMENT_CLASS(gst_intrinsic_split_parent_class)->change_state(element, transition);
+      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) split_of(element).stop();
   return result;
 }
@@ -90,7 +90,8 @@ void add_template(GstElementClass* element, const char* name, GstPadDirection di
   gst_caps_unref(caps);
 }
 
-void gst_intrinsic_split_class_init(GstIntrinsicSplitClass* klass) {
+void class_init(gpointer klass, gpointer) {
+  parent_class = g_type_class_peek_parent(klass);
   auto* object = G_OBJECT_CLASS(klass);
   object->get_property = get_property;
   object->set_property = set_property;
@@ -145,10 +146,11 @@ gboolean sink_query(GstPad*, GstObject* parent, GstQuery* query) {
   return split_of(parent).sink_query(query);
 }
 
-void gst_intrinsic_split_init(GstIntrinsicSplit* self) {
-  auto* element = GST_ELEMENT(self);
+void instance_init(GTypeInstance* instance, gpointer klass) {
+  auto* self = reinterpret_cast<GstIntrinsicSplit*>(instance);
+  auto* element = GST_ELEMENT(instance);
   GstPad* sink = gst_pad_new_from_template(
-      gst_element_class_get_pad_template(GST_ELEMENT_GET_CLASS(self), "sink"), "sink");
+      gst_element_class_get_pad_template(GST_ELEMENT_CLASS(klass), "sink"), "sink");
   gst_pad_set_chain_function(sink, chain);
   gst_pad_set_event_function(sink, sink_event);
   gst_pad_set_query_function(sink, sink_query);
@@ -157,14 +159,26 @@ void gst_intrinsic_split_init(GstIntrinsicSplit* self) {
   gst_element_add_pad(element, sink);
 }
 
+GType split_type() {
+  static const GType type = [] {
+    GTypeInfo info{};
+    info.class_size = sizeof(GstIntrinsicSplitClass);
+    info.class_init = class_init;
+    info.instance_size = sizeof(GstIntrinsicSplit);
+    info.instance_init = instance_init;
+    return g_type_register_static(GST_TYPE_ELEMENT, "GstIntrinsicSplit", &info,
+                                  static_cast<GTypeFlags>(0));
+  }();
+  return type;
+}
+
 }  // namespace
 
 namespace inverse {
 
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin) {
-  return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE,
-                              gst_intrinsic_split_get_type());
+  return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE, split_type());
 }
 
 }  // namespace inverse

@@ -134,7 +134,9 @@ bool SplitElement::set_caps(GstCaps* caps) {
       GST_ELEMENT_ERROR(
           element_, STREAM, FORMAT,
           ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
-          ("got %" GST_PTR_FORMAT, caps));
+          ("got %" GST_PTR_FORMAT
+           "; behind a tee every branch must take layers: end each with intrinsiccompose",
+           caps));
     return false;
   }
   bool good = true;

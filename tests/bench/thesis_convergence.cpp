@@ -231,7 +231,10 @@ void draw(const std::vector<Curve>& curves, bool converged, const std::string& p
       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' "
          "fill='white'/>\n";
   const char* colors[] = {"#1b6ca8", "#c8553d"};
-  for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10) {
+  const int first = static_cast<int>(std::floor(std::log10(low)));
+  const int last_decade = static_cast<int>(std::floor(std::log10(high)));
+  for (int exponent = first; exponent <= last_decade; ++exponent) {
+    const double decade = std::pow(10, exponent);
     for (const double tick : {decade, 2 * decade, 5 * decade}) {
       if (tick < low || tick > high) continue;
       svg << "<path d='M" << kMargin << ' ' << y(tick) << 'H' << kWidth - kMargin / 2

@@ -360,7 +360,7 @@ TEST_F(VulkanMemory, StatesCycleAndNothingIsLeftBehind) {
       }
       ASSERT_TRUE(pipeline.ends()) << cycle;
       ASSERT_TRUE(pipeline.reaches(rest)) << cycle;
-      EXPECT_EQ(alive, 1) << "neighbours that keep pools must get their device again, " << cycle;
+      EXPECT_EQ(alive, 1) << "neighbors that keep pools must get their device again, " << cycle;
     }
   }
   EXPECT_EQ(alive, 0) << "devices that outlive their pipeline";
@@ -419,7 +419,7 @@ TEST_F(VulkanMemory, ImagesFromOneDeviceDoNotGoOutOnAnother) {
       feed);
   EXPECT_TRUE(plain.errors.empty()) << plain.first_error();
   EXPECT_EQ(plain.frames.size(), 1u);
-  // With a neighbour that opened a device of its own there are two.
+  // With a neighbor that opened a device of its own there are two.
   const LineResult both =
       run("appsrc name=in format=time ! intrinsicdecomp ! vulkandownload ! fakesink", feed);
   EXPECT_FALSE(both.eos);

@@ -61,6 +61,14 @@ class IntrinsicTest : public GpuTest {
   /// One frame through `method`; its intrinsic plane.
   Pixels decompose(IntrinsicDecomposition& method, const PlanePtr& frame,
                    const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
+    Pixels pixels = decompose_in_gauge(method, frame, params, reset);
+    // Back to the solver's own scale, which is the reference's.
+    const float scale = std::exp(method.findings().gauge);
+    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] *= i % 4 == 3 ? scale : 1 / scale;
+    return pixels;
+  }
+  Pixels decompose_in_gauge(IntrinsicDecomposition& method, const PlanePtr& frame,
+                            const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
     Layers layers;
     run([&](gpu::Commands& commands) { layers = method.record(commands, frame, params, {reset}); });
     return download(layers[Role::intrinsic]->buffer);
@@ -71,6 +79,35 @@ class IntrinsicTest : public GpuTest {
     return decompose(method, input(extent, pixels), params);
   }
 };
+
+TEST_F(IntrinsicTest, GaugeBringsBrightReflectanceToItsValueAndMovesSlowly) {
+  const Extent extent{128, 96};
+  IntrinsicDecomposition method(device, extent);
+  IntrinsicDecomposition::Params params;
+  const auto bright_end = [&](const Pixels& pixels) {
+    std::vector<float> brightest;
+    for (size_t i = 0; i < pixels.size(); i += 4)
+      brightest.push_back(std::max({pixels[i], pixels[i + 1], pixels[i + 2]}));
+    std::sort(brightest.begin(), brightest.end());
+    return brightest[static_cast<size_t>(params.gauge.quantile *
+                                         static_cast<float>(brightest.size()))];
+  };
+  Pixels pixels = scene(extent, 4);
+  const PlanePtr frame = input(extent, pixels);
+  // Counted over cells and here over pixels: near, not equal.
+  EXPECT_NEAR(bright_end(decompose_in_gauge(method, frame, params)), params.gauge.value, 0.25F);
+  const float first = method.findings().gauge;
+  // Another wish is followed a share at a time by a frame that continues the one before …
+  params.gauge.value = 0.45F;
+  decompose_in_gauge(method, frame, params, false);
+  EXPECT_NEAR(method.findings().gauge, first - params.gauge.share * std::log(2.0F), 0.05F);
+  // … and at once by one that does not.
+  decompose_in_gauge(method, frame, params, true);
+  EXPECT_NEAR(method.findings().gauge, first - std::log(2.0F), 0.05F);
+  // Black frames leave it where it is.
+  decompose_in_gauge(method, input(extent, Pixels(pixels.size(), 0.0F)), params, true);
+  EXPECT_EQ(method.findings().gauge, 0.0F);
+}
 
 TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
   for (const Extent extent : kOddSizes) {

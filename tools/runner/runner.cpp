@@ -62,30 +62,27 @@ GstElement* parse_bin(const std::string& line) {
   return bin;
 }
 
-/// Whether a window can be shown: there is a display, it answers, and a sink is installed for it.
-bool window_works() {
+/// The sink for a window on the display that the environment names, or nothing where no display
+/// answers. Not autovideosink's choice: where no display answers, it tries frame buffers as well.
+std::string window_sink() {
   const auto set = [](const char* name) {
     const char* value = getenv(name);
     return value && *value;
   };
-  if (!set("DISPLAY") && !set("WAYLAND_DISPLAY")) return false;
-  GstElement* sink = gst_element_factory_make("autovideosink", nullptr);
-  if (!sink) return false;
-  bool works = gst_element_set_state(sink, GST_STATE_READY) != GST_STATE_CHANGE_FAILURE;
-  if (works) {
-    // Where nothing answers, autovideosink falls back to a sink that shows nothing.
-    GstIterator* children = gst_bin_iterate_elements(GST_BIN(sink));
-    GValue value = G_VALUE_INIT;
-    works = gst_iterator_next(children, &value) == GST_ITERATOR_OK &&
-            !g_str_has_prefix(
-                GST_OBJECT_NAME(gst_element_get_factory(GST_ELEMENT(g_value_get_object(&value)))),
-                "fake");
-    if (G_IS_VALUE(&value)) g_value_unset(&value);
-    gst_iterator_free(children);
-  }
-  gst_element_set_state(sink, GST_STATE_NULL);
-  gst_object_unref(sink);
-  return works;
+  const auto works = [](const char* factory) {
+    GstElement* sink = gst_element_factory_make(factory, nullptr);
+    if (!sink) return false;
+    const bool ready = gst_element_set_state(sink, GST_STATE_READY) != GST_STATE_CHANGE_FAILURE;
+    gst_element_set_state(sink, GST_STATE_NULL);
+    gst_object_unref(sink);
+    return ready;
+  };
+  if (set("WAYLAND_DISPLAY") && works("waylandsink")) return "waylandsink";
+  if (set("DISPLAY"))
+    for (const char* factory : {"xvimagesink", "ximagesink"})
+      if (works(factory)) return factory;
+  if ((set("WAYLAND_DISPLAY") || set("DISPLAY")) && works("glimagesink")) return "glimagesink";
+  return {};
 }
 
 class Session {
@@ -112,6 +109,7 @@ class Session {
   void report() const;
 
   const Options& options_;
+  const std::string window_sink_;
   const bool window_;
   const std::string movie_, sheet_path_;
   GstElement* pipeline_ = gst_pipeline_new("run");
@@ -137,7 +135,8 @@ class Session {
 
 Session::Session(const Options& options)
     : options_(options),
-      window_(options.view != View::file && window_works()),
+      window_sink_(options.view == View::file ? "" : window_sink()),
+      window_(!window_sink_.empty()),
       movie_(options.folder + "/decomposition.mkv"),
       sheet_path_(options.folder + "/contact-sheet.png") {
   if (options.view == View::window && !window_)
@@ -202,8 +201,8 @@ void Session::add_source() {
 }
 
 void Session::add_window() {
-  GstElement* sink = parse_bin(options_.input.live ? "videoconvert ! autovideosink sync=false"
-                                                   : "videoconvert ! autovideosink");
+  GstElement* sink =
+      parse_bin("videoconvert ! " + window_sink_ + (options_.input.live ? " sync=false" : ""));
   gst_bin_add(GST_BIN(pipeline_), sink);
   gst_element_link(chain_, sink);
 }
@@ -265,7 +264,8 @@ void Session::connect_sound(GstPad* pad) {
                            ? parse_bin("queue ! audioconvert ! audioresample ! autoaudiosink")
                            : parse_bin("queue max-size-buffers=0 max-size-bytes=0 max-size-time=0");
   gst_bin_add(GST_BIN(pipeline_), branch);
-  if (!window_) gst_element_link(branch, mux_);
+  // By name: a queue would fit the pad for subtitles as well.
+  if (!window_) gst_element_link_pads(branch, "src", mux_, "audio_%u");
   GstPad* sink = gst_element_get_static_pad(branch, "sink");
   gst_pad_link(pad, sink);
   gst_object_unref(sink);
