@@ -56,7 +56,6 @@ class IntrinsicElement final : public Decomposer {
     const Params params = parameters_.snapshot();
     frame.layers =
         method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    frame.commands.stage("decompose");
     return params.show;
   }
 

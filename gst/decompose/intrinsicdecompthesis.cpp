@@ -55,7 +55,6 @@ class ThesisElement final : public Decomposer {
     const Params params = parameters_.snapshot();
     method_->set_params(params);
     last_ = method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-    frame.commands.stage("decompose");
     return params.show;
   }
 

@@ -3,6 +3,7 @@
 // machine does hits all alike.
 //
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [ELEMENT …]
+#include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 #include <sys/resource.h>
@@ -62,17 +63,21 @@ std::string caps_of(Size size, const char* format) {
 std::vector<GstBuffer*> load(const std::string& clip, Size size, const char* format, int count) {
   const std::string line = "filesrc location=\"" + clip +
                            "\" ! decodebin ! videoconvert ! videoscale ! " + caps_of(size, format) +
-                           ", pixel-aspect-ratio=1/1";
-  GstHarness* harness = gst_harness_new_parse((line + " ! identity").c_str());
-  gst_harness_play(harness);
+                           ", pixel-aspect-ratio=1/1 ! appsink name=out sync=false";
   std::vector<GstBuffer*> frames;
+  GstElement* pipeline = gst_parse_launch(line.c_str(), nullptr);
+  if (!pipeline) return frames;
+  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
   while (static_cast<int>(frames.size()) < count) {
-    GstBuffer* buffer = gst_harness_pull(harness);
-    if (!buffer) break;
-    frames.push_back(gst_buffer_copy_deep(buffer));
-    gst_buffer_unref(buffer);
+    GstSample* sample = gst_app_sink_pull_sample(GST_APP_SINK(sink));
+    if (!sample) break;
+    frames.push_back(gst_buffer_copy_deep(gst_sample_get_buffer(sample)));
+    gst_sample_unref(sample);
   }
-  gst_harness_teardown(harness);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(sink);
+  gst_object_unref(pipeline);
   return frames;
 }
 
