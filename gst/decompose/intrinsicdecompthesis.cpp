@@ -58,6 +58,10 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
+        flag<P>(
+            "adaptive", &P::adaptive,
+            "Has no effect, as the thesis' method does all its work for every frame; for scripts "
+            "that set it on any decomposer"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},
