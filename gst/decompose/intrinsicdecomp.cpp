@@ -20,22 +20,9 @@ Params preset(const Params& set) {
   return params;
 }
 
-class IntrinsicElement final : public Decomposer {
+class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
-
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override {
-    Decomposer::reset();
-    method_->reset();
-  }
 
   void describe(GstStructure* stats) const override {
     const auto& method = method_->stats();
@@ -127,7 +114,6 @@ class IntrinsicElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<IntrinsicDecomposition> method_;
 };
 
 }  // namespace

@@ -21,22 +21,9 @@ Params preset(const Params& set) {
   return params;
 }
 
-class ThesisElement final : public Decomposer {
+class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
-
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override {
-    Decomposer::reset();
-    method_->reset();
-  }
 
   void describe(GstStructure* stats) const override {
     const auto method = method_->stats(last_);
@@ -133,7 +120,6 @@ class ThesisElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<ThesisDecomposition> method_;
   uint64_t last_ = 0;
 };
 

@@ -17,8 +17,7 @@ INVERSE_SHADER(intrinsic_verdict);
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether =
-    300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
+constexpr uint64_t kTogether = 300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
