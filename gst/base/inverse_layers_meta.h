@@ -29,7 +29,7 @@ typedef enum {
   GST_INVERSE_ROLE_MASK,
 } GstInverseRole;
 
-typedef struct _GstInverseLayersMeta GstInverseLayersMeta;
+typedef struct GstInverseLayersMeta GstInverseLayersMeta;
 
 /**
  * GstInverseLayersMeta:
@@ -40,7 +40,7 @@ typedef struct _GstInverseLayersMeta GstInverseLayersMeta;
  * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
  * device failed
  */
-struct _GstInverseLayersMeta {
+struct GstInverseLayersMeta {
   GstMeta meta;
   guint width;
   guint height;
@@ -53,7 +53,8 @@ struct _GstInverseLayersMeta {
 /** The layers of a buffer, or %NULL. */
 static inline GstInverseLayersMeta* gst_buffer_get_inverse_layers_meta(GstBuffer* buffer) {
   const GType api = g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME);
-  return api ? (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api) : NULL;
+  if (!api) return NULL;  // NOLINT(modernize-use-nullptr): C reads this, too
+  return (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api);
 }
 
 G_END_DECLS
