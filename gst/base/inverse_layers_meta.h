@@ -1,8 +1,9 @@
 /* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
  *
- * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic` carry this meta and
- * no pixels; the layers live on the Vulkan device. This header is all that is needed: no library to link. Layers come
- * to host memory and go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no padding.
+ * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
+ * carry this meta and no pixels; the layers live on the Vulkan device. This header is all that is
+ * needed: no library to link. Layers come to host memory and go back as GBytes of float32 RGBA,
+ * width * height * 16 bytes, rows from the top, no padding.
  *
  * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
  */
@@ -34,9 +35,10 @@ typedef struct _GstInverseLayersMeta GstInverseLayersMeta;
  * GstInverseLayersMeta:
  * @width: pixels
  * @height: pixels
- * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed. Free with
- *   g_bytes_unref().
- * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the device failed
+ * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
+ * Free with g_bytes_unref().
+ * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
+ * device failed
  */
 struct _GstInverseLayersMeta {
   GstMeta meta;

@@ -3,11 +3,12 @@
 
 #include "base/filter.hpp"
 #include "image/mosaic.hpp"
+#include "palette/scene_palette.hpp"
 
 namespace inverse {
 
 /// What a decomposer shows where pixels go out.
-enum class Show { reflectance, shading, input, mosaic };
+enum class Show { reflectance, shading, input, mosaic, clusters };
 
 /// How much work goes into a frame: sets a group of parameters; what is set explicitly wins.
 enum class Quality { low, medium, high, best };
@@ -24,13 +25,41 @@ class Decomposer : public Filter {
   /// Fills `frame.layers` from its input layer and returns what to show.
   virtual Show decompose(FrameWork& frame) = 0;
 
+  void reset() override;
+
   static std::vector<Choice> show_choices();
   static std::vector<Choice> quality_choices();
 
  private:
+  PlanePtr draw_clusters(FrameWork& frame);
+
   std::shared_ptr<gpu::Device> device_;
   std::optional<PlanePool> planes_;
-  std::optional<Mosaic> mosaic_;  // made when it is first asked for
+  // Made when they are first asked for.
+  std::optional<Mosaic> mosaic_;
+  std::optional<ScenePalette> palette_;
+};
+
+/// A decomposer whose frames all go through one object of the method, made anew for each size:
+/// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames.
+template <typename Method>
+class MethodDecomposer : public Decomposer {
+ public:
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    Decomposer::configure(device, extent);
+    method_.emplace(device, extent);
+  }
+  void release() override {
+    method_.reset();
+    Decomposer::release();
+  }
+  void reset() override {
+    Decomposer::reset();
+    method_->reset();
+  }
+
+ protected:
+  std::optional<Method> method_;
 };
 
 }  // namespace inverse

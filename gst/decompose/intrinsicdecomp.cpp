@@ -8,6 +8,7 @@ namespace {
 struct Params : IntrinsicDecomposition::Params {
   Show show = Show::reflectance;
   Quality quality = Quality::medium;
+  uint32_t seed = 1;
 };
 
 Params preset(const Params& set) {
@@ -19,27 +20,22 @@ Params preset(const Params& set) {
   return params;
 }
 
-class IntrinsicElement final : public Decomposer {
+class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
-
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override { method_->reset(); }
 
   void describe(GstStructure* stats) const override {
     const auto& method = method_->stats();
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    gst_structure_set(stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT,
-                      method.levels, "history", G_TYPE_BOOLEAN, method.history, "skipped",
-                      G_TYPE_STRING, skipped.c_str(), nullptr);
+    const auto found = method_->findings();
+    gst_structure_set(
+        stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
+        "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",
+        G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change", G_TYPE_DOUBLE,
+        static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE, static_cast<double>(found.gauge),
+        "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated,
+        "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
  protected:
@@ -47,7 +43,6 @@ class IntrinsicElement final : public Decomposer {
     const Params params = parameters_.snapshot();
     frame.layers =
         method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    frame.commands.stage("decompose");
     return params.show;
   }
 
@@ -60,6 +55,15 @@ class IntrinsicElement final : public Decomposer {
                   "of them"),
         choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(),
                   "Sets the cycles as a group; what is set explicitly wins"),
+        flag<P>("adaptive", &P::adaptive,
+                "Leave out what a frame does not need: tiles where nothing changed keep what was "
+                "decided about their edges"),
+        number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
+                  "Change of log intensity or chroma from which on a tile counts as changed"),
+        number<P>(
+            "seed", &P::seed, 0u, G_MAXUINT,
+            "Has no effect, as this method draws nothing at random; for scripts that set it on "
+            "any decomposer"),
         number<P>("cycles", &P::cycles, 1u, 32u,
                   "Multigrid cycles of a frame without history (the first, after a seek, a gap or "
                   "new caps)"),
@@ -90,6 +94,18 @@ class IntrinsicElement final : public Decomposer {
             "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
             "Change of local contrast that halves the temporal weight, natural log units"),
         number<P>(
+            "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
+            "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "
+            "to, "
+            "1 = the brightest that a display shows"),
+        number<P>(
+            "gauge-quantile", [](P& p) -> float& { return p.gauge.quantile; }, 0.f, 1.f,
+            "Quantile of the largest channel of reflectance that gauge-value speaks of"),
+        number<P>(
+            "gauge-share", [](P& p) -> float& { return p.gauge.share; }, 0.f, 1.f,
+            "Share of the newest frame in that scale: 1 = follows every frame, 0 = moves at cuts "
+            "only"),
+        number<P>(
             "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
             "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
             "scene"),
@@ -98,7 +114,6 @@ class IntrinsicElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<IntrinsicDecomposition> method_;
 };
 
 }  // namespace

@@ -21,19 +21,9 @@ Params preset(const Params& set) {
   return params;
 }
 
-class ThesisElement final : public Decomposer {
+class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
-
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override { method_->reset(); }
 
   void describe(GstStructure* stats) const override {
     const auto method = method_->stats(last_);
@@ -52,7 +42,6 @@ class ThesisElement final : public Decomposer {
     const Params params = parameters_.snapshot();
     method_->set_params(params);
     last_ = method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-    frame.commands.stage("decompose");
     return params.show;
   }
 
@@ -68,6 +57,10 @@ class ThesisElement final : public Decomposer {
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
+        flag<P>(
+            "adaptive", &P::adaptive,
+            "Has no effect, as the thesis' method does all its work for every frame; for scripts "
+            "that set it on any decomposer"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},
@@ -127,7 +120,6 @@ class ThesisElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<ThesisDecomposition> method_;
   uint64_t last_ = 0;
 };
 

@@ -1,15 +1,5 @@
-// What the editing kernels share. Layers may carry anything that a frame or somebody else's element put into them: every
-// value is made finite where it is read, so that nothing spreads from pixel to pixel or into later frames.
+// What the editing kernels share.
+#include "../image/finite.glsl"
 
-const float kLargest = 65504.0;  // the largest half float: far above any reflectance, shading or linear light
-const uint kRows = 4u;           // pixels an invocation, one above the other
+const uint kRows = 4u;  // pixels an invocation, one above the other
 
-// Not-a-numbers and negatives become 0, infinity kLargest. By bits: positive floats order like integers, and no compiler
-// may assume its way around it.
-vec4 finite(vec4 value) {
-  ivec4 bits = floatBitsToInt(value);
-  bits = mix(bits, ivec4(0), greaterThan(bits, ivec4(0x7f800000)));
-  return intBitsToFloat(clamp(bits, ivec4(0), ivec4(floatBitsToInt(kLargest))));
-}
-
-const float kReflectanceFloor = 1e-3;  // what ln R is taken of at least

@@ -5,7 +5,6 @@
 
 #include "../gpu/shaders.hpp"
 
-INVERSE_SHADER(edit_log_reflectance);
 INVERSE_SHADER(edit_recolor);
 INVERSE_SHADER(edit_recolor_cluster);
 
@@ -18,8 +17,6 @@ constexpr float kLargest = 65504.0f;   // edit.glsl
 constexpr float kHardestEdge = 1e-6f;  // softness that stands for none
 constexpr float kUnlimited = 3.4e38f;
 constexpr int kMaxClusters = static_cast<int>(Palette::kMaxClusters);
-constexpr uint64_t kPaletteSample =
-    20'000;  // pixels: enough for 16 clusters, a fraction of a frame
 
 struct Push {
   float target[4];
@@ -69,36 +66,15 @@ PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes) {
 Recolor::Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       planes_(device, extent),
-      nothing_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
-      log_reflectance_(device->kernel(shaders::edit_log_reflectance)) {
+      nothing_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   for (uint32_t i = 0; i < by_key_.size(); ++i) {
     by_key_[i] = device->kernel(shaders::edit_recolor, {i & 1, i >> 1});
     by_cluster_[i] = device->kernel(shaders::edit_recolor_cluster, {i & 1, i >> 1});
   }
-  while (extent.pixels() / stride_ / stride_ > kPaletteSample) ++stride_;
-  sample_.extent = {(extent.width - 1) / stride_ + 1, (extent.height - 1) / stride_ + 1};
 }
 
 void Recolor::reset() {
   if (palette_) palette_->reset();
-}
-
-void Recolor::record_palette(gpu::Commands& commands, const Plane& model, int clusters) {
-  if (!palette_) {
-    sample_.buffer = gpu::Buffer::create(device_, gpu::Element::vec4, sample_.extent.pixels());
-    palette_.emplace(device_);
-  }
-  if (clusters != palette_->params().clusters) {
-    Palette::Params params;
-    params.clusters = clusters;
-    palette_->set_params(params);
-    palette_->reset();
-  }
-  const uint32_t push[] = {sample_.extent.width, sample_.extent.height, stride_,
-                           model.extent.width};
-  commands.dispatch(log_reflectance_, {model.buffer, sample_.buffer}, push,
-                    {sample_.extent.width, sample_.extent.height});
-  palette_->record_update(commands, sample_);
 }
 
 void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParams& params) {
@@ -115,10 +91,11 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
                                       edited->buffer, mask ? mask->buffer : nothing_};
   if (by_cluster) {
     const Plane& model = *layers[Role::model];
-    record_palette(commands, model, std::clamp(params.clusters, 1, kMaxClusters));
-    push.clusters = palette_->params().clusters;
+    if (!palette_) palette_.emplace(device_, layers.extent);
+    palette_->record_update(commands, model, params.clusters);
+    push.clusters = palette_->palette().params().clusters;
     push.cluster = std::min(params.cluster, kMaxClusters - 1);
-    buffers.insert(buffers.end(), {model.buffer, palette_->colors()});
+    buffers.insert(buffers.end(), {model.buffer, palette_->palette().colors()});
   }
   commands.dispatch(by_cluster ? by_cluster_[variant] : by_key_[variant], buffers,
                     std::as_bytes(std::span(&push, 1)),

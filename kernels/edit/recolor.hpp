@@ -4,7 +4,7 @@
 
 #include "../gpu/commands.hpp"
 #include "../image/layers.hpp"
-#include "../palette/palette.hpp"
+#include "../palette/scene_palette.hpp"
 
 namespace inverse {
 
@@ -62,19 +62,14 @@ class Recolor {
   void reset();
 
   /// The clusters in use, or null where no cluster was asked for yet.
-  const Palette* palette() const { return palette_ ? &*palette_ : nullptr; }
+  const Palette* palette() const { return palette_ ? &palette_->palette() : nullptr; }
 
  private:
-  void record_palette(gpu::Commands& commands, const Plane& model, int clusters);
-
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
   gpu::BufferPtr nothing_;
   std::array<gpu::KernelPtr, 4> by_key_, by_cluster_;  // by MATTE + 2 PUBLISH
-  gpu::KernelPtr log_reflectance_;
-  std::optional<Palette> palette_;
-  Plane sample_;         // ln R of some pixels
-  uint32_t stride_ = 1;  // between them
+  std::optional<ScenePalette> palette_;                // made when a cluster is first asked for
 };
 
 /// The plane to write the edited `plane` to: itself where nobody else holds it, else a fresh one.

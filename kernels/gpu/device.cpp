@@ -293,6 +293,10 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
 }
 
+uint64_t Device::patience_ns() const {
+  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 120 : 10) * uint64_t{1'000'000'000};
+}
+
 void Device::count_memory(int64_t bytes) {
   const uint64_t now =
       memory_bytes_.fetch_add(static_cast<uint64_t>(bytes)) + static_cast<uint64_t>(bytes);

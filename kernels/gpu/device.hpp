@@ -74,6 +74,10 @@ class Device : public std::enable_shared_from_this<Device> {
   bool is_adopted() const { return !owned_; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
+  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, 120 s for
+  /// a software device (which shares its processors with whatever else runs), or the environment
+  /// variable `INVERSE_PATIENCE` in seconds.
+  uint64_t patience_ns() const;
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
   /// workgroup size). Built once and kept as long as the device: to compile it

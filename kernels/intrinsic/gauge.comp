@@ -12,7 +12,7 @@ layout(push_constant) uniform Push {
   float quantile;
   float log_target;  // ln of the value that the quantile comes to
   float share;       // of the newest frame
-  uint history;      // 0: no frame before, and no verdict on it
+  uint history;      // 0: no frame before; 1: one, which the verdict is on; 2: one without a verdict
 } push;
 
 void main() {
@@ -27,7 +27,7 @@ void main() {
     STORE(counts, i, 0u);
   }
   float before = LOAD(gauge, 0).x;
-  bool carries = push.history != 0u && FETCH(verdict, 0).y > 0.0;
+  bool carries = push.history == 2u || (push.history == 1u && FETCH(verdict, 0).y > 0.0);
   // A frame that is all dark has no say; where nothing is known either, the solver's own scale stays.
   float wanted = total > 0u ? push.log_target - gauge_value(bin) : (carries ? before : 0.0);
   STORE(gauge, 0, vec4(carries ? mix(before, wanted, push.share) : wanted, 0.0, 0.0, 0.0));

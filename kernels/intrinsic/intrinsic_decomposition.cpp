@@ -22,6 +22,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
+      gauge_(device_),
       terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0})),
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
       assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
@@ -99,11 +100,17 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("assemble");
   solve(commands, params);
 
+  using History = OutputGauge::History;
+  gauge_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
+                stats_.history ? History::judged
+                : history_     ? History::taken_on
+                               : History::none,
+                params.gauge);
   const PlanePtr intrinsic = planes_.acquire();
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(layers_,
                     {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
-                     intrinsic->buffer, anchor_.kept()},
+                     gauge_.value(), intrinsic->buffer, anchor_.kept()},
                     size, line_of(guide_.cell_extent().pixels()));
   commands.stage("layers");
   history_ = true;
@@ -120,6 +127,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
   Findings findings;
   findings.change = multigrid_.change();
   findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
+  findings.gauge = gauge_.value()->map_as<float>()[0];
   if (stats_.history) {
     const float* verdict = anchor_.verdict()->map_as<float>();
     findings.mismatch = verdict[0];

@@ -9,6 +9,7 @@
 #include "edge_prior.hpp"
 #include "guide.hpp"
 #include "multigrid.hpp"
+#include "output_gauge.hpp"
 #include "temporal_anchor.hpp"
 
 namespace inverse {
@@ -26,6 +27,7 @@ class IntrinsicDecomposition {
     /// The same of a frame that continues the one before, and so starts near its solution, 1…32.
     uint32_t warm_cycles = 2;
     Multigrid::Params multigrid;
+    OutputGauge::Params gauge;
     /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
     /// weights.
     bool adaptive = true;
@@ -60,6 +62,7 @@ class IntrinsicDecomposition {
     float change = 0;    ///< rms change of log shading by the last cycle: what is left to do
     float mismatch = 0;  ///< with the frame before, 0…1; 0 without one
     bool cut = false;    ///< a cut: nothing was taken over
+    float gauge = 0;     ///< ln of the factor from the solver's R to the layer's
     uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
   };
   Findings findings() const;
@@ -76,6 +79,7 @@ class IntrinsicDecomposition {
   TemporalAnchor anchor_;
   ChromaBins bins_;
   Multigrid multigrid_;
+  OutputGauge gauge_;
   gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
   bool history_ = false, adaptive_ = false;

@@ -5,14 +5,15 @@
 #include "guide.glsl"
 #include "temporal.glsl"
 
-// The solution as layers, S = e^s and R = I / S, and what the next frame wants to know of this one. One cell, 4 x 4
-// pixels, an invocation.
+// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
+// one. One cell, 4 x 4 pixels, an invocation.
 PLANE_IN(0, frame);
 PLANE_IN(1, shading);
 PLANE_IN(2, cells);
 PLANE_IN(3, wide);
-PLANE_OUT(4, intrinsic);
-PLANE_OUT(5, kept);
+PLANE_IN(4, gauge);  // .x = ln c (gauge.comp)
+PLANE_OUT(5, intrinsic);
+PLANE_OUT(6, kept);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -21,12 +22,13 @@ void main() {
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
+  float scale = FETCH(gauge, 0).x;
   for (uint y = 0u; y < count.y; ++y) {
     vec4 s = FETCH(shading, int((first + y) * quads + cell.x));
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-      STORE(intrinsic, pixel, vec4(rgb * exp(-s.x), exp(s.x)));
+      STORE(intrinsic, pixel, vec4(rgb * exp(scale - s.x), exp(s.x - scale)));
       s = s.yzwx;
     }
   }

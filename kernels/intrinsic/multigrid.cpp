@@ -17,8 +17,7 @@ INVERSE_SHADER(intrinsic_verdict);
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether =
-    1200;  // quads up to which levels run in one dispatch: 80 x 60 pixels
+constexpr uint64_t kTogether = 300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
@@ -47,7 +46,9 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
       restrict_{device->kernel(shaders::intrinsic_restrict, {3, 1}),
                 device->kernel(shaders::intrinsic_restrict, {3, 2}),
                 device->kernel(shaders::intrinsic_restrict, {4, 0})} {
-  const uint32_t lanes = std::min(device->limits().workgroup_invocations, 256U);
+  // Barriers cost lavapipe by the lane; a GPU wants its lanes filled.
+  const uint32_t lanes =
+      device->is_cpu() ? 32 : std::min(device->limits().workgroup_invocations, 256U);
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
   extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});

@@ -21,7 +21,7 @@ OutputGauge::OutputGauge(const std::shared_ptr<gpu::Device>& device)
       gauge_(gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback)) {}
 
 void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
-                         const gpu::BufferPtr& verdict, bool history, const Params& params) {
+                         const gpu::BufferPtr& verdict, History history, const Params& params) {
   if (!cleared_) {
     commands.fill(counts_);
     commands.fill(gauge_);
@@ -34,7 +34,7 @@ void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu:
     float quantile, log_target, share;
     uint32_t history;
   } push{std::clamp(params.quantile, 0.0F, 1.0F), std::log(std::clamp(params.value, 0.05F, 1.0F)),
-         std::clamp(params.share, 0.0F, 1.0F), history ? 1U : 0U};
+         std::clamp(params.share, 0.0F, 1.0F), static_cast<uint32_t>(history)};
   commands.dispatch(gauge_kernel_, {counts_, verdict, gauge_}, push, {});
 }
 

@@ -20,10 +20,12 @@ class OutputGauge {
   };
   explicit OutputGauge(const std::shared_ptr<gpu::Device>& device);
 
-  /// Records finding the gauge for `shading`, the solution in quads. `verdict` is TemporalAnchor's;
-  /// it counts only with `history`.
+  /// What is known of the frame before.
+  enum class History : uint32_t { none, judged, taken_on };
+  /// Records finding the gauge for `shading`, the solution in quads. `verdict`, which is
+  /// TemporalAnchor's, counts where the frame before was judged by it.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
-              const gpu::BufferPtr& verdict, bool history, const Params& params);
+              const gpu::BufferPtr& verdict, History history, const Params& params);
   /// One vec4: ln c in x.
   const gpu::BufferPtr& value() const { return gauge_; }
 

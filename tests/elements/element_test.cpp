@@ -144,6 +144,14 @@ std::vector<uint8_t> VideoHarness::process(const std::vector<uint8_t>& bytes) {
   return push(bytes) == GST_FLOW_OK ? pull() : std::vector<uint8_t>{};
 }
 
+void VideoHarness::flush() {
+  gst_harness_push_event(harness_, gst_event_new_flush_start());
+  gst_harness_push_event(harness_, gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(harness_, gst_event_new_segment(&segment));
+}
+
 std::vector<std::string> VideoHarness::errors() {
   std::vector<std::string> texts;
   while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {

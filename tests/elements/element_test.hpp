@@ -51,6 +51,8 @@ class VideoHarness {
   /// Pushes a frame and takes what comes out; empty where nothing does within ten seconds.
   std::vector<uint8_t> process(const std::vector<uint8_t>& bytes);
   std::vector<uint8_t> pull();
+  /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
+  void flush();
   /// Error texts posted on the bus so far.
   std::vector<std::string> errors();
   /// The element of this name or factory inside the line. Borrowed.

@@ -5,6 +5,7 @@
 
 #include "../reference/palette.hpp"
 #include "gpu_fixture.hpp"
+#include "palette/scene_palette.hpp"
 
 namespace inverse::testing {
 
@@ -149,6 +150,32 @@ TEST_F(PaletteTest, ExtremeInputStaysFinite) {
     run([&](gpu::Commands& commands) { palette.record_assign(commands, input, output); });
     for (const float value : download(output.buffer)) ASSERT_TRUE(std::isfinite(value));
   }
+}
+
+TEST_F(PaletteTest, ScenePaletteFindsAndPaintsTheColorsOfAFrame) {
+  const Extent extent{349, 287};  // more than it samples
+  const float colors[4][3] = {
+      {0.8f, 0.1f, 0.1f}, {0.1f, 0.6f, 0.2f}, {0.1f, 0.2f, 0.7f}, {0, 0, 0}};
+  Pixels pixels(extent.pixels() * 4, 1.0f);
+  const auto color_of = [&](size_t n) {
+    return colors[(n % extent.width / 90 + n / extent.width / 70) % 4];
+  };
+  for (size_t n = 0; n < extent.pixels(); ++n)
+    for (size_t c = 0; c < 3; ++c) pixels[4 * n + c] = color_of(n)[c];
+  pixels[0] = NAN;  // what a broken element may hand on
+  pixels[5] = INFINITY;
+  ScenePalette palette(device, extent);
+  const Plane model = plane(extent, pixels), painted = plane(extent);
+  run([&](gpu::Commands& commands) {
+    palette.record_update(commands, model);
+    palette.record_paint(commands, model, painted);
+  });
+  const Pixels got = download(painted.buffer);
+  for (size_t n = 2; n < extent.pixels(); ++n)
+    for (size_t c = 0; c < 3; ++c)
+      // Black is what ln R takes it for, and a bin of the histogram has a width.
+      ASSERT_NEAR(got[4 * n + c], color_of(n)[c], 0.02f) << n;
+  for (const float value : got) ASSERT_TRUE(std::isfinite(value));
 }
 
 }  // namespace inverse::testing

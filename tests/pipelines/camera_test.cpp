@@ -53,6 +53,15 @@ TEST_F(Camera, MissingOnesAreNamed) {
   EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
 }
 
+/// The real element takes the script's line, and says that its camera is not there.
+TEST_F(Camera, MissingLibcamera) {
+  if (system("gst-inspect-1.0 --exists --atleast-version=0.0.0 libcamerasrc") != 0)
+    GTEST_SKIP() << "libcamerasrc is missing: install gstreamer1.0-libcamera";
+  EXPECT_NE(run("libcamera", {"no-such-camera"}, {{"SINK", "fakesink"}}), 0);
+  EXPECT_NE(output_.find("Could not find a camera named 'no-such-camera'"), std::string::npos)
+      << output_;
+}
+
 TEST_F(Camera, NoDisplayIsSaid) {
   EXPECT_EQ(run("webcam", {}, {{"SOURCE", camera(raw("YUY2"))}}), 1);
   EXPECT_NE(output_.find("no display"), std::string::npos) << output_;

@@ -60,7 +60,7 @@ struct CellTerms {
 /// read and renewed. Levels of at most `together` quads have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
            const std::vector<double>& screen, std::vector<double>& force,
-           std::size_t together = 1200);
+           std::size_t together = 300);
 
 /// Chebyshev's combination of cycles whose error factors lie between 0 and `slowest` (Varga, Matrix
 /// Iterative Analysis, 5.1): call with the number of the cycle, from 0, and s before it.

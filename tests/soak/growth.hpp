@@ -18,7 +18,7 @@ Holding holding_now(uint64_t device_bytes);
 
 /// How much a process may hold at the end beyond what it held after the warm-up.
 struct Slack {
-  double resident_mib = 8;
+  double resident_mib = 4;
   double device_mib = 0;
   double descriptors = 0;
   double threads = 0;

@@ -1,0 +1,30 @@
+#pragma once
+#include "palette.hpp"
+
+namespace inverse {
+
+/// The clusters of an intrinsic layer, for who wants to look at them or pick one: a Palette that is
+/// fed with a sample of the frame's reflectance, enough for 16 clusters at a fraction of the cost.
+class ScenePalette {
+ public:
+  /// For intrinsic layers of this size. Throws Error(limit, out_of_memory).
+  ScenePalette(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Takes a frame in; `model` is (R.rgb, S), any values. `clusters` is clamped to
+  /// 1…Palette::kMaxClusters; another number than before starts the search afresh.
+  void record_update(gpu::Commands& commands, const Plane& model, int clusters = 10);
+  /// Writes to `target` the color of each pixel's cluster, linear, w = 1.
+  void record_paint(gpu::Commands& commands, const Plane& model, const Plane& target) const;
+  /// Forgets the clusters of earlier frames.
+  void reset() { palette_.reset(); }
+
+  const Palette& palette() const { return palette_; }
+
+ private:
+  Palette palette_;
+  gpu::KernelPtr pick_, paint_;
+  Plane sample_;         // ln R of some pixels
+  uint32_t stride_ = 1;  // between them
+};
+
+}  // namespace inverse

@@ -1,0 +1,48 @@
+// The watch itself: it must see growth and must not mind noise.
+#include "growth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace inverse::soak {
+namespace {
+
+/// Sixty samples of 100 MiB with noise of ±2 MiB; `grow` changes each by its index 0…59.
+template <class Grow>
+bool judged_good(Grow grow) {
+  Growth growth("test", Slack{});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(-2, 2);
+  for (int i = 0; i < 60; ++i) {
+    Holding holding{100 + noise(random), 3, 12, 15};
+    grow(holding, i);
+    growth.sample(holding);
+  }
+  return growth.judge();
+}
+
+TEST(Growth, NoiseIsFine) {
+  EXPECT_TRUE(judged_good([](Holding&, int) {}));
+}
+TEST(Growth, WarmUpIsFine) {
+  EXPECT_TRUE(judged_good([](Holding& h, int i) { h.resident_mib -= i < 12 ? 50 : 0; }));
+}
+TEST(Growth, ResidentMemoryIsSeen) {
+  EXPECT_FALSE(judged_good([](Holding& h, int i) { h.resident_mib += i / 2.0; }));
+}
+TEST(Growth, DeviceMemoryIsSeen) {
+  EXPECT_FALSE(judged_good([](Holding& h, int i) { h.device_mib += i / 100.0; }));
+}
+TEST(Growth, FilesAndThreadsAreSeen) {
+  EXPECT_FALSE(judged_good([](Holding& h, int i) { h.descriptors += i / 20; }));
+  EXPECT_FALSE(judged_good([](Holding& h, int i) { h.threads += i / 20; }));
+}
+TEST(Growth, TooFewSamplesAreNoVerdict) {
+  Growth growth("test", Slack{});
+  growth.sample({});
+  EXPECT_FALSE(growth.judge());
+}
+
+}  // namespace
+}  // namespace inverse::soak
