@@ -10,7 +10,7 @@ INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
 namespace {
-constexpr float kCellArea = 16;  // weights of cell terms are a pixel's, times this
+constexpr uint64_t kStartStride = 2;  // vec4 a quad of cells of `start_` (cell_terms.comp)
 }
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -19,13 +19,14 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       planes_(device_, extent),
       guide_(device_, extent),
       prior_(device_, extent),
-      anchor_(device_, guide_.cell_extent()),
+      anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
       gauge_(device_),
       terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0})),
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
-      assemble_(device_->kernel(shaders::intrinsic_assemble)),
+      assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
+      anchored_assemble_(device_->kernel(shaders::intrinsic_assemble, {1})),
       layers_(device_->kernel(shaders::intrinsic_layers)) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
@@ -34,31 +35,30 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
   value_ = buffer(cell_quads * EdgePrior::kValueStride);
   terms_ = buffer(cell_quads * Multigrid::kTermsStride);
-  start_ = buffer(cell_quads);
+  start_ = buffer(cell_quads * kStartStride);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
                                       bool anchored) {
   if (anchored) anchor_.record(commands, guide_, params);
   const Extent cells = guide_.cell_extent();
-  const struct {
+  struct Push {
     uint32_t width, height;
-    float anchor, detail, chroma;
-  } push{cells.width, cells.height, kCellArea * params.anchor_weight, 1 / params.anchor_detail,
-         1 / params.anchor_chroma};
+    float anchor;
+  };
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
-                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(),
-                     anchor_.verdict(), terms_, start_, multigrid_.cell_force()},
-                    push, line_of(quads_of(cells)));
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+                    {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
+                     terms_, start_, multigrid_.cell_force()},
+                    Push{cells.width, cells.height, params.anchor_weight},
+                    line_of(quads_of(cells)));
   commands.dispatch(
-      assemble_,
-      {flux_, start_, guide_.level0(), guide_.cells(), multigrid_.system(), multigrid_.field()},
-      size, line_of(quads_of(extent_)));
+      anchored ? anchored_assemble_ : assemble_,
+      {flux_, start_, guide_.level0(), multigrid_.system(), multigrid_.field(), anchor_.mean()},
+      Push{extent_.width, extent_.height, params.anchor_weight}, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
-  multigrid_.record_operators(commands, terms_, params.multigrid);
+  multigrid_.record_operators(commands, params.multigrid);
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");

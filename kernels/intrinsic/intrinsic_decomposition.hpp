@@ -80,7 +80,7 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputGauge gauge_;
-  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, layers_;
+  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
   bool history_ = false, adaptive_ = false;
   Stats stats_;

@@ -27,7 +27,7 @@ constexpr size_t kCells = 2;         // the cells' level
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
 struct SmoothPush {
-  uint32_t width, height, color;
+  uint32_t width, height, finest_width, finest_height, color;
   float mass, around;
 };
 
@@ -84,7 +84,8 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
   for (const uint32_t color : {0U, 1U})
     commands.dispatch(smooth_[std::min(i, kCells)],
                       {level.system, level.field, level.field, cell_force_, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0},
+                      SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
+                                 levels_[0].extent.height, color, level.mass, 0},
                       items);
 }
 
@@ -93,38 +94,41 @@ void Multigrid::correct(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    commands.dispatch(correct_[std::min(i, kCells)],
-                      {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass,
-                                 static_cast<float>(color)},
-                      items);
+    commands.dispatch(
+        correct_[std::min(i, kCells)],
+        {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
+        SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
+                   levels_[0].extent.height, color, level.mass, static_cast<float>(color)},
+        items);
 }
 
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
   const struct {
-    uint32_t width, height;
+    uint32_t width, height, finest_width, finest_height;
     float mass;
     uint32_t stride, slot;
-  } push{fine.extent.width, fine.extent.height, fine.mass, to_cells ? 1 : stride_of(i + 1),
+  } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
+         levels_[0].extent.height, fine.mass,          to_cells ? 1 : stride_of(i + 1),
          to_cells ? 0 : kRhsSlot};
-  commands.dispatch(restrict_[std::min(i, kCells)],
-                    {fine.system, fine.field, half_means_, to_cells ? cell_far_ : coarse.system,
-                     coarse.field, i == 0 ? half_means_ : cell_means_},
-                    push, line_of(quads_of(coarse.extent)));
+  commands.dispatch(
+      restrict_[std::min(i, kCells)],
+      {fine.system, fine.field, half_means_, cell_force_, to_cells ? cell_far_ : coarse.system,
+       coarse.field, i == 0 ? half_means_ : cell_means_},
+      push, line_of(quads_of(coarse.extent)));
 }
 
-void Multigrid::record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
-                                 const Params& params) const {
+void Multigrid::record_operators(gpu::Commands& commands, const Params& params) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
     const struct {
-      uint32_t width, height;
+      uint32_t width, height, finest_width, finest_height;
       float scale, mass;
-    } push{fine.extent.width, fine.extent.height, params.scale, fine.mass};
-    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, terms, coarse.system}, push,
-                      line_of(quads_of(coarse.extent)));
+    } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
+           levels_[0].extent.height, params.scale,       fine.mass};
+    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, cell_force_, coarse.system},
+                      push, line_of(quads_of(coarse.extent)));
   }
   const struct {
     uint32_t width, height;

@@ -244,52 +244,93 @@ void print_leave_one_out(const std::vector<Frame>& frames) {
   print_row("leave one scene out", frames, chosen);
 }
 
-/// Flicker of static reflectance under moving light and under sensor noise.
-void print_temporal(const std::string& root, DeviceMethods* device) {
-  std::printf("\n%-44s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge");
-  for (const char* scene : {"lightchange", "lightchange_values"})
-    for (int noisy = 0; noisy < 2; ++noisy) {
-      std::vector<Frame> frames = load_sequence(root, scene);
-      if (noisy) {  // one frame again and again under shot and read noise
-        std::mt19937 engine(1);
-        std::normal_distribution<float> normal;
-        frames.resize(8);
-        for (std::size_t k = 1; k < frames.size(); ++k) frames[k] = frames[0];
-        for (Frame& f : frames)
-          for (float& v : f.input.data)
-            v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(engine));
-      }
-      std::vector<Named> methods{baselines()[0]};
-      if (device) {
-        IntrinsicDecomposition::Params loose;
-        loose.anchor.anchor_weight = 0;
-        ThesisParams alone;
-        alone.keyframes = 0;
-        methods.push_back(device->thesis("thesis, no keyframes", alone));
-        methods.push_back(device->thesis("thesis", {}));
-        methods.push_back(device->intrinsic("anchor off", loose));
-        methods.push_back(device->intrinsic("anchor", {}));
-      } else {
-        reference::IntrinsicParams loose;
-        loose.anchor_weight = 0;
-        methods.push_back(reference_intrinsic("anchor off", loose, true));
-        methods.push_back(reference_intrinsic("anchor", {}, true));
-      }
-      for (const Named& method : methods) {
-        std::vector<Image> reflectance;
-        double error = 0;
-        for (const Frame& f : frames) {
-          const Decomposition d = method.run(f.input, !reflectance.empty());
-          error += score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask).lmse20 /
-                   double(frames.size());
-          reflectance.push_back(d.reflectance);
-        }
-        std::printf("%-18s %-12s %-22s %8.4f %8.4f %8.4f\n", scene,
-                    noisy ? "noise" : "moving light", method.name.c_str(), error,
-                    flicker(reflectance, true), flicker(reflectance, false));
-        std::fflush(stdout);
-      }
+/// A sequence and what is to be seen in it.
+struct Motion {
+  std::string scene, what;
+  std::vector<Frame> frames;
+  bool still = true;  ///< Reflectance stays where it is, so that flicker can be measured.
+};
+
+/// The first frame again and again, under shot and read noise.
+std::vector<Frame> noisy(const std::vector<Frame>& sequence) {
+  std::mt19937 engine(1);
+  std::normal_distribution<float> normal;
+  std::vector<Frame> frames(8, sequence[0]);
+  for (Frame& f : frames)
+    for (float& v : f.input.data)
+      v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(engine));
+  return frames;
+}
+
+/// The same under light that changes in `parts` times smaller steps: light adds up.
+std::vector<Frame> slower(const std::vector<Frame>& sequence, int parts) {
+  std::vector<Frame> frames;
+  for (std::size_t k = 0; k + 1 < sequence.size(); ++k)
+    for (int j = 0; j < parts; ++j) {
+      frames.push_back(sequence[k]);
+      const float share = float(j) / float(parts);
+      const auto mix = [&](Image& to, const Image& next) {
+        for (std::size_t i = 0; i < to.data.size(); ++i)
+          to.data[i] += share * (next.data[i] - to.data[i]);
+      };
+      mix(frames.back().input, sequence[k + 1].input);
+      mix(frames.back().shading, sequence[k + 1].shading);
     }
+  return frames;
+}
+
+std::vector<Named> temporal_methods(DeviceMethods* device) {
+  std::vector<Named> methods;
+  if (!device) {
+    reference::IntrinsicParams loose;
+    loose.anchor_weight = 0;
+    methods.push_back(reference_intrinsic("anchor off", loose, true));
+    methods.push_back(reference_intrinsic("anchor", {}, true));
+    return methods;
+  }
+  IntrinsicDecomposition::Params loose;
+  loose.anchor.anchor_weight = 0;
+  ThesisParams alone;
+  alone.keyframes = 0;
+  methods.push_back(device->thesis("thesis, no keyframes", alone));
+  methods.push_back(device->thesis("thesis", {}));
+  methods.push_back(device->intrinsic("anchor off", loose));
+  methods.push_back(device->intrinsic("anchor", {}));
+  return methods;
+}
+
+/// Flicker of static reflectance under moving light and under sensor noise, and what the methods'
+/// memories cost where something moves.
+void print_temporal(const std::string& root, DeviceMethods* device) {
+  std::printf("\n%-54s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge");
+  std::vector<Motion> motions;
+  for (const char* scene : {"lightchange", "lightchange_values"}) {
+    motions.push_back({scene, "moving light", load_sequence(root, scene)});
+    motions.push_back({scene, "slow light", slower(motions.back().frames, 5)});
+    motions.push_back({scene, "noise", noisy(motions.back().frames)});
+  }
+  for (const char* scene : {"cornell", "room", "desk_rgbd", "courtyard", "room_values"})
+    motions.push_back({scene, "motion", load_sequence(root, scene), false});
+  for (const Motion& motion : motions) {
+    std::vector<Named> methods = temporal_methods(device);
+    if (motion.still) methods.insert(methods.begin(), baselines()[0]);
+    for (const Named& method : methods) {
+      std::vector<Image> reflectance;
+      double error = 0;
+      for (const Frame& f : motion.frames) {
+        const Decomposition d = method.run(f.input, !reflectance.empty());
+        error += score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask).lmse20 /
+                 double(motion.frames.size());
+        reflectance.push_back(d.reflectance);
+      }
+      std::printf("%-18s %-12s %-22s %8.4f", motion.scene.c_str(), motion.what.c_str(),
+                  method.name.c_str(), error);
+      if (motion.still)
+        std::printf(" %8.4f %8.4f", flicker(reflectance, true), flicker(reflectance, false));
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+  }
 }
 
 /// Input, reflectance, shading and, below, the truth, gamma 2.2, one PNG a frame.
