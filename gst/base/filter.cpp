@@ -172,6 +172,8 @@ gboolean transform_meta(GstBaseTransform*, GstBuffer*, GstMeta* meta, GstBuffer*
 }
 
 void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
+  // An appsrc or filesrc counts in bytes unless it is told otherwise.
+  if (transform->segment.format != GST_FORMAT_TIME) return;
   const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
                                                        GST_BUFFER_TIMESTAMP(buffer));
   if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(GST_OBJECT(transform), time);

@@ -135,10 +135,19 @@ Layers FilterElement::read_input(GstBuffer* in, Slot& slot) {
 std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   if (in_layers_) {
     const Layers* layers = layers_of(in);
-    if (!layers)
+    if (!layers || !(*layers)[Role::intrinsic])
       throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
                                               info_.factory +
                                               "; an element before it dropped the layers meta");
+    const auto width = static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_));
+    const auto height = static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&in_info_));
+    if (layers->extent.width != width || layers->extent.height != height)
+      throw Error(ErrorKind::unsupported,
+                  "layers of " + std::to_string(layers->extent.width) + "x" +
+                      std::to_string(layers->extent.height) + " reached " + info_.factory +
+                      ", but their caps say " + std::to_string(width) + "x" +
+                      std::to_string(height) +
+                      "; scale or crop before the decomposer or behind intrinsiccompose");
     return (*layers)[Role::intrinsic]->buffer->device();
   }
   if (!in_images_) return images_device_ ? images_device_ : context_.current();

@@ -1,5 +1,6 @@
 #include "frame_io.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -100,13 +101,45 @@ Matrix color_matrix(GstVideoColorMatrix matrix, bool yuv) {
   return Matrix::bt709();
 }
 
+/// Whether the buffer's GstVideoMeta, if it has one, describes a frame such as the caps promise.
+bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
+                   meta->width >= static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) &&
+                   meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
+}
+
+/// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer looks only at
+/// its first byte where strides and offsets come from a GstVideoMeta.
+bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
+  const GstMapInfo& map = frame.map[frame.meta ? plane : 0];
+  const auto* begin = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
+  // A meta with a way of its own to map memory answers for it itself.
+  if (!map.data || begin < map.data || begin >= map.data + map.size) return frame.meta != nullptr;
+  const auto last = static_cast<int64_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane)) *
+                    (static_cast<int64_t>(plane_rows(format.format, format.extent, plane)) - 1);
+  const int64_t start = begin - map.data;
+  const auto row = static_cast<int64_t>(row_bytes(format.format, format.extent, plane));
+  return start + std::min<int64_t>(last, 0) >= 0 &&
+         start + std::max<int64_t>(last, 0) + row <= static_cast<int64_t>(map.size);
+}
+
 /// A mapped GstVideoFrame that unmaps itself. Throws where the buffer does not hold the frame that
 /// its caps promise.
 class MappedFrame {
  public:
-  MappedFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flags) {
+  MappedFrame(const GstVideoInfo& info, const FrameFormat& format, GstBuffer* buffer,
+              GstMapFlags flags) {
     const auto no_ref = static_cast<GstMapFlags>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF);
-    if (!gst_video_frame_map(&frame_, &info, buffer, static_cast<GstMapFlags>(flags | no_ref)))
+    bool whole =
+        suits(info, buffer) &&
+        gst_video_frame_map(&frame_, &info, buffer, static_cast<GstMapFlags>(flags | no_ref));
+    if (whole) {
+      for (uint32_t plane = 0; plane < plane_count(format.format); ++plane)
+        whole &= holds_rows(frame_, format, plane);
+      if (!whole) gst_video_frame_unmap(&frame_);
+    }
+    if (!whole)
       throw Error(ErrorKind::unsupported,
                   "a buffer of " + std::to_string(gst_buffer_get_size(buffer)) +
                       " bytes cannot hold the " + std::to_string(GST_VIDEO_INFO_WIDTH(&info)) +
@@ -167,7 +200,7 @@ void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::B
 }
 
 void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
-  const MappedFrame frame(info_, buffer, GST_MAP_READ);
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
   for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
     copy_plane(format_.format, format_.extent, plane, frame.data(plane), frame.stride(plane),
                raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane]);
@@ -201,7 +234,7 @@ void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const 
 }
 
 void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
-  const MappedFrame frame(info_, buffer, GST_MAP_WRITE);
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_WRITE);
   for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
     copy_plane(format_.format, format_.extent, plane,
                raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane],

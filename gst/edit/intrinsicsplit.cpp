@@ -132,8 +132,11 @@ GstFlowReturn chain(GstPad*, GstObject* parent, GstBuffer* buffer) {
     gst_event_copy_segment(event, &segment);
     gst_event_unref(event);
   }
+  // Where upstream counts in bytes, there is no time to control by.
   const GstClockTime time =
-      gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+      segment.format == GST_FORMAT_TIME
+          ? gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))
+          : GST_CLOCK_TIME_NONE;
   if (GST_CLOCK_TIME_IS_VALID(time)) gst_object_sync_values(parent, time);
   return split_of(parent).chain(buffer);
 }

@@ -282,7 +282,7 @@ gboolean SplitElement::src_query(GstPad* pad, GstQuery* query) {
 void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
                         std::vector<GstBuffer*>& frames) {
   const Layers* found = layers_of(buffer);
-  if (!found)
+  if (!found || !(*found)[Role::intrinsic])
     throw Error(ErrorKind::unsupported,
                 "a buffer without layers reached intrinsicsplit; an element before it dropped the "
                 "layers meta");
