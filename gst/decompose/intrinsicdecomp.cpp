@@ -24,11 +24,11 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
-  void describe(GstStructure* stats) const override {
-    const auto& method = method_->stats();
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const auto& method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    const auto found = method_->findings();
+    const auto found = method_->findings(number);
     gst_structure_set(
         stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
         "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",

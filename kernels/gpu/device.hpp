@@ -71,7 +71,10 @@ class Device : public std::enable_shared_from_this<Device> {
 
   const std::string& name() const { return name_; }
   bool is_cpu() const { return is_cpu_; }
-  bool is_adopted() const { return !owned_; }
+  /// Whether the device was lost: it stays so, and `open` makes a new one.
+  bool lost() const { return lost_.load(); }
+  /// Notes that a call found the device lost.
+  void note_lost() { lost_ = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
   /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, 120 s for
@@ -116,6 +119,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
+  std::atomic<bool> lost_{false};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

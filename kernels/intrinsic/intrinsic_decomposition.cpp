@@ -1,6 +1,7 @@
 #include "intrinsic_decomposition.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "../gpu/shaders.hpp"
 
@@ -89,7 +90,6 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("guide");
   const EdgePrior::Target target{multigrid_.system(), flux_, value_};
   stats_.tiles = prior_.tiles();
-  adaptive_ = params.adaptive;
   if (!history_) prior_.reset();
   if (params.adaptive)
     prior_.record_changes(commands, guide_, target, params.prior, params.still_tolerance);
@@ -112,6 +112,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                     {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
                      gauge_.value(), intrinsic->buffer, anchor_.kept()},
                     size, line_of(guide_.cell_extent().pixels()));
+  record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;
   commands.keep(input);
@@ -123,16 +124,30 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return layers;
 }
 
-IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptive) {
+  Report& report = reports_[recorded_++ % reports_.size()];
+  report.stats = stats_;
+  report.adaptive = adaptive;
+  if (!report.found)
+    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 4, gpu::Memory::readback);
+  constexpr uint64_t kVec4 = 16;
+  commands.copy(multigrid_.change(), report.found, kVec4, 0, 0);
+  if (stats_.history) commands.copy(anchor_.verdict(), report.found, kVec4, 0, kVec4);
+  commands.copy(gauge_.value(), report.found, kVec4, 0, 2 * kVec4);
+  if (adaptive) commands.copy(prior_.control(), report.found, sizeof(uint32_t), 0, 3 * kVec4);
+}
+
+IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
+  const Report& of = report(frame);
+  const float* found = of.found->map_as<float>();
   Findings findings;
-  findings.change = multigrid_.change();
-  findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
-  findings.gauge = gauge_.value()->map_as<float>()[0];
-  if (stats_.history) {
-    const float* verdict = anchor_.verdict()->map_as<float>();
-    findings.mismatch = verdict[0];
-    findings.cut = verdict[1] == 0;
+  findings.change = std::sqrt(found[0]);
+  if (of.stats.history) {
+    findings.mismatch = found[4];
+    findings.cut = found[5] == 0;
   }
+  findings.gauge = found[8];
+  findings.tiles_evaluated = of.adaptive ? of.found->map_as<uint32_t>()[12] : of.stats.tiles;
   return findings;
 }
 
