@@ -208,7 +208,10 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       const double value = prior.V[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
       if (!result.stats.anchored) continue;
-      const double anchor = params.anchor_weight * gate.value[c], before = l.m[i] - state->rho[i];
+      const double before = l.m[i] - state->rho[i];
+      const double light = (cells.m[c] - state->mean[c]) / params.anchor_light;
+      const double anchor =
+          params.anchor_weight * gate.value[c] * (1 + params.anchor_still / (1 + square(light)));
       fine.mass[i] += anchor;
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
@@ -255,7 +258,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (std::size_t c = 0; c < 3; ++c)
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
-    *state = {width, height, detail, cells.c0, cells.c1, l.m, std::vector<double>(n), force};
+    *state = {width, height, detail, cells.c0, cells.c1, cells.m, l.m, std::vector<double>(n),
+              force};
     for (std::size_t i = 0; i < n; ++i) state->rho[i] = l.m[i] - s[i];
   }
   return result;
