@@ -59,7 +59,11 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
-  multigrid_.record_operators(commands, params.multigrid);
+  Multigrid::Params multigrid = params.multigrid;
+  // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
+  // would exaggerate again.
+  if (stats_.cycles == 1) multigrid.slowest = 0;
+  multigrid_.record_operators(commands, multigrid);
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
@@ -71,7 +75,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        commands, multigrid, cycle, cycle + 1 == stats_.cycles,
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }

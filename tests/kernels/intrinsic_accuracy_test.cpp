@@ -105,18 +105,15 @@ TEST_F(IntrinsicTest, AnchorSteadiesANoisyClip) {
   const Extent extent = extent_of(truth.input);
   const Pixels clean = pixels_of(truth.input);
   struct Outcome {
-    double flicker, lmse;
+    double flicker = 0, jitter = 0, first = 0, last = 0;  // LMSE of the first and the last frame
   };
-  const auto watch = [&](float anchor_weight) {
+  const auto watch = [&](const IntrinsicDecomposition::Params& params, int frames) {
     std::mt19937 random(1);
     std::normal_distribution<float> normal;
     IntrinsicDecomposition method(device, extent);
-    IntrinsicDecomposition::Params params;
-    params.anchor.anchor_weight = anchor_weight;
     std::vector<bench::Image> reflectance;
-    Outcome outcome{0, 0};
-    constexpr int kFrames = 8;
-    for (int k = 0; k < kFrames; ++k) {
+    Outcome outcome;
+    for (int k = 0; k < frames; ++k) {
       Pixels noisy = clean;
       for (size_t i = 0; i < noisy.size(); ++i)
         if (i % 4 < 3)
@@ -124,17 +121,29 @@ TEST_F(IntrinsicTest, AnchorSteadiesANoisyClip) {
               std::max(0.0F, noisy[i] + 0.01F * std::sqrt(noisy[i] + 0.002F) * normal(random));
       const Pixels got = decompose(method, input(extent, noisy), params, k == 0);
       reflectance.push_back(part(got, truth.input, false));
-      outcome.lmse += lmse(got, truth) / kFrames;
+      outcome.last = lmse(got, truth);
+      if (k == 0) outcome.first = outcome.last;
     }
     outcome.flicker = bench::flicker(reflectance, true);
+    outcome.jitter = bench::jitter(reflectance);
     return outcome;
   };
-  const Outcome loose = watch(0),
-                anchored = watch(IntrinsicDecomposition::Params{}.anchor.anchor_weight);
-  std::printf("flicker (LMSE): without anchor %.4f (%.4f), with it %.4f (%.4f)\n", loose.flicker,
-              loose.lmse, anchored.flicker, anchored.lmse);
-  EXPECT_LT(anchored.flicker, 0.95 * loose.flicker);
-  EXPECT_LT(anchored.lmse, 1.02 * loose.lmse);
+  IntrinsicDecomposition::Params params, loose;
+  loose.anchor.anchor_weight = 0;
+  const Outcome without = watch(loose, 8), with = watch(params, 8);
+  std::printf("flicker and jitter: without anchor %.4f %.4f, with it %.4f %.4f\n", without.flicker,
+              without.jitter, with.flicker, with.jitter);
+  EXPECT_LT(with.flicker, 0.8 * without.flicker);
+  EXPECT_LT(with.jitter, 0.6 * without.jitter);
+  EXPECT_LT(with.last, 1.02 * without.last);
+  // What a frame takes over from the one before must not grow from frame to frame.
+  for (const uint32_t cycles : {1U, 2U, 3U, 8U}) {
+    params.warm_cycles = cycles;
+    const Outcome outcome = watch(params, 40);
+    std::printf("%u warm cycles: LMSE %.4f first, %.4f after 40 frames\n", cycles, outcome.first,
+                outcome.last);
+    EXPECT_LT(outcome.last, 1.1 * outcome.first) << cycles << " warm cycles";
+  }
 }
 
 }  // namespace inverse::testing

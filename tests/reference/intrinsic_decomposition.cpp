@@ -240,7 +240,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   std::vector<double> force(cell_count, 0.0);
   if (result.stats.anchored)
     for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
-  multigrid::Extrapolation extrapolation(params.slowest);
+  // One cycle has none to be combined with.
+  multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
     multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
