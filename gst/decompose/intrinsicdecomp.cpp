@@ -94,6 +94,12 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
             "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
             "Change of local contrast that halves the temporal weight, natural log units"),
         number<P>(
+            "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
+            "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
+        number<P>(
+            "temporal-still", [](P& p) -> float& { return p.anchor.anchor_still; }, 0.f, 100.f,
+            "How many times the temporal weight is added where the light stays, too"),
+        number<P>(
             "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
             "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "
             "to, "

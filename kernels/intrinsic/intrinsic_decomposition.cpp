@@ -43,23 +43,28 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
                                       bool anchored) {
   if (anchored) anchor_.record(commands, guide_, params);
   const Extent cells = guide_.cell_extent();
-  struct Push {
+  const struct {
     uint32_t width, height;
-    float anchor;
-  };
+    float anchor, still, light;
+  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still,
+         1 / params.anchor_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
-                     terms_, start_, multigrid_.cell_force()},
-                    Push{cells.width, cells.height, params.anchor_weight},
-                    line_of(quads_of(cells)));
-  commands.dispatch(
-      anchored ? anchored_assemble_ : assemble_,
-      {flux_, start_, guide_.level0(), multigrid_.system(), multigrid_.field(), anchor_.mean()},
-      Push{extent_.width, extent_.height, params.anchor_weight}, line_of(quads_of(extent_)));
+                     anchor_.kept(), terms_, start_, multigrid_.cell_force()},
+                    push, line_of(quads_of(cells)));
+  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+  commands.dispatch(anchored ? anchored_assemble_ : assemble_,
+                    {flux_, start_, guide_.level0(), multigrid_.cell_force(), multigrid_.system(),
+                     multigrid_.field(), anchor_.mean()},
+                    size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
-  multigrid_.record_operators(commands, params.multigrid);
+  Multigrid::Params multigrid = params.multigrid;
+  // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
+  // would exaggerate again.
+  if (stats_.cycles == 1) multigrid.slowest = 0;
+  multigrid_.record_operators(commands, multigrid);
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
@@ -71,7 +76,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        commands, multigrid, cycle, cycle + 1 == stats_.cycles,
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }

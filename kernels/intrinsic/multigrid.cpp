@@ -162,9 +162,10 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
     uint32_t count;
     float w, c;
   } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
-  commands.dispatch(measure ? measure_ : extrapolate_,
-                    {field(), starts_[k % 2], starts_[k == 0 ? 0 : (k + 1) % 2], field(), sums_},
-                    push, line_of(field()->count()));
+  commands.dispatch(
+      measure ? measure_ : extrapolate_,
+      {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
+      push, line_of(field()->count()));
   if (!measure) return;
   const struct {
     uint32_t count;
