@@ -258,7 +258,7 @@ void element_class_init(gpointer klass, gpointer data) {
         object, PROP_DEVICE,
         g_param_spec_string(
             "device", "device",
-            "Vulkan device to use: an index or a part of its name; empty = shared with neighbours, "
+            "Vulkan device to use: an index or a part of its name; empty = shared with neighbors, "
             "else the environment variable INVERSE_DEVICE, else the fastest",
             "",
             static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |

@@ -192,16 +192,6 @@ void check(VkResult result, const char* what) {
   }
 }
 
-std::vector<std::string> Device::list() {
-  std::vector<std::string> names;
-  try {
-    for (VkPhysicalDevice device : Instance::get()->devices()) names.push_back(name_of(device));
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::no_device) throw;
-  }
-  return names;
-}
-
 std::shared_ptr<Device> Device::open(const std::string& select) {
   static std::mutex mutex;
   static std::map<size_t, std::weak_ptr<Device>> opened;

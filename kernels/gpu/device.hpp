@@ -43,14 +43,10 @@ struct Limits {
 /// the same object, so that two elements share kernels and planes without a copy.
 class Device : public std::enable_shared_from_this<Device> {
  public:
-  /// Opens a device. `select` is an index into `list()`, a part of a device's name, or empty: the
+  /// Opens a device. `select` is an index, a part of a device's name, or empty: the
   /// environment variable `INVERSE_DEVICE`, else the first discrete, integrated, virtual, software
   /// device in that order. Throws Error(no_device).
   static std::shared_ptr<Device> open(const std::string& select = {});
-
-  /// Names of the devices that `open` can choose from, in the order of their indices. Empty where
-  /// there is none.
-  static std::vector<std::string> list();
 
   struct Borrowed {
     VkInstance instance;
