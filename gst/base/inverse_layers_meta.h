@@ -48,6 +48,7 @@ struct GstInverseLayersMeta {
   gboolean (*upload)(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data);
   /*< private >*/
   gpointer layers;
+  GstBuffer *buffer;
 };
 
 /** The layers of a buffer, or %NULL. */

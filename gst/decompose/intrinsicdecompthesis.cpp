@@ -25,8 +25,8 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
-  void describe(GstStructure* stats) const override {
-    const auto method = method_->stats(last_);
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const auto method = method_->stats(number);
     gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
                       method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
                       "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
@@ -41,7 +41,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
   Show decompose(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     method_->set_params(params);
-    last_ = method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
+    method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
     return params.show;
   }
 
@@ -120,7 +120,6 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  uint64_t last_ = 0;
 };
 
 }  // namespace

@@ -80,6 +80,7 @@ void Commands::begin() {
   if (in_flight_) wait();
   kept_.clear();
   touched_.clear();
+  pending_.clear();  // an exception may have left some
   stage_names_.clear();
   dispatches_ = 0;
   for (VkDescriptorPool pool : descriptor_pools_)
@@ -305,6 +306,7 @@ void Commands::wait() {
                     std::to_string(device_->patience_ns() / 1'000'000'000) +
                     " seconds; use a smaller frame or another device, or raise INVERSE_PATIENCE");
   in_flight_ = false;
+  if (result == VK_ERROR_DEVICE_LOST) device_->note_lost();
   check(result, "waiting for a frame");
   read_stages();
 }
@@ -322,22 +324,6 @@ void Commands::read_stages() {
     stages_.push_back(
         {stage_names_[i], static_cast<double>(static_cast<int64_t>(ticks[i + 1] - ticks[i])) *
                               device_->limits().timestamp_ns * 1e-6});
-}
-
-FrameRing::FrameRing(const std::shared_ptr<Device>& device) {
-  for (size_t i = 0; i < kFrames; ++i) frames_.push_back(std::make_unique<Commands>(device));
-}
-
-Commands& FrameRing::next() {
-  Commands& commands = *frames_[next_];
-  next_ = (next_ + 1) % frames_.size();
-  commands.begin();
-  return commands;
-}
-
-void FrameRing::drain() {
-  for (auto& commands : frames_)
-    if (commands->in_flight()) commands->wait();
 }
 
 }  // namespace inverse::gpu

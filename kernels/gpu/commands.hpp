@@ -131,20 +131,7 @@ class Commands {
   bool timed_out_ = false;
 };
 
-/// At most three frames in flight: hands out Commands in turn, waiting for the oldest where
-/// necessary.
-class FrameRing {
- public:
-  static constexpr size_t kFrames = 3;
-  explicit FrameRing(const std::shared_ptr<Device>& device);
-  /// The next Commands, begun.
-  Commands& next();
-  /// Waits for all of them.
-  void drain();
-
- private:
-  std::vector<std::unique_ptr<Commands>> frames_;
-  size_t next_ = 0;
-};
+/// How many frames an element may have in flight: who keeps something for each needs so many.
+inline constexpr size_t kFramesInFlight = 3;
 
 }  // namespace inverse::gpu

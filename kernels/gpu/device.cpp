@@ -194,16 +194,6 @@ void check(VkResult result, const char* what) {
   }
 }
 
-std::vector<std::string> Device::list() {
-  std::vector<std::string> names;
-  try {
-    for (VkPhysicalDevice device : Instance::get()->devices()) names.push_back(name_of(device));
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::no_device) throw;
-  }
-  return names;
-}
-
 std::shared_ptr<Device> Device::open(const std::string& select) {
   static std::mutex mutex;
   static std::map<size_t, std::weak_ptr<Device>> opened;
@@ -215,7 +205,7 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   auto instance = Instance::get();
   const auto devices = instance->devices();
   const size_t index = choose(devices, wanted);
-  if (auto device = opened[index].lock()) return device;
+  if (auto device = opened[index].lock(); device && !device->lost()) return device;
 
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -315,10 +305,11 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
   // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
-  // fail as a driver would.
+  // fail as a driver would, and all that follow on the same device.
   static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
   static std::atomic<uint32_t> submits{0};
-  if (lost_at && ++submits >= lost_at) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
+  if (lost_at && ++submits == lost_at) note_lost();
+  if (lost()) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
   if (owned_) {
     std::lock_guard lock(queue_mutex_);
@@ -328,6 +319,7 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
     result = vkQueueSubmit(handles_.queue, 1, &info, fence);
     handles_.unlock();
   }
+  if (result == VK_ERROR_DEVICE_LOST) note_lost();
   check(result, "submitting a frame");
 }
 

@@ -12,12 +12,15 @@ PLANE_IN(1, cells);
 SCALAR_IN(2, mismatch);
 SCALAR_IN(3, tiles);
 PLANE_IN(4, verdict);
-PLANE_OUT(5, terms);
-PLANE_OUT(6, start);    // two vec4 a quad: V - (m' + u'), and the gate, 0…1
-PLANE_INOUT(7, force);  // the last frame's, a good guess where this one continues it
+PLANE_IN(5, before);    // cell_state (temporal.glsl)
+PLANE_OUT(6, terms);
+PLANE_OUT(7, start);    // two vec4 a quad: V - (m' + u'), and the gate, 0…1
+PLANE_INOUT(8, force);  // the last frame's, a good guess where this one continues it
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
-  float anchor;  // t where nothing moves
+  float anchor;  // t where nothing moves but the light
+  float still;   // how many times that is added where the light does not change either
+  float light;   // 1 / (change of light that halves that)
 } push;
 
 void main() {
@@ -27,7 +30,7 @@ void main() {
   int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
-  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean;
+  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean;
   float quiet = kAnchored ? max(0.0, 1.0 - 2.0 * FETCH1(tiles, tile)) : 0.0;
   quiet *= quiet * (kAnchored ? FETCH(verdict, 0).y : 0.0);
   for (uint k = 0u; k < 4u; ++k) {
@@ -35,7 +38,10 @@ void main() {
     vec4 guide = FETCH(cells, CELL_STRIDE * cell);
     mean = vec4(mean.yzw, guide.x);
     most = vec4(most.yzw, guide.x + guide.w);
-    if (kAnchored) gate = vec4(gate.yzw, quiet / (1.0 + FETCH1(mismatch, cell)));
+    if (kAnchored) {
+      gate = vec4(gate.yzw, quiet / (1.0 + FETCH1(mismatch, cell)));
+      change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
+    }
   }
   STORE(terms, TERMS_STRIDE * at + TERMS_SCREEN, v + g);
   STORE(terms, TERMS_STRIDE * at + TERMS_PULL, v * target);
@@ -46,5 +52,5 @@ void main() {
   vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
   STORE(force, FORCE_STRIDE * at + FORCE_PULL, MASKED(pull_before, inside));
   STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, v + g);
-  STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, push.anchor * MASKED(gate, inside));
+  STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, push.anchor * MASKED(gate * (1.0 + push.still / (1.0 + change * change)), inside));
 }

@@ -70,7 +70,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
   sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
-  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
+  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
@@ -162,9 +162,10 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
     uint32_t count;
     float w, c;
   } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
-  commands.dispatch(measure ? measure_ : extrapolate_,
-                    {field(), starts_[k % 2], starts_[k == 0 ? 0 : (k + 1) % 2], field(), sums_},
-                    push, line_of(field()->count()));
+  commands.dispatch(
+      measure ? measure_ : extrapolate_,
+      {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
+      push, line_of(field()->count()));
   if (!measure) return;
   const struct {
     uint32_t count;
@@ -172,8 +173,6 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
   } sum{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()), 0};
   commands.dispatch(sum_, {sums_, change_}, sum, {});
 }
-
-float Multigrid::change() const { return std::sqrt(change_->map_as<float>()[0]); }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              bool measure, const std::function<void()>& before,

@@ -55,9 +55,9 @@ class Multigrid {
   /// `after` their force after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k, bool measure,
                     const std::function<void()>& before, const std::function<void()>& after);
-  /// Root mean square change of the unknown by the last cycle that was recorded with `measure` and
-  /// is done, log units; on the host.
-  float change() const;
+  /// One vec4; x = mean square change of the unknown, log units², by the last cycle that was
+  /// recorded with `measure`.
+  const gpu::BufferPtr& change() const { return change_; }
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 

@@ -11,8 +11,8 @@ namespace inverse {
 class TemporalAnchor {
  public:
   struct Params {
-    /// Weight of the previous frame's reflectance where nothing moves, pixel by pixel, 0…1e3; 0
-    /// switches it off.
+    /// Weight of the previous frame's reflectance where nothing moves but the light, pixel by
+    /// pixel, 0…1e3; 0 switches it off.
     float anchor_weight = 1.0F;
     /// Change of chroma that halves it, natural log units, 1e-3…10.
     float anchor_chroma = 0.2F;
@@ -20,6 +20,11 @@ class TemporalAnchor {
     float anchor_detail = 1.0F;
     /// Deviation of the change of log intensity inside a cell that halves it, 1e-3…10.
     float anchor_texture = 0.3F;
+    /// How many times the weight is added where the light stays, too, 0…100: without new light
+    /// there is nothing to learn, and sensor noise to withstand.
+    float anchor_still = 5.0F;
+    /// Change of a cell's log intensity that halves that, 1e-3…10.
+    float anchor_light = 0.02F;
     /// Mean mismatch of a frame, 0…1, from which on it is a cut.
     float cut_fraction = 0.3F;
   };
@@ -29,7 +34,7 @@ class TemporalAnchor {
   void record(gpu::Commands& commands, const Guide& guide, const Params& params);
   const gpu::BufferPtr& kept() const {
     return kept_;
-  }  ///< vec4 a cell: d, c0, c1, 0; layers.comp writes it
+  }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
   const gpu::BufferPtr& mean() const {
     return mean_;
   }  ///< vec4 a quad of pixels: m; assemble.comp writes it

@@ -302,7 +302,7 @@ std::vector<Named> temporal_methods(DeviceMethods* device) {
 /// Flicker of static reflectance under moving light and under sensor noise, and what the methods'
 /// memories cost where something moves.
 void print_temporal(const std::string& root, DeviceMethods* device) {
-  std::printf("\n%-54s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge");
+  std::printf("\n%-54s %8s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge", "jitter");
   std::vector<Motion> motions;
   for (const char* scene : {"lightchange", "lightchange_values"}) {
     motions.push_back({scene, "moving light", load_sequence(root, scene)});
@@ -326,7 +326,8 @@ void print_temporal(const std::string& root, DeviceMethods* device) {
       std::printf("%-18s %-12s %-22s %8.4f", motion.scene.c_str(), motion.what.c_str(),
                   method.name.c_str(), error);
       if (motion.still)
-        std::printf(" %8.4f %8.4f", flicker(reflectance, true), flicker(reflectance, false));
+        std::printf(" %8.4f %8.4f %8.4f", flicker(reflectance, true), flicker(reflectance, false),
+                    jitter(reflectance));
       std::printf("\n");
       std::fflush(stdout);
     }

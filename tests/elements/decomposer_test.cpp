@@ -29,6 +29,12 @@ std::vector<float> intrinsic_of(GstBuffer* buffer) {
   return layer;
 }
 
+/// A code value of 8-bit sRGB in linear light.
+float linear_of(uint8_t code) {
+  const float encoded = static_cast<float>(code) / 255.0f;
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
 class Decomposer : public ::testing::TestWithParam<const char*> {};
 
 }  // namespace
@@ -105,10 +111,18 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
       const auto layer = intrinsic_of(buffer);
       gst_buffer_unref(buffer);
       ASSERT_EQ(layer.size(), frame.size()) << name;
+      double model = 0, light = 1e-3;  // sums over the frame
       for (size_t i = 0; i < layer.size(); ++i) {
         ASSERT_TRUE(std::isfinite(layer[i])) << name << " at " << i;
         ASSERT_GE(layer[i], 0.0f) << name << " at " << i;
+        if (i % 4 == 3) continue;
+        model += layer[i] * layer[i | 3];
+        light += linear_of(frame[i]);
       }
+      if (light < 100) continue;
+      // The thesis' model is a soft constraint, loosest on a checkerboard; black it never is.
+      EXPECT_GT(model / light, 0.05) << name;
+      EXPECT_LT(model / light, 2) << name;
     }
   }
 }
@@ -116,8 +130,15 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
 TEST_P(Decomposer, AlternatingBlackAndWhiteFramesComeOutOneForOne) {
   const std::string caps = VideoHarness::caps("I420", 48, 32);
   VideoHarness harness(GetParam(), caps, caps);
-  for (int i = 0; i < 12; ++i)
-    EXPECT_FALSE(harness.process(flat_frame(caps, i % 2 ? 235 : 16)).empty());
+  for (int i = 0; i < 12; ++i) {
+    auto frame = flat_frame(caps, 128);
+    std::fill_n(frame.begin(), 48 * 32, static_cast<uint8_t>(i % 2 ? 235 : 16));
+    const auto shown = harness.process(frame);
+    ASSERT_FALSE(shown.empty());
+    if (i % 2) {
+      EXPECT_GT(shown[0], 150) << "frame " << i;
+    }
+  }
   EXPECT_TRUE(harness.errors().empty());
 }
 
@@ -230,9 +251,7 @@ TEST(Layers, ReflectanceTimesShadingIsTheInput) {
   ASSERT_EQ(layer.size(), frame.size());
   for (size_t i = 0; i < frame.size(); ++i) {
     if (i % 4 == 3) continue;
-    const double code = frame[i] / 255.0;
-    const double linear = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
-    ASSERT_NEAR(layer[i] * layer[i | 3], linear, 2e-3) << i;
+    ASSERT_NEAR(layer[i] * layer[i | 3], linear_of(frame[i]), 2e-3) << i;
   }
   gst_buffer_unref(buffer);
 }
@@ -264,13 +283,15 @@ TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
   gst_buffer_unref(buffer);
 }
 
-TEST(Pipelines, TwoDecomposersRunInOneProcess) {
-  const auto result = run_line(
-      "videotestsrc num-buffers=20 ! video/x-raw,width=64,height=48 ! tee name=t "
-      "t. ! queue ! intrinsicdecomp ! fakesink "
-      "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
-  EXPECT_TRUE(result.eos);
-  EXPECT_EQ(result.frames.size(), 20u);
+TEST(Pipelines, TwoDecomposersInOneProcessDoNotDisturbEachOther) {
+  const std::string source =
+      "videotestsrc num-buffers=12 pattern=ball ! video/x-raw,width=64,height=48 ! ";
+  const auto alone = run_line(source + "intrinsicdecomp show=shading ! appsink name=out");
+  const auto both = run_line(source +
+                             "tee name=t t. ! queue ! intrinsicdecompthesis ! fakesink "
+                             "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
+  EXPECT_TRUE(both.eos);
+  EXPECT_EQ(both.frames, alone.frames);
 }
 
 TEST(Properties, ControllersReachLiveProperties) {

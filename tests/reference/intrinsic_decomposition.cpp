@@ -208,7 +208,10 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       const double value = prior.V[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
       if (!result.stats.anchored) continue;
-      const double anchor = params.anchor_weight * gate.value[c], before = l.m[i] - state->rho[i];
+      const double before = l.m[i] - state->rho[i];
+      const double light = (cells.m[c] - state->mean[c]) / params.anchor_light;
+      const double anchor =
+          params.anchor_weight * gate.value[c] * (1 + params.anchor_still / (1 + square(light)));
       fine.mass[i] += anchor;
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
@@ -237,7 +240,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   std::vector<double> force(cell_count, 0.0);
   if (result.stats.anchored)
     for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
-  multigrid::Extrapolation extrapolation(params.slowest);
+  // One cycle has none to be combined with.
+  multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
     multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
@@ -255,7 +259,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (std::size_t c = 0; c < 3; ++c)
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
-    *state = {width, height, detail, cells.c0, cells.c1, l.m, std::vector<double>(n), force};
+    *state = {width, height, detail, cells.c0, cells.c1, cells.m, l.m, std::vector<double>(n),
+              force};
     for (std::size_t i = 0; i < n; ++i) state->rho[i] = l.m[i] - s[i];
   }
   return result;

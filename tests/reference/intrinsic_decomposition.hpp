@@ -28,6 +28,8 @@ struct IntrinsicParams {
   double anchor_chroma = 0.2;     ///< Log-chroma change that halves the anchor.
   double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
   double anchor_texture = 0.3;    ///< Deviation of change inside a cell that halves it.
+  double anchor_still = 5;        ///< How many times t is added where the light does not change.
+  double anchor_light = 0.02;     ///< Change of a cell's log intensity that halves that.
   double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
   int cycles = 4;                 ///< Multigrid cycles.
   double slowest = 0.5;           ///< Error factor up to which cycles are extrapolated; 0: not.
@@ -57,7 +59,7 @@ struct IntrinsicState {
   int width = 0, height = 0;
   /// Of the previous frame; empty after a reset: cells, pixels, and the multigrid's force at its
   /// end.
-  std::vector<double> detail, c0, c1, m, rho, force;
+  std::vector<double> detail, c0, c1, mean, m, rho, force;
 };
 
 struct IntrinsicStats {
