@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
 
 namespace inverse::testing {
 namespace {
@@ -213,14 +210,7 @@ int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>
 
 int main(int count, char** arguments) {
   ::testing::InitGoogleTest(&count, arguments);
-  {
-#ifdef __SANITIZE_ADDRESS__
-    // GLib's table of quarks grows past its first size here, and leaves the old one behind for who
-    // still reads it.
-    __lsan::ScopedDisabler left_behind;
-#endif
-    gst_init(&count, &arguments);
-  }
+  gst_init(&count, &arguments);
   if (count == 3 && std::string(arguments[1]) == inverse::testing::kLaunchOption) {
     const auto result = inverse::testing::run_line(arguments[2]);
     for (const auto& error : result.errors) fprintf(stderr, "%s\n", error.c_str());
