@@ -41,11 +41,14 @@ gpointer family_in(GstContext* context) {
   return family;
 }
 
+/// Lost devices are of no use: bins and applications keep contexts longer than those live.
+DevicePtr unless_lost(DevicePtr device) { return device && device->is_lost() ? nullptr : device; }
+
 DevicePtr device_in(GstContext* context) {
   if (!context || !gst_context_has_context_type(context, kDeviceContext)) return nullptr;
   const GValue* value = gst_structure_get_value(gst_context_get_structure(context), "device");
   return value && G_VALUE_HOLDS(value, device_type())
-             ? *static_cast<DevicePtr*>(g_value_get_boxed(value))
+             ? unless_lost(*static_cast<DevicePtr*>(g_value_get_boxed(value)))
              : nullptr;
 }
 
@@ -81,7 +84,7 @@ void DeviceContext::acquire(const std::string& select) {
   const gpointer family = family_of(element_);
   const auto take_offered = [&] {
     std::lock_guard lock(mutex_);
-    device = offered_;
+    device = unless_lost(offered_);
     if (device && offered_family_ != family) demand = Demand::application;
   };
   if (select.empty()) {
@@ -107,6 +110,18 @@ void DeviceContext::acquire(const std::string& select) {
     gst_element_set_context(element_, context);
     gst_element_post_message(element_, gst_message_new_have_context(GST_OBJECT(element_), context));
   }
+}
+
+void DeviceContext::renew(const std::string& select) {
+  const DevicePtr now = current();
+  if (!now || !now->is_lost()) return;
+  neighbor_.release();
+  bool had = false;  // editors have none
+  {
+    std::lock_guard lock(mutex_);
+    had = device_ != nullptr;
+  }
+  if (had) acquire(select);
 }
 
 void DeviceContext::release() {
@@ -182,12 +197,12 @@ void DeviceContext::set_context(GstContext* context) {
 }
 
 bool DeviceContext::answer(GstQuery* query) {
-  if (const DevicePtr theirs = neighbor_.held(); theirs && theirs == current())
+  if (const DevicePtr theirs = unless_lost(neighbor_.held()); theirs && theirs == current())
     if (neighbor_.answer(element_, query)) return true;
   const gchar* type = nullptr;
   gst_query_parse_context_type(query, &type);
   if (g_strcmp0(type, kDeviceContext) != 0) return false;
-  const DevicePtr device = current();
+  const DevicePtr device = unless_lost(current());
   if (!device) return false;
   GstContext* context = context_with(device, element_);
   gst_query_set_context(query, context);

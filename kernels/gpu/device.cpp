@@ -213,7 +213,7 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   auto instance = Instance::get();
   const auto devices = instance->devices();
   const size_t index = choose(devices, wanted);
-  if (auto device = opened[index].lock()) return device;
+  if (auto device = opened[index].lock(); device && !device->is_lost()) return device;
 
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -301,17 +301,23 @@ void Device::count_memory(int64_t bytes) {
   }
 }
 
+void Device::check_result(VkResult result, const char* what) {
+  if (result == VK_ERROR_DEVICE_LOST) lost_ = true;
+  gpu::check(result, what);
+}
+
 void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
-  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
-  // fail as a driver would.
+  // Rehearses the loss of the device: at the Nth submit of the process INVERSE_LOSE_DEVICE=N loses
+  // the device that it goes to, as a driver would.
   static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
   static std::atomic<uint32_t> submits{0};
-  if (lost_at && ++submits >= lost_at) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
-  if (owned_) {
+  if (lost_ || (lost_at && ++submits == lost_at)) {
+    result = VK_ERROR_DEVICE_LOST;
+  } else if (owned_) {
     std::lock_guard lock(queue_mutex_);
     result = vkQueueSubmit(handles_.queue, 1, &info, fence);
   } else {
@@ -319,7 +325,7 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
     result = vkQueueSubmit(handles_.queue, 1, &info, fence);
     handles_.unlock();
   }
-  check(result, "submitting a frame");
+  check_result(result, "submitting a frame");
 }
 
 }  // namespace inverse::gpu

@@ -339,6 +339,52 @@ TEST(Failures, ALostDeviceIsAnErrorNotAHang) {
   EXPECT_NE(text.find("device was lost"), std::string::npos) << text;
 }
 
+TEST(Failures, APipelineWhoseDeviceWasLostWorksAgainAfterARestart) {
+  // The loss is rehearsed once in a process, so this runs in one of its own.
+  constexpr const char* kInside = "INVERSE_TEST_RESTART";
+  const char* state = g_getenv(kInside);
+  if (!state) {
+    for (const char* down : {"READY", "NULL"}) {
+      gchar** environment = g_environ_setenv(g_get_environ(), kInside, down, TRUE);
+      environment = g_environ_setenv(environment, "INVERSE_LOSE_DEVICE", "5", TRUE);
+      gchar* self = g_file_read_link("/proc/self/exe", nullptr);
+      const std::string filter =
+          std::string("--gtest_filter=") +
+          ::testing::UnitTest::GetInstance()->current_test_info()->test_suite_name() + "." +
+          ::testing::UnitTest::GetInstance()->current_test_info()->name();
+      const gchar* arguments[] = {self, filter.c_str(), nullptr};
+      gchar* out = nullptr;
+      gint status = -1;
+      g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_DEFAULT, nullptr,
+                   nullptr, &out, nullptr, &status, nullptr);
+      EXPECT_EQ(status, 0) << "after " << down << ":\n" << (out ? out : "");
+      g_free(out);
+      g_free(self);
+      g_strfreev(environment);
+    }
+    return;
+  }
+  GstElement* pipeline = gst_parse_launch(
+      "videotestsrc num-buffers=20 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ! "
+      "intrinsicrecolor ! intrinsiccompose ! intrinsicdecomp ! fakesink",
+      nullptr);
+  GstBus* bus = gst_element_get_bus(pipeline);
+  for (const GstMessageType expected : {GST_MESSAGE_ERROR, GST_MESSAGE_EOS}) {
+    gst_element_set_state(pipeline, GST_STATE_PLAYING);
+    GstMessage* message = gst_bus_timed_pop_filtered(
+        bus, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(GST_MESSAGE_TYPE(message), expected);
+    gst_message_unref(message);
+    gst_element_set_state(pipeline, g_str_equal(state, "READY") ? GST_STATE_READY : GST_STATE_NULL);
+    gst_bus_set_flushing(bus, TRUE);
+    gst_bus_set_flushing(bus, FALSE);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(bus);
+  gst_object_unref(pipeline);
+}
+
 TEST(Failures, AnUnknownDeviceListsTheKnownOnes) {
   const auto result =
       run_line("videotestsrc num-buffers=1 ! intrinsicdecomp device=nonesuch ! fakesink");
