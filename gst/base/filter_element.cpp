@@ -61,6 +61,7 @@ bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   if (refused_ && gst_caps_is_equal(refused_, in)) return false;
   const bool good = try_caps(in, out);
   gst_caps_replace(&refused_, good ? nullptr : in);
+  if (good) update_latency();
   return good;
 }
 
@@ -226,10 +227,14 @@ GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
   return pool;
 }
 
-GstClockTime FilterElement::latency() const {
-  if (out_layers_ || GST_VIDEO_INFO_FPS_N(&out_info_) <= 0) return 0;
-  return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&out_info_),
-                                   GST_VIDEO_INFO_FPS_N(&out_info_));
+void FilterElement::update_latency() {
+  GstClockTime now = 0;
+  if (!out_layers_ && GST_VIDEO_INFO_FPS_N(&out_info_) > 0)
+    now = gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&out_info_),
+                                    GST_VIDEO_INFO_FPS_N(&out_info_));
+  // Sinks go by what they were told when the pipeline started.
+  if (latency_.exchange(now) != now)
+    gst_element_post_message(element_, gst_message_new_latency(GST_OBJECT(element_)));
 }
 
 void FilterElement::set_device_name(const char* name) {

@@ -41,7 +41,7 @@ class FilterElement {
   bool sends_layers() const { return out_layers_; }
   bool sends_images() const { return images_device_ != nullptr; }
   /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
-  GstClockTime latency() const;
+  GstClockTime latency() const { return latency_; }
 
   void set_device_name(const char* name);
   std::string device_name() const;
@@ -54,6 +54,8 @@ class FilterElement {
     gpu::BufferPtr in, out;  // the bytes of a frame
   };
   bool try_caps(GstCaps* in, GstCaps* out);
+  /// Works out the latency with new caps, and has it asked for where it changed.
+  void update_latency();
   void configure(const std::shared_ptr<gpu::Device>& device);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
@@ -73,6 +75,7 @@ class FilterElement {
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};
+  std::atomic<GstClockTime> latency_{0};
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;

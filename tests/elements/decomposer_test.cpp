@@ -211,6 +211,30 @@ TEST_P(Decomposer, AddsOneFrameOfLatencyToLivePipelines) {
   EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);
 }
 
+TEST_P(Decomposer, ANewFrameRateHasTheLatencyAskedForAgain) {
+  std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(GetParam(), caps);
+  const auto announced = [&] {
+    GstBus* bus = gst_element_get_bus(harness.harness()->element);
+    int count = 0;
+    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_LATENCY)) {
+      ++count;
+      gst_message_unref(message);
+    }
+    gst_object_unref(bus);
+    return count;
+  };
+  harness.process(random_frame(caps, 1));
+  EXPECT_EQ(announced(), 1);
+  harness.process(random_frame(caps, 2));
+  EXPECT_EQ(announced(), 0);
+  caps.replace(caps.find("25/1"), 4, "5/1");
+  harness.set_src_caps(caps);
+  harness.process(random_frame(caps, 3));
+  EXPECT_EQ(announced(), 1);
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 200 * GST_MSECOND);
+}
+
 TEST_P(Decomposer, ShowCanBeDrivenWhilePlaying) {
   const std::string caps = VideoHarness::caps("RGBA", 40, 30);
   VideoHarness harness(std::string(GetParam()) + " show=shading", caps, caps);
