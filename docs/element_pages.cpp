@@ -5,11 +5,13 @@
 // usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
 #include <gst/gst.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -80,9 +82,16 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   page << "# " << GST_OBJECT_NAME(factory) << "\n\n"
        << gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_DESCRIPTION) << ".\n\n"
        << intro << "\n## Pads\n\n";
+  // The registry keeps templates in an order of its own: what comes in first, then by name.
+  std::vector<GstStaticPadTemplate*> pads;
   for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item;
-       item = item->next) {
-    auto* pad = static_cast<GstStaticPadTemplate*>(item->data);
+       item = item->next)
+    pads.push_back(static_cast<GstStaticPadTemplate*>(item->data));
+  std::sort(pads.begin(), pads.end(), [](const auto* a, const auto* b) {
+    return a->direction != b->direction ? a->direction == GST_PAD_SINK
+                                        : std::string(a->name_template) < b->name_template;
+  });
+  for (GstStaticPadTemplate* pad : pads) {
     static const char* kPresence[] = {"always", "sometimes", "on request"};
     page << "- `" << pad->name_template << "` (" << (pad->direction == GST_PAD_SRC ? "out" : "in")
          << ", " << kPresence[pad->presence] << ")\n";

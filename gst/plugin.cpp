@@ -25,4 +25,4 @@ static gboolean plugin_init(GstPlugin* plugin) {
 GST_PLUGIN_DEFINE(
     GST_VERSION_MAJOR, GST_VERSION_MINOR, inverse,
     "Takes live video apart into reflectance and shading, and lets edits touch the layers",
-    plugin_init, VERSION, "LGPL", "gst-inverse", "gst-inverse")
+    plugin_init, VERSION, "LGPL", "gst-inverse", "Unknown package origin")

@@ -1,20 +1,61 @@
 #!/usr/bin/env python3
-"""Prints "N passed, N failed[, N skipped]" from meson's JUnit log; exit status 1 where one failed or none ran."""
+"""Prints what failed and what was skipped in a build folder's last `meson test`, and as the last line
+"N passed, N failed". Exit status 1 where one failed or none ran.
+
+The cases of GoogleTest programs count one by one. A program that ended badly without a failed case (a crash, a
+timeout, a leak found at its end) counts as one failure more.
+"""
+import collections
+import json
+import pathlib
 import sys
 import xml.etree.ElementTree as ET
 
+Cases = collections.namedtuple("Cases", "passed failed skipped")
+
+
+def cases_of_programs(junit):
+    """Cases by the name of the program; meson calls their suites "PROJECT.PROJECT / PROGRAM.SUITE"."""
+    programs = collections.defaultdict(lambda: Cases([], [], []))
+    for suite in junit.iter("testsuite"):
+        _, slash, rest = suite.get("name").partition(" / ")
+        if not slash:
+            continue  # programs without cases: all of them share the suite PROJECT
+        cases = programs[rest.split(".")[0]]
+        for case in suite.iter("testcase"):
+            name = case.get("classname") + "." + case.get("name")
+            if case.find("failure") is not None or case.find("error") is not None:
+                cases.failed.append(name)
+            elif case.find("skipped") is not None:
+                cases.skipped.append(name)
+            else:
+                cases.passed.append(name)
+    return programs
+
 
 def main():
-    passed = failed = skipped = 0
-    for case in ET.parse(sys.argv[1]).getroot().iter("testcase"):
-        if case.find("failure") is not None or case.find("error") is not None:
-            failed += 1
-            print("FAILED", case.get("classname"), case.get("name"))
-        elif case.find("skipped") is not None or case.get("result") == "skipped":
-            skipped += 1
-        else:
+    logs = pathlib.Path(sys.argv[1]) / "meson-logs"
+    programs = cases_of_programs(ET.parse(logs / "testlog.junit.xml").getroot())
+    passed = failed = 0
+    for line in (logs / "testlog.json").read_text().splitlines():
+        run = json.loads(line)
+        program = run["name"].split(" / ")[-1]
+        cases = programs.get(program, Cases([], [], []))
+        for name in cases.skipped:
+            print("SKIPPED", program, name)
+        for name in cases.failed:
+            print("FAILED", program, name)
+        passed += len(cases.passed)
+        failed += len(cases.failed)
+        if run["result"] == "SKIP":
+            print("SKIPPED", program)
+        elif run["result"] not in ("OK", "EXPECTEDFAIL"):
+            if not cases.failed:
+                print("FAILED", program, f"({run['result']}, exit status {run['returncode']})")
+                failed += 1
+        elif program not in programs:
             passed += 1
-    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
+    print(f"{passed} passed, {failed} failed")
     sys.exit(1 if failed or not passed else 0)
 
 

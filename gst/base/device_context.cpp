@@ -47,9 +47,9 @@ DevicePtr unless_lost(DevicePtr device) { return device && device->is_lost() ? n
 DevicePtr device_in(GstContext* context) {
   if (!context || !gst_context_has_context_type(context, kDeviceContext)) return nullptr;
   const GValue* value = gst_structure_get_value(gst_context_get_structure(context), "device");
-  return value && G_VALUE_HOLDS(value, device_type())
-             ? unless_lost(*static_cast<DevicePtr*>(g_value_get_boxed(value)))
-             : nullptr;
+  if (!value || !G_VALUE_HOLDS(value, device_type())) return nullptr;
+  const DevicePtr& device = *static_cast<DevicePtr*>(g_value_get_boxed(value));
+  return device->lost() ? nullptr : device;  // who starts again after a loss gets another
 }
 
 /// Asks the neighbors on all pads of one direction.
@@ -84,7 +84,7 @@ void DeviceContext::acquire(const std::string& select) {
   const gpointer family = family_of(element_);
   const auto take_offered = [&] {
     std::lock_guard lock(mutex_);
-    device = unless_lost(offered_);
+    device = offered_ && !offered_->lost() ? offered_ : nullptr;
     if (device && offered_family_ != family) demand = Demand::application;
   };
   if (select.empty()) {

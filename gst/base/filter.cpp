@@ -4,6 +4,7 @@
 
 #include "errors.hpp"
 #include "filter_element.hpp"
+#include "report.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(inverse_debug);
 #define GST_CAT_DEFAULT inverse_debug
@@ -98,7 +99,7 @@ gboolean stop(GstBaseTransform* transform) {
   return TRUE;
 }
 
-gboolean transform_size(GstBaseTransform* transform, GstPadDirection direction, GstCaps*, gsize,
+gboolean transform_size(GstBaseTransform*, GstPadDirection direction, GstCaps*, gsize,
                         GstCaps* other, gsize* size) {
   if (direction != GST_PAD_SINK) return FALSE;
   GstVideoInfo info;
@@ -108,7 +109,6 @@ gboolean transform_size(GstBaseTransform* transform, GstPadDirection direction, 
     *size = GST_VIDEO_INFO_SIZE(&info);
   else
     return FALSE;
-  (void)transform;
   return TRUE;
 }
 
@@ -207,11 +207,7 @@ gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery*
     gst_caps_unref(caps);
   }
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
-    gboolean live = FALSE;
-    GstClockTime min = 0, max = 0;
-    gst_query_parse_latency(query, &live, &min, &max);
-    const GstClockTime own = element_of(transform).latency();
-    gst_query_set_latency(query, live, min + own, GST_CLOCK_TIME_IS_VALID(max) ? max + own : max);
+    inverse::add_latency(query, element_of(transform).latency());
   }
   return TRUE;
 }
@@ -265,7 +261,7 @@ void element_class_init(gpointer klass, gpointer data) {
         object, PROP_DEVICE,
         g_param_spec_string(
             "device", "device",
-            "Vulkan device to use: an index or a part of its name; empty = shared with neighbours, "
+            "Vulkan device to use: an index or a part of its name; empty = shared with neighbors, "
             "else the environment variable INVERSE_DEVICE, else the fastest",
             "",
             static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |

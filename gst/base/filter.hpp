@@ -17,8 +17,9 @@ struct FrameWork {
   gpu::Commands& commands;  ///< record here; submitted once by the base
   Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
                   ///< to send on
-  bool fresh;     ///< the filter was reset before this frame: start, caps change, flush, seek, gap
-  bool draw;      ///< pixels go out: set `picture`
+  uint64_t number;  ///< frames since `configure`, from 0
+  bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
+  bool draw;   ///< pixels go out: set `picture`
   Picture picture;  ///< out: what to draw
 };
 
@@ -38,8 +39,9 @@ class Filter {
   virtual void reset() {}
   /// Records the work for one frame.
   virtual void process(FrameWork& frame) = 0;
-  /// Adds fields about the last completed frame.
-  virtual void describe(GstStructure* stats) const { (void)stats; }
+  /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
+  /// back.
+  virtual void describe(GstStructure*, uint64_t /*number*/) const {}
 };
 
 /// All that makes an element out of a Filter.

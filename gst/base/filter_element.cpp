@@ -4,6 +4,7 @@
 
 #include "errors.hpp"
 #include "layers_meta.hpp"
+#include "report.hpp"
 
 namespace inverse {
 namespace {
@@ -23,7 +24,7 @@ FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
 }
 
 FilterElement::~FilterElement() {
-  gst_caps_replace(&refused_, nullptr);
+  forget_refused();
   if (stats_) gst_structure_free(stats_);
 }
 
@@ -52,16 +53,24 @@ void FilterElement::stop() {
   device_.reset();
   images_device_.reset();
   fresh_ = true;
+  last_time_ = GST_CLOCK_TIME_NONE;
   frames_ = 0;
-  gst_caps_replace(&refused_, nullptr);
+  forget_refused();
+}
+
+void FilterElement::forget_refused() {
+  gst_caps_replace(&refused_in_, nullptr);
+  gst_caps_replace(&refused_out_, nullptr);
 }
 
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   // An error is told once: who pushes on after it asks again with every buffer.
-  if (refused_ && gst_caps_is_equal(refused_, in)) return false;
+  if (refused_in_ && gst_caps_is_equal(refused_in_, in) && gst_caps_is_equal(refused_out_, out))
+    return false;
   const bool good = try_caps(in, out);
-  gst_caps_replace(&refused_, good ? nullptr : in);
-  if (good) update_latency();
+  gst_caps_replace(&refused_in_, good ? nullptr : in);
+  gst_caps_replace(&refused_out_, good ? nullptr : out);
+  if (good) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
   return good;
 }
 
@@ -99,7 +108,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     if (!out_layers_)
       output_ = carries_images(out) ? make_image_output(out_info_)
                                     : std::make_unique<FrameOutput>(out_info_);
-    context_.look();
+    if (in_images_ || carries_images(out)) context_.look();
     if (carries_images(out)) images_device_ = context_.for_images();
     // Layers and images say with the first frame where they lie.
     if (!in_layers_ && !in_images_) configure(device_for(nullptr));
@@ -122,6 +131,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   device_ = device;
   configured_ = true;
   fresh_ = true;
+  number_ = 0;
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
@@ -176,12 +186,13 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (!configured_ || device != device_) configure(device);
   Slot& slot = slots_[next_slot_];
   next_slot_ = (next_slot_ + 1) % slots_.size();
+  finish(slot);
   slot.commands->begin();
-  if (GST_BUFFER_FLAG_IS_SET(in, GST_BUFFER_FLAG_DISCONT)) fresh_ = true;
+  if (breaks_off(in)) fresh_ = true;
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
 
-  FrameWork frame{*slot.commands, read_input(in, slot), fresh, !out_layers_, {}};
+  FrameWork frame{*slot.commands, read_input(in, slot), number_, fresh, !out_layers_, {}};
   if (!in_layers_) slot.commands->stage("unpack");
   filter_->process(frame);
   if (!out_layers_) {
@@ -198,24 +209,28 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
   if (in_images_) slot.commands->wait();
-  ++frames_;
-  publish(slot, milliseconds_since(start));
+  slot.number = number_++;
+  slot.wall_ms = milliseconds_since(start);
+  slot.pending = true;
+  if (!slot.commands->in_flight()) finish(slot);
 }
 
-void FilterElement::publish(const Slot& slot, double wall_ms) {
-  GstStructure* stats =
-      gst_structure_new("inverse-stats", "frames", G_TYPE_UINT64, frames_, "device", G_TYPE_STRING,
-                        device_->name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
-                        G_TYPE_UINT64, device_->memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
-                        device_->memory_peak_bytes(), nullptr);
-  double device_ms = 0;
-  for (const auto& stage : slot.commands->stages()) {
-    const std::string field = std::string(stage.name) + "-ms";
-    gst_structure_set(stats, field.c_str(), G_TYPE_DOUBLE, stage.milliseconds, nullptr);
-    device_ms += stage.milliseconds;
-  }
-  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
-  filter_->describe(stats);
+bool FilterElement::breaks_off(GstBuffer* in) {
+  // A frame or two dropped by a queue or by QoS is no new scene; the method finds cuts itself.
+  constexpr GstClockTime kPause = GST_SECOND;
+  const GstClockTime time = GST_BUFFER_PTS(in), before = last_time_;
+  last_time_ = time;
+  if (!GST_BUFFER_FLAG_IS_SET(in, GST_BUFFER_FLAG_DISCONT)) return false;
+  if (!GST_CLOCK_TIME_IS_VALID(time) || !GST_CLOCK_TIME_IS_VALID(before)) return false;
+  return time < before || time - before > kPause;
+}
+
+void FilterElement::finish(Slot& slot) {
+  if (!slot.pending) return;
+  slot.pending = false;
+  slot.commands->wait();
+  GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);
+  filter_->describe(stats, slot.number);
   std::lock_guard lock(mutex_);
   std::swap(stats, stats_);
   if (stats) gst_structure_free(stats);
@@ -227,13 +242,8 @@ GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
   return pool;
 }
 
-void FilterElement::update_latency() {
-  GstClockTime now = 0;
-  if (!out_layers_ && GST_VIDEO_INFO_FPS_N(&out_info_) > 0)
-    now = gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&out_info_),
-                                    GST_VIDEO_INFO_FPS_N(&out_info_));
-  // Sinks go by what they were told when the pipeline started.
-  if (latency_.exchange(now) != now)
+void FilterElement::announce_latency(GstClockTime latency) {
+  if (latency_.exchange(latency) != latency)
     gst_element_post_message(element_, gst_message_new_latency(GST_OBJECT(element_)));
 }
 

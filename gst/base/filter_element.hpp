@@ -31,13 +31,11 @@ class FilterElement {
   /// The next frame starts afresh.
   void flush() { fresh_ = true; }
 
-  const ElementInfo& info() const { return info_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
   /// A configured pool for images, where images go out; posts one error and returns null where
   /// there can be none. New reference; `size` becomes the size of its buffers.
   GstBufferPool* image_pool(GstCaps* caps, guint* size);
-  const GstVideoInfo& output_info() const { return out_info_; }
   bool sends_layers() const { return out_layers_; }
   bool sends_images() const { return images_device_ != nullptr; }
   /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
@@ -52,6 +50,9 @@ class FilterElement {
   struct Slot {
     std::unique_ptr<gpu::Commands> commands;
     gpu::BufferPtr in, out;  // the bytes of a frame
+    uint64_t number = 0;     // FrameWork's
+    double wall_ms = 0;
+    bool pending = false;  // stats are yet to be published
   };
   bool try_caps(GstCaps* in, GstCaps* out);
   /// Works out the latency with new caps, and has it asked for where it changed.
@@ -60,7 +61,12 @@ class FilterElement {
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
   Layers read_input(GstBuffer* in, Slot& slot);
-  void publish(const Slot& slot, double wall_ms);
+  /// Whether `in` has nothing to do with the frame before it.
+  bool breaks_off(GstBuffer* in);
+  /// Waits for a slot's frame and publishes its stats, once.
+  void finish(Slot& slot);
+  void announce_latency(GstClockTime latency);
+  void forget_refused();
 
   GstElement* element_;
   const ElementInfo& info_;
@@ -71,7 +77,7 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  GstCaps* refused_ = nullptr;  // the input caps that were answered with an error last
+  GstCaps *refused_in_ = nullptr, *refused_out_ = nullptr;  // answered with an error last
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};
@@ -79,9 +85,12 @@ class FilterElement {
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
-  std::array<Slot, 3> slots_;  // at most three frames in flight
+  std::array<Slot, gpu::kFramesInFlight> slots_;
   size_t next_slot_ = 0;
-  uint64_t frames_ = 0;
+  uint64_t number_ = 0;  // frames since `configure`
+  uint64_t frames_ = 0;  // completed since the stream began
+  GstClockTime last_time_ = GST_CLOCK_TIME_NONE;
+  std::atomic<GstClockTime> latency_{0};
 
   mutable std::mutex mutex_;  // device_name_, stats_
   GstStructure* stats_ = nullptr;

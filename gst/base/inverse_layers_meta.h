@@ -1,8 +1,9 @@
 /* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
  *
- * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic` carry this meta and
- * no pixels; the layers live on the Vulkan device. This header is all that is needed: no library to link. Layers come
- * to host memory and go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no padding.
+ * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
+ * carry this meta and no pixels; the layers live on the Vulkan device. This header is all that is
+ * needed: no library to link. Layers come to host memory and go back as GBytes of float32 RGBA,
+ * width * height * 16 bytes, rows from the top, no padding.
  *
  * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
  */
@@ -28,17 +29,18 @@ typedef enum {
   GST_INVERSE_ROLE_MASK,
 } GstInverseRole;
 
-typedef struct _GstInverseLayersMeta GstInverseLayersMeta;
+typedef struct GstInverseLayersMeta GstInverseLayersMeta;
 
 /**
  * GstInverseLayersMeta:
  * @width: pixels
  * @height: pixels
- * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed. Free with
- *   g_bytes_unref().
- * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the device failed
+ * @download: a layer in host memory; %NULL where the frame has no such layer or the device failed.
+ * Free with g_bytes_unref().
+ * @upload: replaces a layer of a writable buffer; %FALSE where @data has the wrong size or the
+ * device failed
  */
-struct _GstInverseLayersMeta {
+struct GstInverseLayersMeta {
   GstMeta meta;
   guint width;
   guint height;
@@ -46,12 +48,14 @@ struct _GstInverseLayersMeta {
   gboolean (*upload)(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data);
   /*< private >*/
   gpointer layers;
+  GstBuffer *buffer;
 };
 
 /** The layers of a buffer, or %NULL. */
 static inline GstInverseLayersMeta* gst_buffer_get_inverse_layers_meta(GstBuffer* buffer) {
   const GType api = g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME);
-  return api ? (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api) : NULL;
+  if (!api) return NULL;  // NOLINT(modernize-use-nullptr): C reads this, too
+  return (GstInverseLayersMeta*)gst_buffer_get_meta(buffer, api);
 }
 
 G_END_DECLS

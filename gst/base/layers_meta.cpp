@@ -31,6 +31,7 @@ GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
 }
 
 gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
+  if (!gst_buffer_is_writable(meta->buffer)) return FALSE;  // somebody else's frame, too
   Layers& layers = layers_in(meta);
   if (static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return FALSE;
   if (!layers[Role::intrinsic] || g_bytes_get_size(data) != layers.extent.pixels() * 16)
@@ -55,12 +56,13 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   }
 }
 
-gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
+gboolean init(GstMeta* meta, gpointer, GstBuffer* buffer) {
   auto* self = reinterpret_cast<GstInverseLayersMeta*>(meta);
   self->width = self->height = 0;
   self->download = download;
   self->upload = upload;
   self->layers = new Layers;
+  self->buffer = buffer;
   return TRUE;
 }
 

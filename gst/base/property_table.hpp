@@ -141,7 +141,7 @@ GType enum_type(const char* type_name, const std::vector<Choice>& choices);
 /// A property that is one of the values of a C++ enum.
 template <typename P, typename Access>
 Property<P> choice(const char* name, Access access, const char* type_name,
-                   std::vector<Choice> choices, const char* blurb,
+                   const std::vector<Choice>& choices, const char* blurb,
                    Mutable when = Mutable::playing) {
   using property_detail::field;
   using E = property_detail::FieldOf<P, Access>;

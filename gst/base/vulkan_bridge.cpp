@@ -147,6 +147,10 @@ class Made {
   std::list<GWeakRef> refs_;
 };
 
+/// Set while an element of ours asks around: others of ours then say what they hold and make
+/// nothing.
+thread_local bool looking = false;
+
 [[noreturn]] void fail_to_open(const char* what, GError* error) {
   const std::string text =
       std::string(what) + " failed: " + (error ? error->message : "no reason given");
@@ -190,7 +194,10 @@ VulkanNeighbor::~VulkanNeighbor() = default;
 
 DevicePtr VulkanNeighbor::find(GstElement* element) {
   GstVulkanDevice* found = nullptr;
-  if (!gst_vulkan_device_run_context_query(element, &found)) return nullptr;
+  looking = true;
+  const bool any = gst_vulkan_device_run_context_query(element, &found);
+  looking = false;
+  if (!any) return nullptr;
   const DeviceRef owned(found);
   GError* error = nullptr;
   if (!gst_vulkan_device_open(found, &error)) fail_to_open("opening the neighbors' device", error);
@@ -279,7 +286,7 @@ bool VulkanNeighbor::answer(GstElement* element, GstQuery* query) const {
 bool VulkanNeighbor::asks_for_device(GstQuery* query) {
   const gchar* type = nullptr;
   gst_query_parse_context_type(query, &type);
-  return g_strcmp0(type, GST_VULKAN_DEVICE_CONTEXT_TYPE_STR) == 0;
+  return !looking && g_strcmp0(type, GST_VULKAN_DEVICE_CONTEXT_TYPE_STR) == 0;
 }
 
 void VulkanNeighbor::settle() const {
@@ -289,9 +296,18 @@ void VulkanNeighbor::settle() const {
     handles = contexts_->handles;
   }
   if (!handles) return;
+  // A fence instead of vkQueueWaitIdle, which would wait for a hung device without end.
+  constexpr uint64_t kPatience = 10'000'000'000;  // nanoseconds
+  const VkDevice device = handles->device->device;
+  const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+  VkFence fence = VK_NULL_HANDLE;
+  if (vkCreateFence(device, &info, nullptr, &fence) != VK_SUCCESS) return;
   gst_vulkan_queue_submit_lock(handles->queue.get());
-  vkQueueWaitIdle(handles->queue->queue);
+  const VkResult submitted = vkQueueSubmit(handles->queue->queue, 0, nullptr, fence);
   gst_vulkan_queue_submit_unlock(handles->queue.get());
+  const bool done = submitted != VK_SUCCESS ||
+                    vkWaitForFences(device, 1, &fence, VK_TRUE, kPatience) != VK_TIMEOUT;
+  if (done) vkDestroyFence(device, fence, nullptr);  // else the device may still signal it
 }
 
 void VulkanNeighbor::release() {

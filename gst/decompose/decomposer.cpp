@@ -80,7 +80,7 @@ std::vector<Choice> Decomposer::quality_choices() {
            "The least work that still looks like a decomposition"},
           {static_cast<int>(Quality::medium), "medium", "The best error for its time"},
           {static_cast<int>(Quality::high), "high", "More iterations, for files"},
-          {static_cast<int>(Quality::best), "best", "Until nothing changes any more"}};
+          {static_cast<int>(Quality::best), "best", "Many iterations, for reference"}};
 }
 
 }  // namespace inverse

@@ -40,4 +40,26 @@ class Decomposer : public Filter {
   std::optional<ScenePalette> palette_;
 };
 
+/// A decomposer whose frames all go through one object of the method, made anew for each size:
+/// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames.
+template <typename Method>
+class MethodDecomposer : public Decomposer {
+ public:
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    Decomposer::configure(device, extent);
+    method_.emplace(device, extent);
+  }
+  void release() override {
+    method_.reset();
+    Decomposer::release();
+  }
+  void reset() override {
+    Decomposer::reset();
+    method_->reset();
+  }
+
+ protected:
+  std::optional<Method> method_;
+};
+
 }  // namespace inverse

@@ -20,28 +20,15 @@ Params preset(const Params& set) {
   return params;
 }
 
-class IntrinsicElement final : public Decomposer {
+class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override {
-    Decomposer::reset();
-    method_->reset();
-  }
-
-  void describe(GstStructure* stats) const override {
-    const auto& method = method_->stats();
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const auto& method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    const auto found = method_->findings();
+    const auto found = method_->findings(number);
     gst_structure_set(
         stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
         "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",
@@ -56,7 +43,6 @@ class IntrinsicElement final : public Decomposer {
     const Params params = parameters_.snapshot();
     frame.layers =
         method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    frame.commands.stage("decompose");
     return params.show;
   }
 
@@ -73,7 +59,7 @@ class IntrinsicElement final : public Decomposer {
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
-                  "Change of log intensity or chroma from which on a tile counts as changed"),
+                  "Change of intensity or chroma, natural log units, from which on a tile counts as changed"),
         number<P>(
             "seed", &P::seed, 0u, G_MAXUINT,
             "Has no effect, as this method draws nothing at random; for scripts that set it on "
@@ -108,6 +94,12 @@ class IntrinsicElement final : public Decomposer {
             "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
             "Change of local contrast that halves the temporal weight, natural log units"),
         number<P>(
+            "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
+            "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
+        number<P>(
+            "temporal-still", [](P& p) -> float& { return p.anchor.anchor_still; }, 0.f, 100.f,
+            "How many times the temporal weight is added where the light stays, too"),
+        number<P>(
             "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
             "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "
             "to, "
@@ -128,7 +120,6 @@ class IntrinsicElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<IntrinsicDecomposition> method_;
 };
 
 }  // namespace

@@ -21,25 +21,12 @@ Params preset(const Params& set) {
   return params;
 }
 
-class ThesisElement final : public Decomposer {
+class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    Decomposer::configure(device, extent);
-    method_.emplace(device, extent);
-  }
-  void release() override {
-    method_.reset();
-    Decomposer::release();
-  }
-  void reset() override {
-    Decomposer::reset();
-    method_->reset();
-  }
-
-  void describe(GstStructure* stats) const override {
-    const auto method = method_->stats(last_);
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const auto method = method_->stats(number);
     gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
                       method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
                       "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
@@ -54,8 +41,7 @@ class ThesisElement final : public Decomposer {
   Show decompose(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     method_->set_params(params);
-    last_ = method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-    frame.commands.stage("decompose");
+    method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
     return params.show;
   }
 
@@ -134,8 +120,6 @@ class ThesisElement final : public Decomposer {
   }
 
   Parameters<Params> parameters_{table(), preset};
-  std::optional<ThesisDecomposition> method_;
-  uint64_t last_ = 0;
 };
 
 }  // namespace

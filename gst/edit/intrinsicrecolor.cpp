@@ -61,19 +61,14 @@ class RecolorElement final : public Filter {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     recolor_.emplace(device, extent);
     for (auto& copy : copies_)
-      copy = gpu::Buffer::create(device, gpu::Element::vec4, 2 * Palette::kMaxClusters,
-                                 gpu::Memory::readback);
-    copied_ = 0;
+      copy.colors = gpu::Buffer::create(device, gpu::Element::vec4, 2 * Palette::kMaxClusters,
+                                        gpu::Memory::readback);
   }
   void release() override {
     recolor_.reset();
     copies_ = {};
-    copied_ = 0;
   }
-  void reset() override {
-    recolor_->reset();
-    copied_ = 0;
-  }
+  void reset() override { recolor_->reset(); }
 
   void process(FrameWork& frame) override {
     Params params = parameters_.snapshot();
@@ -82,23 +77,19 @@ class RecolorElement final : public Filter {
     const uint32_t before = frame.commands.dispatches();
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
-    if (worked && params.cluster >= 0) {
-      const auto& copy = copies_[copied_++ % copies_.size()];
-      frame.commands.copy(recolor_->palette()->colors(), copy, copy->bytes());
-    } else {
-      copied_ = 0;
-    }
+    Copy& copy = copies_[frame.number % copies_.size()];
+    copy.clusters = worked && params.cluster >= 0 ? recolor_->palette()->params().clusters : 0;
+    if (copy.clusters)
+      frame.commands.copy(recolor_->palette()->colors(), copy.colors, copy.colors->bytes());
     if (worked) frame.commands.stage("recolor");
   }
 
-  void describe(GstStructure* stats) const override {
-    // The base has at most three frames in flight, so the copy before those is complete.
-    if (copied_ < copies_.size()) return;
-    const auto& copy = copies_[copied_ % copies_.size()];
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const Copy& copy = copies_[number % copies_.size()];
+    if (!copy.clusters) return;
     GValue list = G_VALUE_INIT;
     gst_value_array_init(&list, Palette::kMaxClusters);
-    for (const auto& cluster :
-         Palette::read(copy->map_as<float>(), recolor_->palette()->params().clusters)) {
+    for (const auto& cluster : Palette::read(copy.colors->map_as<float>(), copy.clusters)) {
       GValue entry = G_VALUE_INIT;
       g_value_init(&entry, G_TYPE_UINT);
       std::array<float, 3> linear{};
@@ -112,8 +103,12 @@ class RecolorElement final : public Filter {
  private:
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
-  std::array<gpu::BufferPtr, 4> copies_;  // of the palette's colors, for stats
-  size_t copied_ = 0;                     // in a row
+  /// The clusters of a frame, for its stats.
+  struct Copy {
+    gpu::BufferPtr colors;
+    int clusters = 0;
+  };
+  std::array<Copy, gpu::kFramesInFlight> copies_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "base/caps.hpp"
 #include "base/errors.hpp"
 #include "base/layers_meta.hpp"
+#include "base/report.hpp"
 
 namespace inverse {
 namespace {
@@ -266,15 +267,7 @@ gboolean SplitElement::src_query(GstPad* pad, GstQuery* query) {
     // A frame stays here for as long as it takes to draw it: one frame duration at most.
     GstVideoInfo info;
     std::lock_guard lock(mutex_);
-    if (!caps_ || !gst_video_info_from_caps(&info, caps_) || GST_VIDEO_INFO_FPS_N(&info) <= 0)
-      return TRUE;
-    const GstClockTime own = gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info),
-                                                       GST_VIDEO_INFO_FPS_N(&info));
-    gboolean live = FALSE;
-    GstClockTime least = 0, most = 0;
-    gst_query_parse_latency(query, &live, &least, &most);
-    gst_query_set_latency(query, live, least + own,
-                          GST_CLOCK_TIME_IS_VALID(most) ? most + own : most);
+    if (caps_ && gst_video_info_from_caps(&info, caps_)) add_latency(query, frame_latency(info));
   }
   return TRUE;
 }
@@ -351,18 +344,7 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
 }
 
 void SplitElement::publish(double wall_ms) {
-  GstStructure* stats = gst_structure_new(
-      "inverse-stats", "frames", G_TYPE_UINT64, frames_, "device", G_TYPE_STRING,
-      commands_->device()->name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
-      G_TYPE_UINT64, commands_->device()->memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
-      commands_->device()->memory_peak_bytes(), nullptr);
-  double device_ms = 0;
-  for (const auto& stage : commands_->stages()) {
-    gst_structure_set(stats, (std::string(stage.name) + "-ms").c_str(), G_TYPE_DOUBLE,
-                      stage.milliseconds, nullptr);
-    device_ms += stage.milliseconds;
-  }
-  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
+  GstStructure* stats = frame_stats(*commands_, frames_, wall_ms);
   std::lock_guard lock(mutex_);
   std::swap(stats, stats_);
   if (stats) gst_structure_free(stats);

@@ -1,13 +1,14 @@
 #include "commands.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <mutex>
 
 namespace inverse::gpu {
 namespace {
 
 constexpr uint32_t kSetsPerPool = 128;
 constexpr uint32_t kSlotsPerSet = 10;
-constexpr uint64_t kPatience = 10'000'000'000;  // nanoseconds
 constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                                         VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
                                         VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
@@ -15,6 +16,17 @@ constexpr VkAccessFlags kKernelWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_T
 constexpr VkPipelineStageFlags kKernelStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
                                                VK_PIPELINE_STAGE_TRANSFER_BIT |
                                                VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+
+/// What a device that never answered may still be using. It is never freed: a driver that has hung
+/// writes into freed memory when it wakes, and waiting for one that does not would hang the
+/// process.
+void abandon(std::vector<std::shared_ptr<void>> objects) {
+  static std::mutex mutex;
+  static auto* const abandoned = new std::vector<std::shared_ptr<void>>;  // outlives the process
+  std::lock_guard lock(mutex);
+  abandoned->insert(abandoned->end(), std::make_move_iterator(objects.begin()),
+                    std::make_move_iterator(objects.end()));
+}
 
 }  // namespace
 
@@ -47,7 +59,12 @@ Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) 
 }
 
 Commands::~Commands() {
-  if (in_flight_) vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, kPatience);
+  if (in_flight_ && vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE,
+                                    timed_out_ ? 0 : device_->patience_ns()) == VK_TIMEOUT) {
+    kept_.push_back(device_);  // the pools, the fence and the queries live as long as it does
+    abandon(std::move(kept_));
+    return;
+  }
   release();
 }
 
@@ -63,6 +80,7 @@ void Commands::begin() {
   if (in_flight_) wait();
   kept_.clear();
   touched_.clear();
+  pending_.clear();  // an exception may have left some
   stage_names_.clear();
   dispatches_ = 0;
   for (VkDescriptorPool pool : descriptor_pools_)
@@ -279,14 +297,17 @@ void Commands::submit() {
 
 void Commands::wait() {
   if (!in_flight_) return;
-  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, kPatience);
-  if (result == VK_TIMEOUT)
+  const uint64_t patience = timed_out_ ? 0 : device_->patience_ns();
+  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience);
+  timed_out_ = result == VK_TIMEOUT;
+  if (timed_out_)
     throw Error(ErrorKind::device_lost,
-                "the Vulkan device \"" + device_->name() +
-                    "\" did not finish a frame within ten seconds; use a smaller frame or "
-                    "another device");
+                "the Vulkan device \"" + device_->name() + "\" did not finish a frame within " +
+                    std::to_string(device_->patience_ns() / 1'000'000'000) +
+                    " seconds; use a smaller frame or another device, or raise INVERSE_PATIENCE");
   in_flight_ = false;
-  device_->check_result(result, "waiting for a frame");
+  if (result == VK_ERROR_DEVICE_LOST) device_->note_lost();
+  check(result, "waiting for a frame");
   read_stages();
 }
 
@@ -303,22 +324,6 @@ void Commands::read_stages() {
     stages_.push_back(
         {stage_names_[i], static_cast<double>(static_cast<int64_t>(ticks[i + 1] - ticks[i])) *
                               device_->limits().timestamp_ns * 1e-6});
-}
-
-FrameRing::FrameRing(const std::shared_ptr<Device>& device) {
-  for (size_t i = 0; i < kFrames; ++i) frames_.push_back(std::make_unique<Commands>(device));
-}
-
-Commands& FrameRing::next() {
-  Commands& commands = *frames_[next_];
-  next_ = (next_ + 1) % frames_.size();
-  commands.begin();
-  return commands;
-}
-
-void FrameRing::drain() {
-  for (auto& commands : frames_)
-    if (commands->in_flight()) commands->wait();
 }
 
 }  // namespace inverse::gpu

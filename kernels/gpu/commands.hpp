@@ -34,7 +34,8 @@ class Commands {
   explicit Commands(std::shared_ptr<Device> device);
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
-  /// Waits for work still in flight.
+  /// Waits for work still in flight. Where the device does not finish it in time
+  /// (`Device::patience_ns`), everything that the work may use is left to it for good.
   ~Commands();
 
   const std::shared_ptr<Device>& device() const { return device_; }
@@ -85,8 +86,9 @@ class Commands {
 
   /// Hands the recorded work to the device.
   void submit();
-  /// Waits until the submitted work is done. Throws Error(device_lost), also after ten seconds
-  /// without an answer.
+  /// Waits until the submitted work is done. Throws Error(device_lost), also where there is no
+  /// answer in time (`Device::patience_ns`); further waits then throw at once until the work is
+  /// done.
   void wait();
   bool in_flight() const { return in_flight_; }
 
@@ -126,22 +128,10 @@ class Commands {
   std::vector<std::shared_ptr<void>> kept_;
   uint32_t dispatches_ = 0;
   bool in_flight_ = false;
+  bool timed_out_ = false;
 };
 
-/// At most three frames in flight: hands out Commands in turn, waiting for the oldest where
-/// necessary.
-class FrameRing {
- public:
-  static constexpr size_t kFrames = 3;
-  explicit FrameRing(const std::shared_ptr<Device>& device);
-  /// The next Commands, begun.
-  Commands& next();
-  /// Waits for all of them.
-  void drain();
-
- private:
-  std::vector<std::unique_ptr<Commands>> frames_;
-  size_t next_ = 0;
-};
+/// How many frames an element may have in flight: who keeps something for each needs so many.
+inline constexpr size_t kFramesInFlight = 3;
 
 }  // namespace inverse::gpu

@@ -192,16 +192,6 @@ void check(VkResult result, const char* what) {
   }
 }
 
-std::vector<std::string> Device::list() {
-  std::vector<std::string> names;
-  try {
-    for (VkPhysicalDevice device : Instance::get()->devices()) names.push_back(name_of(device));
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::no_device) throw;
-  }
-  return names;
-}
-
 std::shared_ptr<Device> Device::open(const std::string& select) {
   static std::mutex mutex;
   static std::map<size_t, std::weak_ptr<Device>> opened;
@@ -213,7 +203,7 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   auto instance = Instance::get();
   const auto devices = instance->devices();
   const size_t index = choose(devices, wanted);
-  if (auto device = opened[index].lock(); device && !device->is_lost()) return device;
+  if (auto device = opened[index].lock(); device && !device->lost()) return device;
 
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -293,6 +283,10 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
 }
 
+uint64_t Device::patience_ns() const {
+  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 120 : 10) * uint64_t{1'000'000'000};
+}
+
 void Device::count_memory(int64_t bytes) {
   const uint64_t now =
       memory_bytes_.fetch_add(static_cast<uint64_t>(bytes)) + static_cast<uint64_t>(bytes);
@@ -310,10 +304,12 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
-  // Rehearses the loss of the device: at the Nth submit of the process INVERSE_LOSE_DEVICE=N loses
-  // the device that it goes to, as a driver would.
+  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
+  // fail as a driver would, and all that follow on the same device.
   static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
   static std::atomic<uint32_t> submits{0};
+  if (lost_at && ++submits == lost_at) note_lost();
+  if (lost()) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
   if (lost_ || (lost_at && ++submits == lost_at)) {
     result = VK_ERROR_DEVICE_LOST;
@@ -325,7 +321,8 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
     result = vkQueueSubmit(handles_.queue, 1, &info, fence);
     handles_.unlock();
   }
-  check_result(result, "submitting a frame");
+  if (result == VK_ERROR_DEVICE_LOST) note_lost();
+  check(result, "submitting a frame");
 }
 
 }  // namespace inverse::gpu

@@ -43,14 +43,10 @@ struct Limits {
 /// the same object, so that two elements share kernels and planes without a copy.
 class Device : public std::enable_shared_from_this<Device> {
  public:
-  /// Opens a device. `select` is an index into `list()`, a part of a device's name, or empty: the
+  /// Opens a device. `select` is an index, a part of a device's name, or empty: the
   /// environment variable `INVERSE_DEVICE`, else the first discrete, integrated, virtual, software
   /// device in that order. Throws Error(no_device).
   static std::shared_ptr<Device> open(const std::string& select = {});
-
-  /// Names of the devices that `open` can choose from, in the order of their indices. Empty where
-  /// there is none.
-  static std::vector<std::string> list();
 
   struct Borrowed {
     VkInstance instance;
@@ -71,9 +67,16 @@ class Device : public std::enable_shared_from_this<Device> {
 
   const std::string& name() const { return name_; }
   bool is_cpu() const { return is_cpu_; }
-  bool is_adopted() const { return !owned_; }
+  /// Whether the device was lost: it stays so, and `open` makes a new one.
+  bool lost() const { return lost_.load(); }
+  /// Notes that a call found the device lost.
+  void note_lost() { lost_ = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
+  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, 120 s for
+  /// a software device (which shares its processors with whatever else runs), or the environment
+  /// variable `INVERSE_PATIENCE` in seconds.
+  uint64_t patience_ns() const;
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
   /// workgroup size). Built once and kept as long as the device: to compile it
@@ -118,6 +121,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
+  std::atomic<bool> lost_{false};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

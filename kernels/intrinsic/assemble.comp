@@ -4,14 +4,17 @@
 #include "energy.glsl"
 #include "guide.glsl"
 
-// The pixels' right-hand side from the edges' flux, and where the solve starts: at the cells' start, with the pixels' own
-// departure in max_c i from their cell. One quad an invocation.
+// The pixels' right-hand side, from the edges' flux and, with kAnchored, the frame before; and where the solve starts: at
+// max_c i, shifted to V of the pixels' cell, or as far as the frame before may be believed at its reflectance. One quad an
+// invocation.
+layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, flux);
-PLANE_IN(1, start);
+PLANE_IN(1, start);       // of cells (cell_terms.comp)
 PLANE_IN(2, level0);
-PLANE_IN(3, cells);
-PLANE_OUT(4, system);  // of stride 3
-PLANE_OUT(5, shading);
+PLANE_IN(3, force);       // of cells, with their anchors
+PLANE_OUT(4, system);     // of stride 3
+PLANE_INOUT(5, shading);  // the last frame's solution on entry
+PLANE_INOUT(6, mean);     // m, the last frame's on entry
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -23,14 +26,23 @@ void main() {
   float left = position.x > 0u ? FETCH(flux, FLUX_STRIDE * (at - 1) + FLUX_RIGHT).w : 0.0;
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
   if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(quads)) + FLUX_DOWN);
-  STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
-  vec4 around = FETCH(cells, CELL_STRIDE * int((position.y / 4u) * quads + position.x)), s = vec4(0.0);
-  vec4 begin = FETCH(start, int((position.y / 4u) * QUADS(quads) + position.x / 4u));
+  int cells = int((position.y / 4u) * QUADS(quads) + position.x / 4u);
+  vec4 m = vec4(0.0), s = vec4(FETCH(start, 2 * cells)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);
     vec4 guide = FETCH(level0, int(position.y * push.size.x + x));
-    s = vec4(s.yzw, guide.x + guide.w);
+    m = vec4(m.yzw, guide.x);
+    s = vec4(s.yzw, s.x + guide.x + guide.w);
   }
-  s += begin[position.x & 3u] - around.x - around.w;
-  STORE(shading, uint(at), MASKED(s, INSIDE(position.x, push.size.x)));
+  bvec4 inside = INSIDE(position.x, push.size.x);
+  if (kAnchored) {
+    float gate = FETCH(start, 2 * cells + 1)[position.x & 3u];
+    float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
+    vec4 before = m - LOAD(mean, at) + LOAD(shading, at);
+    sum += MASKED(anchor * before, inside);
+    s += gate * (before - s);
+  }
+  STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
+  STORE(shading, uint(at), MASKED(s, inside));
+  STORE(mean, uint(at), m);
 }

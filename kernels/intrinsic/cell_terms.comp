@@ -3,25 +3,24 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 #include "guide.glsl"
-#include "temporal.glsl"
 
-// The cells' part of the system (energy.glsl), from the prior and, with kAnchored, the frame before; and where the solve
-// starts: at the prior's V, or where the frame before may be believed at its reflectance. One quad of cells an invocation.
+// The cells' part of the system (energy.glsl), from the prior; and, with kAnchored, how far their pixels may believe the
+// frame before. One quad of cells an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, value);
 PLANE_IN(1, cells);
-PLANE_IN(2, wide);
-PLANE_IN(3, before);
-SCALAR_IN(4, tiles);
-PLANE_IN(5, verdict);
+SCALAR_IN(2, mismatch);
+SCALAR_IN(3, tiles);
+PLANE_IN(4, verdict);
+PLANE_IN(5, before);    // cell_state (temporal.glsl)
 PLANE_OUT(6, terms);
-PLANE_OUT(7, start);
+PLANE_OUT(7, start);    // two vec4 a quad: V - (m' + u'), and the gate, 0…1
 PLANE_INOUT(8, force);  // the last frame's, a good guess where this one continues it
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
-  float anchor;  // t where nothing moves
-  float detail;
-  float chroma;
+  float anchor;  // t where nothing moves but the light
+  float still;   // how many times that is added where the light does not change either
+  float light;   // 1 / (change of light that halves that)
 } push;
 
 void main() {
@@ -31,32 +30,27 @@ void main() {
   int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
-  vec4 s = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), screen = v + g, pull = v * s, mean = vec4(0.0);
-  vec4 gate = vec4(0.0), kept = vec4(0.0), around = FETCH(wide, tile);
+  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean;
   float quiet = kAnchored ? max(0.0, 1.0 - 2.0 * FETCH1(tiles, tile)) : 0.0;
   quiet *= quiet * (kAnchored ? FETCH(verdict, 0).y : 0.0);
   for (uint k = 0u; k < 4u; ++k) {
     int cell = int(position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u));
     vec4 guide = FETCH(cells, CELL_STRIDE * cell);
     mean = vec4(mean.yzw, guide.x);
+    most = vec4(most.yzw, guide.x + guide.w);
     if (kAnchored) {
-      vec4 was = FETCH(before, cell);
-      gate = vec4(gate.yzw, quiet / (1.0 + mismatch(cell_state(guide, around), was, push.detail, push.chroma)));
-      kept = vec4(kept.yzw, guide.x - was.w);
+      gate = vec4(gate.yzw, quiet / (1.0 + FETCH1(mismatch, cell)));
+      change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
     }
   }
-  if (kAnchored) {
-    gate = MASKED(gate, inside);
-    screen += push.anchor * gate;
-    pull += push.anchor * gate * kept;
-    s += gate * (kept - s);
-  }
-  STORE(terms, TERMS_STRIDE * at + TERMS_SCREEN, screen);
-  STORE(terms, TERMS_STRIDE * at + TERMS_PULL, pull);
+  STORE(terms, TERMS_STRIDE * at + TERMS_SCREEN, v + g);
+  STORE(terms, TERMS_STRIDE * at + TERMS_PULL, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
-  STORE(start, at, s);
+  STORE(start, 2 * at, target - most);
+  STORE(start, 2 * at + 1, gate);
   vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
-  STORE(force, FORCE_STRIDE * at + FORCE_PULL, pull_before);
-  STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, screen);
+  STORE(force, FORCE_STRIDE * at + FORCE_PULL, MASKED(pull_before, inside));
+  STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, v + g);
+  STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, push.anchor * MASKED(gate * (1.0 + push.still / (1.0 + change * change)), inside));
 }

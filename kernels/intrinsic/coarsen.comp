@@ -4,16 +4,18 @@
 #include "energy.glsl"
 
 // The next coarser level's operator, once a frame: aggregates of 2 x 2 pixels add their masses up, and the edges between
-// two aggregates add up to theirs, scaled (multigrid.hpp). With kTerms that level is the cells' and gets their screen too.
+// two aggregates add up to theirs, scaled (multigrid.hpp). With kTerms that level is the cells' and gets their screen and their
+// pixels' anchors too.
 // One coarse quad an invocation.
 layout(constant_id = 1) const int kStride = 4;        // of the fine system
 layout(constant_id = 2) const int kCoarseStride = 4;
 layout(constant_id = 3) const bool kTerms = false;
 PLANE_IN(0, system);
-PLANE_IN(1, terms);
+PLANE_IN(1, force);  // of quads of cells
 PLANE_OUT(2, coarse_system);
 layout(push_constant) uniform Push {
   uvec2 size;  // of the fine level
+  uvec2 finest;  // size of level 0
   float scale;
   float mass;  // of every fine pixel where there is no plane of masses
 } push;
@@ -48,7 +50,12 @@ void main() {
   STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_RIGHT, push.scale * right);
   STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_DOWN, push.scale * down);
   if (kCoarseStride > 3) {
-    if (kTerms) mass += FETCH(terms, TERMS_STRIDE * int(to) + TERMS_SCREEN);
+    if (kTerms) {
+      ivec2 size = ivec2(push.finest);
+      ivec4 pixels = clamp(ivec4(size.x - 16 * int(position.x)) - ivec4(0, 4, 8, 12), 0, 4) *
+                     clamp(size.y - 4 * int(position.y), 0, 4);
+      mass += FETCH(force, FORCE_STRIDE * int(to) + FORCE_SCREEN) + vec4(pixels) * FETCH(force, FORCE_STRIDE * int(to) + FORCE_ANCHOR);
+    }
     STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_MASS, MASKED(mass, INSIDE(position.x, half_size.x)));
   }
 }

@@ -47,10 +47,10 @@ class EdgePrior {
                       const Params& params, float tolerance);
   /// Forgets what the edges were evaluated on.
   void reset() { known_ = false; }
-  /// How many tiles a frame has, and on the host, once a frame of `record_changes` is done, how
-  /// many of them were evaluated.
+  /// How many tiles a frame has.
   uint32_t tiles() const { return tiles_; }
-  uint32_t evaluated() const { return *control_->map_as<uint32_t>(); }
+  /// Words; the first is how many tiles the last `record_changes` evaluated.
+  const gpu::BufferPtr& control() const { return control_; }
 
  private:
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,

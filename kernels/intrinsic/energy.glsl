@@ -3,14 +3,14 @@
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here
 //        + sum over cells  v (s' - V)^2                  value prior: pins scale and low frequencies
 //                        + g (m' - s' - r_bin)^2         equal chroma, equal reflectance (soft)
-//                        + t (m' - s' - r_previous)^2    temporal anchor
+//        + sum over pixels t (m - s - r_previous)^2      temporal anchor; t is the same all over a cell
 //
 // d is the step across an edge, m the mean log intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
 // Reflectance is r = i - s exactly, so that the data and chromaticity terms of Eqs. 3.5 and 3.10 vanish. a, b, v, V, g
 // come from EdgePrior. E is quadratic; setting its gradient to zero,
 //
-//   pixels   A(x,x) = sum_N4 w + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y)
-//   cells    screen = v + g + t          pull = v V + t (m' - r_previous)          (added on multigrid level 2)
+//   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t (m_x - r_previous)
+//   cells    screen = v + g                  pull = v V                              (added on multigrid level 2)
 #include "quad.glsl"
 
 // The system of a quad: weights w of the edges to the right and down, the right-hand side f and, where a level has it,
@@ -37,7 +37,9 @@
 #define TERMS_MEAN 3
 #define TERMS_STRIDE 4
 
-// With how much force a quad of cells pulls at its pixels, screen (target - s'), and how that falls as they give way.
+// With how much force a quad of cells pulls at its pixels, screen (target - s'), and how that falls as they give way; and
+// the anchor's t of each of their pixels.
 #define FORCE_PULL 0
 #define FORCE_SCREEN 1
-#define FORCE_STRIDE 2
+#define FORCE_ANCHOR 2
+#define FORCE_STRIDE 3

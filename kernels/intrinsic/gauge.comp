@@ -4,7 +4,7 @@
 #include "gauge.glsl"
 
 // One invocation: the quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.
-//   gauge[0] = ln c, where R c and S / c go out
+//   gauge[0] = ln c, where R c and S / c go out; 1 once a frame had a say, -, -
 WORD_INOUT(0, counts);
 PLANE_IN(1, verdict);  // .y = 0 at a cut (verdict.comp)
 PLANE_INOUT(2, gauge);
@@ -26,9 +26,14 @@ void main() {
     sum += LOAD(counts, i);
     STORE(counts, i, 0u);
   }
-  float before = LOAD(gauge, 0).x;
+  vec4 before = LOAD(gauge, 0);
   bool carries = push.history == 2u || (push.history == 1u && FETCH(verdict, 0).y > 0.0);
+  bool known = carries && before.y > 0.0;
   // A frame that is all dark has no say; where nothing is known either, the solver's own scale stays.
-  float wanted = total > 0u ? push.log_target - gauge_value(bin) : (carries ? before : 0.0);
-  STORE(gauge, 0, vec4(carries ? mix(before, wanted, push.share) : wanted, 0.0, 0.0, 0.0));
+  if (total == 0u) {
+    STORE(gauge, 0, known ? before : vec4(0.0));
+    return;
+  }
+  float wanted = push.log_target - gauge_value(bin);
+  STORE(gauge, 0, vec4(known ? mix(before.x, wanted, push.share) : wanted, 1.0, 0.0, 0.0));
 }

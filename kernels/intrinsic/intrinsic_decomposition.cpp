@@ -1,6 +1,7 @@
 #include "intrinsic_decomposition.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "../gpu/shaders.hpp"
 
@@ -10,7 +11,7 @@ INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
 namespace {
-constexpr float kCellArea = 16;  // weights of cell terms are a pixel's, times this
+constexpr uint64_t kStartStride = 2;  // vec4 a quad of cells of `start_` (cell_terms.comp)
 }
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -19,13 +20,14 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       planes_(device_, extent),
       guide_(device_, extent),
       prior_(device_, extent),
-      anchor_(device_, guide_.cell_extent()),
+      anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
       gauge_(device_),
       terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0})),
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
-      assemble_(device_->kernel(shaders::intrinsic_assemble)),
+      assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
+      anchored_assemble_(device_->kernel(shaders::intrinsic_assemble, {1})),
       layers_(device_->kernel(shaders::intrinsic_layers)) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
@@ -34,7 +36,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
   value_ = buffer(cell_quads * EdgePrior::kValueStride);
   terms_ = buffer(cell_quads * Multigrid::kTermsStride);
-  start_ = buffer(cell_quads);
+  start_ = buffer(cell_quads * kStartStride);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
@@ -43,22 +45,26 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float anchor, detail, chroma;
-  } push{cells.width, cells.height, kCellArea * params.anchor_weight, 1 / params.anchor_detail,
-         1 / params.anchor_chroma};
+    float anchor, still, light;
+  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still,
+         1 / params.anchor_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
-                    {value_, guide_.cells(), guide_.wide(), anchor_.kept(), anchor_.tiles(),
-                     anchor_.verdict(), terms_, start_, multigrid_.cell_force()},
+                    {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
+                     anchor_.kept(), terms_, start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(
-      assemble_,
-      {flux_, start_, guide_.level0(), guide_.cells(), multigrid_.system(), multigrid_.field()},
-      size, line_of(quads_of(extent_)));
+  commands.dispatch(anchored ? anchored_assemble_ : assemble_,
+                    {flux_, start_, guide_.level0(), multigrid_.cell_force(), multigrid_.system(),
+                     multigrid_.field(), anchor_.mean()},
+                    size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
-  multigrid_.record_operators(commands, terms_, params.multigrid);
+  Multigrid::Params multigrid = params.multigrid;
+  // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
+  // would exaggerate again.
+  if (stats_.cycles == 1) multigrid.slowest = 0;
+  multigrid_.record_operators(commands, multigrid);
   bins_.record_weights(commands, guide_, terms_,
                        EdgePrior::kMostChroma * params.prior.chroma_weight);
   commands.stage("operators");
@@ -70,7 +76,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, params.multigrid, cycle, cycle + 1 == stats_.cycles,
+        commands, multigrid, cycle, cycle + 1 == stats_.cycles,
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
@@ -89,7 +95,6 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("guide");
   const EdgePrior::Target target{multigrid_.system(), flux_, value_};
   stats_.tiles = prior_.tiles();
-  adaptive_ = params.adaptive;
   if (!history_) prior_.reset();
   if (params.adaptive)
     prior_.record_changes(commands, guide_, target, params.prior, params.still_tolerance);
@@ -112,6 +117,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                     {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
                      gauge_.value(), intrinsic->buffer, anchor_.kept()},
                     size, line_of(guide_.cell_extent().pixels()));
+  record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;
   commands.keep(input);
@@ -123,16 +129,30 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return layers;
 }
 
-IntrinsicDecomposition::Findings IntrinsicDecomposition::findings() const {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptive) {
+  Report& report = reports_[recorded_++ % reports_.size()];
+  report.stats = stats_;
+  report.adaptive = adaptive;
+  if (!report.found)
+    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 4, gpu::Memory::readback);
+  constexpr uint64_t kVec4 = 16;
+  commands.copy(multigrid_.change(), report.found, kVec4, 0, 0);
+  if (stats_.history) commands.copy(anchor_.verdict(), report.found, kVec4, 0, kVec4);
+  commands.copy(gauge_.value(), report.found, kVec4, 0, 2 * kVec4);
+  if (adaptive) commands.copy(prior_.control(), report.found, sizeof(uint32_t), 0, 3 * kVec4);
+}
+
+IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
+  const Report& of = report(frame);
+  const float* found = of.found->map_as<float>();
   Findings findings;
-  findings.change = multigrid_.change();
-  findings.tiles_evaluated = adaptive_ ? prior_.evaluated() : prior_.tiles();
-  findings.gauge = gauge_.value()->map_as<float>()[0];
-  if (stats_.history) {
-    const float* verdict = anchor_.verdict()->map_as<float>();
-    findings.mismatch = verdict[0];
-    findings.cut = verdict[1] == 0;
+  findings.change = std::sqrt(found[0]);
+  if (of.stats.history) {
+    findings.mismatch = found[4];
+    findings.cut = found[5] == 0;
   }
+  findings.gauge = found[8];
+  findings.tiles_evaluated = of.adaptive ? of.found->map_as<uint32_t>()[12] : of.stats.tiles;
   return findings;
 }
 

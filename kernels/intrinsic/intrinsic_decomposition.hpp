@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -55,9 +56,11 @@ class IntrinsicDecomposition {
                 const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
   void reset() { history_ = false; }
-  /// Of the frame recorded last.
-  const Stats& stats() const { return stats_; }
-  /// What the device found out about the last frame that was waited for.
+  /// Frames recorded since construction: the last one's number is one less.
+  uint64_t recorded() const { return recorded_; }
+  /// Of one of the last kFramesInFlight frames.
+  const Stats& stats(uint64_t frame) const { return report(frame).stats; }
+  /// What the device found out about a frame.
   struct Findings {
     float change = 0;    ///< rms change of log shading by the last cycle: what is left to do
     float mismatch = 0;  ///< with the frame before, 0…1; 0 without one
@@ -65,9 +68,20 @@ class IntrinsicDecomposition {
     float gauge = 0;     ///< ln of the factor from the solver's R to the layer's
     uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
   };
-  Findings findings() const;
+  /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
+  Findings findings(uint64_t frame) const;
+  /// Of the last one.
+  Findings findings() const { return findings(recorded_ - 1); }
 
  private:
+  /// What is kept of a frame for whoever asks after it is done.
+  struct Report {
+    Stats stats;
+    bool adaptive = false;
+    gpu::BufferPtr found;  // change, verdict, gauge, control
+  };
+  const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
+  void record_report(gpu::Commands& commands, bool adaptive);
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored);
   void solve(gpu::Commands& commands, const Params& params);
 
@@ -80,10 +94,12 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputGauge gauge_;
-  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, layers_;
+  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
-  bool history_ = false, adaptive_ = false;
-  Stats stats_;
+  std::array<Report, gpu::kFramesInFlight> reports_;
+  uint64_t recorded_ = 0;
+  bool history_ = false;
+  Stats stats_;  // of the frame being recorded
 };
 
 }  // namespace inverse

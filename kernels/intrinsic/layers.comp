@@ -5,8 +5,8 @@
 #include "guide.glsl"
 #include "temporal.glsl"
 
-// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this one. One cell, 4 x 4
-// pixels, an invocation.
+// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
+// one. One cell, 4 x 4 pixels, an invocation.
 PLANE_IN(0, frame);
 PLANE_IN(1, shading);
 PLANE_IN(2, cells);
@@ -22,12 +22,9 @@ void main() {
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
-  vec4 columns = cell_weights(count.x), rows = cell_weights(count.y);
-  float mean = 0.0, scale = FETCH(gauge, 0).x;
+  float scale = FETCH(gauge, 0).x;
   for (uint y = 0u; y < count.y; ++y) {
     vec4 s = FETCH(shading, int((first + y) * quads + cell.x));
-    mean += rows.x * dot(columns, s);
-    rows = rows.yzwx;
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
@@ -37,6 +34,5 @@ void main() {
   }
   uint at = cell.y * quads + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
-  vec4 state = cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(quads) + cell.x / 4u)));
-  STORE(kept, at, vec4(state.xyz, guide.x - mean));
+  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(quads) + cell.x / 4u))));
 }

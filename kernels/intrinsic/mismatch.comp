@@ -5,34 +5,40 @@
 #include "quad.glsl"
 #include "temporal.glsl"
 
-// How far a frame differs from the one before: the mean of q / (1 + q) over tiles of 4 x 4 cells (the cells of guide
-// level 4), and its sum over the frame. One tile an invocation.
+// How far every cell differs from the frame before, q: squared differences, in units of those that halve the anchor, of
+// its local contrast and chroma, and the variance of its pixels' change, which a change of light leaves alone. One cell an
+// invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, wide);
-PLANE_IN(2, before);
-SCALAR_OUT(3, tiles);
-PLANE_OUT(4, sums);
+PLANE_IN(2, level0);
+PLANE_IN(3, before);   // cell_state
+PLANE_IN(4, before_m);  // of quads of pixels
+SCALAR_OUT(5, mismatch);
 layout(push_constant) uniform Push {
-  uvec2 size;  // of level 2
+  uvec2 size;  // of level 0
   float detail;
   float chroma;
+  float texture;
 } push;
 
 void main() {
-  uvec2 tile_size = (push.size + 3u) / 4u, tile = grid_position(tile_size.x);
-  float sum = 0.0;
-  if (tile.y < tile_size.y) {
-    uvec2 first = 4u * tile, count = min(push.size - first, uvec2(4u));
-    uint to = tile.y * tile_size.x + tile.x;
-    vec4 around = FETCH(wide, int(to));
-    for (uint y = first.y; y < first.y + count.y; ++y)
-      for (uint x = first.x; x < first.x + count.x; ++x) {
-        int cell = int(y * push.size.x + x);
-        float q = mismatch(cell_state(FETCH(cells, CELL_STRIDE * cell), around), FETCH(before, cell), push.detail,
-                           push.chroma);
-        sum += q / (1.0 + q);
-      }
-    STORE(tiles, to, sum / float(count.x * count.y));
+  uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u, cell = grid_position(cell_size.x);
+  if (cell.y >= cell_size.y) return;
+  uvec2 first = 4u * cell, count = min(push.size - first, uvec2(4u));
+  float sum = 0.0, squares = 0.0, share = 1.0 / float(count.x * count.y);
+  for (uint y = first.y; y < first.y + count.y; ++y) {
+    vec4 was = FETCH(before_m, int(y * cell_size.x + cell.x));
+    for (uint x = 0u; x < count.x; ++x) {
+      float change = FETCH(level0, int(y * push.size.x + first.x + x)).x - was.x;
+      was = was.yzwx;
+      sum += change;
+      squares += change * change;
+    }
   }
-  SUM_PARTIALS(sums, vec4(sum, 0.0, 0.0, 0.0));
+  uint at = cell.y * cell_size.x + cell.x;
+  vec4 around = FETCH(wide, int((cell.y / 4u) * QUADS(cell_size.x) + cell.x / 4u));
+  vec4 step = cell_state(FETCH(cells, int(CELL_STRIDE * at)), around) - FETCH(before, int(at));
+  step *= vec4(push.detail, push.chroma, push.chroma, 0.0);
+  float mean = share * sum;
+  STORE(mismatch, at, dot(step, step) + push.texture * push.texture * max(share * squares - mean * mean, 0.0));
 }

@@ -17,8 +17,7 @@ INVERSE_SHADER(intrinsic_verdict);
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether =
-    300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
+constexpr uint64_t kTogether = 300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
@@ -28,7 +27,7 @@ constexpr size_t kCells = 2;         // the cells' level
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
 struct SmoothPush {
-  uint32_t width, height, color;
+  uint32_t width, height, finest_width, finest_height, color;
   float mass, around;
 };
 
@@ -71,7 +70,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
   sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
-  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
+  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
@@ -85,7 +84,8 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
   for (const uint32_t color : {0U, 1U})
     commands.dispatch(smooth_[std::min(i, kCells)],
                       {level.system, level.field, level.field, cell_force_, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass, 0},
+                      SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
+                                 levels_[0].extent.height, color, level.mass, 0},
                       items);
 }
 
@@ -94,38 +94,41 @@ void Multigrid::correct(gpu::Commands& commands, size_t i) const {
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    commands.dispatch(correct_[std::min(i, kCells)],
-                      {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, color, level.mass,
-                                 static_cast<float>(color)},
-                      items);
+    commands.dispatch(
+        correct_[std::min(i, kCells)],
+        {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
+        SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
+                   levels_[0].extent.height, color, level.mass, static_cast<float>(color)},
+        items);
 }
 
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
   const struct {
-    uint32_t width, height;
+    uint32_t width, height, finest_width, finest_height;
     float mass;
     uint32_t stride, slot;
-  } push{fine.extent.width, fine.extent.height, fine.mass, to_cells ? 1 : stride_of(i + 1),
+  } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
+         levels_[0].extent.height, fine.mass,          to_cells ? 1 : stride_of(i + 1),
          to_cells ? 0 : kRhsSlot};
-  commands.dispatch(restrict_[std::min(i, kCells)],
-                    {fine.system, fine.field, half_means_, to_cells ? cell_far_ : coarse.system,
-                     coarse.field, i == 0 ? half_means_ : cell_means_},
-                    push, line_of(quads_of(coarse.extent)));
+  commands.dispatch(
+      restrict_[std::min(i, kCells)],
+      {fine.system, fine.field, half_means_, cell_force_, to_cells ? cell_far_ : coarse.system,
+       coarse.field, i == 0 ? half_means_ : cell_means_},
+      push, line_of(quads_of(coarse.extent)));
 }
 
-void Multigrid::record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
-                                 const Params& params) const {
+void Multigrid::record_operators(gpu::Commands& commands, const Params& params) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
     const struct {
-      uint32_t width, height;
+      uint32_t width, height, finest_width, finest_height;
       float scale, mass;
-    } push{fine.extent.width, fine.extent.height, params.scale, fine.mass};
-    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, terms, coarse.system}, push,
-                      line_of(quads_of(coarse.extent)));
+    } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
+           levels_[0].extent.height, params.scale,       fine.mass};
+    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, cell_force_, coarse.system},
+                      push, line_of(quads_of(coarse.extent)));
   }
   const struct {
     uint32_t width, height;
@@ -159,9 +162,10 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
     uint32_t count;
     float w, c;
   } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
-  commands.dispatch(measure ? measure_ : extrapolate_,
-                    {field(), starts_[k % 2], starts_[k == 0 ? 0 : (k + 1) % 2], field(), sums_},
-                    push, line_of(field()->count()));
+  commands.dispatch(
+      measure ? measure_ : extrapolate_,
+      {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
+      push, line_of(field()->count()));
   if (!measure) return;
   const struct {
     uint32_t count;
@@ -169,8 +173,6 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
   } sum{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()), 0};
   commands.dispatch(sum_, {sums_, change_}, sum, {});
 }
-
-float Multigrid::change() const { return std::sqrt(change_->map_as<float>()[0]); }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              bool measure, const std::function<void()>& before,

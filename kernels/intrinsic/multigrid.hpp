@@ -27,7 +27,7 @@ class Multigrid {
     float slowest = 0.5F;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
-  static constexpr uint64_t kForceStride = 2;  ///< vec4 a quad of cells of `cell_force`
+  static constexpr uint64_t kForceStride = 3;  ///< vec4 a quad of cells of `cell_force`
   static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
 
   /// Throws Error(limit) where a level does not fit the device.
@@ -37,8 +37,9 @@ class Multigrid {
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a quad; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// The force with which the cells' terms pull at the pixels, and their screen, two vec4 a quad of
-  /// cells; set before the first cycle, and the force renewed by every cycle's `after`.
+  /// The force with which the cells' terms pull at the pixels, their screen, and a mass of each of
+  /// their pixels, three vec4 a quad of cells; set before the operators are made, and the force
+  /// renewed by every cycle's `after`.
   const gpu::BufferPtr& cell_force() const { return cell_force_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
   /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
@@ -48,16 +49,15 @@ class Multigrid {
   const gpu::BufferPtr& cell_far() const { return cell_far_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
-  /// Records the coarse operators, once a frame, from `system` and the cells' `terms`.
-  void record_operators(gpu::Commands& commands, const gpu::BufferPtr& terms,
-                        const Params& params) const;
+  /// Records the coarse operators, once a frame, from `system` and `cell_force`.
+  void record_operators(gpu::Commands& commands, const Params& params) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their force after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k, bool measure,
                     const std::function<void()>& before, const std::function<void()>& after);
-  /// Root mean square change of the unknown by the last cycle that was recorded with `measure` and
-  /// is done, log units; on the host.
-  float change() const;
+  /// One vec4; x = mean square change of the unknown, log units², by the last cycle that was
+  /// recorded with `measure`.
+  const gpu::BufferPtr& change() const { return change_; }
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 

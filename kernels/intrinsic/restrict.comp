@@ -10,11 +10,13 @@ layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of f
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, finer_means);
-PLANE_OUT(3, target);
-PLANE_OUT(4, coarse);
-PLANE_OUT(5, means);
+PLANE_IN(3, force);  // of quads of cells: their pixels' mass
+PLANE_OUT(4, target);
+PLANE_OUT(5, coarse);
+PLANE_OUT(6, means);
 layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
+  uvec2 finest;  // size of level 0
   float mass;          // of every fine pixel where there is no plane of masses
   uint target_stride;  // where the right-hand side goes in `target`: vec4 a quad, and which of them
   uint target_slot;
@@ -23,6 +25,16 @@ layout(push_constant) uniform Push {
 #define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
 
 int quads = int(QUADS(push.size.x));
+
+// The anchors' mass of row y of quad x, on levels 0 and 1.
+vec4 anchors(int x, int y) {
+  int cell_quads = int(QUADS((push.finest.x + 3u) / 4u));
+  if (kMeans == 1) return vec4(FETCH(force, FORCE_STRIDE * ((y / 4) * cell_quads + x / 4) + FORCE_ANCHOR)[x & 3]);
+  ivec2 size = ivec2(push.finest);
+  vec4 four = FETCH(force, FORCE_STRIDE * ((y / 2) * cell_quads + x / 2) + FORCE_ANCHOR);
+  vec4 counts = vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
+  return counts * ((x & 1) == 0 ? four.xxyy : four.zzww);
+}
 
 vec4 residual(int x, int y) {
   int at = y * quads + x, left_quad = x > 0 ? at - 1 : at, right_quad = x + 1 < quads ? at + 1 : at;
@@ -34,7 +46,7 @@ vec4 residual(int x, int y) {
   return FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(left)) +
          (y > 0 ? 1.0 : 0.0) * FETCH(system, kStride * up + SYSTEM_DOWN) * (FETCH(now, up) - u) +
          FETCH(system, kStride * at + SYSTEM_DOWN) * (FETCH(now, down) - u) -
-         (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : vec4(push.mass)) * u;
+         (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : push.mass + anchors(x, y)) * u;
 }
 
 void main() {

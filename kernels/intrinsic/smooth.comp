@@ -14,6 +14,7 @@
 //
 // On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share. So that it gives way
 // as they do, a pixel feels it as if it were alone: screen (mean s)^2 <= screen mean(s^2), with equality where all agree.
+// A cell's pixels have the mass of its anchor.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
 layout(constant_id = 2) const bool kCorrect = false;
 layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no force
@@ -24,6 +25,7 @@ PLANE_IN(3, force);      // of quads of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
 layout(push_constant) uniform Push {
   uvec2 size;
+  uvec2 finest;  // size of level 0
   uint color;
   float mass;    // of every pixel where there is no plane of masses
   float around;  // 1 or 0
@@ -47,6 +49,12 @@ vec4 shares(int x, int y) {
   if (kCellPixels == 4) return cell_weights(uint(rows))[row] * cell_weights(uint(columns));
   return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
                                     columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
+}
+// How many pixels of level 0 those of row y of quad x stand for.
+vec4 counts(int x, int y) {
+  if (kCellPixels == 4) return vec4(1.0);
+  ivec2 size = ivec2(push.finest);
+  return vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
 }
 vec4 of_cells(int x, int y, int slot) {
   int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
@@ -77,7 +85,7 @@ void main() {
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];
     if (kCellPixels > 0) {
       vec4 share = shares(x, y), screen = share * of_cells(x, y, FORCE_SCREEN);
-      diagonal[k] += screen;
+      diagonal[k] += screen + counts(x, y) * of_cells(x, y, FORCE_ANCHOR);
       rhs[k] += share * of_cells(x, y, FORCE_PULL) + screen * u[k];
     }
     rhs[k].x += left * corrected(before, y, push.around).w;

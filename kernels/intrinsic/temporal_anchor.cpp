@@ -1,9 +1,13 @@
 #include "temporal_anchor.hpp"
 
+#include <array>
+
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
+#include "../image/pyramid.hpp"
 
 INVERSE_SHADER(intrinsic_mismatch);
+INVERSE_SHADER(intrinsic_calm);
 INVERSE_SHADER(intrinsic_verdict);
 
 namespace inverse {
@@ -15,14 +19,18 @@ constexpr uint64_t tiles_of(Extent cells) {
 }
 }  // namespace
 
-TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent cells)
-    : cells_(cells),
-      mismatch_(device->kernel(shaders::intrinsic_mismatch)),
+TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : extent_(extent),
+      cells_(half_of(half_of(extent))),
+      compare_(device->kernel(shaders::intrinsic_mismatch)),
+      calm_(device->kernel(shaders::intrinsic_calm)),
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
-      kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells.pixels())),
-      tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells))),
+      kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
+      mean_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(extent))),
+      mismatch_(gpu::Buffer::create(device, gpu::Element::scalar, cells_.pixels())),
+      tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                gpu::partial_count(*mismatch_, line_of(tiles_of(cells))))),
+                                gpu::partial_count(*calm_, line_of(tiles_of(cells_))))),
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params) {
@@ -30,10 +38,14 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   cleared_ = true;
   const struct {
     uint32_t width, height;
-    float detail, chroma;
-  } push{cells_.width, cells_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma};
-  commands.dispatch(mismatch_, {guide.cells(), guide.wide(), kept_, tiles_, sums_}, push,
-                    line_of(tiles_of(cells_)));
+    float detail, chroma, texture;
+  } push{extent_.width, extent_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma,
+         1 / params.anchor_texture};
+  commands.dispatch(compare_,
+                    {guide.cells(), guide.wide(), guide.level0(), kept_, mean_, mismatch_}, push,
+                    line_of(cells_.pixels()));
+  const std::array<uint32_t, 2> size{cells_.width, cells_.height};
+  commands.dispatch(calm_, {mismatch_, tiles_, sums_}, size, line_of(tiles_of(cells_)));
   const struct {
     uint32_t count;
     float cells, cut_fraction;

@@ -108,7 +108,7 @@ class ThesisDecomposition {
   gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
   std::vector<Level> levels_;
   Plane solution_;
-  std::array<Readback, gpu::FrameRing::kFrames> readback_;
+  std::array<Readback, gpu::kFramesInFlight> readback_;
   Stats* current_ = nullptr;  // of the frame being recorded
   bool cleared_ = false;
   uint64_t recorded_ = 0;     // frames since construction

@@ -26,10 +26,11 @@ struct ThesisParams {
   float p = 0.8f;                ///< exponent of reflectance sparsity (3.8), 0…2
   float alpha_cs = 15.0f;  ///< fall-off of ω_cs with chromaticity distance, mean 1 (3.7), 0…1e4
   float alpha_clustering = 0.4f;  ///< fall-off of the cluster prior with |I| (3.15), 0…1e3
-  float tau_cc = 0.05f;     ///< chromaticity distance up to which samples bind (3.13) and clusters
-                            ///< merge, 0…3; not printed in the thesis
-  float epsilon = 1e-3f;    ///< floor of |d| in the IRLS weight, log units, 1e-5…1
-  float log_floor = 1e-3f;  ///< floor of I before the logarithm, full scale 1, 1e-6…0.5
+  float tau_cc = 0.05f;   ///< chromaticity distance up to which samples bind (3.13) and clusters
+                          ///< merge, 0…3; not printed in the thesis
+  float epsilon = 5e-3f;  ///< floor of |d| in the IRLS weight, log units, 1e-5…1; not printed in
+                          ///< the thesis: smaller ones let rounding decide edges
+  float log_floor = 1e-3f;     ///< floor of I before the logarithm, full scale 1, 1e-6…0.5
   float chroma_floor = 3e-3f;  ///< ε_c of c = (I + ε_c)/mean(I + ε_c), full scale 1, 1e-6…0.5
   Irls irls = Irls::consistent;  ///< form of the IRLS weight
   Solver solver = Solver::pcg;   ///< what solves the system of an IRLS step

@@ -1,91 +1,73 @@
-// Error per regime of every decomposition that exists as CPU code.
+// Error per regime of every decomposition method.
 //
-//   accuracy [--data DIR] [--frames N] [--thesis] [--leave-one-out] [--temporal] [--pictures DIR]
+//   accuracy [--device] [--data DIR] [--frames N] [--thesis] [--ablations] [--no-stills]
+//            [--leave-one-out] [--temporal] [--pictures DIR]
 //
-// Scores are LMSE k=20 / scale-invariant MSE / DSSIM, mean of reflectance and shading, averaged
-// over the frames of a scene and then over the scenes of a regime. Brackets: 95 % bootstrap
-// interval of LMSE over scenes (frames where a regime has fewer than three scenes). No method sees
-// a mask.
+// With --device our methods are the kernels (and are timed), otherwise the plain C++
+// specifications. Scores are LMSE k=20 / scale-invariant MSE / DSSIM, mean of reflectance and
+// shading, averaged over the frames of a scene and then over the scenes of a regime. Brackets: 95 %
+// bootstrap interval of LMSE over scenes (frames where a regime has fewer than three scenes). No
+// method sees a mask.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "tests/bench/baselines.hpp"
 #include "tests/bench/datasets.hpp"
+#include "tests/bench/methods.hpp"
 #include "tests/bench/metrics.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_thesis.hpp"
 
 namespace inverse::bench {
 namespace {
 
-using Method = std::function<Decomposition(const Image&)>;
-
-struct Named {
-  std::string name;
-  Method run;
+/// What to compare: baselines, the thesis' method and, last, ours.
+struct Line {
+  std::vector<Named> methods;
+  DeviceMethods* device = nullptr;
 };
 
-Decomposition to_layers(const Image& input, const reference::IntrinsicResult& result) {
-  Decomposition d{Image(input.width, input.height, 3), Image(input.width, input.height, 1)};
-  for (std::size_t i = 0; i < d.shading.data.size(); ++i)
-    d.shading.data[i] = float(std::exp(result.log_shading[i]));
-  for (std::size_t i = 0; i < d.reflectance.data.size(); ++i)
-    d.reflectance.data[i] = float(result.reflectance[i]);
-  return d;
-}
-
-Decomposition intrinsicdecomp(const Image& input, const reference::IntrinsicParams& params,
-                              reference::IntrinsicState* state = nullptr) {
-  const std::vector<double> rgb(input.data.begin(), input.data.end());
-  return to_layers(input,
-                   reference::decompose(rgb.data(), input.width, input.height, params, state));
-}
-
-/// The thesis' method with its own settings, each frame on its own.
-Decomposition thesis(const Image& input) {
-  reference::Plane linear(input.width, input.height);
-  for (std::size_t i = 0; i < linear.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) linear.data[i][c] = input.data[3 * i + c];
-  const reference::Plane rs = reference::IntrinsicThesis({}).decompose(linear);
-  Decomposition d{Image(input.width, input.height, 3), Image(input.width, input.height, 1)};
-  for (std::size_t i = 0; i < rs.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c)
-      d.reflectance.data[3 * i + c] = float(std::exp(rs.data[i][c]));
-    d.shading.data[i] = float(std::exp(rs.data[i][3]));
-  }
-  return d;
-}
-
-/// The last one is ours.
-std::vector<Named> methods(bool with_thesis) {
-  std::vector<Named> all{{"constant shading", constant_shading},
-                         {"constant reflectance", constant_reflectance},
-                         {"R = I / max_c I", max_channel},
-                         {"gray Retinex .1",
-                          [](const Image& i) {
-                            return retinex(i, {false, 0.1, 0});
-                          }},
-                         {"color Retinex .5 .1",
-                          [](const Image& i) {
-                            return retinex(i, {true, 0.5, 0.1});
-                          }},
-                         {"color Retinex, chroma", [](const Image& i) {
-                            return retinex(i, {true, 1e9, 0.1});
-                          }}};
-  if (with_thesis) all.push_back({"thesis", thesis});
-  all.push_back({"intrinsicdecomp", [](const Image& i) { return intrinsicdecomp(i, {}); }});
+/// The thesis' method with one of its terms left out.
+std::vector<std::pair<std::string, ThesisParams>> ablations() {
+  std::vector<std::pair<std::string, ThesisParams>> all;
+  const auto without = [&](const char* term, float ThesisParams::*weight) {
+    ThesisParams params;
+    params.*weight = 0;
+    all.emplace_back(std::string("  without ") + term, params);
+  };
+  without("data", &ThesisParams::w_data);
+  without("intensity weight", &ThesisParams::w_intensity);
+  without("sparsity", &ThesisParams::w_reflectance);
+  without("shading", &ThesisParams::w_shading);
+  without("chromaticity", &ThesisParams::w_chromaticity);
+  without("samples", &ThesisParams::w_non_local);
+  without("clusters", &ThesisParams::w_clustering);
   return all;
+}
+
+Line line_up(DeviceMethods* device, bool with_thesis, bool with_ablations) {
+  Line line{baselines(), device};
+  if (with_thesis) {
+    line.methods.push_back(device ? device->thesis("thesis", {}) : reference_thesis());
+  }
+  if (with_ablations) {
+    if (!device) throw std::runtime_error("--ablations needs --device");
+    for (const auto& [name, params] : ablations())
+      line.methods.push_back(device->thesis(name, params));
+  }
+  line.methods.push_back(device ? device->intrinsic("intrinsicdecomp", {})
+                                : reference_intrinsic("intrinsicdecomp", {}, false));
+  return line;
 }
 
 /// Runs `work(k)` for k = 0 … n-1 on two threads.
@@ -98,11 +80,15 @@ void parallel(std::size_t n, const std::function<void(std::size_t)>& work) {
   for (std::thread& t : threads) t.join();
 }
 
-std::vector<Scores> score_all(const std::vector<Frame>& frames, const Method& method) {
+std::vector<Scores> score_all(const std::vector<Frame>& frames, const Named& method) {
   std::vector<Scores> scores(frames.size());
+  std::vector<Decomposition> found(frames.size());
+  if (!method.parallel)
+    for (std::size_t k = 0; k < frames.size(); ++k) found[k] = method.run(frames[k].input, false);
   parallel(frames.size(), [&](std::size_t k) {
     const Frame& f = frames[k];
-    const Decomposition d = method(f.input);
+    const Decomposition d =
+        method.parallel ? method.run(f.input, false) : std::exchange(found[k], {});
     scores[k] = score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask);
   });
   return scores;
@@ -163,35 +149,52 @@ void print_row(const std::string& name, const std::vector<Frame>& frames,
   std::fflush(stdout);
 }
 
-void print_tables(const std::vector<Frame>& frames, bool with_thesis) {
+void print_difference(const char* title, const std::vector<Frame>& frames,
+                      const std::vector<Scores>& mine, const std::vector<Scores>& other,
+                      double Scores::*field) {
+  std::vector<double> d = pick(mine, field);
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] -= other[i].*field;
+  std::printf("%-22s", title);
+  for (int r = 0; r < kRegimes; ++r) {
+    const std::vector<double> u = units(frames, d, Regime(r));
+    const std::array<double, 2> interval = bootstrap(u);
+    std::printf("  %+.4f [%+.4f %+.4f]       ", mean(u), interval[0], interval[1]);
+  }
+  std::printf("\n");
+}
+
+void print_tables(const std::vector<Frame>& frames, const Line& line) {
   std::printf("%-22s", "");
   for (int r = 0; r < kRegimes; ++r) std::printf("  %-33s", regime_name(Regime(r)));
   std::printf("\n");
-  std::vector<std::pair<std::string, std::vector<Scores>>> rows;
-  for (const Named& m : methods(with_thesis)) {
-    rows.emplace_back(m.name, score_all(frames, m.run));
-    print_row(m.name, frames, rows.back().second);
+  std::vector<std::vector<Scores>> rows;
+  std::vector<std::string> times;
+  for (const Named& m : line.methods) {
+    rows.push_back(score_all(frames, m));
+    print_row(m.name, frames, rows.back());
+    const DeviceMethods::Time time = line.device ? line.device->take_time() : DeviceMethods::Time{};
+    char text[128];
+    std::snprintf(text, sizeof text, "%-22s  %7.1f ms  processor %7.1f ms", m.name.c_str(),
+                  time.wall, time.processor);
+    if (time.wall > 0) times.emplace_back(text);
   }
-  const std::vector<double> ours = pick(rows.back().second, &Scores::lmse20);
-  std::printf(
-      "\nintrinsicdecomp minus method, paired LMSE and 95 %% interval (negative: better)\n");
-  for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
-    std::vector<double> d = pick(rows[k].second, &Scores::lmse20);
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = ours[i] - d[i];
-    std::printf("%-22s", rows[k].first.c_str());
-    for (int r = 0; r < kRegimes; ++r) {
-      const std::vector<double> u = units(frames, d, Regime(r));
-      const std::array<double, 2> interval = bootstrap(u);
-      std::printf("  %+.4f [%+.4f %+.4f]       ", mean(u), interval[0], interval[1]);
-    }
-    std::printf("\n");
+  if (!times.empty())
+    std::printf("\ntime for 640 x 480 pixels, %s\n", line.device->device_name().c_str());
+  for (const std::string& text : times) std::printf("%s\n", text.c_str());
+  for (const auto& [name, field] : {std::pair{"LMSE", &Scores::lmse20},
+                                    {"scale-invariant MSE", &Scores::mse},
+                                    {"DSSIM", &Scores::dssim}}) {
+    std::printf("\nintrinsicdecomp minus method, paired %s and 95 %% interval (negative: better)\n",
+                name);
+    for (std::size_t k = 0; k + 1 < rows.size(); ++k)
+      print_difference(line.methods[k].name.c_str(), frames, rows.back(), rows[k], field);
   }
   std::printf("\nLMSE k=20 (k=10) by scene: color Retinex, R = I / max_c I, intrinsicdecomp\n");
   std::map<std::string, std::array<std::vector<double>, 6>> scenes;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const std::string key = std::string(regime_name(frames[k].regime)) + " " + frames[k].scene;
     for (std::size_t j = 0; j < 3; ++j) {
-      const Scores& s = rows[std::array<std::size_t, 3>{4, 2, rows.size() - 1}[j]].second[k];
+      const Scores& s = rows[std::array<std::size_t, 3>{4, 2, rows.size() - 1}[j]][k];
       scenes[key][2 * j].push_back(s.lmse20);
       scenes[key][2 * j + 1].push_back(s.lmse10);
     }
@@ -213,8 +216,7 @@ void print_leave_one_out(const std::vector<Frame>& frames) {
         grid.push_back(p);
       }
   std::vector<std::vector<Scores>> scores;
-  for (const auto& p : grid)
-    scores.push_back(score_all(frames, [&](const Image& i) { return intrinsicdecomp(i, p); }));
+  for (const auto& p : grid) scores.push_back(score_all(frames, reference_intrinsic("", p, false)));
   // The criterion weighs the four regimes alike.
   const auto criterion = [&](std::size_t candidate, const std::string& left_out) {
     std::array<std::vector<double>, kRegimes> per;
@@ -242,44 +244,101 @@ void print_leave_one_out(const std::vector<Frame>& frames) {
   print_row("leave one scene out", frames, chosen);
 }
 
-/// Flicker of static reflectance under moving light and under sensor noise.
-void print_temporal(const std::string& root) {
-  std::printf("\n%-44s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge");
-  for (const char* scene : {"lightchange", "lightchange_values"})
-    for (int noisy = 0; noisy < 2; ++noisy)
-      for (const double anchor : {0.0, reference::IntrinsicParams{}.anchor_weight}) {
-        std::vector<Frame> frames = load_sequence(root, scene);
-        if (noisy) {  // one frame again and again under shot and read noise
-          std::mt19937 engine(1);
-          std::normal_distribution<float> normal;
-          frames.resize(8);
-          for (std::size_t k = 1; k < frames.size(); ++k) frames[k] = frames[0];
-          for (Frame& f : frames)
-            for (float& v : f.input.data)
-              v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(engine));
-        }
-        reference::IntrinsicParams params;
-        params.anchor_weight = anchor;
-        reference::IntrinsicState state;
-        std::vector<Image> reflectance;
-        double error = 0;
-        for (const Frame& f : frames) {
-          const Decomposition d = intrinsicdecomp(f.input, params, &state);
-          error += score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask).lmse20 /
-                   double(frames.size());
-          reflectance.push_back(d.reflectance);
-        }
-        std::printf("%-18s %-12s anchor %-6.2f %11.4f %8.4f %8.4f\n", scene,
-                    noisy ? "noise" : "moving light", anchor, error, flicker(reflectance, true),
-                    flicker(reflectance, false));
+/// A sequence and what is to be seen in it.
+struct Motion {
+  std::string scene, what;
+  std::vector<Frame> frames;
+  bool still = true;  ///< Reflectance stays where it is, so that flicker can be measured.
+};
+
+/// The first frame again and again, under shot and read noise.
+std::vector<Frame> noisy(const std::vector<Frame>& sequence) {
+  std::mt19937 engine(1);
+  std::normal_distribution<float> normal;
+  std::vector<Frame> frames(8, sequence[0]);
+  for (Frame& f : frames)
+    for (float& v : f.input.data)
+      v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(engine));
+  return frames;
+}
+
+/// The same under light that changes in `parts` times smaller steps: light adds up.
+std::vector<Frame> slower(const std::vector<Frame>& sequence, int parts) {
+  std::vector<Frame> frames;
+  for (std::size_t k = 0; k + 1 < sequence.size(); ++k)
+    for (int j = 0; j < parts; ++j) {
+      frames.push_back(sequence[k]);
+      const float share = float(j) / float(parts);
+      const auto mix = [&](Image& to, const Image& next) {
+        for (std::size_t i = 0; i < to.data.size(); ++i)
+          to.data[i] += share * (next.data[i] - to.data[i]);
+      };
+      mix(frames.back().input, sequence[k + 1].input);
+      mix(frames.back().shading, sequence[k + 1].shading);
+    }
+  return frames;
+}
+
+std::vector<Named> temporal_methods(DeviceMethods* device) {
+  std::vector<Named> methods;
+  if (!device) {
+    reference::IntrinsicParams loose;
+    loose.anchor_weight = 0;
+    methods.push_back(reference_intrinsic("anchor off", loose, true));
+    methods.push_back(reference_intrinsic("anchor", {}, true));
+    return methods;
+  }
+  IntrinsicDecomposition::Params loose;
+  loose.anchor.anchor_weight = 0;
+  ThesisParams alone;
+  alone.keyframes = 0;
+  methods.push_back(device->thesis("thesis, no keyframes", alone));
+  methods.push_back(device->thesis("thesis", {}));
+  methods.push_back(device->intrinsic("anchor off", loose));
+  methods.push_back(device->intrinsic("anchor", {}));
+  return methods;
+}
+
+/// Flicker of static reflectance under moving light and under sensor noise, and what the methods'
+/// memories cost where something moves.
+void print_temporal(const std::string& root, DeviceMethods* device) {
+  std::printf("\n%-54s %8s %8s %8s %8s\n", "temporal", "LMSE", "flicker", "with gauge", "jitter");
+  std::vector<Motion> motions;
+  for (const char* scene : {"lightchange", "lightchange_values"}) {
+    motions.push_back({scene, "moving light", load_sequence(root, scene)});
+    motions.push_back({scene, "slow light", slower(motions.back().frames, 5)});
+    motions.push_back({scene, "noise", noisy(motions.back().frames)});
+  }
+  for (const char* scene : {"cornell", "room", "desk_rgbd", "courtyard", "room_values"})
+    motions.push_back({scene, "motion", load_sequence(root, scene), false});
+  for (const Motion& motion : motions) {
+    std::vector<Named> methods = temporal_methods(device);
+    if (motion.still) methods.insert(methods.begin(), baselines()[0]);
+    for (const Named& method : methods) {
+      std::vector<Image> reflectance;
+      double error = 0;
+      for (const Frame& f : motion.frames) {
+        const Decomposition d = method.run(f.input, !reflectance.empty());
+        error += score(d.reflectance, d.shading, f.reflectance, f.shading, f.mask).lmse20 /
+                 double(motion.frames.size());
+        reflectance.push_back(d.reflectance);
       }
+      std::printf("%-18s %-12s %-22s %8.4f", motion.scene.c_str(), motion.what.c_str(),
+                  method.name.c_str(), error);
+      if (motion.still)
+        std::printf(" %8.4f %8.4f %8.4f", flicker(reflectance, true), flicker(reflectance, false),
+                    jitter(reflectance));
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+  }
 }
 
 /// Input, reflectance, shading and, below, the truth, gamma 2.2, one PNG a frame.
 void write_pictures(const std::vector<Frame>& frames, const std::string& directory) {
   parallel(frames.size(), [&](std::size_t k) {
     const Frame& f = frames[k];
-    const Decomposition d = intrinsicdecomp(f.input, {});
+    const Decomposition d = reference_intrinsic("", {}, false).run(f.input, false);
     const int w = f.input.width, h = f.input.height;
     cv::Mat out(2 * h, 3 * w, CV_8UC3, cv::Scalar(0, 0, 0));
     const auto put = [&](const Image& image, int column, int row) {
@@ -310,7 +369,9 @@ int main(int argc, char** argv) {
   using namespace inverse::bench;
   std::string root = "../shared/data", pictures;
   int frames_per_scene = 4;
-  bool with_thesis = false, leave_one_out = false, temporal = false;
+  bool with_thesis = false, with_ablations = false, leave_one_out = false, temporal = false,
+       stills = true;
+  std::unique_ptr<DeviceMethods> device;
   try {
     for (int k = 1; k < argc; ++k) {
       const std::string a = argv[k];
@@ -324,6 +385,12 @@ int main(int argc, char** argv) {
         frames_per_scene = std::stoi(value());
       else if (a == "--thesis")
         with_thesis = true;
+      else if (a == "--ablations")
+        with_thesis = with_ablations = true;
+      else if (a == "--device")
+        device = std::make_unique<DeviceMethods>();
+      else if (a == "--no-stills")
+        stills = false;
       else if (a == "--leave-one-out")
         leave_one_out = true;
       else if (a == "--temporal")
@@ -338,9 +405,9 @@ int main(int argc, char** argv) {
       write_pictures(frames, pictures);
       return 0;
     }
-    print_tables(frames, with_thesis);
+    if (stills) print_tables(frames, line_up(device.get(), with_thesis, with_ablations));
     if (leave_one_out) print_leave_one_out(frames);
-    if (temporal) print_temporal(root);
+    if (temporal) print_temporal(root, device.get());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "accuracy: %s\n", e.what());
     return 1;

@@ -113,7 +113,8 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
     commands.wait();
     const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     last = layers[Role::intrinsic];
-    run.tiles.push_back(100.0 * method.findings().tiles_evaluated / method.stats().tiles);
+    run.tiles.push_back(100.0 * method.findings().tiles_evaluated /
+                        method.stats(method.recorded() - 1).tiles);
     if (i == 0) continue;
     run.wall.push_back(wall);
     run.processor.push_back(processor_time() - processor);

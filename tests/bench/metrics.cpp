@@ -69,6 +69,22 @@ std::vector<double> blur(const std::vector<double>& in, int w, int h) {
   return out;
 }
 
+/// Logarithm of the mean channel, minus its mean over the pixels when `centered`.
+std::vector<double> log_mean_channel(const Image& image, bool centered) {
+  std::vector<double> l(image.data.size() / std::size_t(image.channels));
+  double mean = 0;
+  for (std::size_t i = 0; i < l.size(); ++i) {
+    double v = 0;
+    for (int c = 0; c < image.channels; ++c)
+      v += image.data[i * std::size_t(image.channels) + std::size_t(c)];
+    l[i] = std::log(std::max(v / image.channels, kLogFloor));
+    mean += l[i] / double(l.size());
+  }
+  if (centered)
+    for (double& v : l) v -= mean;
+  return l;
+}
+
 }  // namespace
 
 double lmse(const Image& estimate, const Image& truth, const Image& mask, int k) {
@@ -164,19 +180,10 @@ double flicker(const std::vector<Image>& reflectance, bool remove_gauge) {
   const std::size_t n = reflectance[0].data.size() / std::size_t(reflectance[0].channels);
   std::vector<double> sum(n, 0.0), squares(n, 0.0);
   for (const Image& r : reflectance) {
-    std::vector<double> l(n);
-    double mean = 0;
+    const std::vector<double> l = log_mean_channel(r, remove_gauge);
     for (std::size_t i = 0; i < n; ++i) {
-      double v = 0;
-      for (int c = 0; c < r.channels; ++c)
-        v += r.data[i * std::size_t(r.channels) + std::size_t(c)];
-      l[i] = std::log(std::max(v / r.channels, kLogFloor));
-      mean += l[i] / double(n);
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      const double v = l[i] - (remove_gauge ? mean : 0.0);
-      sum[i] += v;
-      squares[i] += v * v;
+      sum[i] += l[i];
+      squares[i] += l[i] * l[i];
     }
   }
   const double frames = double(reflectance.size());
@@ -184,6 +191,20 @@ double flicker(const std::vector<Image>& reflectance, bool remove_gauge) {
   for (std::size_t i = 0; i < n; ++i)
     total += std::sqrt(std::max(0.0, squares[i] / frames - sum[i] * sum[i] / (frames * frames)));
   return total / double(n);
+}
+
+double jitter(const std::vector<Image>& reflectance) {
+  if (reflectance.size() < 2) return 0.0;
+  std::vector<double> before = log_mean_channel(reflectance[0], true), squares(before.size(), 0.0);
+  for (std::size_t k = 1; k < reflectance.size(); ++k) {
+    const std::vector<double> now = log_mean_channel(reflectance[k], true);
+    for (std::size_t i = 0; i < now.size(); ++i)
+      squares[i] += (now[i] - before[i]) * (now[i] - before[i]);
+    before = now;
+  }
+  double total = 0;
+  for (double v : squares) total += std::sqrt(v / (2 * double(reflectance.size() - 1)));
+  return total / double(squares.size());
 }
 
 }  // namespace inverse::bench

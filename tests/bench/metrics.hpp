@@ -40,4 +40,9 @@ Scores score(const Image& reflectance, const Image& shading, const Image& true_r
 /// factor a frame is a matter of the gauge and not of the decomposition.
 double flicker(const std::vector<Image>& reflectance, bool remove_gauge);
 
+/// As flicker without the gauge, of changes from frame to frame: the root mean square of successive
+/// differences over the square root of 2, which is the standard deviation where frames are
+/// independent. Slow drift, which nobody sees, hardly counts.
+double jitter(const std::vector<Image>& reflectance);
+
 }  // namespace inverse::bench

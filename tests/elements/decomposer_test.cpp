@@ -1,6 +1,7 @@
 // What every decomposer promises whoever embeds it: formats, sizes, bad input, events, properties.
 #include <gst/controller/gstdirectcontrolbinding.h>
 #include <gst/controller/gstinterpolationcontrolsource.h>
+#include <sys/wait.h>
 
 #include <cmath>
 
@@ -26,6 +27,12 @@ std::vector<float> intrinsic_of(GstBuffer* buffer) {
   std::vector<float> layer(data, data + size / sizeof(float));
   g_bytes_unref(bytes);
   return layer;
+}
+
+/// A code value of 8-bit sRGB in linear light.
+float linear_of(uint8_t code) {
+  const float encoded = static_cast<float>(code) / 255.0f;
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
 }
 
 class Decomposer : public ::testing::TestWithParam<const char*> {};
@@ -104,10 +111,18 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
       const auto layer = intrinsic_of(buffer);
       gst_buffer_unref(buffer);
       ASSERT_EQ(layer.size(), frame.size()) << name;
+      double model = 0, light = 1e-3;  // sums over the frame
       for (size_t i = 0; i < layer.size(); ++i) {
         ASSERT_TRUE(std::isfinite(layer[i])) << name << " at " << i;
         ASSERT_GE(layer[i], 0.0f) << name << " at " << i;
+        if (i % 4 == 3) continue;
+        model += layer[i] * layer[i | 3];
+        light += linear_of(frame[i]);
       }
+      if (light < 100) continue;
+      // The thesis' model is a soft constraint, loosest on a checkerboard; black it never is.
+      EXPECT_GT(model / light, 0.05) << name;
+      EXPECT_LT(model / light, 2) << name;
     }
   }
 }
@@ -115,8 +130,15 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
 TEST_P(Decomposer, AlternatingBlackAndWhiteFramesComeOutOneForOne) {
   const std::string caps = VideoHarness::caps("I420", 48, 32);
   VideoHarness harness(GetParam(), caps, caps);
-  for (int i = 0; i < 12; ++i)
-    EXPECT_FALSE(harness.process(flat_frame(caps, i % 2 ? 235 : 16)).empty());
+  for (int i = 0; i < 12; ++i) {
+    auto frame = flat_frame(caps, 128);
+    std::fill_n(frame.begin(), 48 * 32, static_cast<uint8_t>(i % 2 ? 235 : 16));
+    const auto shown = harness.process(frame);
+    ASSERT_FALSE(shown.empty());
+    if (i % 2) {
+      EXPECT_GT(shown[0], 150) << "frame " << i;
+    }
+  }
   EXPECT_TRUE(harness.errors().empty());
 }
 
@@ -161,13 +183,7 @@ TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
     const std::string caps = VideoHarness::caps(i % 2 ? "NV12" : "RGBA", 16 + 6 * i, 40 - 2 * i);
     harness.set_src_caps(caps);
     EXPECT_FALSE(harness.process(random_frame(caps, i)).empty()) << caps;
-    if (i % 3 == 0) {
-      gst_harness_push_event(harness.harness(), gst_event_new_flush_start());
-      gst_harness_push_event(harness.harness(), gst_event_new_flush_stop(TRUE));
-      GstSegment segment;
-      gst_segment_init(&segment, GST_FORMAT_TIME);
-      gst_harness_push_event(harness.harness(), gst_event_new_segment(&segment));
-    }
+    if (i % 3 == 0) harness.flush();
   }
   EXPECT_TRUE(harness.errors().empty());
 }
@@ -259,9 +275,7 @@ TEST(Layers, ReflectanceTimesShadingIsTheInput) {
   ASSERT_EQ(layer.size(), frame.size());
   for (size_t i = 0; i < frame.size(); ++i) {
     if (i % 4 == 3) continue;
-    const double code = frame[i] / 255.0;
-    const double linear = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
-    ASSERT_NEAR(layer[i] * layer[i | 3], linear, 2e-3) << i;
+    ASSERT_NEAR(layer[i] * layer[i | 3], linear_of(frame[i]), 2e-3) << i;
   }
   gst_buffer_unref(buffer);
 }
@@ -293,13 +307,15 @@ TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
   gst_buffer_unref(buffer);
 }
 
-TEST(Pipelines, TwoDecomposersRunInOneProcess) {
-  const auto result = run_line(
-      "videotestsrc num-buffers=20 ! video/x-raw,width=64,height=48 ! tee name=t "
-      "t. ! queue ! intrinsicdecomp ! fakesink "
-      "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
-  EXPECT_TRUE(result.eos);
-  EXPECT_EQ(result.frames.size(), 20u);
+TEST(Pipelines, TwoDecomposersInOneProcessDoNotDisturbEachOther) {
+  const std::string source =
+      "videotestsrc num-buffers=12 pattern=ball ! video/x-raw,width=64,height=48 ! ";
+  const auto alone = run_line(source + "intrinsicdecomp show=shading ! appsink name=out");
+  const auto both = run_line(source +
+                             "tee name=t t. ! queue ! intrinsicdecompthesis ! fakesink "
+                             "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
+  EXPECT_TRUE(both.eos);
+  EXPECT_EQ(both.frames, alone.frames);
 }
 
 TEST(Properties, ControllersReachLiveProperties) {
@@ -330,21 +346,22 @@ TEST(Properties, QualityIsAPresetThatExplicitValuesOverrule) {
   gst_object_unref(element);
 }
 
-/// Runs gst-launch-1.0 in a process of its own with one more environment variable; its output and
+/// Runs a launch line in a process of its own with one more environment variable; its output and
 /// exit status.
 static std::pair<std::string, int> launch_with(const char* variable, const char* value,
                                                const char* line) {
   gchar** environment = g_environ_setenv(g_get_environ(), variable, value, TRUE);
-  gchar** arguments = nullptr;
-  g_shell_parse_argv((std::string("gst-launch-1.0 ") + line).c_str(), nullptr, &arguments, nullptr);
+  // This very program, which has the runtime of a sanitizer where the plugin needs one.
+  gchar* self = g_file_read_link("/proc/self/exe", nullptr);
+  gchar* arguments[] = {self, const_cast<gchar*>(kLaunchOption), const_cast<gchar*>(line), nullptr};
   gchar *out = nullptr, *err = nullptr;
   gint status = -1;
-  g_spawn_sync(nullptr, arguments, environment, G_SPAWN_SEARCH_PATH, nullptr, nullptr, &out, &err,
+  g_spawn_sync(nullptr, arguments, environment, G_SPAWN_DEFAULT, nullptr, nullptr, &out, &err,
                &status, nullptr);
   std::string text = std::string(out ? out : "") + (err ? err : "");
   g_free(out);
   g_free(err);
-  g_strfreev(arguments);
+  g_free(self);
   g_strfreev(environment);
   return {text, status};
 }
@@ -352,14 +369,14 @@ static std::pair<std::string, int> launch_with(const char* variable, const char*
 TEST(Failures, WithoutAVulkanDriverTheErrorSaysWhatToInstall) {
   const auto [text, status] = launch_with(
       "VK_ICD_FILENAMES", "/nowhere", "videotestsrc num-buffers=1 ! intrinsicdecomp ! fakesink");
-  EXPECT_NE(status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << status;
   EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
 }
 
 TEST(Failures, ALostDeviceIsAnErrorNotAHang) {
   const auto [text, status] = launch_with(
       "INVERSE_LOSE_DEVICE", "5", "videotestsrc num-buffers=20 ! intrinsicdecomp ! fakesink");
-  EXPECT_NE(status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << status;
   EXPECT_NE(text.find("device was lost"), std::string::npos) << text;
 }
 

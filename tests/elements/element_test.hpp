@@ -32,6 +32,10 @@ struct LineResult {
 LineResult run_line(const std::string& line, unsigned seconds = 60,
                     const std::function<void(GstElement* pipeline)>& prepare = {});
 
+/// The test program, started with this option and a launch line, runs the line instead of the
+/// tests, prints its errors, and exits with 1 where there are any.
+inline constexpr const char* kLaunchOption = "--launch";
+
 /// A harness around a piece of a launch line with video caps on both sides.
 class VideoHarness {
  public:
@@ -51,6 +55,8 @@ class VideoHarness {
   /// Pushes a frame and takes what comes out; empty where nothing does within ten seconds.
   std::vector<uint8_t> process(const std::vector<uint8_t>& bytes);
   std::vector<uint8_t> pull();
+  /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
+  void flush();
   /// Error texts posted on the bus so far.
   std::vector<std::string> errors();
   /// The element of this name or factory inside the line. Borrowed.

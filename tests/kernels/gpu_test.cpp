@@ -1,4 +1,10 @@
-// The device layer itself: barriers, partial sums, limits, sharing.
+// The device layer itself: barriers, partial sums, limits, sharing, devices that hang, validation.
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
 #include "gpu/reduce.hpp"
 #include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
@@ -7,6 +13,16 @@
 namespace inverse::testing {
 
 class DeviceTest : public GpuTest {};
+
+bool validation_layer_installed() {
+  uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::string(layer.layerName) == "VK_LAYER_KHRONOS_validation";
+  });
+}
 
 TEST_F(DeviceTest, SameDeviceIsShared) { EXPECT_EQ(device, gpu::Device::open(device->name())); }
 
@@ -63,6 +79,56 @@ TEST_F(DeviceTest, StagesAreTimed) {
   ASSERT_EQ(commands.stages().size(), 1u);
   EXPECT_STREQ(commands.stages()[0].name, "fill");
   EXPECT_GE(commands.stages()[0].milliseconds, 0.0);
+}
+
+// A device that does not finish in time is reported, and what it still works on stays its own.
+TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
+  const uint64_t before = device->memory_bytes();
+  const uint64_t words = device->limits().storage_buffer_bytes >= (1u << 27) ? 1u << 25 : 1u << 22;
+  setenv("INVERSE_PATIENCE", "0", 1);
+  {
+    gpu::Commands commands(device);
+    commands.begin();
+    const auto buffer = gpu::Buffer::create(device, gpu::Element::word, words);
+    for (int i = 0; i < 20; ++i) commands.fill(buffer, i);
+    commands.submit();
+    try {
+      commands.wait();
+      ADD_FAILURE() << "20 fills took no time";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::device_lost);
+      EXPECT_NE(std::string(error.what()).find("INVERSE_PATIENCE"), std::string::npos);
+    }
+    EXPECT_TRUE(commands.in_flight());
+    EXPECT_THROW(commands.begin(), Error);  // still at work
+  }
+  unsetenv("INVERSE_PATIENCE");
+  EXPECT_GE(device->memory_bytes(), before + 4 * words);
+  // The device itself goes on: later work runs behind what it was left with.
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 4);
+  run([&](gpu::Commands& commands) { commands.fill(buffer, 0x3f800000); });
+  EXPECT_EQ(download(buffer), Pixels(4, 1.0f));
+}
+
+// Under INVERSE_VALIDATION=1 a misuse of Vulkan ends the process, so that no test can miss it.
+TEST(ValidationDeathTest, AMisuseOfVulkanEndsTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto misuse = [] {
+    setenv("INVERSE_VALIDATION", "1", 1);
+    try {
+      const auto device = gpu::Device::open();
+      const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 16);
+      gpu::Commands commands(device);
+      commands.begin();
+      commands.copy(buffer, buffer, 64, 0, 64);  // beyond the end of the target
+    } catch (const Error& error) {
+      fprintf(stderr, "%s\n", error.what());
+      _exit(0);
+    }
+    _exit(0);
+  };
+  if (!validation_layer_installed()) GTEST_SKIP() << "the Vulkan validation layer is missing";
+  EXPECT_EXIT(misuse(), ::testing::KilledBySignal(SIGABRT), "Vulkan validation: .*vkCmdCopyBuffer");
 }
 
 }  // namespace inverse::testing

@@ -123,21 +123,30 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
     const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
-    Pixels forces(quads_of(cells) * 8);
+    Pixels forces(quads_of(cells) * 12);
     for (size_t quad = 0; quad < quads_of(cells); ++quad)
-      std::copy_n(&terms[16 * quad], 4, &forces[8 * quad + 4]);  // screen; no force yet
+      std::copy_n(&terms[16 * quad], 4, &forces[12 * quad + 4]);  // screen; no force yet
+    for (uint32_t y = 0; y < cells.height; ++y)
+      for (uint32_t x = 0; x < cells.width; ++x) {
+        const float mass = unit(random) < 0.3 ? 0.0F : static_cast<float>(unit(random));
+        forces[12 * (static_cast<size_t>(y) * cell_quads + x / 4) + 8 + x % 4] = mass;
+        for (uint32_t v = 4 * y; v < std::min(extent.height, 4 * y + 4); ++v)
+          for (uint32_t u = 4 * x; u < std::min(extent.width, 4 * x + 4); ++u)
+            finest.mass[finest.at(static_cast<int>(u), static_cast<int>(v))] +=
+                static_cast<double>(mass);
+      }
     const auto force_buffer = upload(gpu::Element::vec4, forces.data(), forces.size() / 4);
     Multigrid::Params params;
     run([&](gpu::Commands& commands) {
       guide.record(commands, frame.buffer);
       commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
-      multigrid.record_operators(commands, terms_buffer, params);
+      commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
+      multigrid.record_operators(commands, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
       const ChromaBins::State state{
           terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
           multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
-      commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
       for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
             commands, params, static_cast<uint32_t>(k), false,

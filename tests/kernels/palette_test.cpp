@@ -122,7 +122,7 @@ TEST_F(PaletteTest, RecoversFromABlackStart) {
   EXPECT_GE(used, 5);
 }
 
-TEST_F(PaletteTest, BlackGreyAndWhiteStayApart) {
+TEST_F(PaletteTest, BlackGrayAndWhiteStayApart) {
   const Extent extent{48, 48};
   Pixels pixels(extent.pixels() * 4);
   const float values[] = {0.02f, 0.4f, 0.9f};

@@ -62,9 +62,26 @@ std::vector<double> detail_of(const Guide& guide) {
   return d;
 }
 
+/// How differently the pixels of every cell changed since the frame before: the variance of the
+/// change of m.
+std::vector<double> unrest_of(const Guide& guide, const IntrinsicState& state) {
+  const GuideLevel &fine = guide.level[0], &l = guide.level[kCellLevel];
+  std::vector<double> sum(l.m.size(), 0.0), squares(sum), count(sum);
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) {
+      const std::size_t c = l.index(x >> kCellLevel, y >> kCellLevel), i = fine.index(x, y);
+      const double change = fine.m[i] - state.m[i];
+      sum[c] += change, squares[c] += square(change), count[c] += 1;
+    }
+  for (std::size_t c = 0; c < sum.size(); ++c)
+    squares[c] = std::max(0.0, squares[c] / count[c] - square(sum[c] / count[c]));
+  return squares;
+}
+
 Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
                    const IntrinsicState& state, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[kCellLevel];
+  const std::vector<double> unrest = unrest_of(guide, state);
   Gate gate;
   gate.value.resize(l.m.size());
   const int tw = (l.width + 3) / 4, th = (l.height + 3) / 4;  // tiles of 4 x 4 cells
@@ -75,7 +92,8 @@ Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
       const std::size_t i = l.index(x, y);
       const double q = square((detail[i] - state.detail[i]) / params.anchor_detail) +
                        (square(l.c0[i] - state.c0[i]) + square(l.c1[i] - state.c1[i])) /
-                           square(params.anchor_chroma);
+                           square(params.anchor_chroma) +
+                       unrest[i] / square(params.anchor_texture);
       gate.value[i] = 1 / (1 + q);
       tile[tile_of(x, y)] += q / (1 + q);
       count[tile_of(x, y)] += 1;
@@ -152,27 +170,21 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   const std::size_t n = l.m.size(), w = std::size_t(width), cell_count = cells.m.size();
   IntrinsicResult result;
 
-  // Cell terms, with the temporal anchor.
+  // Cell terms; and the temporal anchor, a term of the pixels of one weight in a cell.
   struct {
-    std::vector<double> screen, pull, g;  // v + g + t, v V + t (M - rho_previous), g
+    std::vector<double> screen, pull, g;  // v + g, v V, g
   } terms{std::vector<double>(cell_count), std::vector<double>(cell_count), prior.g};
-  std::vector<double> start = prior.V;
-  const std::vector<double> detail = detail_of(guide);
-  Gate gate;
-  if (state && state->width == width && state->height == height && !state->rho.empty()) {
-    gate = temporal_gate(guide, detail, *state, params);
-    result.stats.mismatch = gate.mismatch;
-    result.stats.anchored = gate.mismatch < params.cut_fraction;
-  }
   for (std::size_t i = 0; i < cell_count; ++i) {
     terms.screen[i] = prior.v[i] + prior.g[i];
     terms.pull[i] = prior.v[i] * prior.V[i];
-    if (!result.stats.anchored) continue;
-    const double t = kCellArea * params.anchor_weight * gate.value[i],
-                 s = cells.m[i] - state->rho[i];
-    terms.screen[i] += t;
-    terms.pull[i] += t * s;
-    start[i] += gate.value[i] * (s - start[i]);
+  }
+  const std::vector<double> detail = detail_of(guide);
+  Gate gate;
+  if (state && state->width == width && state->height == height && !state->rho.empty() &&
+      params.anchor_weight > 0) {
+    gate = temporal_gate(guide, detail, *state, params);
+    result.stats.mismatch = gate.mismatch;
+    result.stats.anchored = gate.mismatch < params.cut_fraction;
   }
 
   multigrid::Level fine(width, height);
@@ -193,7 +205,16 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
-      fine.s[i] = start[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
+      const double value = prior.V[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
+      fine.s[i] = value;
+      if (!result.stats.anchored) continue;
+      const double before = l.m[i] - state->rho[i];
+      const double light = (cells.m[c] - state->mean[c]) / params.anchor_light;
+      const double anchor =
+          params.anchor_weight * gate.value[c] * (1 + params.anchor_still / (1 + square(light)));
+      fine.mass[i] += anchor;
+      fine.f[i] += anchor * before;
+      fine.s[i] += gate.value[c] * (before - value);
     }
   std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screen, kCoarseScale);
 
@@ -219,7 +240,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   std::vector<double> force(cell_count, 0.0);
   if (result.stats.anchored)
     for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
-  multigrid::Extrapolation extrapolation(params.slowest);
+  // One cycle has none to be combined with.
+  multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
     multigrid::cycle(levels, params.cell_cycles, cell_terms, terms.screen, force);
@@ -237,10 +259,9 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     for (std::size_t c = 0; c < 3; ++c)
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
-    const std::vector<double> mean =
-        multigrid::halve(multigrid::halve(s, width, height), (width + 1) / 2, (height + 1) / 2);
-    *state = {width, height, detail, cells.c0, cells.c1, std::vector<double>(cell_count), force};
-    for (std::size_t i = 0; i < cell_count; ++i) state->rho[i] = cells.m[i] - mean[i];
+    *state = {width, height, detail, cells.c0, cells.c1, cells.m, l.m, std::vector<double>(n),
+              force};
+    for (std::size_t i = 0; i < n; ++i) state->rho[i] = l.m[i] - s[i];
   }
   return result;
 }

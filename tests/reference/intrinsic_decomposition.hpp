@@ -3,7 +3,7 @@
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
 //        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
 //                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
-//                        + t (M - S - rho_previous)^2     temporal anchor
+//        + sum over pixels t (m - s - rho_previous)^2     temporal anchor
 //
 // over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
 // edge. a, b, v, V and g come from
@@ -27,6 +27,9 @@ struct IntrinsicParams {
   double anchor_weight = 1;       ///< t where nothing moves; >= 0; 0 switches the anchor off.
   double anchor_chroma = 0.2;     ///< Log-chroma change that halves the anchor.
   double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
+  double anchor_texture = 0.3;    ///< Deviation of change inside a cell that halves it.
+  double anchor_still = 5;        ///< How many times t is added where the light does not change.
+  double anchor_light = 0.02;     ///< Change of a cell's log intensity that halves that.
   double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
   int cycles = 4;                 ///< Multigrid cycles.
   double slowest = 0.5;           ///< Error factor up to which cycles are extrapolated; 0: not.
@@ -54,8 +57,9 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
 /// Carried from frame to frame.
 struct IntrinsicState {
   int width = 0, height = 0;
-  /// Cells of the previous frame; empty after a reset. `force` is the multigrid's at its end.
-  std::vector<double> detail, c0, c1, rho, force;
+  /// Of the previous frame; empty after a reset: cells, pixels, and the multigrid's force at its
+  /// end.
+  std::vector<double> detail, c0, c1, mean, m, rho, force;
 };
 
 struct IntrinsicStats {

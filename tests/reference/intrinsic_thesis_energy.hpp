@@ -26,7 +26,7 @@ struct ThesisParams {
   double alpha_cs = 15;
   double alpha_clustering = 0.4;
   double tau_cc = 0.05;
-  double epsilon = 1e-3;
+  double epsilon = 5e-3;
   double log_floor = 1e-3;
   double chroma_floor = 3e-3;
   bool consistent_irls = true;

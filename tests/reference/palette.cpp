@@ -158,7 +158,7 @@ void Palette::merge() {
         const double d = (into.color[c] + floor) / mean_a - (other.color[c] + floor) / mean_b;
         chroma += d * d;
       }
-      // Chromaticity alone would merge black, grey and white.
+      // Chromaticity alone would merge black, gray and white.
       if (b != a && (std::sqrt(chroma) >= params_.tau_cc ||
                      std::abs(std::log(mean_a / mean_b)) >= params_.tau_intensity)) {
         continue;

@@ -1,0 +1,38 @@
+#include "report.hpp"
+
+#include <string>
+
+namespace inverse {
+
+GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms) {
+  const gpu::Device& device = *commands.device();
+  GstStructure* stats =
+      gst_structure_new("inverse-stats", "frames", G_TYPE_UINT64, frames, "device", G_TYPE_STRING,
+                        device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
+                        G_TYPE_UINT64, device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
+                        device.memory_peak_bytes(), nullptr);
+  double device_ms = 0;
+  for (const auto& stage : commands.stages()) {
+    gst_structure_set(stats, (std::string(stage.name) + "-ms").c_str(), G_TYPE_DOUBLE,
+                      stage.milliseconds, nullptr);
+    device_ms += stage.milliseconds;
+  }
+  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
+  return stats;
+}
+
+GstClockTime frame_latency(const GstVideoInfo& info) {
+  if (GST_VIDEO_INFO_FPS_N(&info) <= 0) return 0;
+  return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info),
+                                   GST_VIDEO_INFO_FPS_N(&info));
+}
+
+void add_latency(GstQuery* query, GstClockTime own) {
+  gboolean live = FALSE;
+  GstClockTime least = 0, most = 0;
+  gst_query_parse_latency(query, &live, &least, &most);
+  gst_query_set_latency(query, live, least + own,
+                        GST_CLOCK_TIME_IS_VALID(most) ? most + own : most);
+}
+
+}  // namespace inverse

@@ -1,0 +1,22 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <cstdint>
+
+#include "gpu/commands.hpp"
+
+namespace inverse {
+
+/// The fields that every element's `stats` has, about a frame whose commands are done: frames (how
+/// many so far), device (name), wall-ms, device-ms and one `<stage>-ms` for each stage,
+/// device-bytes now and device-bytes-peak. Free with gst_structure_free().
+GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
+
+/// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 where
+/// the caps give none.
+GstClockTime frame_latency(const GstVideoInfo& info);
+
+/// Adds an element's own latency to the answer of a latency query.
+void add_latency(GstQuery* query, GstClockTime own);
+
+}  // namespace inverse

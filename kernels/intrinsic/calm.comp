@@ -1,0 +1,26 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "quad.glsl"
+
+// The mean of q / (1 + q), q the cells' mismatch with the frame before, over tiles of 4 x 4 cells (the cells of guide level
+// 4), and its sum over the frame. One tile an invocation.
+SCALAR_IN(0, mismatch);
+SCALAR_OUT(1, tiles);
+PLANE_OUT(2, sums);
+layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
+
+void main() {
+  uvec2 tile_size = (push.size + 3u) / 4u, tile = grid_position(tile_size.x);
+  float sum = 0.0;
+  if (tile.y < tile_size.y) {
+    uvec2 first = 4u * tile, count = min(push.size - first, uvec2(4u));
+    for (uint y = first.y; y < first.y + count.y; ++y)
+      for (uint x = first.x; x < first.x + count.x; ++x) {
+        float q = FETCH1(mismatch, int(y * push.size.x + x));
+        sum += q / (1.0 + q);
+      }
+    STORE(tiles, tile.y * tile_size.x + tile.x, sum / float(count.x * count.y));
+  }
+  SUM_PARTIALS(sums, vec4(sum, 0.0, 0.0, 0.0));
+}

@@ -1,0 +1,195 @@
+// What an element costs whoever embeds it: system memory in, system memory out, through the whole
+// element. Frames are those of the bundled clip, scaled; methods take turns, so that what else the
+// machine does hits all alike.
+//
+// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [ELEMENT …]
+#include <gst/app/gstappsink.h>
+#include <gst/check/gstharness.h>
+#include <gst/video/video.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+double processor_ms() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto ms = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) / 1e3;
+  };
+  return ms(usage.ru_utime) + ms(usage.ru_stime);
+}
+
+/// Resident bytes now.
+double resident() {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  statm >> pages >> pages;
+  return pages * 4096;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+struct Size {
+  int width, height;
+};
+
+std::string caps_of(Size size, const char* format) {
+  return std::string("video/x-raw, format=") + format + ", width=" + std::to_string(size.width) +
+         ", height=" + std::to_string(size.height) + ", framerate=25/1";
+}
+
+/// The clip's frames as buffers of this size.
+std::vector<GstBuffer*> load(const std::string& clip, Size size, const char* format, int count) {
+  const std::string line = "filesrc location=\"" + clip +
+                           "\" ! decodebin ! videoconvert ! videoscale ! " + caps_of(size, format) +
+                           ", pixel-aspect-ratio=1/1 ! appsink name=out sync=false";
+  std::vector<GstBuffer*> frames;
+  GstElement* pipeline = gst_parse_launch(line.c_str(), nullptr);
+  if (!pipeline) return frames;
+  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  while (static_cast<int>(frames.size()) < count) {
+    GstSample* sample = gst_app_sink_pull_sample(GST_APP_SINK(sink));
+    if (!sample) break;
+    frames.push_back(gst_buffer_copy_deep(gst_sample_get_buffer(sample)));
+    gst_sample_unref(sample);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(sink);
+  gst_object_unref(pipeline);
+  return frames;
+}
+
+struct Figures {
+  std::vector<double> wall, processor, device, first;
+  std::map<std::string, std::vector<double>> stages;
+  double device_bytes = 0, host_bytes = 0;
+};
+
+void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& frames,
+             Figures& figures) {
+  const std::string caps = caps_of(size, "NV12");
+  const double before = resident();
+  const auto start = Clock::now();
+  GstHarness* harness = gst_harness_new_parse(line.c_str());
+  gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
+  const std::string factory = line.substr(0, line.find(' '));
+  GstElement* element = gst_harness_find_element(harness, factory.c_str());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    GstBuffer* buffer = gst_buffer_copy_deep(frames[i]);
+    GST_BUFFER_PTS(buffer) = i * (GST_SECOND / 25);
+    GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
+    const double processor = processor_ms();
+    const auto push = Clock::now();
+    gst_harness_push(harness, buffer);
+    gst_buffer_unref(gst_harness_pull(harness));
+    if (i == 0) figures.first.push_back(milliseconds(Clock::now() - start));
+    if (i < 3) continue;  // start, and the first frames of a video
+    figures.wall.push_back(milliseconds(Clock::now() - push));
+    figures.processor.push_back(processor_ms() - processor);
+    GstStructure* stats = nullptr;
+    g_object_get(element, "stats", &stats, nullptr);
+    for (int field = 0; field < gst_structure_n_fields(stats); ++field) {
+      const std::string name = gst_structure_nth_field_name(stats, static_cast<guint>(field));
+      gdouble value = 0;
+      if (name.size() > 3 && name.ends_with("-ms") && name != "wall-ms" &&
+          gst_structure_get_double(stats, name.c_str(), &value))
+        (name == "device-ms" ? figures.device : figures.stages[name.substr(0, name.size() - 3)])
+            .push_back(value);
+    }
+    guint64 bytes = 0;
+    if (gst_structure_get_uint64(stats, "device-bytes-peak", &bytes))
+      figures.device_bytes = static_cast<double>(bytes);
+    gst_structure_free(stats);
+  }
+  figures.host_bytes = std::max(figures.host_bytes, resident() - before);
+  gst_object_unref(element);
+  gst_harness_teardown(harness);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  gst_init(&count, &arguments);
+  std::string clip = "media/clip.webm";
+  std::vector<Size> sizes{{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
+  std::vector<std::string> lines;
+  int frames = 40, rounds = 3;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
+    if (argument == "--clip") {
+      clip = next();
+    } else if (argument == "--frames") {
+      frames = std::max(4, std::stoi(next()));
+    } else if (argument == "--rounds") {
+      rounds = std::max(1, std::stoi(next()));
+    } else if (argument == "--sizes") {
+      sizes.clear();
+      std::stringstream list(next());
+      for (std::string text; std::getline(list, text, ',');) {
+        Size size{};
+        if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) == 2)
+          sizes.push_back(size);
+      }
+    } else {
+      lines.push_back(argument);
+    }
+  }
+  if (lines.empty())
+    lines = {"intrinsicdecomp", "intrinsicdecomp adaptive=false", "intrinsicdecompthesis"};
+  std::printf(
+      "| element | size | wall ms a frame | processor ms | device ms | ns a pixel | first frame ms "
+      "| device bytes "
+      "a pixel | stages, device ms |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const Size size : sizes) {
+    const auto video = load(clip, size, "NV12", frames);
+    if (video.size() < 4) {
+      std::fprintf(stderr, "cannot read %s\n", clip.c_str());
+      return 1;
+    }
+    std::vector<Figures> figures(lines.size());
+    for (int round = 0; round < rounds; ++round)
+      for (size_t i = 0; i < lines.size(); ++i) {
+        // The thesis' method takes seconds a frame at large sizes: a few say enough.
+        const bool slow = lines[i].starts_with("intrinsicdecompthesis");
+        const size_t few = slow ? std::min<size_t>(video.size(), 6) : video.size();
+        measure(lines[i], size, {video.begin(), video.begin() + static_cast<ptrdiff_t>(few)},
+                figures[i]);
+      }
+    const double pixels = static_cast<double>(size.width) * size.height;
+    for (size_t i = 0; i < lines.size(); ++i) {
+      const Figures& f = figures[i];
+      std::printf("| %s | %dx%d | %.1f | %.1f | %.1f | %.0f | %.0f | %.0f | ", lines[i].c_str(),
+                  size.width, size.height, median(f.wall), median(f.processor), median(f.device),
+                  median(f.wall) * 1e6 / pixels, f.first.front(), f.device_bytes / pixels);
+      for (const auto& [name, values] : f.stages)
+        std::printf("%s %.1f ", name.c_str(), median(values));
+      std::printf("|\n");
+      std::fflush(stdout);
+    }
+    for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
+  }
+  return 0;
+}

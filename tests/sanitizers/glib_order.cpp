@@ -1,0 +1,97 @@
+// What GLib's locks order, for ThreadSanitizer. GLib is not instrumented and its locks sit on
+// futexes, so that the sanitizer sees neither them nor what they order, and would call every field
+// that is guarded by one a race. These functions take the place of GLib's in a test program, tell
+// the sanitizer, and go on to GLib's own.
+#include <dlfcn.h>
+#include <glib-object.h>
+
+extern "C" {
+void __tsan_acquire(void* address);
+void __tsan_release(void* address);
+}
+
+namespace {
+
+/// GLib's own function of this name.
+template <typename Function>
+Function* next(Function*, const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+#define NEXT(function) static auto* const next_function = next(&(function), #function)
+
+// A lock that is taken (for sure, or where the call says so) and one that is given back.
+#define TAKES(function, Lock) \
+  void function(Lock* lock) { \
+    NEXT(function);           \
+    next_function(lock);      \
+    __tsan_acquire(lock);     \
+  }
+#define MAY_TAKE(function, Lock)                \
+  gboolean function(Lock* lock) {               \
+    NEXT(function);                             \
+    const gboolean taken = next_function(lock); \
+    if (taken) __tsan_acquire(lock);            \
+    return taken;                               \
+  }
+#define GIVES(function, Lock) \
+  void function(Lock* lock) { \
+    NEXT(function);           \
+    __tsan_release(lock);     \
+    next_function(lock);      \
+  }
+
+extern "C" {
+
+TAKES(g_mutex_lock, GMutex)
+MAY_TAKE(g_mutex_trylock, GMutex)
+GIVES(g_mutex_unlock, GMutex)
+TAKES(g_rec_mutex_lock, GRecMutex)
+MAY_TAKE(g_rec_mutex_trylock, GRecMutex)
+GIVES(g_rec_mutex_unlock, GRecMutex)
+TAKES(g_rw_lock_writer_lock, GRWLock)
+MAY_TAKE(g_rw_lock_writer_trylock, GRWLock)
+GIVES(g_rw_lock_writer_unlock, GRWLock)
+TAKES(g_rw_lock_reader_lock, GRWLock)
+MAY_TAKE(g_rw_lock_reader_trylock, GRWLock)
+GIVES(g_rw_lock_reader_unlock, GRWLock)
+
+void g_cond_wait(GCond* condition, GMutex* lock) {
+  NEXT(g_cond_wait);
+  __tsan_release(lock);
+  next_function(condition, lock);
+  __tsan_acquire(lock);
+}
+
+gboolean g_cond_wait_until(GCond* condition, GMutex* lock, gint64 end) {
+  NEXT(g_cond_wait_until);
+  __tsan_release(lock);
+  const gboolean signaled = next_function(condition, lock, end);
+  __tsan_acquire(lock);
+  return signaled;
+}
+
+// Whoever drops the last reference sees what the others did before they dropped theirs.
+void g_object_unref(gpointer object) {
+  NEXT(g_object_unref);
+  __tsan_release(object);
+  __tsan_acquire(object);
+  next_function(object);
+}
+
+gboolean(g_once_init_enter)(volatile void* location) {
+  NEXT(g_once_init_enter);
+  const gboolean first = next_function(location);
+  if (!first) __tsan_acquire(const_cast<void*>(location));
+  return first;
+}
+
+void(g_once_init_leave)(volatile void* location, gsize result) {
+  NEXT(g_once_init_leave);
+  __tsan_release(const_cast<void*>(location));
+  next_function(location, result);
+}
+
+}  // extern "C"
