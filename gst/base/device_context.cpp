@@ -41,9 +41,6 @@ gpointer family_in(GstContext* context) {
   return family;
 }
 
-/// Lost devices are of no use: bins and applications keep contexts longer than those live.
-DevicePtr unless_lost(DevicePtr device) { return device && device->is_lost() ? nullptr : device; }
-
 DevicePtr device_in(GstContext* context) {
   if (!context || !gst_context_has_context_type(context, kDeviceContext)) return nullptr;
   const GValue* value = gst_structure_get_value(gst_context_get_structure(context), "device");
@@ -114,7 +111,7 @@ void DeviceContext::acquire(const std::string& select) {
 
 void DeviceContext::renew(const std::string& select) {
   const DevicePtr now = current();
-  if (!now || !now->is_lost()) return;
+  if (!now || !now->lost()) return;
   neighbor_.release();
   bool had = false;  // editors have none
   {
@@ -197,12 +194,12 @@ void DeviceContext::set_context(GstContext* context) {
 }
 
 bool DeviceContext::answer(GstQuery* query) {
-  if (const DevicePtr theirs = unless_lost(neighbor_.held()); theirs && theirs == current())
+  if (const DevicePtr theirs = neighbor_.held(); theirs && !theirs->lost() && theirs == current())
     if (neighbor_.answer(element_, query)) return true;
   const gchar* type = nullptr;
   gst_query_parse_context_type(query, &type);
   if (g_strcmp0(type, kDeviceContext) != 0) return false;
-  const DevicePtr device = unless_lost(current());
+  const DevicePtr device = current();
   if (!device) return false;
   GstContext* context = context_with(device, element_);
   gst_query_set_context(query, context);

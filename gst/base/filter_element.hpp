@@ -55,8 +55,6 @@ class FilterElement {
     bool pending = false;  // stats are yet to be published
   };
   bool try_caps(GstCaps* in, GstCaps* out);
-  /// Works out the latency with new caps, and has it asked for where it changed.
-  void update_latency();
   void configure(const std::shared_ptr<gpu::Device>& device);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
@@ -81,7 +79,6 @@ class FilterElement {
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};
-  std::atomic<GstClockTime> latency_{0};
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;

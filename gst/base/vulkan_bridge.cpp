@@ -248,7 +248,7 @@ DevicePtr VulkanNeighbor::make(GstElement* element, const gpu::Device& like) {
                                           like.name() + "\"; choose another with device=");
   DeviceRef made = Made::get().find(instance.get(), instance->physical_devices[index]);
   DevicePtr device = made ? Registry::get().adopt(made.get(), nullptr) : nullptr;
-  if (!device || device->is_lost()) {
+  if (!device || device->lost()) {
     made.reset(gst_vulkan_device_new_with_index(instance.get(), index));
     if (!gst_vulkan_device_open(made.get(), &error))
       fail_to_open("opening a device for the neighbors", error);

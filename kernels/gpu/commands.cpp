@@ -319,7 +319,7 @@ void Commands::read_stages() {
       vkGetQueryPoolResults(device_->handle(), queries_, 0, static_cast<uint32_t>(ticks.size()),
                             ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                             VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-  device_->check_result(result, "reading timestamps");
+  check(result, "reading timestamps");
   for (size_t i = 0; i < stage_names_.size(); ++i)
     stages_.push_back(
         {stage_names_[i], static_cast<double>(static_cast<int64_t>(ticks[i + 1] - ticks[i])) *

@@ -86,9 +86,6 @@ class Device : public std::enable_shared_from_this<Device> {
                                  const std::vector<uint32_t>& constants = {},
                                  uint32_t workgroup = 0);
 
-  /// Whether the driver gave this device up. Nothing mends it; `open` gives a new one from then on.
-  bool is_lost() const { return lost_; }
-
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
   uint64_t memory_peak_bytes() const { return memory_peak_bytes_.load(); }
@@ -101,8 +98,6 @@ class Device : public std::enable_shared_from_this<Device> {
   VkQueue queue() const { return handles_.queue; }
   const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
   void count_memory(int64_t bytes);
-  /// As inverse::gpu::check, and remembers the loss of the device.
-  void check_result(VkResult result, const char* what);
   /// Submits under the queue's lock; throws Error(device_lost) or Error(out_of_memory).
   void submit(VkCommandBuffer commands, VkFence fence);
 
@@ -117,7 +112,6 @@ class Device : public std::enable_shared_from_this<Device> {
   Limits limits_;
   Variant variant_;
   VkPhysicalDeviceMemoryProperties memory_{};
-  std::atomic<bool> lost_{false};
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;

@@ -227,30 +227,6 @@ TEST_P(Decomposer, AddsOneFrameOfLatencyToLivePipelines) {
   EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);
 }
 
-TEST_P(Decomposer, ANewFrameRateHasTheLatencyAskedForAgain) {
-  std::string caps = VideoHarness::caps("RGBA", 40, 30);
-  VideoHarness harness(GetParam(), caps);
-  const auto announced = [&] {
-    GstBus* bus = gst_element_get_bus(harness.harness()->element);
-    int count = 0;
-    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_LATENCY)) {
-      ++count;
-      gst_message_unref(message);
-    }
-    gst_object_unref(bus);
-    return count;
-  };
-  harness.process(random_frame(caps, 1));
-  EXPECT_EQ(announced(), 1);
-  harness.process(random_frame(caps, 2));
-  EXPECT_EQ(announced(), 0);
-  caps.replace(caps.find("25/1"), 4, "5/1");
-  harness.set_src_caps(caps);
-  harness.process(random_frame(caps, 3));
-  EXPECT_EQ(announced(), 1);
-  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 200 * GST_MSECOND);
-}
-
 TEST_P(Decomposer, ShowCanBeDrivenWhilePlaying) {
   const std::string caps = VideoHarness::caps("RGBA", 40, 30);
   VideoHarness harness(std::string(GetParam()) + " show=shading", caps, caps);
@@ -378,52 +354,6 @@ TEST(Failures, ALostDeviceIsAnErrorNotAHang) {
       "INVERSE_LOSE_DEVICE", "5", "videotestsrc num-buffers=20 ! intrinsicdecomp ! fakesink");
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << status;
   EXPECT_NE(text.find("device was lost"), std::string::npos) << text;
-}
-
-TEST(Failures, APipelineWhoseDeviceWasLostWorksAgainAfterARestart) {
-  // The loss is rehearsed once in a process, so this runs in one of its own.
-  constexpr const char* kInside = "INVERSE_TEST_RESTART";
-  const char* state = g_getenv(kInside);
-  if (!state) {
-    for (const char* down : {"READY", "NULL"}) {
-      gchar** environment = g_environ_setenv(g_get_environ(), kInside, down, TRUE);
-      environment = g_environ_setenv(environment, "INVERSE_LOSE_DEVICE", "5", TRUE);
-      gchar* self = g_file_read_link("/proc/self/exe", nullptr);
-      const std::string filter =
-          std::string("--gtest_filter=") +
-          ::testing::UnitTest::GetInstance()->current_test_info()->test_suite_name() + "." +
-          ::testing::UnitTest::GetInstance()->current_test_info()->name();
-      const gchar* arguments[] = {self, filter.c_str(), nullptr};
-      gchar* out = nullptr;
-      gint status = -1;
-      g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_DEFAULT, nullptr,
-                   nullptr, &out, nullptr, &status, nullptr);
-      EXPECT_EQ(status, 0) << "after " << down << ":\n" << (out ? out : "");
-      g_free(out);
-      g_free(self);
-      g_strfreev(environment);
-    }
-    return;
-  }
-  GstElement* pipeline = gst_parse_launch(
-      "videotestsrc num-buffers=20 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ! "
-      "intrinsicrecolor ! intrinsiccompose ! intrinsicdecomp ! fakesink",
-      nullptr);
-  GstBus* bus = gst_element_get_bus(pipeline);
-  for (const GstMessageType expected : {GST_MESSAGE_ERROR, GST_MESSAGE_EOS}) {
-    gst_element_set_state(pipeline, GST_STATE_PLAYING);
-    GstMessage* message = gst_bus_timed_pop_filtered(
-        bus, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
-    ASSERT_NE(message, nullptr);
-    EXPECT_EQ(GST_MESSAGE_TYPE(message), expected);
-    gst_message_unref(message);
-    gst_element_set_state(pipeline, g_str_equal(state, "READY") ? GST_STATE_READY : GST_STATE_NULL);
-    gst_bus_set_flushing(bus, TRUE);
-    gst_bus_set_flushing(bus, FALSE);
-  }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(bus);
-  gst_object_unref(pipeline);
 }
 
 TEST(Failures, AnUnknownDeviceListsTheKnownOnes) {
