@@ -86,7 +86,7 @@ void DeviceContext::acquire(const std::string& select) {
   };
   if (select.empty()) {
     take_offered();
-    if (!device) device = neighbor_.find(element_);
+    if (!device) device = neighbor_.find(element_, VulkanNeighbor::Ask::what_there_is);
     if (!device) device = ask(element_, GST_PAD_SRC);
     if (!device) device = ask(element_, GST_PAD_SINK);
     if (!device) {
@@ -156,7 +156,7 @@ void DeviceContext::permit(const DevicePtr& device) const {
                      "; set none, or put vulkandownload and vulkanupload between"));
 }
 
-void DeviceContext::look() { neighbor_.find(element_); }
+void DeviceContext::look() { neighbor_.find(element_, VulkanNeighbor::Ask::make_one); }
 
 DevicePtr DeviceContext::current() const {
   const DevicePtr theirs = neighbor_.held();

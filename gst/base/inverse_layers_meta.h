@@ -48,7 +48,7 @@ struct GstInverseLayersMeta {
   gboolean (*upload)(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data);
   /*< private >*/
   gpointer layers;
-  GstBuffer *buffer;
+  GstBuffer* buffer;
 };
 
 /** The layers of a buffer, or %NULL. */

@@ -192,9 +192,9 @@ struct VulkanNeighbor::Contexts {
 VulkanNeighbor::VulkanNeighbor() : contexts_(std::make_unique<Contexts>()) {}
 VulkanNeighbor::~VulkanNeighbor() = default;
 
-DevicePtr VulkanNeighbor::find(GstElement* element) {
+DevicePtr VulkanNeighbor::find(GstElement* element, Ask ask) {
   GstVulkanDevice* found = nullptr;
-  looking = true;
+  looking = ask == Ask::what_there_is;
   const bool any = gst_vulkan_device_run_context_query(element, &found);
   looking = false;
   if (!any) return nullptr;

@@ -35,7 +35,11 @@ class VulkanNeighbor {
   /// Looks for the device of neighbors, downstream first, and wraps it; null where there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
-  std::shared_ptr<gpu::Device> find(GstElement* element);
+  enum class Ask {
+    what_there_is,  ///< elements of ours make nothing for the question
+    make_one,       ///< a decomposer makes one: images are about to flow
+  };
+  std::shared_ptr<gpu::Device> find(GstElement* element, Ask ask);
   /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
   /// Throws Error(no_device) where GStreamer's Vulkan library cannot open it.
   std::shared_ptr<gpu::Device> make(GstElement* element, const gpu::Device& like);

@@ -18,7 +18,7 @@ bool has_vulkan_images() { return false; }
 struct VulkanNeighbor::Contexts {};
 VulkanNeighbor::VulkanNeighbor() = default;
 VulkanNeighbor::~VulkanNeighbor() = default;
-std::shared_ptr<gpu::Device> VulkanNeighbor::find(GstElement*) { return nullptr; }
+std::shared_ptr<gpu::Device> VulkanNeighbor::find(GstElement*, Ask) { return nullptr; }
 std::shared_ptr<gpu::Device> VulkanNeighbor::make(GstElement*, const gpu::Device&) { refuse(); }
 std::shared_ptr<gpu::Device> VulkanNeighbor::held() const { return nullptr; }
 void VulkanNeighbor::set_context(GstElement*, GstContext*) {}

@@ -59,7 +59,8 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
-                  "Change of intensity or chroma, natural log units, from which on a tile counts as changed"),
+                  "Change of intensity or chroma, natural log units, from which on a tile counts "
+                  "as changed"),
         number<P>(
             "seed", &P::seed, 0u, G_MAXUINT,
             "Has no effect, as this method draws nothing at random; for scripts that set it on "
