@@ -169,8 +169,10 @@ uint32_t environment_number(const char* name, uint32_t fallback) {
 
 struct OwnedDevice {
   std::shared_ptr<Instance> instance;
-  VkDevice handle;
-  ~OwnedDevice() { vkDestroyDevice(handle, nullptr); }
+  VkDevice handle = VK_NULL_HANDLE;
+  ~OwnedDevice() {
+    if (handle) vkDestroyDevice(handle, nullptr);
+  }
 };
 
 }  // namespace
@@ -213,13 +215,16 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  const auto owner = std::make_shared<OwnedDevice>();
+  owner->instance = instance;
+  check(vkCreateDevice(devices[index], &info, nullptr, &owner->handle),
+        "opening the Vulkan device");
   Borrowed handles{};
   handles.instance = instance->handle;
   handles.physical = devices[index];
   handles.queue_family = queue.queueFamilyIndex;
-  check(vkCreateDevice(devices[index], &info, nullptr, &handles.device),
-        "opening the Vulkan device");
-  handles.owner = std::shared_ptr<OwnedDevice>(new OwnedDevice{instance, handles.device});
+  handles.device = owner->handle;
+  handles.owner = owner;
   vkGetDeviceQueue(handles.device, handles.queue_family, 0, &handles.queue);
   std::shared_ptr<Device> device(new Device(std::move(handles), true));
   opened[index] = device;

@@ -43,14 +43,10 @@ std::vector<Slot> reflect_slots(std::span<const uint32_t> spirv, const char* nam
     if (op == Decorate && word(2) == Binding) {
       facts[word(1)].binding = word(3);
       facts[word(1)].has_binding = true;
-    } else if (op == Decorate && word(2) == NonWritable) {
-      facts[word(1)].non_writable = true;
-    } else if (op == Decorate && word(2) == NonReadable) {
-      facts[word(1)].non_readable = true;
-    } else if (op == MemberDecorate && word(3) == NonWritable) {
-      facts[word(1)].non_writable = true;
-    } else if (op == MemberDecorate && word(3) == NonReadable) {
-      facts[word(1)].non_readable = true;
+    } else if (op == Decorate || op == MemberDecorate) {
+      const uint32_t decoration = word(op == Decorate ? 2 : 3);
+      if (decoration == NonWritable) facts[word(1)].non_writable = true;
+      if (decoration == NonReadable) facts[word(1)].non_readable = true;
     } else if (op == TypePointer) {
       pointee[word(1)] = word(3);
     } else if (op == Variable) {
