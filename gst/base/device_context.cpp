@@ -109,6 +109,18 @@ void DeviceContext::acquire(const std::string& select) {
   }
 }
 
+void DeviceContext::renew(const std::string& select) {
+  const DevicePtr now = current();
+  if (!now || !now->lost()) return;
+  neighbor_.release();
+  bool had = false;  // editors have none
+  {
+    std::lock_guard lock(mutex_);
+    had = device_ != nullptr;
+  }
+  if (had) acquire(select);
+}
+
 void DeviceContext::release() {
   neighbor_.release();
   std::lock_guard lock(mutex_);
@@ -182,7 +194,7 @@ void DeviceContext::set_context(GstContext* context) {
 }
 
 bool DeviceContext::answer(GstQuery* query) {
-  if (const DevicePtr theirs = neighbor_.held(); theirs && theirs == current())
+  if (const DevicePtr theirs = neighbor_.held(); theirs && !theirs->lost() && theirs == current())
     if (neighbor_.answer(element_, query)) return true;
   const gchar* type = nullptr;
   gst_query_parse_context_type(query, &type);

@@ -26,6 +26,8 @@ class DeviceContext {
   /// application provides on request, the best there is. A device that is opened here is announced
   /// to the rest of the pipeline. Throws Error(no_device).
   void acquire(const std::string& select);
+  /// Acquires again where the device was lost since. Throws Error(no_device).
+  void renew(const std::string& select);
   void release();
   /// Waits for what Vulkan neighbors have left on their device when they were stopped.
   void settle() const { neighbor_.settle(); }

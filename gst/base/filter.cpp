@@ -65,7 +65,10 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
   if (transition == GST_STATE_CHANGE_NULL_TO_READY && !element_of(element).open())
     return GST_STATE_CHANGE_FAILURE;
   // Before anybody streams again and frees what was left over.
-  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) element_of(element).context().settle();
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
+    element_of(element).context().settle();
+    if (!element_of(element).restart()) return GST_STATE_CHANGE_FAILURE;
+  }
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_READY_TO_NULL) element_of(element).close();

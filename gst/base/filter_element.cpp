@@ -34,6 +34,10 @@ bool FilterElement::open() {
   return guarded(element_, [&] { context_.acquire(device_name()); });
 }
 
+bool FilterElement::restart() {
+  return guarded(element_, [&] { context_.renew(device_name()); });
+}
+
 void FilterElement::close() {
   stop();
   context_.release();

@@ -19,6 +19,8 @@ class FilterElement {
   /// NULL → READY: decomposers take a device. READY → NULL: everything on the device goes.
   bool open();
   void close();
+  /// READY → PAUSED: takes another device where the last one was lost.
+  bool restart();
   /// PAUSED → READY: forgets caps and frames.
   void stop();
 

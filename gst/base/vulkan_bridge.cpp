@@ -247,13 +247,14 @@ DevicePtr VulkanNeighbor::make(GstElement* element, const gpu::Device& like) {
     throw Error(ErrorKind::no_device, "GStreamer's Vulkan library does not see the device \"" +
                                           like.name() + "\"; choose another with device=");
   DeviceRef made = Made::get().find(instance.get(), instance->physical_devices[index]);
-  if (!made) {
+  DevicePtr device = made ? Registry::get().adopt(made.get(), nullptr) : nullptr;
+  if (!device || device->lost()) {
     made.reset(gst_vulkan_device_new_with_index(instance.get(), index));
     if (!gst_vulkan_device_open(made.get(), &error))
       fail_to_open("opening a device for the neighbors", error);
     Made::get().add(made.get());
+    device = Registry::get().adopt(made.get(), nullptr);
   }
-  DevicePtr device = Registry::get().adopt(made.get(), nullptr);
   std::lock_guard lock(mutex_);
   contexts_->device = device;
   contexts_->handles = bridge::handles_of(*device);

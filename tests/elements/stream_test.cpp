@@ -140,13 +140,15 @@ TEST(Rehearsal, ALostDeviceIsReplacedWhenThePipelineStartsAgain) {
         bus, 30 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
     const GstMessageType type = message ? GST_MESSAGE_TYPE(message) : GST_MESSAGE_UNKNOWN;
     if (message) gst_message_unref(message);
-    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_element_set_state(
+        pipeline, g_getenv("INVERSE_TEST_STOP_IN_READY") ? GST_STATE_READY : GST_STATE_NULL);
     gst_bus_set_flushing(bus, TRUE);
     gst_bus_set_flushing(bus, FALSE);
     return type;
   };
   EXPECT_EQ(ended_with(), GST_MESSAGE_ERROR);
   EXPECT_EQ(ended_with(), GST_MESSAGE_EOS);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(bus);
   gst_object_unref(pipeline);
 }
@@ -161,6 +163,11 @@ TEST(Stream, APipelineRecoversFromALostDevice) {
   g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_STDERR_TO_DEV_NULL,
                nullptr, nullptr, &text, nullptr, &status, nullptr);
   EXPECT_EQ(status, 0) << text;
+  g_free(text);
+  environment = g_environ_setenv(environment, "INVERSE_TEST_STOP_IN_READY", "1", TRUE);
+  g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_STDERR_TO_DEV_NULL,
+               nullptr, nullptr, &text, nullptr, &status, nullptr);
+  EXPECT_EQ(status, 0) << "from READY: " << text;
   g_free(text);
   g_free(self);
   g_strfreev(environment);
