@@ -48,7 +48,8 @@ class Pack {
   /// Throws as Unpack does.
   Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// Writes whole words: up to three bytes of padding behind a row may change, nothing else beside
-  /// the frame does. `raw` as for Unpack; the planes have the frame's extent.
+  /// the frame does; who copies padding along fills a new `raw` once, so that it is defined. `raw`
+  /// as for Unpack; the planes have the frame's extent.
   void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw) const;
   const FrameFormat& format() const { return format_; }
 

@@ -79,8 +79,9 @@ uint32_t bit_depth(PixelFormat format);
 uint64_t frame_bytes(const FrameFormat& format);
 
 /// The same frame with its planes one after the other and every row padded to a multiple of
-/// `alignment` bytes (a power of two, at least 4): what Unpack and Pack take.
-FrameFormat aligned_layout(FrameFormat format, uint32_t alignment = 16);
+/// `alignment` bytes (a power of two, at least 4): what Unpack and Pack take, and with 4 the
+/// strides that GStreamer chooses.
+FrameFormat aligned_layout(FrameFormat format, uint32_t alignment = 4);
 /// Whether Unpack and Pack take this frame as it lies: offsets and strides are multiples of 4.
 bool is_word_aligned(const FrameFormat& format);
 

@@ -172,13 +172,11 @@ TEST_P(PixelFormatTest, PackAgreesWithReference) {
   for (uint32_t n = 0; n < kOddSizes.size(); ++n)
     check_pack(variation(GetParam(), kOddSizes[n], n), n);
   for (uint32_t n = 0; n < 72; ++n) check_pack(variation(GetParam(), {15, 10}, n), n);
-  // Sixteen bits resolve what single precision does not: a code there is 0.15 of an ulp-sized
-  // error in the curve, so only the bound of one code is asked.
   RecordProperty("differing", static_cast<int>(total_.differing));
   RecordProperty("samples", static_cast<int>(total_.samples));
-  if (bit_depth(GetParam()) < 16) {
-    EXPECT_LE(total_.differing, total_.samples / 1000) << "of " << total_.samples;
-  }
+  // A relative error of 1e-6 in the curve, which Vulkan allows pow, is 0.07 of a 16-bit code.
+  const uint64_t allowed = bit_depth(GetParam()) < 16 ? 1000 : 10;
+  EXPECT_LE(total_.differing, total_.samples / allowed) << "of " << total_.samples;
 }
 
 TEST_P(PixelFormatTest, BadPixelsBecomeBlackOrWhite) {
