@@ -27,10 +27,22 @@ class Decomposer : public Filter {
 
   void reset() override;
 
-  static std::vector<Choice> show_choices();
-  static std::vector<Choice> quality_choices();
+  /// The property `show`, for the parameters of any method.
+  template <typename P>
+  static Property<P> show_property() {
+    return choice<P>("show", &P::show, "GstInverseShow", show_choices(),
+                     "What to show where ordinary video goes out; elements that take layers get all "
+                     "of them");
+  }
+  /// The property `quality`; `sets` says which group of parameters it stands for.
+  template <typename P>
+  static Property<P> quality_property(const char* sets) {
+    return choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(), sets);
+  }
 
  private:
+  static std::vector<Choice> show_choices();
+  static std::vector<Choice> quality_choices();
   PlanePtr draw_clusters(FrameWork& frame);
 
   std::shared_ptr<gpu::Device> device_;

@@ -50,11 +50,8 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
   static const PropertyTable<Params>& table() {
     using P = Params;
     static const PropertyTable<P> table{
-        choice<P>("show", &P::show, "GstInverseShow", show_choices(),
-                  "What to show where ordinary video goes out; elements that take layers get all "
-                  "of them"),
-        choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(),
-                  "Sets the cycles as a group; what is set explicitly wins"),
+        show_property<P>(),
+        quality_property<P>("Sets the cycles as a group; what is set explicitly wins"),
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges"),

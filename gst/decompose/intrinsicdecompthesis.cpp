@@ -49,11 +49,8 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
   static const PropertyTable<Params>& table() {
     using P = Params;
     static const PropertyTable<P> table{
-        choice<P>("show", &P::show, "GstInverseShow", show_choices(),
-                  "What to show where ordinary video goes out; elements that take layers get all "
-                  "of them"),
-        choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(),
-                  "Sets iterations as a group; what is set explicitly wins"),
+        show_property<P>(),
+        quality_property<P>("Sets iterations as a group; what is set explicitly wins"),
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
