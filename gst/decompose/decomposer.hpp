@@ -30,9 +30,10 @@ class Decomposer : public Filter {
   /// The property `show`, for the parameters of any method.
   template <typename P>
   static Property<P> show_property() {
-    return choice<P>("show", &P::show, "GstInverseShow", show_choices(),
-                     "What to show where ordinary video goes out; elements that take layers get all "
-                     "of them");
+    return choice<P>(
+        "show", &P::show, "GstInverseShow", show_choices(),
+        "What to show where ordinary video goes out; elements that take layers get all "
+        "of them");
   }
   /// The property `quality`; `sets` says which group of parameters it stands for.
   template <typename P>
