@@ -44,6 +44,11 @@ void FilterElement::close() {
 }
 
 void FilterElement::stop() {
+  try {
+    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
+  } catch (const Error& error) {
+    GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
+  }
   slots_ = {};
   input_.reset();
   output_.reset();
@@ -212,7 +217,11 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   slot.number = number_++;
   slot.wall_ms = milliseconds_since(start);
   slot.pending = true;
-  if (!slot.commands->in_flight()) finish(slot);
+  // Those before it that are done by now, the oldest first, and this one where it was waited for.
+  for (size_t i = 0; i < slots_.size(); ++i) {
+    Slot& older = slots_[(next_slot_ + i) % slots_.size()];
+    if (older.pending && older.commands->done()) finish(older);
+  }
 }
 
 bool FilterElement::breaks_off(GstBuffer* in) {

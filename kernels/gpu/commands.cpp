@@ -311,6 +311,10 @@ void Commands::wait() {
   read_stages();
 }
 
+bool Commands::done() const {
+  return !in_flight_ || vkGetFenceStatus(device_->handle(), fence_) != VK_NOT_READY;
+}
+
 void Commands::read_stages() {
   stages_.clear();
   if (stage_names_.empty()) return;

@@ -91,6 +91,8 @@ class Commands {
   /// done.
   void wait();
   bool in_flight() const { return in_flight_; }
+  /// Whether `wait` would return at once.
+  bool done() const;
 
   /// Device time of the stages of the last submit that was waited for. Empty where the device has
   /// no timestamps.
