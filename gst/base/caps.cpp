@@ -147,12 +147,14 @@ GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
     }
   }
   gst_caps_unref(templates);
-  if (filter) {
-    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
-    gst_caps_unref(result);
-    result = filtered;
-  }
-  return result;
+  return filter_caps(result, filter);
+}
+
+GstCaps* filter_caps(GstCaps* caps, GstCaps* filter) {
+  if (!filter) return caps;
+  GstCaps* filtered = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
+  gst_caps_unref(caps);
+  return filtered;
 }
 
 GstCaps* prefer_layers(const GstCaps* caps) {

@@ -38,4 +38,8 @@ GstCaps* prefer_layers(const GstCaps* caps);
 /// else the first. Consumes `other`.
 GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
 
+/// What a caps query's filter, which may be null, leaves of `caps`, in the filter's order. Consumes
+/// `caps`.
+GstCaps* filter_caps(GstCaps* caps, GstCaps* filter);
+
 }  // namespace inverse

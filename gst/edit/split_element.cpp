@@ -230,12 +230,7 @@ GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
   }
   GstCaps* result = SplitBranch::caps_for(layer, layers);
   gst_caps_unref(layers);
-  if (filter) {
-    GstCaps* filtered = gst_caps_intersect_full(filter, result, GST_CAPS_INTERSECT_FIRST);
-    gst_caps_unref(result);
-    result = filtered;
-  }
-  return result;
+  return filter_caps(result, filter);
 }
 
 gboolean SplitElement::sink_query(GstQuery* query) {

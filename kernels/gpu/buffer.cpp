@@ -9,14 +9,10 @@ VkFormat format_of(Element element) {
   switch (element) {
     case Element::vec4:
       return VK_FORMAT_R32G32B32A32_SFLOAT;
-    case Element::vec2:
-      return VK_FORMAT_R32G32_SFLOAT;
     case Element::scalar:
       return VK_FORMAT_R32_SFLOAT;
     case Element::word:
       return VK_FORMAT_R32_UINT;
-    case Element::word4:
-      return VK_FORMAT_R32G32B32A32_UINT;
   }
   return VK_FORMAT_UNDEFINED;
 }

@@ -10,18 +10,8 @@
 namespace inverse::gpu {
 
 /// What one element of a buffer is; decides the texel view that kernels read it through.
-enum class Element : uint8_t { vec4, vec2, scalar, word, word4 };
-constexpr size_t element_bytes(Element e) {
-  switch (e) {
-    case Element::vec4:
-    case Element::word4:
-      return 16;
-    case Element::vec2:
-      return 8;
-    default:
-      return 4;
-  }
-}
+enum class Element : uint8_t { vec4, scalar, word };
+constexpr size_t element_bytes(Element e) { return e == Element::vec4 ? 16 : 4; }
 
 /// Where a buffer lives. On devices without memory of their own (lavapipe) all three are the same
 /// mapped memory.

@@ -34,7 +34,6 @@ class PlanePool {
   /// the device, naming the limit, and Error(out_of_memory).
   PlanePtr acquire();
   Extent extent() const { return extent_; }
-  const std::shared_ptr<gpu::Device>& device() const { return device_; }
 
  private:
   struct Shelf {

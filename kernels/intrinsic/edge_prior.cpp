@@ -37,8 +37,7 @@ EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
       keep_(device->kernel(shaders::intrinsic_keep)),
       tiles_(((extent.width + kTile - 1) / kTile) * ((extent.height + kTile - 1) / kTile)),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4, kMostBiases)),
-      control_(
-          gpu::Buffer::create(device, gpu::Element::word, kControlWords, gpu::Memory::readback)),
+      control_(gpu::Buffer::create(device, gpu::Element::word, kControlWords)),
       list_(gpu::Buffer::create(device, gpu::Element::word, tiles_)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
       kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, 2)) {}

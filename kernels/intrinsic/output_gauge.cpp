@@ -18,7 +18,7 @@ OutputGauge::OutputGauge(const std::shared_ptr<gpu::Device>& device)
     : count_(device->kernel(shaders::intrinsic_gauge_count)),
       gauge_kernel_(device->kernel(shaders::intrinsic_gauge, {}, kLanes)),
       counts_(gpu::Buffer::create(device, gpu::Element::word, kGaugeBins)),
-      gauge_(gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback)) {}
+      gauge_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
                          const gpu::BufferPtr& verdict, History history, const Params& params) {

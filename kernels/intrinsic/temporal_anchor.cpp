@@ -31,7 +31,7 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 gpu::partial_count(*calm_, line_of(tiles_of(cells_))))),
-      verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback)) {}
+      verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params) {
   if (!cleared_) commands.fill(sums_);

@@ -20,7 +20,7 @@
 #include <map>
 #include <string>
 
-#include "../reference/intrinsic_thesis.hpp"
+#include "../reference/thesis_params.hpp"
 #include "frames.hpp"
 #include "intrinsic_thesis/thesis_decomposition.hpp"
 
@@ -86,16 +86,7 @@ struct Reference {
   Reference(const bench::Frame& frame, const ThesisParams& params,
             const std::vector<reference::Plane>& samples, const reference::Plane& clusters,
             bool converged, bool single = false)
-      : method([&] {
-          reference::ThesisParams p;
-          p.schwarz = params.solver == ThesisParams::Solver::schwarz;
-          p.levels = params.levels;
-          p.epsilon = params.epsilon;
-          p.p = params.p;
-          p.irls_iterations = params.irls_iterations;
-          p.pcg_iterations = params.pcg_iterations;
-          return p;
-        }()) {
+      : method(testing::to_reference(params)) {
     method.set_chromaticities(samples);
     method.set_clusters(clusters);
     method.set_converged(converged);

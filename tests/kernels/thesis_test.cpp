@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "../reference/intrinsic_thesis.hpp"
+#include "../reference/thesis_params.hpp"
 #include "gpu_fixture.hpp"
 #include "intrinsic_thesis/thesis_decomposition.hpp"
 
@@ -15,36 +15,6 @@ reference::Plane to_reference(Extent extent, const Pixels& pixels) {
     for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
   }
   return plane;
-}
-
-reference::ThesisParams to_reference(const ThesisParams& p) {
-  reference::ThesisParams r;
-  r.w_data = p.w_data;
-  r.w_intensity = p.w_intensity;
-  r.w_reflectance = p.w_reflectance;
-  r.w_shading = p.w_shading;
-  r.w_chromaticity = p.w_chromaticity;
-  r.w_non_local = p.w_non_local;
-  r.w_clustering = p.w_clustering;
-  r.w_cs = p.w_cs;
-  r.p = p.p;
-  r.alpha_cs = p.alpha_cs;
-  r.alpha_clustering = p.alpha_clustering;
-  r.tau_cc = p.tau_cc;
-  r.epsilon = p.epsilon;
-  r.log_floor = p.log_floor;
-  r.chroma_floor = p.chroma_floor;
-  r.consistent_irls = p.irls == ThesisParams::Irls::consistent;
-  r.schwarz = p.solver == ThesisParams::Solver::schwarz;
-  r.levels = p.levels;
-  r.irls_iterations = p.irls_iterations;
-  r.pcg_iterations = p.pcg_iterations;
-  r.samples = p.samples;
-  r.keyframes = p.keyframes;
-  r.keyframe_spacing = p.keyframe_spacing;
-  r.resample = p.resample;
-  r.seed = p.seed;
-  return r;
 }
 
 /// Patches of a few colors under a shading ramp with a shadow's edge, and noise of `amplitude`;
