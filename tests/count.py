@@ -14,6 +14,11 @@ import xml.etree.ElementTree as ET
 Cases = collections.namedtuple("Cases", "passed failed skipped")
 
 
+def last_lines(text, count=3):
+    """The end of what a failed test said, indented below its name."""
+    return "".join("\n    " + line[:160] for line in (text or "").strip().splitlines()[-count:])
+
+
 def cases_of_programs(junit):
     """Cases by the name of the program; meson calls their suites "PROJECT.PROJECT / PROGRAM.SUITE"."""
     programs = collections.defaultdict(lambda: Cases([], [], []))
@@ -25,7 +30,8 @@ def cases_of_programs(junit):
         for case in suite.iter("testcase"):
             name = case.get("classname") + "." + case.get("name")
             if case.find("failure") is not None or case.find("error") is not None:
-                cases.failed.append(name)
+                fault = case.find("failure") if case.find("failure") is not None else case.find("error")
+                cases.failed.append(name + last_lines(fault.text or fault.get("message")))
             elif case.find("skipped") is not None:
                 cases.skipped.append(name)
             else:
@@ -51,7 +57,7 @@ def main():
             print("SKIPPED", program)
         elif run["result"] not in ("OK", "EXPECTEDFAIL"):
             if not cases.failed:
-                print("FAILED", program, f"({run['result']}, exit status {run['returncode']})")
+                print("FAILED", program, f"({run['result']}, exit status {run['returncode']})" + last_lines(run.get("stderr")))
                 failed += 1
         elif program not in programs:
             passed += 1

@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <limits>
+#include <thread>
 
 namespace inverse::soak {
 namespace {
@@ -23,7 +26,7 @@ double entries(const char* folder) {
 }
 
 double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
@@ -40,6 +43,23 @@ Holding holding_now(uint64_t device_bytes) {
   holding.descriptors = entries("/proc/self/fd");
   holding.threads = entries("/proc/self/task");
   return holding;
+}
+
+void Growth::sample_now(uint64_t device_bytes) {
+  const auto fewest = [&](double Holding::*field) {
+    double least = std::numeric_limits<double>::max();
+    for (const Holding& sample : samples_) least = std::min(least, sample.*field);
+    return least;
+  };
+  const double threads = fewest(&Holding::threads), descriptors = fewest(&Holding::descriptors);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  Holding now = holding_now(device_bytes);
+  while ((now.threads > threads || now.descriptors > descriptors) &&
+         std::chrono::steady_clock::now() < patience) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    now = holding_now(device_bytes);
+  }
+  sample(now);
 }
 
 bool Growth::judge() const {
@@ -61,8 +81,8 @@ bool Growth::judge() const {
     const double before = of(warm_up), after = of(samples_.size() - third);
     const bool fits = after - before <= slack;
     good = good && fits;
-    printf("%-12s %-20s %10.2f %10.2f %+10.2f %8.2f  %s\n", phase_.c_str(), what, before, after,
-           after - before, slack, fits ? "ok" : "GREW");
+    fprintf(fits ? stdout : stderr, "%-12s %-20s %10.2f %10.2f %+10.2f %8.2f  %s\n", phase_.c_str(),
+            what, before, after, after - before, slack, fits ? "ok" : "GREW");
   };
   line("resident MiB", &Holding::resident_mib, slack_.resident_mib);
   line("device MiB", &Holding::device_mib, slack_.device_mib);

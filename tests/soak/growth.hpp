@@ -24,12 +24,15 @@ struct Slack {
   double threads = 0;
 };
 
-/// Growth of one phase: the first fifth of the samples is warm-up; of the rest, the median of the
-/// first third is compared with that of the last.
+/// Growth of one phase: the first fifth of the samples is warm-up; of the rest, the (lower) median
+/// of the first third is compared with that of the last.
 class Growth {
  public:
   Growth(std::string phase, const Slack& slack) : phase_(std::move(phase)), slack_(slack) {}
   void sample(const Holding& holding) { samples_.push_back(holding); }
+  /// Samples this process once it has settled: a thread that is ending is gone soon, a leaked one
+  /// is not. Waits at most a second for as few threads and files as ever in this phase.
+  void sample_now(uint64_t device_bytes);
   size_t samples() const { return samples_.size(); }
   const Holding& last() const { return samples_.back(); }
   /// Prints the phase's lines of the table; false where something grew beyond its slack.

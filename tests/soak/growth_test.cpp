@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
+#include <thread>
 
 namespace inverse::soak {
 namespace {
@@ -37,6 +39,19 @@ TEST(Growth, DeviceMemoryIsSeen) {
 TEST(Growth, FilesAndThreadsAreSeen) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.descriptors += i / 20; }));
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.threads += i / 20; }));
+}
+TEST(Growth, AThreadThatIsEndingIsFineAndALastingOneIsSeen) {
+  const auto while_alive = [](std::chrono::milliseconds life) {
+    Growth growth("test", Slack{});
+    for (int i = 0; i < 4; ++i) growth.sample_now(0);
+    const double before = growth.last().threads;
+    std::thread thread([life] { std::this_thread::sleep_for(life); });
+    growth.sample_now(0);
+    thread.join();
+    return growth.last().threads - before;
+  };
+  EXPECT_EQ(while_alive(std::chrono::milliseconds(50)), 0);
+  EXPECT_EQ(while_alive(std::chrono::milliseconds(1500)), 1);
 }
 TEST(Growth, TooFewSamplesAreNoVerdict) {
   Growth growth("test", Slack{});

@@ -154,7 +154,7 @@ Growth soak_frames(const Plan& plan) {
   constexpr unsigned kSamples = 60;
   for (unsigned i = 1; i <= kSamples; ++i) {
     line.wait_for(plan.frames * i / kSamples);
-    growth.sample(holding_now(line.device_bytes()));
+    growth.sample_now(line.device_bytes());
     if (i % 2 == 0) line.seek(random() % 600 * GST_SECOND);
     if (i % 10 == 0) progress("frames", line.frames(), plan.frames, growth.last());
   }
@@ -193,7 +193,7 @@ Growth soak_caps(const Plan& plan) {
     }
     line.wait_for(frames);
     if ((change + 1) % std::size(kRound) != 0) continue;
-    growth.sample(holding_now(line.device_bytes()));
+    growth.sample_now(line.device_bytes());
     if ((change + 1) % 40 == 0) progress("caps", change + 1, plan.caps_changes, growth.last());
   }
   gst_object_unref(source);
@@ -220,7 +220,7 @@ Growth soak_cycles(const Plan& plan) {
       line->wait_for_end();
     const uint64_t device_bytes = line->device_bytes();
     line->set_state(GST_STATE_NULL);
-    growth.sample(holding_now(device_bytes));
+    growth.sample_now(device_bytes);
     if ((cycle + 1) % 10 == 0) progress("start-stop", cycle + 1, plan.cycles, growth.last());
   }
   return growth;
@@ -275,6 +275,7 @@ bool run(const Plan& plan) {
 
 int main(int count, char** words) {
   gst_init(nullptr, nullptr);
+  g_thread_pool_set_max_unused_threads(0);  // idle threads of its pools would count as growth
   try {
     return inverse::soak::run(inverse::soak::parse(count, words)) ? 0 : 1;
   } catch (const std::exception& error) {
