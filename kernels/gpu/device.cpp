@@ -272,9 +272,12 @@ void Device::read_properties() {
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
-  variant_.workgroup = is_cpu_ ? 64 : 128;
-  const uint32_t workgroup = environment_number("INVERSE_WORKGROUP", variant_.workgroup) / 8 * 8;
-  variant_.workgroup = std::clamp(workgroup, 8u, std::min(256u, limits_.workgroup_invocations));
+  const auto lanes = [&](const char* name, uint32_t fallback) {
+    return std::clamp(environment_number(name, fallback) / 8 * 8, 8u,
+                      std::min(256u, limits_.workgroup_invocations));
+  };
+  variant_.workgroup = lanes("INVERSE_WORKGROUP", is_cpu_ ? 64 : 128);
+  variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
 }
 
 std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,

@@ -28,6 +28,10 @@ struct Variant {
   /// Invocations per workgroup along x (specialization constant 0), a multiple of 8.
   /// `INVERSE_WORKGROUP=N`.
   uint32_t workgroup = 64;
+  /// Invocations of a kernel that is one workgroup and works in steps with a barrier between: few
+  /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
+  /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
+  uint32_t lone_workgroup = 32;
 };
 
 struct Limits {
