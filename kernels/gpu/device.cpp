@@ -300,8 +300,7 @@ void Device::read_properties() {
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
-  variant_.conditional =
-      handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
+  variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
   if (variant_.conditional) {
     begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(
         vkGetDeviceProcAddr(handles_.device, "vkCmdBeginConditionalRenderingEXT"));
