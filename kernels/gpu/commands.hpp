@@ -35,7 +35,8 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
   /// Waits for work still in flight. Where the device does not finish it in time
-  /// (`Device::patience_ns`), everything that the work may use is left to it for good.
+  /// (`Device::patience_ns`; at once where it is silent already), everything that the work may use
+  /// is left to it for good.
   ~Commands();
 
   const std::shared_ptr<Device>& device() const { return device_; }
