@@ -79,7 +79,7 @@ class Multigrid {
   gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, sum_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, mean_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, change_;
   bool cleared_ = false;
