@@ -136,7 +136,7 @@ void ThesisDecomposition::set_params(const Params& params) {
   p.alpha_cs = std::clamp(p.alpha_cs, 0.0f, 1e4f);
   p.alpha_clustering = std::clamp(p.alpha_clustering, 0.0f, 1e3f);
   p.tau_cc = std::clamp(p.tau_cc, 0.0f, 3.0f);
-  p.epsilon = std::clamp(p.epsilon, 1e-5f, 1.0f);
+  p.epsilon = std::clamp(p.epsilon, 1e-6f, 1.0f);
   p.levels = std::clamp(p.levels, 0, 12);
   p.irls_iterations = std::clamp(p.irls_iterations, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
