@@ -77,11 +77,12 @@ vec4 node_residual(vec4 node, vec3 i, vec4 x) {
   return vec4(data + push.w_chromaticity * node.x * colored(misfit), data.r + data.g + data.b);
 }
 
-/// The part of A v at a pixel that needs no neighbors.
+/// The part of A v at a pixel that needs no neighbors. The rest is edges times differences of v: a sum over all edges less
+/// the neighbors' share would lose what holds a patch in place against the edges inside it.
 vec4 apply_node(vec4 node, vec4 v) {
   vec3 data = push.w_data * node.x * kChannelWeight * (v.rgb + v.a);
   vec3 chroma = push.w_chromaticity * node.x * colored(v.rgb);
-  return vec4(data + chroma + (node.y + node.z) * v.rgb, data.r + data.g + data.b + node.w * v.a);
+  return vec4(data + chroma + node.y * v.rgb, data.r + data.g + data.b);
 }
 
 /// diag(A) at a pixel.
