@@ -98,7 +98,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
                   "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)"),
         number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
                   "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)"),
-        number<P>("epsilon", &P::epsilon, 1e-5f, 1.f,
+        number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
                   "Smallest reflectance step in a reweighting, log units"),
         number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
                   "Smallest intensity before the logarithm, 1 = full scale"),

@@ -114,9 +114,8 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
-  for (auto* buffer :
-       {&links_, &data_, &pulls_, &constant_pulls_, &edges_, &nodes_, &preconditioned_, &products_,
-        &clusters_, &directions_[0], &directions_[1]}) {
+  for (auto* buffer : {&links_, &pulls_, &constant_pulls_, &edges_, &nodes_, &preconditioned_,
+                       &products_, &clusters_, &directions_[0], &directions_[1]}) {
     *buffer = plane();
   }
   partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
@@ -137,7 +136,7 @@ void ThesisDecomposition::set_params(const Params& params) {
   p.alpha_cs = std::clamp(p.alpha_cs, 0.0f, 1e4f);
   p.alpha_clustering = std::clamp(p.alpha_clustering, 0.0f, 1e3f);
   p.tau_cc = std::clamp(p.tau_cc, 0.0f, 3.0f);
-  p.epsilon = std::clamp(p.epsilon, 1e-5f, 1.0f);
+  p.epsilon = std::clamp(p.epsilon, 1e-6f, 1.0f);
   p.levels = std::clamp(p.levels, 0, 12);
   p.irls_iterations = std::clamp(p.irls_iterations, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
@@ -333,7 +332,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
     buffers.insert(buffers.end(), {levels_[level].image, in, out});
     commands.dispatch(kernel, buffers, std::as_bytes(std::span(&push, 1)), pixels);
   };
-  commands.dispatch(setup_, {levels_[level].image, links_, data_}, push, pixels);
+  commands.dispatch(setup_, {levels_[level].image, links_}, push, pixels);
   push.mode = clustered ? 1 : 0;
   if (push.frames == 1) push.samples = 0;  // nothing but clusters
   pull(levels_[level].sample_past, clusters_, constant_pulls_);
@@ -347,7 +346,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
     if (last) break;
     pull(levels_[level].sample, constant_pulls_, pulls_);
     commands.dispatch(reweight_,
-                      {levels_[level].solution, links_, data_, pulls_, levels_[level].image, edges_,
+                      {levels_[level].solution, links_, pulls_, levels_[level].image, edges_,
                        nodes_, preconditioned_, partials_},
                       push, strips_of(levels_[level].extent));
     if (params_.solver == Params::Solver::pcg) {

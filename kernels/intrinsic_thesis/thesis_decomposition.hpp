@@ -102,7 +102,7 @@ class ThesisDecomposition {
   gpu::KernelPtr sanitize_, downsample_, setup_, start_, prolong_, pack_, reweight_, direction_,
       update_, scalars_kernel_, schwarz_, energy_, total_, layers_;
   // Shared by all levels, of the finest level's size.
-  gpu::BufferPtr links_, data_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
+  gpu::BufferPtr links_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
       clusters_;
   std::array<gpu::BufferPtr, 2> directions_;
   gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;

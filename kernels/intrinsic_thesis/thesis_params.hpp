@@ -28,7 +28,7 @@ struct ThesisParams {
   float alpha_clustering = 0.4f;  ///< fall-off of the cluster prior with |I| (3.15), 0…1e3
   float tau_cc = 0.05f;   ///< chromaticity distance up to which samples bind (3.13) and clusters
                           ///< merge, 0…3; not printed in the thesis
-  float epsilon = 5e-3f;  ///< floor of |d| in the IRLS weight, log units, 1e-5…1; not printed in
+  float epsilon = 5e-3f;  ///< floor of |d| in the IRLS weight, log units, 1e-6…1; not printed in
                           ///< the thesis: smaller ones let rounding decide edges
   float log_floor = 1e-3f;     ///< floor of I before the logarithm, full scale 1, 1e-6…0.5
   float chroma_floor = 3e-3f;  ///< ε_c of c = (I + ε_c)/mean(I + ε_c), full scale 1, 1e-6…0.5
