@@ -15,11 +15,11 @@ namespace {
 
 using reference::ThesisParams;
 
-constexpr int kWidth = 10, kHeight = 7;                // of thesis systems: 280 unknowns
-constexpr Extent kGrid{20, 13};                        // of the multigrid's: 260
-constexpr int kRestarts = 4, kIterations = 280;        // PCG
-constexpr int kSweeps = 120, kInnerIterations = 64;    // Schwarz
-constexpr uint32_t kCycles = 60;                       // multigrid
+constexpr int kWidth = 10, kHeight = 7;              // of thesis systems: 280 unknowns
+constexpr Extent kGrid{20, 13};                      // of the multigrid's: 260
+constexpr int kRestarts = 4, kIterations = 280;      // PCG
+constexpr int kSweeps = 120, kInnerIterations = 64;  // Schwarz
+constexpr uint32_t kCycles = 60;                     // multigrid
 constexpr int kPlainIterations = 4000;
 
 /// Four paints in patches under a ramp of light, noise on top.
@@ -32,7 +32,8 @@ reference::Plane patches(unsigned seed) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       for (size_t c = 0; c < 3; ++c)
-        image.at(x, y)[c] = kPaints[(x / 4 + 2 * (y / 3)) % 4][c] * (0.3 + 0.06 * y) + noise(random);
+        image.at(x, y)[c] =
+            kPaints[(x / 4 + 2 * (y / 3)) % 4][c] * (0.3 + 0.06 * y) + noise(random);
   return in_single_precision(image);
 }
 
@@ -139,8 +140,8 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
         if (x + 1 == kWidth) edge[0] = edge[2] = 0;
         if (y + 1 == kHeight) edge[1] = edge[3] = 0;
       }
-    problems.push_back(thesis_problem("edges over " + decade(decades) + " decades", solver, image,
-                                      {}, system));
+    problems.push_back(
+        thesis_problem("edges over " + decade(decades) + " decades", solver, image, {}, system));
   }
 }
 
@@ -182,9 +183,9 @@ void add_grids(std::vector<Problem>& problems) {
         grid_problem("edges over " + decade(decades) + " decades",
                      random_grid(static_cast<unsigned>(decades), -decades / 2, decades / 2, 1)));
   for (const float inside : {1e2F, 1e4F, 1e6F})
-    problems.push_back(grid_problem("patches of " + decade(static_cast<double>(inside)) +
-                                        " that 1 joins",
-                                    patched_grid(inside, 1, 0.1F)));
+    problems.push_back(
+        grid_problem("patches of " + decade(static_cast<double>(inside)) + " that 1 joins",
+                     patched_grid(inside, 1, 0.1F)));
   for (const float screen : {1e3F, 1e-2F, 1e-4F})
     problems.push_back(grid_problem("cells held by " + decade(static_cast<double>(screen)),
                                     random_grid(7, -1, 1, screen)));

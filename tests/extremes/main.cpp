@@ -47,8 +47,7 @@ int report(const char* path) {
 
 int main(int count, char** words) {
   try {
-    if (count == 3 && strcmp(words[1], "--report") == 0)
-      return inverse::extremes::report(words[2]);
+    if (count == 3 && strcmp(words[1], "--report") == 0) return inverse::extremes::report(words[2]);
   } catch (const inverse::Error& error) {
     fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -55,8 +55,8 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
     *buffer = lab.buffer(n);
   image_ = lab.upload(pixels_of(image));
   pulls_ = lab.upload(Pixels(4 * n, 0.0F));
-  partials_ = lab.buffer(gpu::partial_count(
-      *direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
+  partials_ = lab.buffer(
+      gpu::partial_count(*direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, 3);
   lab.run([&](gpu::Commands& commands) {
     commands.fill(partials_);
@@ -160,9 +160,9 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
     const auto blocks = [](uint32_t size, int shifted) {
       return (size + static_cast<uint32_t>(shifted) - 1) / kBlock + 1;
     };
-    commands.dispatch(schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
-                      {blocks(extent_.width, shift[0]) * kBlockGroup,
-                       blocks(extent_.height, shift[1])});
+    commands.dispatch(
+        schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
+        {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
     std::swap(solution_, spare_);
   });
 }
