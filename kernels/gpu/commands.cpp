@@ -4,6 +4,10 @@
 #include <iterator>
 #include <mutex>
 
+#include "shaders.hpp"
+
+INVERSE_SHADER(gpu_fill);
+
 namespace inverse::gpu {
 namespace {
 
@@ -256,7 +260,13 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
-  refuse_when("a fill");
+  if (in_when_) {
+    const struct {
+      uint32_t count, word;
+    } push{static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t)), word};
+    dispatch(device_->kernel(shaders::gpu_fill), {buffer}, push, {push.count});
+    return;
+  }
   touch(buffer->handle(), false, true);
   barrier_if_needed();
   kept_.push_back(buffer);

@@ -67,7 +67,7 @@ class Commands {
   /// Records kernels that the device leaves out where the word at `offset` bytes of `condition` is
   /// 0 when it comes to them; all of them run on a device that cannot
   /// (`Device::variant().conditional`). What a kernel left out would have written stays as it was.
-  /// Copies and fills run always, so there must be none: throws Error(internal). Not nested.
+  /// Copies run always, so there must be none: throws Error(internal). Not nested.
   template <typename Record>
   void when(const BufferPtr& condition, uint64_t offset, Record record) {
     begin_when(condition, offset);

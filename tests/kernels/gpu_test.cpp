@@ -64,13 +64,17 @@ TEST_F(DeviceTest, KernelsAreLeftOutWhereTheirConditionIsZero) {
   const Plane ones = plane({2, 2}, Pixels(16, 1.0f)), zeros = plane({2, 2}, Pixels(16, 0.0f));
   for (const bool runs : {true, false}) {
     const Plane condition = plane({1, 1}, Pixels(4, runs ? 0.0f : 1.0f));
-    const Plane target = plane({1, 1}, Pixels(4, 5.0f));
+    const Plane target = plane({1, 1}, Pixels(4, 5.0f)), filled = plane({1, 1}, Pixels(4, 5.0f));
     run([&](gpu::Commands& commands) {
       halve.record(commands, runs ? ones : zeros, condition);
-      commands.when(condition.buffer, 4, [&] { halve.record(commands, ones, target); });
+      commands.when(condition.buffer, 4, [&] {
+        halve.record(commands, ones, target);
+        commands.fill(filled.buffer, 0x3f800000);
+      });
     });
     const bool ran = runs || !device->variant().conditional;
     EXPECT_EQ(download(target.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+    EXPECT_EQ(download(filled.buffer), Pixels(4, ran ? 1.0f : 5.0f));
   }
 }
 
@@ -78,7 +82,7 @@ TEST_F(DeviceTest, WhatRunsAlwaysIsRefusedInsideOfACondition) {
   const auto word = gpu::Buffer::create(device, gpu::Element::word, 1);
   gpu::Commands commands(device);
   commands.begin();
-  EXPECT_THROW(commands.when(word, 0, [&] { commands.fill(word); }), Error);
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.copy(word, word, 4); }), Error);
   commands.begin();
   EXPECT_THROW(commands.when(word, 0, [&] { commands.when(word, 0, [] {}); }), Error);
   commands.begin();

@@ -149,7 +149,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
           multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
       for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
-            commands, params, static_cast<uint32_t>(k), false,
+            commands, params, static_cast<uint32_t>(k), {},
             [&] { bins.record(commands, guide, state); },
             [&] { bins.record_force(commands, state); });
     });
