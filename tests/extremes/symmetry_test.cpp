@@ -110,7 +110,7 @@ TEST_F(Symmetry, MirroredSystemsHaveMirroredSolutions) {
   const Extent extent{64, 32};
   GridSystem system(extent), mirror(extent);
   std::mt19937 random(3);
-  std::uniform_real_distribution<float> exponent(-1.5, 1.5), unit(-0.5, 0.5);
+  std::uniform_real_distribution<float> exponent(-0.5, 0.5), unit(-0.5, 0.5);
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
       const uint32_t there = extent.width - 1 - x;
