@@ -35,7 +35,7 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT,
+    gst_structure_set(stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT,
                       method.levels, "half-resolution", G_TYPE_BOOLEAN, method.half_resolution,
                       "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
                       "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
@@ -63,6 +63,9 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges"),
+        number<P>("settled", &P::settled, 0.f, 1.f,
+                  "Root mean square change of log shading by a cycle from which on no further one "
+                  "follows; 0 = all run"),
         flag<P>("half-resolution", &P::half_resolution,
                 "Solve at half the frame's width and height, at about a third of the cost; where "
                 "shading steps is then read from the frame"),

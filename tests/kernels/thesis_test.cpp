@@ -9,14 +9,6 @@
 namespace inverse::testing {
 namespace {
 
-reference::Plane to_reference(Extent extent, const Pixels& pixels) {
-  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-  for (size_t n = 0; n < plane.size(); ++n) {
-    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
-  }
-  return plane;
-}
-
 /// Patches of a few colors under a shading ramp with a shadow's edge, and noise of `amplitude`;
 /// `shift` moves the patches.
 Pixels scene(Extent extent, unsigned seed, uint32_t shift = 0, float amplitude = 0.01f) {
