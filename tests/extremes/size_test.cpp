@@ -22,8 +22,8 @@ class LargestFrame : public Sizes {};
 /// Primes and powers of two and their neighbors, both ways.
 TEST_P(Sizes, SmallFramesAndNeedlesAreDecomposedAsAnyOther) {
   const Check check = check_with(lab_);
-  for (const uint32_t length : {1U, 2U, 3U, 4U, 5U, 7U, 16U, 17U, 97U, 1021U})
-    for (const uint32_t width : {1U, 2U, 3U})
+  for (const uint32_t length : {1U, 2U, 3U, 5U, 7U, 16U, 17U, 97U, 1021U})
+    for (const uint32_t width : {1U, 3U})
       for (const bool upright : {false, true}) {
         Case one{GetParam(), length, width, 2, length, 0, 0};
         if (upright) std::swap(one.width, one.height);
@@ -53,8 +53,7 @@ Pixels ramp(Extent extent) {
 }
 
 TEST_P(Sizes, LongNeedlesAreDecomposedOrRefusedByName) {
-  for (const Extent extent :
-       {Extent{65521, 1}, Extent{1, 65521}, Extent{131071, 1}, Extent{2, 131071}}) {
+  for (const Extent extent : {Extent{16381, 1}, Extent{1, 16381}, Extent{1, 65537}}) {
     ThesisParams params;
     params.irls_iterations = 1;
     params.keyframes = 0;
