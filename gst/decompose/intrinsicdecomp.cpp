@@ -5,26 +5,48 @@
 namespace inverse {
 namespace {
 
-struct Params : IntrinsicDecomposition::Params {
-  Show show = Show::reflectance;
-  Quality quality = Quality::medium;
+struct Params : IntrinsicDecomposition::Params, DecomposerParams {
   uint32_t seed = 1;
+  /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
+  float keep_tolerance = 5e-4F;
 };
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  constexpr uint32_t kCycles[] = {2, 4, 8, 24}, kWarmCycles[] = {1, 2, 4, 24};
-  params.cycles = kCycles[static_cast<size_t>(set.quality)];
-  params.warm_cycles = kWarmCycles[static_cast<size_t>(set.quality)];
-  return params;
+/// A level of the ladder: cycles of the first frame and of those after it, cycles of the cells in
+/// each, and from which change on edges are decided anew.
+template <uint32_t kCycles, uint32_t kWarm, uint32_t kCells, float kTolerance>
+void work(Params& params) {
+  params.cycles = kCycles;
+  params.warm_cycles = kWarm;
+  params.multigrid.cell_cycles = kCells;
+  params.still_tolerance = kTolerance;
 }
 
-class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
- public:
-  PropertyStore& parameters() override { return parameters_; }
+/// The front of error against time (docs/measurements.md, Live trade).
+const Ladder<Params>& ladder() {
+  static const Ladder<Params> ladder{{{0.53, work<2, 1, 1, 0.2F>},
+                                      {0.60, work<3, 1, 2, 0.1F>},
+                                      {0.81, work<4, 2, 2, 0.1F>},
+                                      {1.00, work<4, 2, 2, 0.05F>},
+                                      {1.26, work<6, 3, 2, 0.05F>},
+                                      {1.53, work<8, 4, 2, 0.05F>},
+                                      {2.40, work<12, 8, 2, 0.05F>},
+                                      {5.69, work<24, 24, 2, 0.05F>}},
+                                     {1, 3, 5, 7}};
+  return ladder;
+}
 
-  void describe(GstStructure* stats, uint64_t number) const override {
+Params preset(const Params& set) { return ladder().preset(set.quality); }
+
+class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition, Params> {
+ public:
+  IntrinsicElement() : MethodDecomposer(table(), ladder(), preset) {}
+
+ protected:
+  bool settled(std::optional<uint64_t> done) const override {
+    return done && method_->findings(*done).change < params().keep_tolerance;
+  }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto& method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
@@ -38,23 +60,33 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
         "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
- protected:
-  Show decompose(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
+  uint64_t decompose(FrameWork& frame) override {
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    return params.show;
+        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+    return method_->recorded() - 1;
   }
 
  private:
   static const PropertyTable<Params>& table() {
     using P = Params;
-    static const PropertyTable<P> table{
-        show_property<P>(),
-        quality_property<P>("Sets the cycles as a group; what is set explicitly wins"),
+    static const PropertyTable<P> table = [] {
+      auto table = shared_properties<P>("Sets the cycles as a group; what is set explicitly wins");
+      const PropertyTable<P> own = own_properties();
+      table.insert(table.end(), own.begin(), own.end());
+      return table;
+    }();
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
-                "decided about their edges"),
+                "decided about their edges, and a picture that comes again keeps its layers once "
+                "they have settled"),
+        number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+                  "Change of log shading by the last cycle, rms in natural log units, below which "
+                  "the layers of a picture that comes again are kept; 0 = never"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                   "Change of intensity or chroma, natural log units, from which on a tile counts "
                   "as changed"),
@@ -114,10 +146,7 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
             "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
             "scene"),
     };
-    return table;
   }
-
-  Parameters<Params> parameters_{table(), preset};
 };
 
 }  // namespace

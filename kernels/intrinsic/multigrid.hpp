@@ -25,6 +25,7 @@ class Multigrid {
     /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
     /// diverges on some frames, because the chroma bins lag behind.
     float slowest = 0.5F;
+    bool operator==(const Params&) const = default;
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
   static constexpr uint64_t kForceStride = 3;  ///< vec4 a quad of cells of `cell_force`
