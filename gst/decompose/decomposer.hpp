@@ -148,7 +148,7 @@ class MethodDecomposer : public Decomposer {
  public:
   MethodDecomposer(const PropertyTable<P>& table, const Ladder<P>& ladder,
                    typename Parameters<P>::Preset preset)
-      : Decomposer(ladder.costs()), ladder_(ladder), parameters_(table, preset) {}
+      : Decomposer(ladder.costs()), parameters_(table, preset), ladder_(ladder) {}
   PropertyStore& parameters() override { return parameters_; }
   bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
 
@@ -180,10 +180,10 @@ class MethodDecomposer : public Decomposer {
   const P& params() const { return params_; }
 
   std::optional<Method> method_;
+  Parameters<P> parameters_;
 
  private:
   const Ladder<P>& ladder_;
-  Parameters<P> parameters_;
   P params_;
 };
 

@@ -1,11 +1,11 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
+#include "intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 namespace {
 
-struct Params : IntrinsicDecomposition::Params, DecomposerParams {
+struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
   float keep_tolerance = 5e-4F;
@@ -37,9 +37,14 @@ const Ladder<Params>& ladder() {
 
 Params preset(const Params& set) { return ladder().preset(set.quality); }
 
-class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition, Params> {
+class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> {
  public:
   IntrinsicElement() : MethodDecomposer(table(), ladder(), preset) {}
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    MethodDecomposer::configure(device, extent);
+    method_->prepare(parameters_.snapshot().half_resolution);
+  }
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {
@@ -47,17 +52,18 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition, P
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
-    const auto& method = method_->stats(number);
+    const auto method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(
-        stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
-        "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",
-        G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change", G_TYPE_DOUBLE,
-        static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE, static_cast<double>(found.gauge),
-        "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated,
-        "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT,
+                      method.levels, "half-resolution", G_TYPE_BOOLEAN, method.half_resolution,
+                      "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
+                      "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
+                      G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
+                      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles,
+                      "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "skipped",
+                      G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
@@ -70,7 +76,8 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition, P
   static const PropertyTable<Params>& table() {
     using P = Params;
     static const PropertyTable<P> table = [] {
-      auto table = shared_properties<P>("Sets the cycles as a group; what is set explicitly wins");
+      auto table = shared_properties<P>(
+          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
       const PropertyTable<P> own = own_properties();
       table.insert(table.end(), own.begin(), own.end());
       return table;
@@ -84,6 +91,9 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition, P
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges, and a picture that comes again keeps its layers once "
                 "they have settled"),
+        flag<P>("half-resolution", &P::half_resolution,
+                "Solve at half the frame's width and height, at about a third of the cost; where "
+                "shading steps is then read from the frame"),
         number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
                   "Change of log shading by the last cycle, rms in natural log units, below which "
                   "the layers of a picture that comes again are kept; 0 = never"),
