@@ -11,27 +11,30 @@ struct Params : ScaledIntrinsic::Params, DecomposerParams {
   float keep_tolerance = 5e-4F;
 };
 
-/// A level of the ladder: cycles of the first frame and of those after it, cycles of the cells in
-/// each, and from which change on edges are decided anew.
-template <uint32_t kCycles, uint32_t kWarm, uint32_t kCells, float kTolerance>
+/// A level of the ladder: resolution, cycles of the first frame and of those after it, and from
+/// which change on edges are decided anew.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance>
 void work(Params& params) {
+  params.half_resolution = kHalf;
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
-  params.multigrid.cell_cycles = kCells;
   params.still_tolerance = kTolerance;
 }
 
-/// The front of error against time (docs/measurements.md, Live trade).
+/// The front of error against time (docs/measurements.md, Live trade). Only one step changes the
+/// resolution, which makes the method forget earlier frames.
 const Ladder<Params>& ladder() {
-  static const Ladder<Params> ladder{{{0.53, work<2, 1, 1, 0.2F>},
-                                      {0.60, work<3, 1, 2, 0.1F>},
-                                      {0.81, work<4, 2, 2, 0.1F>},
-                                      {1.00, work<4, 2, 2, 0.05F>},
-                                      {1.26, work<6, 3, 2, 0.05F>},
-                                      {1.53, work<8, 4, 2, 0.05F>},
-                                      {2.40, work<12, 8, 2, 0.05F>},
-                                      {5.69, work<24, 24, 2, 0.05F>}},
-                                     {1, 3, 5, 7}};
+  static const Ladder<Params> ladder{{{0.40, work<true, 3, 1, 0.1F>},
+                                      {0.46, work<true, 4, 2, 0.1F>},
+                                      {0.54, work<true, 4, 2, 0.05F>},
+                                      {0.65, work<true, 8, 4, 0.05F>},
+                                      {0.83, work<false, 4, 2, 0.1F>},
+                                      {1.00, work<false, 4, 2, 0.05F>},
+                                      {1.18, work<false, 6, 3, 0.05F>},
+                                      {1.36, work<false, 8, 4, 0.05F>},
+                                      {2.1, work<false, 12, 8, 0.05F>},
+                                      {4.8, work<false, 24, 24, 0.05F>}},
+                                     {2, 5, 7, 9}};
   return ladder;
 }
 
@@ -43,7 +46,10 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
-    method_->prepare(parameters_.snapshot().half_resolution);
+    const Params set = parameters_.snapshot();
+    method_->prepare(set.half_resolution);
+    // A change of level that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0) method_->prepare(true);
   }
 
  protected:

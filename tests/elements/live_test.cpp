@@ -6,7 +6,7 @@
 namespace inverse::testing {
 namespace {
 
-constexpr guint kTop = 3;  // of intrinsicdecomp quality=medium
+constexpr guint kTop = 5;  // of intrinsicdecomp quality=medium
 
 /// What `stats` of intrinsicdecomp says of the trade; `on` false where it says nothing.
 struct Live {
