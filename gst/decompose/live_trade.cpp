@@ -55,18 +55,18 @@ void LiveTrade::forget() {
   report_.predicted_ms = 0;
 }
 
-double LiveTrade::median() const {
+double LiveTrade::took_but(size_t above) const {
   std::array<double, kWindow> sorted = took_;
   const size_t count = std::min(frames_, kWindow);
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  return sorted[count / 2];
+  return sorted[count - 1 - above];
 }
 
 void LiveTrade::frame(double now_s, double took_ms, size_t level) {
   if (!goal_.on() || level != level_) return;
   took_[frames_++ % kWindow] = took_ms;
   if (frames_ < kFewest) return;
-  report_.predicted_ms = typical_ = median();
+  report_.predicted_ms = typical_ = took_but(std::min(frames_, kWindow) / 2);
   if (climbed_ && now_s - *climbed_ > kTrial) {
     climbed_.reset();
     patience_ = kPatience;
@@ -78,7 +78,9 @@ void LiveTrade::frame(double now_s, double took_ms, size_t level) {
     move(now_s, to, "down: took " + milliseconds(typical_) + " of " + milliseconds(budget));
     return;
   }
-  if (level_ == top_ || predicted(level_ + 1) > kRoom * budget) {
+  if (level_ == top_ || frames_ < kWindow) return;
+  const double above = took_but(1) * costs_[level_ + 1] / costs_[level_];
+  if (above > kRoom * budget) {
     room_since_.reset();
     return;
   }

@@ -12,11 +12,12 @@ namespace inverse {
 /// Holds the time that frames take by choosing how much work goes into them: a level on a ladder of
 /// settings from cheap to good, each with what it costs in relation to the others.
 ///
-/// It goes down at once (after three frames that took too long, as far as need be), and up slowly:
-/// one level, once the level above had room for a while. Where a level that it went up to turns out
-/// too slow it waits twice as long before it tries again, so that it settles below what does not
-/// fit instead of swinging around it. A single slow frame moves nothing. Knows neither clock nor
-/// GStreamer: times come from the caller, in seconds that never go back. Not thread-safe.
+/// It goes down at once (when the median of the last frames is too long, as far as need be), and up
+/// slowly: one level, once the level above had room for a while for all but the slowest of them.
+/// Where a level that it went up to turns out too slow it waits twice as long before it tries
+/// again, so that it settles below what does not fit instead of swinging around it. A single slow
+/// frame moves nothing. Knows neither clock nor GStreamer: times come from the caller, in seconds
+/// that never go back. Not thread-safe.
 class LiveTrade {
  public:
   struct Goal {
@@ -53,17 +54,18 @@ class LiveTrade {
   void forget();
 
   static constexpr double kRoom = 0.85;   ///< share of the budget that a level to go to may take
-  static constexpr double kPatience = 1;  ///< s that a level above has room before it is tried
+  static constexpr double kPatience = 2;  ///< s that a level above has room before it is tried
   static constexpr double kMostPatience = 32;  ///< s, after it failed again and again
-  static constexpr double kTrial = 5;          ///< s that a level has to hold to count as a success
+  static constexpr double kTrial = 10;         ///< s that a level has to hold to count as a success
   static constexpr double kEcho = 0.3;  ///< s after a change in which lateness is an old story
-  static constexpr size_t kWindow = 5;  ///< frames whose median counts
+  static constexpr size_t kWindow = 5;  ///< frames that count
   static constexpr size_t kFewest = 3;  ///< of them after a change
 
  private:
   double predicted(size_t level) const { return typical_ * costs_[level] / costs_[level_]; }
   void move(double now_s, size_t to, const std::string& reason);
-  double median() const;
+  /// The value that `above` of the last frames, at most kWindow of them, took longer than.
+  double took_but(size_t above) const;
 
   std::vector<double> costs_;
   Goal goal_;

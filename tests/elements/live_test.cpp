@@ -6,7 +6,7 @@
 namespace inverse::testing {
 namespace {
 
-constexpr guint kTop = 5;  // of intrinsicdecomp quality=medium
+constexpr guint kTop = 2;  // of quality=low
 
 /// What `stats` of intrinsicdecomp says of the trade; `on` false where it says nothing.
 struct Live {
@@ -71,7 +71,7 @@ void set(VideoHarness& harness, const char* property, double value) {
 
 TEST(Live, WithoutAGoalThereIsNoTrade) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low", caps, caps);
   Source source(caps);
   for (int i = 0; i < 8; ++i) harness.process(source.next());
   EXPECT_FALSE(live_of(harness).on);
@@ -80,7 +80,8 @@ TEST(Live, WithoutAGoalThereIsNoTrade) {
 
 TEST(Live, WorkFollowsTheBudgetDownAndUp) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp target-fps=1000 latency-budget=0.01", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=1000 latency-budget=0.01", caps,
+                       caps);
   Source source(caps);
   Live live = send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
   EXPECT_DOUBLE_EQ(live.budget, 0.01);
@@ -101,7 +102,7 @@ TEST(Live, WorkFollowsTheBudgetDownAndUp) {
 
 TEST(Live, WhatIsSetExplicitlyStays) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp latency-budget=0.01 warm-cycles=3", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low latency-budget=0.01 warm-cycles=3", caps, caps);
   Source source(caps);
   send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
   harness.process(source.next());
@@ -113,7 +114,7 @@ TEST(Live, WhatIsSetExplicitlyStays) {
 
 // The artificial load is the frame: two hundred times as many pixels.
 TEST(Live, LoadIsEvadedAndForgottenWhenItGoes) {
-  VideoHarness harness("intrinsicdecomp latency-budget=100000", caps_of(48, 32));
+  VideoHarness harness("intrinsicdecomp quality=low latency-budget=100000", caps_of(48, 32));
   Source light(caps_of(48, 32)), heavy(caps_of(640, 480));
   double usual = 0;
   for (int i = 0; i < 20; ++i) {
@@ -134,7 +135,7 @@ TEST(Live, LoadIsEvadedAndForgottenWhenItGoes) {
 
 TEST(Live, LatenessDownstreamIsHeard) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp target-fps=0.001", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=0.001", caps, caps);
   Source source(caps);
   GstClockTime time = 0;
   // A sink that was a millisecond late, or early by five: too little to drop a frame for.
@@ -156,7 +157,7 @@ TEST(Live, LatenessDownstreamIsHeard) {
 
 TEST(Live, WhereNothingHelpsFramesAreDroppedAsEverywhere) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp target-fps=1000", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=1000", caps, caps);
   Source source(caps);
   harness.process(source.next());  // at 0
   gst_harness_push_upstream_event(
