@@ -24,7 +24,10 @@ double LiveTrade::Goal::budget_ms() const {
 }
 
 LiveTrade::LiveTrade(std::span<const double> costs)
-    : costs_(costs.begin(), costs.end()), level_(costs.size() - 1), top_(level_) {}
+    : costs_(costs.begin(), costs.end()),
+      level_(costs.size() - 1),
+      top_(level_),
+      patience_(costs.size(), kPatience) {}
 
 void LiveTrade::aim(const Goal& goal, size_t top) {
   const bool starts = goal.on() && !goal_.on();
@@ -34,13 +37,14 @@ void LiveTrade::aim(const Goal& goal, size_t top) {
     if (level_ != top_) forget();
     level_ = top_;
     moved_.reset();
-    patience_ = kPatience;
+    patience_.assign(costs_.size(), kPatience);
     report_ = {};
   } else if (level_ > top_) {
     typical_ = predicted(top_);
     level_ = top_;
     frames_ = 0;
     climbed_.reset();
+    room_since_.reset();
   }
   report_.level = level_;
   report_.budget_ms = goal.on() ? goal.budget_ms() : 0;
@@ -69,7 +73,7 @@ void LiveTrade::frame(double now_s, double took_ms, size_t level) {
   report_.predicted_ms = typical_ = took_but(std::min(frames_, kWindow) / 2);
   if (climbed_ && now_s - *climbed_ > kTrial) {
     climbed_.reset();
-    patience_ = kPatience;
+    patience_[level_] = kPatience;
   }
   const double budget = goal_.budget_ms();
   if (typical_ > budget && level_ > 0) {
@@ -85,7 +89,7 @@ void LiveTrade::frame(double now_s, double took_ms, size_t level) {
     return;
   }
   if (!room_since_) room_since_ = now_s;
-  if (now_s - *room_since_ >= patience_)
+  if (now_s - *room_since_ >= patience_[level_ + 1])
     move(now_s, level_ + 1,
          "up: expects " + milliseconds(predicted(level_ + 1)) + " of " + milliseconds(budget));
 }
@@ -108,7 +112,7 @@ void LiveTrade::move(double now_s, size_t to, const std::string& reason) {
   } else if (climbed_) {
     // Whether it was the level itself or the load that grew meanwhile: it did not hold.
     climbed_.reset();
-    patience_ = std::min(2 * patience_, kMostPatience);
+    patience_[level_] = std::min(2 * patience_[level_], kMostPatience);
   }
   report_.predicted_ms = typical_ = predicted(to);
   report_.level = level_ = to;

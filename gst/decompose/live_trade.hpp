@@ -15,9 +15,9 @@ namespace inverse {
 /// It goes down at once (when the median of the last frames is too long, as far as need be), and up
 /// slowly: one level, once the level above had room for a while for all but the slowest of them.
 /// Where a level that it went up to turns out too slow it waits twice as long before it tries
-/// again, so that it settles below what does not fit instead of swinging around it. A single slow
-/// frame moves nothing. Knows neither clock nor GStreamer: times come from the caller, in seconds
-/// that never go back. Not thread-safe.
+/// that one again, so that it settles below what does not fit instead of swinging around it. A
+/// single slow frame moves nothing. Knows neither clock nor GStreamer: times come from the caller,
+/// in seconds that never go back. Not thread-safe.
 class LiveTrade {
  public:
   struct Goal {
@@ -73,8 +73,8 @@ class LiveTrade {
   std::array<double, kWindow> took_{};
   size_t frames_ = 0;  // at this level
   double typical_ = 0;
-  unsigned late_ = 0;  // reports in a row
-  double patience_ = kPatience;
+  unsigned late_ = 0;             // reports in a row
+  std::vector<double> patience_;  // s that each level has to have room before it is tried
   std::optional<double> moved_, climbed_, room_since_;  // s
   Report report_;
 };

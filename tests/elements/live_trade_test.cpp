@@ -133,12 +133,24 @@ TEST(LiveTrade, NoiseDoesNotMakeItSwing) {
 
 TEST(LiveTrade, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
   LiveTrade trade = trade_for(30);
-  Machine machine{[](double) { return 30.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
+  // 20 ms where it settles; 25 expected above, and 40 found.
+  Machine machine{[](double) { return 25.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(trade, machine, 0, 10);
   const uint64_t early = trade.report().moves;
   const Ran rest = run(trade, machine, 10, 310);
+  EXPECT_GE(trade.report().moves - early, 8u) << "it does try";
   EXPECT_LE(trade.report().moves - early, 30u);  // a try in 32 s, and back
   EXPECT_LT(rest.over, rest.frames / 50);
+}
+
+TEST(LiveTrade, ReturnsAlsoAfterManyFailedTries) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{
+      [](double time) { return time < 300 ? 25. : 8.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
+  run(trade, machine, 0, 300);
+  ASSERT_LT(trade.level(), 3u);
+  run(trade, machine, 300, 300 + LiveTrade::kMostPatience + 5 * 3 * LiveTrade::kPatience);
+  EXPECT_EQ(trade.level(), kTop);
 }
 
 TEST(LiveTrade, SingleSlowFramesMoveNothing) {
@@ -175,6 +187,14 @@ TEST(LiveTrade, LatenessDownstreamCountsWhateverFramesTakeHere) {
     trade.late(time, -5);
   }
   EXPECT_EQ(trade.level(), kTop);
+}
+
+TEST(LiveTrade, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
+  LiveTrade trade = trade_for(30);
+  for (int i = 0; i < 12; ++i) trade.late(0.03 * i, 40);
+  EXPECT_EQ(trade.report().moves, 1u);
+  for (int i = 12; i < 24; ++i) trade.late(0.03 * i, 40);
+  EXPECT_EQ(trade.report().moves, 2u);
 }
 
 TEST(LiveTrade, OneLateFrameIsForgiven) {
