@@ -44,6 +44,7 @@ struct ThesisParams {
   bool energy = false;       ///< evaluate the energy at the finest level, for stats
   bool trace = false;        ///< evaluate it at every IRLS step of every level
   uint32_t seed = 1;         ///< of samples and clusters
+  bool operator==(const ThesisParams&) const = default;
 };
 
 }  // namespace inverse
