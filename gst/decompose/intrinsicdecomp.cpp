@@ -93,10 +93,11 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   static PropertyTable<Params> own_properties() {
     using P = Params;
     return {
-        flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: tiles where nothing changed keep what was "
-                "decided about their edges, cycles end when little changes, and a picture that comes "
-                "again keeps its layers once they have settled"),
+        flag<P>(
+            "adaptive", &P::adaptive,
+            "Leave out what a frame does not need: tiles where nothing changed keep what was "
+            "decided about their edges, cycles end when little changes, and a picture that comes "
+            "again keeps its layers once they have settled"),
         number<P>("settled", &P::settled, 0.f, 1.f,
                   "Change of log shading by a cycle, rms in natural log units, from which on no "
                   "further one follows; 0 = all run"),
