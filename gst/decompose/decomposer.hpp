@@ -4,14 +4,12 @@
 #include "base/filter.hpp"
 #include "image/mosaic.hpp"
 #include "palette/scene_palette.hpp"
+#include "quality.hpp"
 
 namespace inverse {
 
 /// What a decomposer shows where pixels go out.
 enum class Show { reflectance, shading, input, mosaic, clusters };
-
-/// How much work goes into a frame: sets a group of parameters; what is set explicitly wins.
-enum class Quality { low, medium, high, best };
 
 /// What every decomposer of reflectance and shading shares: `show`. A method derives from it and
 /// fills the layers.

@@ -1,6 +1,7 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
 #include "intrinsic/intrinsic_decomposition.hpp"
+#include "intrinsic/preset.hpp"
 
 namespace inverse {
 namespace {
@@ -12,11 +13,8 @@ struct Params : IntrinsicDecomposition::Params {
 };
 
 Params preset(const Params& set) {
-  Params params;
+  Params params{intrinsic_preset(set.quality)};
   params.quality = set.quality;
-  constexpr uint32_t kCycles[] = {2, 4, 8, 24}, kWarmCycles[] = {1, 2, 4, 24};
-  params.cycles = kCycles[static_cast<size_t>(set.quality)];
-  params.warm_cycles = kWarmCycles[static_cast<size_t>(set.quality)];
   return params;
 }
 

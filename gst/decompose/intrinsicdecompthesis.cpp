@@ -1,5 +1,6 @@
 // intrinsicdecompthesis: chapter 3 of the thesis to the letter.
 #include "decomposer.hpp"
+#include "intrinsic_thesis/preset.hpp"
 #include "intrinsic_thesis/thesis_decomposition.hpp"
 
 namespace inverse {
@@ -11,13 +12,9 @@ struct Params : ThesisParams {
   bool adaptive = true;
 };
 
-/// The thesis runs 4 × 8 iterations (section 3.6.5) and shows convergence with 7 × 8.
 Params preset(const Params& set) {
-  Params params;
+  Params params{thesis_preset(set.quality)};
   params.quality = set.quality;
-  constexpr int kIrls[] = {2, 4, 7, 16};
-  params.irls_iterations = kIrls[static_cast<int>(set.quality)];
-  params.pcg_iterations = set.quality == Quality::best ? 16 : 8;
   return params;
 }
 
