@@ -49,6 +49,7 @@ struct Setting {
   std::map<std::string, std::string> parameters;  ///< what differs from the defaults
   std::function<std::unique_ptr<Solver>(Size)> make;
   std::string preset;  ///< quality that has these parameters: "medium"; empty: none
+  bool base = false;   ///< the method's default for stills, a point of all of its curves
   bool stills = true;  ///< is measured on stills
   bool video = false;  ///< is measured on videos
   enum class Effort : std::uint8_t {

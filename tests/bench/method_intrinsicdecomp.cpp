@@ -71,9 +71,8 @@ Method intrinsicdecomp(DeviceSession& session) {
          .order = -double(times),
          .parameters = {{"resolution", times == 1 ? "1/2" : "1/4"}},
          .make = [make, times](Size size) { return at_lower_resolution(size, times, make({})); }});
-  method.settings.push_back({.curve = "resolution", .name = "1/1", .order = 0, .make = make({})});
   // Cycles below the finest levels in every cycle.
-  for (const uint32_t cycles : {1U, 2U, 4U}) {
+  for (const uint32_t cycles : {1U, 4U}) {
     Params params;
     params.multigrid.cell_cycles = cycles;
     method.settings.push_back({.curve = "coarse cycles",

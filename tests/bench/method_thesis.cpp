@@ -75,6 +75,9 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
   base.solver = solver;
   const auto add = [&](const char* curve, const ThesisParams& params, const std::string& name,
                        double order, Effort effort, const char* preset = "") {
+    const bool is_base = params.irls_iterations == base.irls_iterations &&
+                         params.pcg_iterations == base.pcg_iterations &&
+                         params.levels == base.levels;
     method.settings.push_back({.curve = curve,
                                .name = name,
                                .order = order,
@@ -83,6 +86,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                                               {"levels", std::to_string(params.levels)}},
                                .make = make(params),
                                .preset = preset,
+                               .base = is_base,
                                .effort = effort});
   };
   // The work-precision curve: reweightings x iterations, "4x8" is what the thesis runs.
@@ -97,15 +101,20 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    const bool brief = *preset || (!pcg && irls == 4);
+    const bool dear = irls == 16, odd = iterations == 4 || (dear && !*preset);
+    const bool brief = (*preset && !dear) || irls == base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
-        irls * iterations, brief ? Effort::brief : Effort::usual, preset);
+        irls * iterations,
+        odd     ? Effort::full
+        : brief ? Effort::brief
+                : Effort::usual,
+        preset);
   }
   for (const int levels : {1, 2, 3, 4, 5}) {
     ThesisParams params = base;
     params.levels = levels;
     add("levels", params, std::to_string(levels), levels,
-        levels <= 2 || levels == 4 ? Effort::usual : Effort::full);
+        levels <= 2 ? Effort::usual : Effort::full);
   }
   for (const int times : {1, 2})
     method.settings.push_back({.curve = "resolution",
@@ -134,8 +143,8 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                              .video = true,
                              .effort = pcg ? Effort::usual : Effort::full});
   ThesisParams converged = base;
-  converged.irls_iterations = pcg ? 32 : 64;
-  converged.pcg_iterations = pcg ? 24 : 8;
+  converged.irls_iterations = pcg ? 24 : 48;
+  converged.pcg_iterations = pcg ? 16 : 8;
   method.converged = make(converged);
   return method;
 }

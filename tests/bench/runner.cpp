@@ -23,7 +23,7 @@ constexpr const char* kUsage =
     "  [--no-scores]            times only\n"
     "  [--only METHOD]…         some methods only\n"
     "  [--converged FOLDER]     keeps converged solutions there, and reads those of others\n"
-    "  [--layers FOLDER]        writes the first frames' layers of settings with a preset there\n";
+    "  [--layers FOLDER]        writes the layers of scenes' first frames there, as flat dumps\n";
 
 struct Options {
   std::string data, out, converged, layers;
@@ -68,7 +68,7 @@ struct Row {
   const Method* method = nullptr;
   const Setting* setting = nullptr;
   const Scene* scene = nullptr;
-  std::unique_ptr<Solver> solver;
+  std::shared_ptr<Solver> solver;
   std::vector<double> wall, processor, device;
   std::map<std::string, std::vector<double>> stages;
   std::vector<Scores> scores;
@@ -107,6 +107,8 @@ class Bench {
       if (options_.only.empty() || options_.only.count(m.name)) methods_.push_back(&m);
     scenes_ = read_scenes(options_.data);
     if (scenes_.empty()) throw std::runtime_error("no scenes in " + options_.data);
+    std::stable_sort(scenes_.begin(), scenes_.end(),
+                     [](const Scene& a, const Scene& b) { return size_of(a) < size_of(b); });
     out_.open(options_.out);
     if (!out_) throw std::runtime_error("cannot write " + options_.out);
   }
@@ -166,47 +168,40 @@ class Bench {
   }
 
   void measure_scene(const Scene& scene) {
+    if (size_of(scene) != size_) solvers_.clear();
+    size_ = size_of(scene);
     const Converged converged = converge(scene);
     std::vector<Row> rows;
     for (const Method* m : methods_)
       for (const Setting& s : m->settings)
         if (wanted(s, scene, options_.full)) {
+          std::shared_ptr<Solver>& solver = solvers_[&s];
           rows.emplace_back();
           rows.back().method = m, rows.back().setting = &s, rows.back().scene = &scene;
-          rows.back().solver = s.make(size_of(scene));
+          rows.back().warm = solver != nullptr;
+          if (!solver) solver = s.make(size_);
+          rows.back().solver = solver;
         }
     // All settings take turns on every frame, so that what disturbs the machine disturbs all alike.
     for (int round = 0; round < options_.rounds; ++round)
       for (std::size_t k = 0; k < scene.frames.size(); ++k)
-        for (Row& row : rows) {
-          if (round > 0 && row.slow) continue;
-          const bool judged = round == 0 && options_.scores;
-          step(row, k, judged, converged);
-        }
+        for (Row& row : rows)
+          if (round == 0 || !row.slow) step(row, k, round == 0 && options_.scores, converged);
     for (Row& row : rows) write(row);
   }
 
   void step(Row& row, std::size_t k, bool judged, const Converged& converged) {
-    constexpr double kSlow = 400;  // milliseconds
+    constexpr double kSlow = 150;  // milliseconds
     const TruthFrame& frame = row.scene->frames[k];
     const bool continues = row.scene->video && k > 0;
-    if (!row.warm && !judged) {  // what starts a solver is no sample
-      Cost start;
-      row.solver->run(frame.input, false, start);
-    }
     Cost cost;
     const Decomposition d = row.solver->run(frame.input, continues, cost);
-    // The first frame of a video has no history, and the second finds things that it left.
-    const bool steady = row.scene->video ? k > 1 : row.warm || !judged;
+    // The first frame of a solver compiles kernels and touches memory, which hardly matters to slow
+    // ones (fast settings of the same kernels ran before); the first frame of a video has no
+    // history, and the second finds things that it left.
+    row.slow = row.slow || cost.wall > kSlow;
+    if (row.scene->video ? k > 1 : row.warm || row.slow) row.sample(cost);
     row.warm = true;
-    row.slow = cost.wall > kSlow;
-    if (!steady && row.slow && !row.scene->video) {
-      Cost again;
-      row.solver->run(frame.input, false, again);
-      row.sample(again);
-    } else if (steady) {
-      row.sample(cost);
-    }
     if (!judged) return;
     row.scores.push_back(
         score(d.reflectance, d.shading, frame.reflectance, frame.shading, frame.mask));
@@ -215,14 +210,14 @@ class Bench {
       row.to_converged.push_back(log_distance(d.reflectance, limit->second[k], frame.mask));
     if (row.scene->video) row.reflectance.push_back(d.reflectance);
     if (k == 0 && !options_.layers.empty() && !row.scene->video &&
-        (!row.setting->preset.empty() || row.method->family != "method"))
+        row.setting->effort == Setting::Effort::brief)
       write_layers(row, d);
   }
 
   void write_layers(const Row& row, const Decomposition& d) const {
     std::filesystem::create_directories(options_.layers);
     std::string name = row.scene->set + "-" + row.scene->name + "-" + row.method->name + "-" +
-                       (row.setting->preset.empty() ? row.setting->name : row.setting->preset);
+                       row.setting->curve + "-" + row.setting->name;
     std::replace_if(
         name.begin(), name.end(), [](char c) { return c == ' ' || c == '/'; }, '_');
     write_flat(options_.layers + "/" + name + ".f32",
@@ -239,6 +234,7 @@ class Bench {
         .add("setting", json::text(row.setting->name))
         .add("order", json::number(row.setting->order))
         .add("preset", json::text(row.setting->preset))
+        .add("base", row.setting->base ? "true" : "false")
         .add("against", json::text(row.setting->against))
         .add("parameters", parameters.str())
         .add("device", json::text(row.method->family == "method" ? device_ : "processor"))
@@ -281,6 +277,8 @@ class Bench {
   std::string device_;
   std::vector<const Method*> methods_;
   std::vector<Scene> scenes_;
+  std::map<const Setting*, std::shared_ptr<Solver>> solvers_;  // for frames of size_
+  Size size_;
   std::ofstream out_;
   bool first_ = true;
 };
