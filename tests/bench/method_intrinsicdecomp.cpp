@@ -61,6 +61,7 @@ Method intrinsicdecomp(DeviceSession& session) {
          .parameters = {{"cycles", std::to_string(cycles)}},
          .make = make(params),
          .preset = preset == presets.end() ? "" : preset->second,
+         .base = cycles == Params{}.cycles,
          .effort = cycles == 3 || cycles == 6 ? Effort::usual : Effort::brief});
   }
   // Half and quarter resolution at the default.
@@ -116,7 +117,7 @@ Method intrinsicdecomp(DeviceSession& session) {
                              .name = "off",
                              .parameters = {{"adaptive", "false"}},
                              .make = make(all),
-                             .stills = true,
+                             .stills = false,
                              .video = true,
                              .effort = Effort::brief});
   method.settings.push_back({.curve = "adaptive",
@@ -124,7 +125,7 @@ Method intrinsicdecomp(DeviceSession& session) {
                              .order = 1,
                              .parameters = {{"adaptive", "true"}},
                              .make = make(adaptive),
-                             .stills = true,
+                             .stills = false,
                              .video = true,
                              .effort = Effort::brief,
                              .against = "adaptive/off"});

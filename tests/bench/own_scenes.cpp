@@ -1,5 +1,5 @@
 // own-scenes FOLDER STAMP: renders the project's own data for the benchmark, with the renderer of
-// the bundled clip: three kinds of stills, and videos of what makes a frame cheap or dear. Writes
+// the bundled clip: four kinds of stills, and videos of what makes a frame cheap or dear. Writes
 // STAMP when done. Takes about a minute of processor time; deterministic.
 #include <algorithm>
 #include <cmath>
@@ -48,14 +48,14 @@ TruthFrame render(const clip::Scene& scene, clip::Quality quality) {
 
 Paint plain(Vec3 color) { return {Pattern::kPlain, {color}, 1, ""}; }
 
-/// A floor and a wall, a lamp to the left, a window to the right.
+/// A floor and a wall, a near lamp to the left, a weak window to the right.
 clip::Scene stage(Vec3 wall, Paint floor) {
   const clip::Frame facing = clip::rotation({1, 0, 0}, clip::kPi / 2);
   clip::Scene scene;
   scene.primitives = {{Shape::kRectangle, {3, 0, 2}, {0, 0.8F, -0.58F}, facing, plain(wall)},
                       {Shape::kRectangle, {3, 0, 3}, {0, 0, 1}, {}, floor}};
-  scene.lamp = {{-1.3F, 1.5F, 1.3F}, 0.02F, 3.2F};
-  scene.window = {{1.9F, 0.2F, 0.1F}, {0, 0, 1.3F}, {0, 1.3F, 0}, 0.6F};
+  scene.lamp = {{-0.95F, 0.95F, 0.75F}, 0.015F, 1.05F};
+  scene.window = {{1.9F, 0.2F, 0.1F}, {0, 0, 1.3F}, {0, 1.3F, 0}, 0.3F};
   scene.camera = {{0.05F, 0.52F, 1.6F}, {0, 0.25F, -0.1F}, 0.62F};
   return scene;
 }
@@ -105,7 +105,6 @@ clip::Scene patches() {
 /// Bright colors of one value under hard shadows.
 clip::Scene toys() {
   clip::Scene scene = stage({0.82F, 0.74F, 0.58F}, plain({0.55F, 0.8F, 0.6F}));
-  scene.window.radiance = 0.25F;
   const Vec3 colors[] = {{0.82F, 0.12F, 0.1F}, {0.1F, 0.3F, 0.8F},   {0.8F, 0.7F, 0.08F},
                          {0.1F, 0.8F, 0.25F},  {0.8F, 0.35F, 0.08F}, {0.6F, 0.1F, 0.8F}};
   const float places[][2] = {{-0.5F, -0.2F}, {-0.25F, 0.15F}, {0.0F, -0.15F},
@@ -121,9 +120,32 @@ clip::Scene toys() {
   }
   scene.primitives.push_back({Shape::kFrustum,
                               {0.03F, 0.3F, 0.03F},
-                              {-0.62F, 0.3F, 0.2F},
+                              {-0.42F, 0.3F, 0.1F},
                               {},
                               plain({0.8F, 0.78F, 0.75F})});
+  return scene;
+}
+
+/// Clay: many shapes, hardly any paint, so that nearly all that is seen is shading.
+clip::Scene sculptures() {
+  clip::Scene scene = stage({0.6F, 0.57F, 0.52F}, plain({0.42F, 0.36F, 0.31F}));
+  const Paint clay = plain({0.63F, 0.42F, 0.31F}), plaster = plain({0.74F, 0.72F, 0.68F}),
+              slate = plain({0.21F, 0.23F, 0.26F});
+  const clip::Frame upright = clip::rotation({1, 0, 0}, 1.2F);
+  scene.primitives.push_back({Shape::kVase, {0.42F, 0, 0}, {-0.3F, 0, 0.05F}, {}, plaster});
+  scene.primitives.push_back(
+      {Shape::kTorus, {0.13F, 0.05F, 0}, {0.02F, 0.17F, -0.1F}, upright, clay});
+  scene.primitives.push_back({Shape::kRoundedBox,
+                              {0.09F, 0.09F, 0.09F},
+                              {0.3F, 0.09F, 0.08F},
+                              clip::rotation({0, 1, 0}, 0.7F),
+                              slate});
+  scene.primitives.push_back(
+      {Shape::kEllipsoid, {0.08F, 0.08F, 0.08F}, {0.3F, 0.26F, 0.08F}, {}, plaster});
+  scene.primitives.push_back(
+      {Shape::kFrustum, {0.09F, 0.2F, 0.02F}, {0.52F, 0.2F, -0.2F}, {}, clay});
+  scene.primitives.push_back(
+      {Shape::kEllipsoid, {0.06F, 0.06F, 0.06F}, {0.05F, 0.06F, 0.25F}, {}, clay});
   return scene;
 }
 
@@ -169,11 +191,12 @@ TruthFrame with_noise(TruthFrame frame, unsigned seed) {
 }
 
 void write_all(const std::string& folder) {
-  constexpr clip::Quality kStill{36, 16, 3}, kMoving{16, 9, 3};
+  constexpr clip::Quality kStill{36, 16, 3}, kMoving{16, 4, 3};
   constexpr int kFrames = 10;
   const TruthFrame table = render(clip::still_life(0.35F), kStill);
-  write_scene(folder, {kSet, "still life", "mixed", false, {table}});
+  write_scene(folder, {kSet, "still life", "much of everything", false, {table}});
   write_scene(folder, {kSet, "patches", "diverse value", false, {render(patches(), kStill)}});
+  write_scene(folder, {kSet, "sculptures", "little paint", false, {render(sculptures(), kStill)}});
   write_scene(folder, {kSet, "toys", "near-constant value", false, {render(toys(), kStill)}});
   Scene light{kSet, "moving light", "everything changes", true, {}};
   Scene still{kSet, "still camera", "nothing changes", true, {}};

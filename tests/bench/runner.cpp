@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kUsage =
     "options: --data FOLDER (scenes as flat dumps) --out FILE.json [--full] [--rounds N]\n"
-    "  [--no-scores]            times only\n"
+    "  [--brief]                settings that every run has, and no scores: for more samples\n"
     "  [--only METHOD]…         some methods only\n"
     "  [--converged FOLDER]     keeps converged solutions there, and reads those of others\n"
     "  [--layers FOLDER]        writes the layers of scenes' first frames there, as flat dumps\n";
@@ -28,7 +28,7 @@ constexpr const char* kUsage =
 struct Options {
   std::string data, out, converged, layers;
   std::set<std::string> only;
-  bool full = false, scores = true;
+  bool full = false, brief = false;
   int rounds = 2;
 };
 
@@ -54,8 +54,8 @@ Options parse(int argc, char** argv) {
       options.rounds = std::max(1, std::stoi(value()));
     else if (argument == "--full")
       options.full = true;
-    else if (argument == "--no-scores")
-      options.scores = false;
+    else if (argument == "--brief")
+      options.brief = true;
     else
       throw std::runtime_error(argument + "?\n" + kUsage);
   }
@@ -89,9 +89,10 @@ Size size_of(const Scene& scene) {
   return {scene.frames.front().input.width, scene.frames.front().input.height};
 }
 
-bool wanted(const Setting& setting, const Scene& scene, bool full) {
+bool wanted(const Setting& setting, const Scene& scene, const Options& options) {
   if (!(scene.video ? setting.video : setting.stills)) return false;
-  if (full) return true;
+  if (options.brief) return setting.effort == Setting::Effort::brief;
+  if (options.full) return true;
   if (setting.effort == Setting::Effort::full) return false;
   return scene.set == "own" || setting.effort == Setting::Effort::brief;
 }
@@ -145,7 +146,7 @@ class Bench {
   /// Every method's converged reflectance of a scene of stills.
   Converged converge(const Scene& scene) const {
     Converged all;
-    if (scene.video || !options_.scores || (scene.set != "own" && !options_.full)) return all;
+    if (scene.video || options_.brief || (scene.set != "own" && !options_.full)) return all;
     for (const Method* m : methods_) {
       if (m->converged) {
         const auto solver = m->converged(size_of(scene));
@@ -174,7 +175,7 @@ class Bench {
     std::vector<Row> rows;
     for (const Method* m : methods_)
       for (const Setting& s : m->settings)
-        if (wanted(s, scene, options_.full)) {
+        if (wanted(s, scene, options_)) {
           std::shared_ptr<Solver>& solver = solvers_[&s];
           rows.emplace_back();
           rows.back().method = m, rows.back().setting = &s, rows.back().scene = &scene;
@@ -186,7 +187,7 @@ class Bench {
     for (int round = 0; round < options_.rounds; ++round)
       for (std::size_t k = 0; k < scene.frames.size(); ++k)
         for (Row& row : rows)
-          if (round == 0 || !row.slow) step(row, k, round == 0 && options_.scores, converged);
+          if (round == 0 || !row.slow) step(row, k, round == 0 && !options_.brief, converged);
     for (Row& row : rows) write(row);
   }
 

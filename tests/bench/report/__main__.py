@@ -36,7 +36,7 @@ def summarize(results):
         "own": own,
         "regimes": {n: summary.points(rows, regime=n, device=results["device"]) for n in names},
         "front": [[p["method"], p["curve"], p["setting"]] for p in summary.front(own, "lmse20")],
-        "knee": summary.knee(curve, "lmse20")}
+        "knee": summary.knee(curve, "lmse20", summary.steady_time(results["device"]))}
 
 
 def other_machines(paths):

@@ -12,9 +12,13 @@ class Failed(RuntimeError):
     pass
 
 
+spent = {}  # processor seconds of programs, by part
+
+
 def follow(arguments, progress, **environment):
     """Runs a program whose standard error has lines '@progress SHARE TEXT'; others are shown if it fails."""
     said = []
+    before = os.times()
     with subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env={**os.environ, **environment}) as process:
         for line in process.stderr:
@@ -24,6 +28,9 @@ def follow(arguments, progress, **environment):
             else:
                 said.append(line)
         out = process.stdout.read()
+    after = os.times()
+    spent[progress.part] = (spent.get(progress.part, 0) + after.children_user + after.children_system -
+                            before.children_user - before.children_system)
     if process.returncode:
         raise Failed(f"{arguments[0]} failed (exit status {process.returncode}):\n{''.join(said[-20:])}{out[-2000:]}")
     return out
@@ -83,9 +90,8 @@ def run(build, work, data, full, progress, only):
             for folder in [own] + ([other] if number == 0 and any(other.glob("*.f32")) else []):
                 progress.begin(f"{runner} {folder.name} {number}")
                 out = work / f"{runner}-{folder.name}-{number}.json"
-                rounds = ["--rounds", "2" if number == 0 and folder == own else "1"]
-                follow([programs / runner, "--data", folder, "--out", out] + rounds + options +
-                       (["--no-scores"] if number else []), progress)
+                follow([programs / runner, "--data", folder, "--out", out, "--rounds", "2"] + options +
+                       (["--brief"] if number else []), progress)
                 passes.append(json.loads(out.read_text()))
     results["device"] = passes[0]["device"]
     results["methods"] = {m["name"]: m for p in passes for m in p["methods"]}
@@ -94,12 +100,15 @@ def run(build, work, data, full, progress, only):
     results["rows"] = [summary.condensed(r) for r in rows]
 
     progress.begin("elements")
-    sizes = "320x240,640x480,1280x720" + (",1920x1080" if full else "")
-    out = work / "elements.json"
-    follow([programs / "element-bench", "--sizes", sizes, "--frames", "40" if full else "14", "--rounds",
-            "3" if full else "1", "--json", out, "intrinsicdecomp", "intrinsicdecompthesis"], progress,
-           GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
-    results["elements"] = json.loads(out.read_text())
+    results["elements"] = []
+    more = ",1280x720,1920x1080"
+    for element, sizes in (("intrinsicdecomp", "320x240,640x480" + more),
+                           ("intrinsicdecompthesis", "320x240,640x480" + (more if full else ""))):
+        out = work / "elements.json"
+        follow([programs / "element-bench", "--sizes", sizes, "--frames", "40" if full else "12", "--rounds",
+                "3" if full else "1", "--json", out, element], progress,
+               GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
+        results["elements"] += json.loads(out.read_text())
 
     progress.begin("extremes")
     extremes = build / "tests" / "extremes" / "extremes"
@@ -110,6 +119,7 @@ def run(build, work, data, full, progress, only):
         follow([extremes, "--report", out], progress)
         if out.exists():
             results["extremes"] = json.loads(out.read_text())
+    results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
     results["machine"]["load_after"] = os.getloadavg()[0]
     return results
 

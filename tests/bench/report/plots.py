@@ -11,11 +11,12 @@ matplotlib.rcParams.update({
     "axes.axisbelow": True, "xtick.color": "#444444", "ytick.color": "#444444", "axes.titlesize": 10,
     "axes.titleweight": "bold", "axes.titlelocation": "left", "svg.hashsalt": "gst-inverse", "svg.fonttype": "none"})
 import matplotlib.pyplot as plt
-from matplotlib import ticker
+from matplotlib import patheffects, ticker
 
 import summary
 
 INK, FAINT = "#222222", "#8a8a8a"
+HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]  # keeps texts readable over lines
 STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "thesis PCG": ("#D55E00", "s"), "thesis Schwarz": ("#CC79A7", "D"),
           "same energy, CPU CG": ("#56B4E9", "v"), "same energy, CPU Cholesky": ("#56B4E9", "^"),
           "gray Retinex": ("#009E73", "P"), "color Retinex": ("#009E73", "X"),
@@ -50,8 +51,10 @@ def finish_axes(ax, xs, ys, xlabel, ylabel):
     ax.set_xscale("log")
     ax.set_yscale("log")
     xs, ys = [x for x in xs if x > 0], [y for y in ys if y > 0]
-    ax.set_xlim(min(xs) / 1.5, max(xs) * 2.2)
-    ax.set_ylim(min(ys) / 1.25, max(ys) * 1.25)
+    span = max(1.5, max(xs) / min(xs))
+    ax.set_xlim(min(xs) / span ** 0.06, max(xs) * span ** 0.22)  # names stand on the right
+    span = max(1.2, max(ys) / min(ys))
+    ax.set_ylim(min(ys) / span ** 0.12, max(ys) * span ** 0.12)
     plain_log(ax.xaxis, max(xs) / min(xs))
     plain_log(ax.yaxis, max(ys) / min(ys))
     ax.set_xlabel(xlabel)
@@ -59,9 +62,9 @@ def finish_axes(ax, xs, ys, xlabel, ylabel):
 
 
 def curve_of(points, method, curve):
-    """A method's points along a curve, with the default among them, by time."""
+    """A method's points along a curve in its order, the default last where it is not one of them."""
     return sorted((p for p in points if p["method"] == method and (p["curve"] == curve or p["base"]) and p["wall_ms"]),
-                  key=lambda p: p["wall_ms"][1])
+                  key=lambda p: p["order"] if p["curve"] == curve else math.inf)
 
 
 def draw_curve(ax, points, error, method, time, line="-", labels=True, faint=False):
@@ -77,12 +80,12 @@ def draw_curve(ax, points, error, method, time, line="-", labels=True, faint=Fal
     if labels:
         for p, a, b in zip(points, x, y):
             ax.annotate(p["setting"], (a, b), (0, 5), textcoords="offset points", fontsize=6.5, color=color,
-                        ha="center", va="bottom")
+                        ha="center", va="bottom", path_effects=HALO, zorder=6)
 
 
 def name_at(ax, x, y, text, color, offset=(7, 0), ha="left", size=8, weight="normal"):
     ax.annotate(text, (x, y), offset, textcoords="offset points", fontsize=size, color=color, ha=ha, va="center",
-                fontweight=weight, zorder=6)
+                fontweight=weight, zorder=6, path_effects=HALO)
 
 
 def spread_labels(ax, labels):
@@ -101,7 +104,7 @@ def spread_labels(ax, labels):
         moved = (target - py) * 72 / figure.dpi
         ax.annotate(text, (x, y), (8, moved), textcoords="offset points", fontsize=7.5, color=color, va="center",
                     ha="left", arrowprops={"arrowstyle": "-", "color": color, "lw": 0.4, "alpha": 0.6}
-                    if abs(moved) > 6 else None, zorder=6)
+                    if abs(moved) > 6 else None, zorder=6, path_effects=HALO)
 
 
 def mark_presets(ax, points, error, time):
@@ -111,7 +114,8 @@ def mark_presets(ax, points, error, time):
             ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color,
                     markeredgewidth=1.3, zorder=4)
             ax.annotate(p["preset"], (p[time][1], p[error]), (0, -9), textcoords="offset points", fontsize=7,
-                        color=color, ha="center", va="top", fontweight="bold" if p["base"] else "normal", zorder=6)
+                        color=color, ha="center", va="top", fontweight="bold" if p["base"] else "normal", zorder=6,
+                        path_effects=HALO)
 
 
 def mark_front(ax, points, error, time):
@@ -123,8 +127,8 @@ def mark_front(ax, points, error, time):
         xs += [p[time][1], p[time][1]]
         ys += [ys[-1], p[error]]
     ax.plot(xs + [ax.get_xlim()[1]], ys + [ys[-1]], color=INK, linewidth=5, alpha=0.10, solid_joinstyle="miter", zorder=1)
-    ax.annotate("Pareto front", (xs[-1], ys[-1]), (16, -8), textcoords="offset points", fontsize=7, color=FAINT,
-                va="center")
+    ax.annotate("Pareto front", (ax.get_xlim()[1], ys[-1]), (-4, -8), textcoords="offset points", fontsize=7, color=FAINT,
+                va="center", ha="right", path_effects=HALO)
 
 
 def extent(points, error, time):
@@ -163,8 +167,7 @@ def draw_work_precision(ax, points, error, time, all_peers=True):
         own = [p for p in curve_of(shown, method, curve) if p[error]]
         draw_curve(ax, own, error, method, time, labels=False)
         if own:
-            # A name stands at the end that is farthest from the others.
-            end = own[0] if method == "intrinsicdecomp" else own[-1]
+            end = max(own, key=lambda p: p[time][1])
             labels.append((end[time][1], end[error], method, style(method)[0]))
     for p in best.values():
         color, marker = style(p["method"])
@@ -186,7 +189,7 @@ def work_precision(points, folder, title):
     draw_work_precision(ax, points, "lmse20", "wall_ms")
     ax.set_xlabel(TIME_NAMES["wall_ms"])
     ax.set_ylabel("error to ground truth: " + ERROR_NAMES["lmse20"])
-    ax.set_title(title)
+    ax.set_title(title, pad=12)
     save(figure, folder, "work-precision")
 
 
@@ -200,7 +203,7 @@ def device_time(points, folder):
         finish_axes(ax, *extent(shown, "lmse20", time), TIME_NAMES[time], ERROR_NAMES["lmse20"])
         labels = []
         for method, curve in MAIN.items():
-            line = sorted((p for p in shown if p["method"] == method), key=lambda p: p[time][1])
+            line = sorted((p for p in shown if p["method"] == method), key=lambda p: p["order"])
             draw_curve(ax, line, "lmse20", method, time, labels=False)
             if line:
                 labels.append((line[-1][time][1], line[-1]["lmse20"], method, style(method)[0]))
@@ -289,7 +292,7 @@ def regimes(by_regime, folder):
 
 def adaptivity(entries, folder):
     """What leaving out saves: time with it over time without, by scene."""
-    entries = [e for e in entries if e["wall_ratio"]]
+    entries = [e for e in entries if e["wall_ratio"] and e["video"]]
     if not entries:
         return False
     entries = sorted(entries, key=lambda e: e["wall_ratio"][1])

@@ -71,8 +71,13 @@ def points(rows, video=False, sets=None, regime=None, device=None):
         if device and row["device"] not in (device, "processor"):
             continue
         groups.setdefault((row["device"], row["method"], row["curve"], row["setting"]), []).append(row)
+    scenes = {}
+    for (on, *_), group in groups.items():
+        scenes.setdefault(on, set()).update((r["set"], r["scene"]) for r in group)
     out = []
     for (on, method, curve, setting), group in groups.items():
+        if len(group) < len(scenes[on]):
+            continue  # errors over different scenes cannot be compared
         point = {"device": on, "method": method, "curve": curve, "setting": setting, "order": group[0]["order"],
                  "preset": group[0]["preset"], "base": group[0]["base"], "parameters": group[0]["parameters"],
                  "scenes": len(group)}
@@ -94,6 +99,12 @@ def front(all_points, error, time="wall_ms"):
             best = p[error]
             out.append(p)
     return out
+
+
+def steady_time(device):
+    """The clock to trust for fine differences: a software device's processor time, which other work hardly disturbs; a
+    GPU's own clock."""
+    return "processor_ms" if "llvmpipe" in device else "device_ms"
 
 
 def knee(curve, error, time="wall_ms"):
