@@ -114,16 +114,17 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
     ThesisParams params = base;
     params.levels = levels;
     add("levels", params, std::to_string(levels), levels,
-        levels <= 2 ? Effort::usual : Effort::full);
+        levels <= 2 && pcg ? Effort::usual : Effort::full);
   }
   for (const int times : {1, 2})
-    method.settings.push_back({.curve = "resolution",
-                               .name = times == 1 ? "1/2" : "1/4",
-                               .order = -double(times),
-                               .parameters = {{"resolution", times == 1 ? "1/2" : "1/4"}},
-                               .make = [make, base, times](Size size) {
-                                 return at_lower_resolution(size, times, make(base));
-                               }});
+    method.settings.push_back(
+        {.curve = "resolution",
+         .name = times == 1 ? "1/2" : "1/4",
+         .order = -double(times),
+         .parameters = {{"resolution", times == 1 ? "1/2" : "1/4"}},
+         .make = [make, base,
+                  times](Size size) { return at_lower_resolution(size, times, make(base)); },
+         .effort = pcg ? Effort::usual : Effort::full});
   method.settings.push_back({.curve = "resolution", .name = "1/1", .order = 0, .make = make(base)});
   if (pcg) add_ablations(method, base, make);
   ThesisParams alone = base;

@@ -31,12 +31,17 @@ def summarize(results):
     rows = results["rows"]
     own = summary.points(rows, sets={"own"}, device=results["device"])
     names = dict.fromkeys(r["regime"] for r in rows if not r["video"])
+    videos = summary.points([r for r in rows if r["curve"] == "warm cycles"], video=True, sets={"own"})
+    clock = summary.steady_time(results["device"])
+    warm = [p for p in videos if p["method"] == "intrinsicdecomp"]
     curve = [p for p in own if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles"]
     results["summary"] = {
         "own": own,
         "regimes": {n: summary.points(rows, regime=n, device=results["device"]) for n in names},
         "front": [[p["method"], p["curve"], p["setting"]] for p in summary.front(own, "lmse20")],
-        "knee": summary.knee(curve, "lmse20", summary.steady_time(results["device"]))}
+        "videos": videos,
+        "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)],
+        "warm_knee": [p["setting"] for p in summary.knee(warm, "lmse20", clock)]}
 
 
 def other_machines(paths):
@@ -49,15 +54,15 @@ def other_machines(paths):
 def draw(results, folder, work):
     import plots  # after measuring, as it takes a second
     own = results["summary"]["own"]
-    has = {"convergence": plots.convergence(own, folder), "adaptivity": plots.adaptivity(results["adaptivity"], folder),
-           "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists(),
-           "device": True}
-    plots.work_precision(own, folder, f"What a millisecond buys ({results['device']})")
+    has = {"convergence": plots.convergence(own, folder), "adaptivity": 
+           plots.adaptivity(results["adaptivity"], summary.steady_time(results["device"]), folder),
+           "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists()}
+    plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
     plots.knobs(own, folder)
-    plots.device_time(own, folder)
+    plots.other_clocks(own, folder)
     plots.sizes(results["elements"], folder)
     if results["extremes"]:
-        plots.conditions(results["extremes"], folder)
+        plots.conditions(results["extremes"]["cases"], folder)
     scene = work / "scenes-own" / "own-still_life.f32"
     columns = [("truth", None)]
     for title, name in [("intrinsicdecomp", "intrinsicdecomp-cycles-4"), ("thesis", "thesis_PCG-iterations-4x8"),

@@ -51,19 +51,20 @@ def headline(points):
     return text
 
 
-def exchange(points):
-    """What each further step along the curve costs and brings."""
-    curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles" and p["wall_ms"]),
+def exchange(points, along="cycles"):
+    """What each further step along a curve of intrinsicdecomp costs and brings."""
+    curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
                    key=lambda p: p["order"])
     rows = []
     for before, p in zip([None] + curve, curve):
         gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
-        cost = "" if before is None else f"{p['wall_ms'][1] - before['wall_ms'][1]:+.1f} ms"
-        name = f"`{p['preset']}`{' (default)' if p['base'] else ''}" if p["preset"] else ""
-        rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), figure(p["lmse20"]),
-                     figure(p["to_converged"]), cost, gain])
-    return table(["cycles", "`quality`", "ms on the clock (quartiles)", "ms on the device", "LMSE", "to converged",
-                  "step costs", "step brings"], rows)
+        cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
+        name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
+        last = figure(p["to_converged"]) if along == "cycles" else figure(p["jitter"])
+        rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
+                     figure(p["lmse20"]), last, cost, gain])
+    return table([along, "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE",
+                  "to converged" if along == "cycles" else "jitter", "step costs (processor)", "step brings"], rows)
 
 
 def everybody(points, methods):
@@ -152,7 +153,8 @@ def write(results, folder, has):
     """`has` names the plots that were drawn."""
     rows, points = results["rows"], results["summary"]["own"]
     machine = results["machine"]
-    knee = results["summary"]["knee"]
+    knee, warm = (" to ".join(dict.fromkeys([k[0], k[-1]])) if k else None
+                  for k in (results["summary"]["knee"], results["summary"]["warm_knee"]))
     out = ["""# What a millisecond buys
 
 Error against run time of every method, its peers and the no-solve answers, on the same machine in the same run. Made by
@@ -169,9 +171,10 @@ Error against run time of every method, its peers and the no-solve answers, on t
     if knee:
         out.append(f"The knee of this curve (the point farthest below the line between its ends, in logarithms of error and "
                    f"{'processor' if 'llvmpipe' in results['device'] else 'device'} time) lies at "
-                   f"**{knee['setting']} cycles**"
-                   f"{', which is the default' if knee['base'] else ''}. Presets of the elements are "
-                   "`quality=low|medium|high|best`; what is set explicitly wins.\n")
+                   f"**{knee} cycles**. Presets "
+                   "of the elements are `quality=low|medium|high|best`; what is set explicitly wins.\n")
+    out.append("Frames of a video start from the one before, and need fewer (own videos, mean):\n\n" +
+               exchange(results["summary"]["videos"], "warm cycles") + (f"\nKnee: **{warm} cycles**.\n" if warm else ""))
     if has["convergence"]:
         out.append("![Convergence](convergence.png)\n\n"
                    "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 48×8 iterations) in "
@@ -207,8 +210,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
         out.append("Not measured in this run: `tests/extremes` was not built.\n")
     out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
                "\nFrames of the bundled clip as NV12 from system memory to system memory.\n")
-    if has["device"]:
-        out.append("## By other clocks\n\n![Device and processor time](device-time.png)\n")
+    out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
     for other in results.get("others", []):
         out.append(f"## On {other['device']}\n\n" + exchange(other["points"]))
     load = max(machine["load_before"], machine["load_after"])

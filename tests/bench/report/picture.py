@@ -43,7 +43,8 @@ def layers(scene_path, columns, folder, name):
         axes[0][column].set_title(title, fontsize=8, fontweight="normal", loc="center")
     for ax in axes.flat:
         ax.axis("off")
-    figure.text(0.012, 0.30, "shading", fontsize=8, rotation=90, va="center")
+    axes[1][0].text(0.98, 0.5, "shading →", fontsize=9, ha="right", va="center", transform=axes[1][0].transAxes)
+    axes[1][0].text(0.98, 0.95, "↗ reflectance", fontsize=9, ha="right", va="top", transform=axes[1][0].transAxes)
     figure.subplots_adjust(0.01, 0.01, 0.99, 0.92, 0.03, 0.03)
     figure.savefig(folder / f"{name}.jpg", dpi=110, pil_kwargs={"quality": 88})
     plots.plt.close(figure)

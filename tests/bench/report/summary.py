@@ -108,17 +108,18 @@ def steady_time(device):
 
 
 def knee(curve, error, time="wall_ms"):
-    """The point of a curve that is farthest below the line between its ends, in the logarithms of time and error: from
-    there on a millisecond buys less than it did on average."""
+    """The points of a curve that are farthest below the line between its ends (to nine tenths of the farthest), in the
+    logarithms of time and error: from there on a millisecond buys less than it did on average. By time."""
     usable = sorted((p for p in curve if p[time] and p[error]), key=lambda p: p[time][1])
     if len(usable) < 3:
-        return None
+        return []
     x = [math.log(p[time][1]) for p in usable]
     y = [math.log(p[error]) for p in usable]
     if x[-1] - x[0] < 1e-9:
-        return None
+        return []
     below = [y[0] + (y[-1] - y[0]) * (a - x[0]) / (x[-1] - x[0]) - b for a, b in zip(x, y)]
-    return usable[max(range(len(below)), key=below.__getitem__)]
+    near = 0.9 * max(below)
+    return [p for p, depth in zip(usable, below) if depth >= near and depth > 0]
 
 
 def bootstrap_ratio(ours, theirs, rounds=1000):

@@ -57,8 +57,8 @@ class Summary(unittest.TestCase):
     def test_knee_is_farthest_below_the_line(self):
         curve = [{"setting": n, "wall_ms": [t, t, t], "e": e}
                  for n, t, e in [("a", 1, 1), ("b", 2, 0.2), ("c", 10, 0.15), ("d", 100, 0.1)]]
-        self.assertEqual(summary.knee(curve, "e")["setting"], "b")
-        self.assertIsNone(summary.knee(curve[:2], "e"))
+        self.assertEqual([p["setting"] for p in summary.knee(curve, "e")], ["b"])
+        self.assertEqual(summary.knee(curve[:2], "e"), [])
 
     def test_ratio_of_pairs(self):
         low, middle, high = summary.bootstrap_ratio([1, 2, 3, 4] * 5, [2, 4, 6, 8] * 5)
