@@ -139,8 +139,8 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
 }
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
-  // Cells measure their activity towards the right and down, so that even the reference is not
-  // quite symmetric.
+  // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
+  // its cycles (tests/extremes/symmetry_test.cpp).
   const Extent extent{160, 120};
   const Pixels pixels = scene(extent, 10);
   Pixels mirrored(pixels.size());
