@@ -82,7 +82,10 @@ class Commands {
   /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
   /// timed.
   void stage(const char* name);
-  static constexpr uint32_t kMaxStages = 31;
+  static constexpr uint32_t kMaxStages = 127;
+  /// Whether every dispatch is a stage of its own, named as its kernel: for benchmarks, as every
+  /// mark waits.
+  void stage_every_dispatch(bool every) { stage_every_dispatch_ = every; }
 
   /// Hands the recorded work to the device.
   void submit();
@@ -131,6 +134,7 @@ class Commands {
   uint32_t dispatches_ = 0;
   bool in_flight_ = false;
   bool timed_out_ = false;
+  bool stage_every_dispatch_ = false;
 };
 
 /// How many frames an element may have in flight: who keeps something for each needs so many.

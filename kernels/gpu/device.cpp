@@ -272,6 +272,7 @@ void Device::read_properties() {
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
+  variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
   variant_.workgroup = is_cpu_ ? 64 : 128;
   const uint32_t workgroup = environment_number("INVERSE_WORKGROUP", variant_.workgroup) / 8 * 8;
   variant_.workgroup = std::clamp(workgroup, 8u, std::min(256u, limits_.workgroup_invocations));
