@@ -11,4 +11,11 @@ float cue(float x) {
   return float(bits >> 23) + ((((-0.0784406763 * m + 0.626032182) * m - 2.07833517) * m + 4.0292114) * m - 129.498353);
 }
 
-float weight(float log_weight) { return exp(clamp(log_weight, kLogLow, kLogHigh)); }
+// e^log_weight within the limits, to 1e-5: 2 to the power of what is left of a whole number is a polynomial (minimax, degree 4).
+float weight(float log_weight) {
+  float power = clamp(log_weight, kLogLow, kLogHigh) * 1.442695041 + 127.0;  // positive, so that int() rounds down
+  int whole = int(power);
+  float x = power - float(whole);
+  return intBitsToFloat(whole << 23) *
+         ((((0.0135341672 * x + 0.0520114619) * x + 0.241442756) * x + 0.693003835) * x + 1.00000259);
+}
