@@ -1,8 +1,8 @@
 // Fits an edge prior of fewer hidden values to one that was fitted through the solve: regression of
 // its ln a and ln b on cues alone, which needs no truth and takes a minute.
 //
-//   shrink_edge_prior --from weights-12.txt --out weights.txt [--hidden 4] [--keep 0.7]
-//                     [--steps 40000] [--scenes 400 --data DIR]
+//   shrink_edge_prior --from weights-12.txt --out weights.txt [--hidden 4] [--steps 40000]
+//                     [--scenes 400 --data DIR]
 //
 // Edges are drawn from procedural scenes (scenes.hpp) other than those of fit_edge_prior and, a
 // quarter of each batch, from the rendered sequences that it saw too. MIT objects and the
@@ -29,13 +29,12 @@ namespace {
 
 constexpr int kCues = reference::kEdgeFeatures, kOutputs = 2, kBatch = 2048;
 constexpr int kEdgesPerScene = 2500, kFirstSeed = 500000;
-constexpr double kRenderedShare = 0.25, kRate = 1e-2;  // Adam's, falling to nothing by a cosine
+constexpr double kRenderedShare = 0.25, kRate = 1e-2;
 constexpr float kLow = float(reference::kLogLow), kHigh = float(reference::kLogHigh);
 
 struct Options {
   std::string from, out, data = "../shared/data";
   int hidden = 4, steps = 40000, scenes = 400;
-  double keep = 1;  ///< Share of the weights on an edge's own cues; the others become 0.
 };
 
 /// Cues of many edges, one plane a cue, and what the large net says of them.
@@ -100,35 +99,6 @@ std::array<double, kOutputs> rms(const Net& net, const std::vector<float>& p, co
   return sum;
 }
 
-/// Which parameters stay: after half of the steps the weights that move the outputs least go. Those
-/// on the frame's own cues cost nothing (net_to_glsl.py) and stay.
-std::vector<bool> kept(const Net& net, const std::vector<float>& p, const Edges& edges,
-                       double keep) {
-  std::vector<std::pair<double, std::size_t>> effects;
-  for (int i = 0; i < net.inputs - reference::kFrameStatistics; ++i) {
-    const Plane& cue = edges.cues[std::size_t(i)];
-    double sum = 0, squares = 0;
-    for (float v : cue) sum += v, squares += double(v) * v;
-    const double n = double(cue.size()), mean = sum / n;
-    const double spread = std::sqrt(std::max(squares / n - mean * mean, 0.0));
-    const auto add = [&](int parameter, double gain) {
-      effects.emplace_back(std::fabs(double(p[std::size_t(parameter)])) * gain * spread,
-                           std::size_t(parameter));
-    };
-    for (int o = 0; o < net.outputs; ++o) add(net.skip(o, i), 1);
-    for (int h = 0; h < net.hidden; ++h) {
-      double gain = 0;
-      for (int o = 0; o < net.outputs; ++o) gain += std::fabs(p[std::size_t(net.outer(o, h))]);
-      add(net.inner(h, i), gain);
-    }
-  }
-  std::sort(effects.begin(), effects.end());
-  std::vector<bool> stays(p.size(), true);
-  for (std::size_t k = 0; k < std::size_t((1 - keep) * double(effects.size())); ++k)
-    stays[effects[k].second] = false;
-  return stays;
-}
-
 void shrink(const Options& options) {
   const Weights large = load_weights(options.from);
   Edges procedural, rendered, held_out;
@@ -150,9 +120,7 @@ void shrink(const Options& options) {
   std::vector<double> first(p.size(), 0), second(p.size(), 0);
   std::vector<Plane> batch{std::size_t(kCues), Plane(kBatch)}, hidden, out;
   std::vector<Plane> d_out{std::size_t(kOutputs), Plane(kBatch)};
-  std::vector<bool> stays(p.size(), true);
   for (int step = 1; step <= options.steps; ++step) {
-    if (step == options.steps / 2) stays = kept(net, p, procedural, options.keep);
     for (std::size_t k = 0; k < kBatch; ++k) {
       const bool from_rendered = rendered.count() > 0 && k < std::size_t(kRenderedShare * kBatch);
       const Edges& edges = from_rendered ? rendered : procedural;
@@ -172,7 +140,6 @@ void shrink(const Options& options) {
       second[i] = 0.99 * second[i] + 0.01 * gradient[i] * gradient[i];
       p[i] -= float(rate * first[i] / (1 - std::pow(0.9, step)) /
                     (std::sqrt(second[i] / (1 - std::pow(0.99, step))) + 1e-9));
-      if (!stays[i]) p[i] = 0;
     }
     if (step % 10000 == 0 || step == options.steps)
       for (const auto& [name, edges] :
@@ -202,8 +169,6 @@ int main(int argc, char** argv) {
         o.data = v;
       else if (a == "--hidden")
         o.hidden = std::stoi(v);
-      else if (a == "--keep")
-        o.keep = std::stod(v);
       else if (a == "--steps")
         o.steps = std::stoi(v);
       else if (a == "--scenes")
@@ -211,11 +176,8 @@ int main(int argc, char** argv) {
       else
         throw std::runtime_error("unknown option " + a);
     }
-    if (o.from.empty() || o.out.empty() || o.hidden < 1 || o.scenes < 10 ||
-        !(o.keep > 0 && o.keep <= 1))
-      throw std::runtime_error(
-          "--from FILE, --out FILE, a hidden value, ten scenes and a share of"
-          " weights in (0, 1] are needed");
+    if (o.from.empty() || o.out.empty() || o.hidden < 1 || o.scenes < 10)
+      throw std::runtime_error("--from FILE, --out FILE, a hidden value and ten scenes are needed");
     inverse::training::shrink(o);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "shrink_edge_prior: %s\n", e.what());
