@@ -28,8 +28,7 @@ void main() {
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-      float light = max(exp(s.x - scale), 1e-30);
-      STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
+      STORE(intrinsic, pixel, vec4(rgb * exp(scale - s.x), exp(s.x - scale)));
       s = s.yzwx;
     }
   }
