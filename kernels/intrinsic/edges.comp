@@ -111,7 +111,7 @@ void main() {
         f[10] = value_step(step);
         f[12] = cue(before_m[side] + after_m);
         f[13] = cue(before_c[side] + after_c);
-        f[14] = max(0.5 * (min(p[side].x, q[side].x) + 4.0), -1.0);
+        f[14] = clamp(0.5 * (min(p[side].x, q[side].x) + 4.0), -1.0, 2.0);
         vec2 result = edge_net(f, sums);
         float on = all(lessThanEqual(at + d, last)) ? 1.0 : 0.0;
         float a = on * push.reflectance_weight * weight(result.x), b = on * push.shading_weight * weight(result.y);
