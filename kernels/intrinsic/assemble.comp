@@ -13,9 +13,9 @@ PLANE_IN(1, start);       // of cells (cell_terms.comp)
 PLANE_IN(2, level0);
 PLANE_IN(3, force);       // of cells, with their anchors
 PLANE_OUT(4, system);     // of stride 3
-PLANE_INOUT(5, shading);  // the last frame's solution on entry
-PLANE_INOUT(6, mean);     // m, the last frame's on entry
-layout(push_constant) uniform Push { uvec2 size; } push;
+PLANE_OUT(5, shading);
+PLANE_IN(6, memory);
+layout(push_constant) uniform Push { uvec2 size; float luma; } push;
 
 void main() {
   uint quads = QUADS(push.size.x);
@@ -27,22 +27,21 @@ void main() {
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
   if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(quads)) + FLUX_DOWN);
   int cells = int((position.y / 4u) * QUADS(quads) + position.x / 4u);
-  vec4 m = vec4(0.0), s = vec4(FETCH(start, 2 * cells)[position.x & 3u]);
+  vec4 m = vec4(0.0), l = m, s = vec4(FETCH(start, 3 * cells)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);
     vec4 guide = FETCH(level0, int(position.y * push.size.x + x));
-    m = vec4(m.yzw, guide.x);
+    l = vec4(l.yzw, kAnchored ? mix(guide.x, luma(guide), push.luma) : 0.0);
     s = vec4(s.yzw, s.x + guide.x + guide.w);
   }
   bvec4 inside = INSIDE(position.x, push.size.x);
   if (kAnchored) {
-    float gate = FETCH(start, 2 * cells + 1)[position.x & 3u];
+    float gate = FETCH(start, 3 * cells + 1)[position.x & 3u];
     float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
-    vec4 before = m - LOAD(mean, at) + LOAD(shading, at);
+    vec4 before = l - FETCH(memory, 2 * at + 1);
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);
   }
   STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
   STORE(shading, uint(at), MASKED(s, inside));
-  STORE(mean, uint(at), m);
 }

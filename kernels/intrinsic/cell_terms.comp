@@ -20,6 +20,7 @@ layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves but the light
   float still;   // how many times that is added where the light does not change either
+  float hold_still, hold_light;
   float light;   // 1 / (change of light that halves that)
 } push;
 
@@ -47,8 +48,9 @@ void main() {
   STORE(terms, TERMS_STRIDE * at + TERMS_PULL, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
-  STORE(start, 2 * at, target - most);
-  STORE(start, 2 * at + 1, gate);
+  STORE(start, 3 * at, target - most);
+  STORE(start, 3 * at + 1, gate);
+  STORE(start, 3 * at + 2, gate * (push.hold_light + (push.hold_still - push.hold_light) / (1.0 + change * change)));
   vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
   STORE(force, FORCE_STRIDE * at + FORCE_PULL, MASKED(pull_before, inside));
   STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, v + g);

@@ -11,7 +11,7 @@ INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
 namespace {
-constexpr uint64_t kStartStride = 2;  // vec4 a quad of cells of `start_` (cell_terms.comp)
+constexpr uint64_t kStartStride = 3;  // vec4 a quad of cells of `start_` (cell_terms.comp)
 }
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -28,7 +28,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
       assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
       anchored_assemble_(device_->kernel(shaders::intrinsic_assemble, {1})),
-      layers_(device_->kernel(shaders::intrinsic_layers)) {
+      layers_(device_->kernel(shaders::intrinsic_layers, {0})), anchored_layers_(device_->kernel(shaders::intrinsic_layers, {1})) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
   };
@@ -45,14 +45,14 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float anchor, still, light;
-  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still,
+    float anchor, still, hold_still, hold_light, light;
+  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still, params.hold_still, params.hold_light,
          1 / params.anchor_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
                      anchor_.kept(), terms_, start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+  const struct { uint32_t w, h; float luma; } size{extent_.width, extent_.height, params.luma};
   commands.dispatch(anchored ? anchored_assemble_ : assemble_,
                     {flux_, start_, guide_.level0(), multigrid_.cell_force(), multigrid_.system(),
                      multigrid_.field(), anchor_.mean()},
@@ -112,10 +112,10 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                                : History::none,
                 params.gauge);
   const PlanePtr intrinsic = planes_.acquire();
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(layers_,
+  const struct { uint32_t w, h; float t, luma; } size{extent_.width, extent_.height, 1 / params.anchor.hold_texture, params.anchor.luma};
+  commands.dispatch(stats_.history ? anchored_layers_ : layers_,
                     {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
-                     gauge_.value(), intrinsic->buffer, anchor_.kept()},
+                     gauge_.value(), intrinsic->buffer, anchor_.kept(), start_, guide_.level0(), anchor_.mean()},
                     size, line_of(guide_.cell_extent().pixels()));
   record_report(commands, params.adaptive);
   commands.stage("layers");

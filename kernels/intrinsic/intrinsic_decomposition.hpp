@@ -94,7 +94,7 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputGauge gauge_;
-  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_;
+  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_, anchored_layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;

@@ -27,7 +27,7 @@ void main() {
   uvec2 first = 4u * cell, count = min(push.size - first, uvec2(4u));
   float sum = 0.0, squares = 0.0, share = 1.0 / float(count.x * count.y);
   for (uint y = first.y; y < first.y + count.y; ++y) {
-    vec4 was = FETCH(before_m, int(y * cell_size.x + cell.x));
+    vec4 was = FETCH(before_m, 2 * int(y * cell_size.x + cell.x));
     for (uint x = 0u; x < count.x; ++x) {
       float change = FETCH(level0, int(y * push.size.x + first.x + x)).x - was.x;
       was = was.yzwx;

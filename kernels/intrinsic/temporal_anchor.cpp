@@ -26,7 +26,7 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       calm_(device->kernel(shaders::intrinsic_calm)),
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
-      mean_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(extent))),
+      mean_(gpu::Buffer::create(device, gpu::Element::vec4, 2 * quads_of(extent))),
       mismatch_(gpu::Buffer::create(device, gpu::Element::scalar, cells_.pixels())),
       tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
