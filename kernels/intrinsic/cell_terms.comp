@@ -16,11 +16,13 @@ PLANE_IN(5, before);    // cell_state (temporal.glsl)
 PLANE_OUT(6, terms);
 PLANE_OUT(7, start);    // two vec4 a quad: V - (m' + u'), and the gate, 0…1
 PLANE_INOUT(8, force);  // the last frame's, a good guess where this one continues it
+PLANE_IN(9, means);
+PLANE_IN(10, correction);
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves but the light
   float still;   // how many times that is added where the light does not change either
-  float hold_still, hold_light;
+  float carry, hold_still, hold_light;
   float light;   // 1 / (change of light that halves that)
 } push;
 
@@ -48,7 +50,9 @@ void main() {
   STORE(terms, TERMS_STRIDE * at + TERMS_PULL, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
-  STORE(start, 3 * at, target - most);
+  vec4 from = target;
+  if (kAnchored && push.carry > 0.0) from = mix(target, FETCH(means, at) + FETCH(correction, at), push.carry * FETCH(verdict, 0).y);
+  STORE(start, 3 * at, from - most);
   STORE(start, 3 * at + 1, gate);
   STORE(start, 3 * at + 2, gate * (push.hold_light + (push.hold_still - push.hold_light) / (1.0 + change * change)));
   vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);

@@ -45,12 +45,12 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float anchor, still, hold_still, hold_light, light;
-  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still, params.hold_still, params.hold_light,
+    float anchor, still, carry, hold_still, hold_light, light;
+  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still, params.carry, params.hold_still, params.hold_light,
          1 / params.anchor_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
-                     anchor_.kept(), terms_, start_, multigrid_.cell_force()},
+                     anchor_.kept(), terms_, start_, multigrid_.cell_force(), multigrid_.cell_means(), multigrid_.cell_correction()},
                     push, line_of(quads_of(cells)));
   const struct { uint32_t w, h; float luma; } size{extent_.width, extent_.height, params.luma};
   commands.dispatch(anchored ? anchored_assemble_ : assemble_,
