@@ -9,8 +9,8 @@
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, value);
 PLANE_IN(1, cells);
-SCALAR_IN(2, mismatch);
-SCALAR_IN(3, tiles);
+PLANE_IN(2, mismatch);
+PLANE_IN(3, tiles);
 PLANE_IN(4, verdict);
 PLANE_IN(5, before);    // cell_state (temporal.glsl)
 PLANE_OUT(6, terms);
@@ -22,7 +22,7 @@ layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves but the light
   float still;   // how many times that is added where the light does not change either
-  float carry, hold_still, hold_light;
+  float carry, moving, prior, hold_still, hold_light;
   float light;   // 1 / (change of light that halves that)
 } push;
 
@@ -34,15 +34,25 @@ void main() {
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
   vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean;
-  float quiet = kAnchored ? max(0.0, 1.0 - 2.0 * FETCH1(tiles, tile)) : 0.0;
+  float quiet = kAnchored ? max(0.0, 1.0 - 2.0 * FETCH(tiles, tile).x) : 0.0;
   quiet *= quiet * (kAnchored ? FETCH(verdict, 0).y : 0.0);
+  if (kAnchored && push.moving > 0.0) {
+    ivec2 tile_size = ivec2(quads, (push.size.y + 3u) / 4u), c = ivec2(position.x, position.y / 4u);
+    vec4 verdict_ = FETCH(verdict, 0);
+    vec2 sum = push.prior * vec2(verdict_.z, 1.0);
+    for (int y = max(c.y - 2, 0); y <= min(c.y + 2, tile_size.y - 1); ++y)
+      for (int x = max(c.x - 2, 0); x <= min(c.x + 2, tile_size.x - 1); ++x)
+        sum += FETCH(tiles, y * tile_size.x + x).yz;
+    float M = sum.x / (max(sum.y, 1e-20) * push.moving);
+    quiet /= 1.0 + M * M * M * M;
+  }
   for (uint k = 0u; k < 4u; ++k) {
     int cell = int(position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u));
     vec4 guide = FETCH(cells, CELL_STRIDE * cell);
     mean = vec4(mean.yzw, guide.x);
     most = vec4(most.yzw, guide.x + guide.w);
     if (kAnchored) {
-      gate = vec4(gate.yzw, quiet / (1.0 + FETCH1(mismatch, cell)));
+      gate = vec4(gate.yzw, quiet / (1.0 + FETCH(mismatch, cell).x));
       change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
     }
   }

@@ -45,8 +45,8 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float anchor, still, carry, hold_still, hold_light, light;
-  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still, params.carry, params.hold_still, params.hold_light,
+    float anchor, still, carry, moving, prior, hold_still, hold_light, light;
+  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still, params.carry, params.moving, params.prior, params.hold_still, params.hold_light,
          1 / params.anchor_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),

@@ -27,8 +27,8 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       mean_(gpu::Buffer::create(device, gpu::Element::vec4, 2 * quads_of(extent))),
-      mismatch_(gpu::Buffer::create(device, gpu::Element::scalar, cells_.pixels())),
-      tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells_))),
+      mismatch_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
+      tiles_(gpu::Buffer::create(device, gpu::Element::vec4, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 gpu::partial_count(*calm_, line_of(tiles_of(cells_))))),
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
@@ -38,9 +38,9 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   cleared_ = true;
   const struct {
     uint32_t width, height;
-    float detail, chroma, texture;
+    float detail, chroma, texture, trust;
   } push{extent_.width, extent_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma,
-         1 / params.anchor_texture};
+         1 / params.anchor_texture, params.trust};
   commands.dispatch(compare_,
                     {guide.cells(), guide.wide(), guide.level0(), kept_, mean_, mismatch_}, push,
                     line_of(cells_.pixels()));

@@ -12,16 +12,16 @@ layout(push_constant) uniform Push {
   float cut_fraction;
 } push;
 
-shared float totals[64];
+shared vec4 totals[64];
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  float sum = 0.0;
-  for (uint i = lane; i < push.count; i += 64u) sum += FETCH(sums, int(i)).x;
+  vec4 sum = vec4(0.0);
+  for (uint i = lane; i < push.count; i += 64u) sum += FETCH(sums, int(i));
   totals[lane] = sum;
   barrier();
   if (lane > 0u) return;
   for (uint i = 1u; i < 64u; ++i) sum += totals[i];
-  float mean = sum / push.cells;
-  STORE(verdict, 0, vec4(mean, mean < push.cut_fraction ? 1.0 : 0.0, 0.0, 0.0));
+  float mean = sum.x / push.cells;
+  STORE(verdict, 0, vec4(mean, mean < push.cut_fraction ? 1.0 : 0.0, sum.y / max(sum.z, 1e-20), sum.z / push.cells));
 }
