@@ -101,7 +101,10 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   else
     prior_.record(commands, guide_, target, params.prior);
   commands.stage("prior");
-  assemble(commands, params.anchor, stats_.history);
+  warm_ = stats_.history ? warm_ + 1 : 0;
+  auto anchor_params = params.anchor;
+  if (params.anchor.ramp > 0) anchor_params.anchor_weight *= std::min(1.0F, float(warm_) / params.anchor.ramp);
+  assemble(commands, anchor_params, stats_.history);
   commands.stage("assemble");
   solve(commands, params);
 

@@ -98,7 +98,7 @@ class IntrinsicDecomposition {
   gpu::BufferPtr flux_, value_, terms_, start_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
-  bool history_ = false;
+  bool history_ = false; int warm_ = 0;
   Stats stats_;  // of the frame being recorded
 };
 

@@ -26,7 +26,7 @@ class TemporalAnchor {
     /// Change of a cell's log intensity that halves that, 1e-3…10.
     float anchor_light = 0.02F;
     /// Mean mismatch of a frame, 0…1, from which on it is a cut.
-    float carry = 0, moving = 0, prior = 5, trust = 0, hold_still = 0.0F, hold_light = 0.0F, hold_texture = 0.1F, luma = 1;
+    float ramp = 0, carry = 0, moving = 0, prior = 5, trust = 0, hold_still = 0.0F, hold_light = 0.0F, hold_texture = 0.1F, luma = 1;
     float cut_fraction = 0.3F;
   };
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
