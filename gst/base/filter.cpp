@@ -159,7 +159,7 @@ gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
 }
 
 GstFlowReturn prepare_output_buffer(GstBaseTransform* transform, GstBuffer* in, GstBuffer** out) {
-  if (!element_of(transform).sends_layers())
+  if (!element_of(transform).sends_layers() && !inverse::is_gap(in))
     return GST_BASE_TRANSFORM_CLASS(parent_class)->prepare_output_buffer(transform, in, out);
   *out = gst_buffer_new();
   return GST_BASE_TRANSFORM_GET_CLASS(transform)->copy_metadata(transform, in, *out)
@@ -183,6 +183,10 @@ void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
 }
 
 GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* out) {
+  // A gap stays one. A frame that is flagged so is still a frame, and what is made of it no
+  // silence.
+  if (inverse::is_gap(in)) return GST_FLOW_OK;
+  GST_BUFFER_FLAG_UNSET(out, GST_BUFFER_FLAG_GAP);
   return element_of(transform).transform(in, out);
 }
 
@@ -282,6 +286,7 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   self->element =
       new FilterElement(GST_ELEMENT(instance), *static_cast<GstInverseFilterClass*>(klass)->info);
   gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(instance), TRUE);
+  gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
 }
 
 GType filter_type() {

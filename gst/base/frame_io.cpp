@@ -4,6 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include "layers_meta.hpp"
+
 namespace inverse {
 namespace {
 
@@ -181,6 +183,11 @@ FrameFormat frame_format(const GstVideoInfo& info) {
     format.site = {(info.chroma_site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0,
                    (info.chroma_site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0};
   return aligned_layout(format, 4);
+}
+
+bool is_gap(GstBuffer* buffer) {
+  return GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(buffer) == 0 &&
+         !layers_of(buffer);
 }
 
 FrameInput::FrameInput(const GstVideoInfo& info) : info_(info), format_(frame_format(info)) {}

@@ -15,6 +15,10 @@ namespace inverse {
 /// Error(unsupported) where the format or its colorimetry cannot be handled, naming it.
 FrameFormat frame_format(const GstVideoInfo& info);
 
+/// Whether a buffer says that there is no frame for its time: flagged GAP and empty, without
+/// layers.
+bool is_gap(GstBuffer* buffer);
+
 /// From a buffer to a linear plane. This class reads system memory; who reads other memory
 /// overrides how the bytes get to the device.
 class FrameInput {

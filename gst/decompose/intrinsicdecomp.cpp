@@ -1,11 +1,11 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
+#include "intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 namespace {
 
-struct Params : IntrinsicDecomposition::Params {
+struct Params : ScaledIntrinsic::Params {
   Show show = Show::reflectance;
   Quality quality = Quality::medium;
   uint32_t seed = 1;
@@ -14,28 +14,35 @@ struct Params : IntrinsicDecomposition::Params {
 Params preset(const Params& set) {
   Params params;
   params.quality = set.quality;
-  constexpr uint32_t kCycles[] = {2, 4, 8, 24}, kWarmCycles[] = {1, 2, 4, 24};
+  constexpr uint32_t kCycles[] = {4, 4, 8, 24}, kWarmCycles[] = {2, 2, 4, 24};
   params.cycles = kCycles[static_cast<size_t>(set.quality)];
   params.warm_cycles = kWarmCycles[static_cast<size_t>(set.quality)];
+  params.half_resolution = set.quality == Quality::low;
   return params;
 }
 
-class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
+class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    MethodDecomposer::configure(device, extent);
+    method_->prepare(parameters_.snapshot().half_resolution);
+  }
+
   void describe(GstStructure* stats, uint64_t number) const override {
-    const auto& method = method_->stats(number);
+    const auto method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(
-        stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
-        "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",
-        G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change", G_TYPE_DOUBLE,
-        static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE, static_cast<double>(found.gauge),
-        "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated,
-        "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT,
+                      method.levels, "half-resolution", G_TYPE_BOOLEAN, method.half_resolution,
+                      "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
+                      "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
+                      G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
+                      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles,
+                      "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "skipped",
+                      G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
  protected:
@@ -51,10 +58,14 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
     using P = Params;
     static const PropertyTable<P> table{
         show_property<P>(),
-        quality_property<P>("Sets the cycles as a group; what is set explicitly wins"),
+        quality_property<P>(
+            "Sets half-resolution and the cycles as a group; what is set explicitly wins"),
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: tiles where nothing changed keep what was "
                 "decided about their edges"),
+        flag<P>("half-resolution", &P::half_resolution,
+                "Solve at half the frame's width and height, at about a third of the cost; where "
+                "shading steps is then read from the frame"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                   "Change of intensity or chroma, natural log units, from which on a tile counts "
                   "as changed"),

@@ -83,6 +83,7 @@ void Commands::begin() {
   pending_.clear();  // an exception may have left some
   stage_names_.clear();
   dispatches_ = 0;
+  in_when_ = false;
   for (VkDescriptorPool pool : descriptor_pools_)
     check(vkResetDescriptorPool(device_->handle(), pool, 0), "resetting descriptors");
   descriptor_pool_ = 0;
@@ -101,8 +102,12 @@ void Commands::full_barrier() {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = kKernelWrites;
   barrier.dstAccessMask = kKernelAccess;
-  vkCmdPipelineBarrier(buffer_, kKernelStages, kKernelStages, 0, 1, &barrier, 0, nullptr, 0,
-                       nullptr);
+  VkPipelineStageFlags after = kKernelStages;
+  if (device_->variant().conditional) {
+    barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
+    after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
+  }
+  vkCmdPipelineBarrier(buffer_, kKernelStages, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
 void Commands::touch(VkBuffer buffer, bool reads, bool writes) {
@@ -216,8 +221,29 @@ void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const Buffer
   vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
 }
 
+void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {
+  refuse_when("another condition");
+  in_when_ = true;
+  if (!device_->variant().conditional) return;
+  touch(condition->handle(), true, false);
+  barrier_if_needed();
+  kept_.push_back(condition);
+  device_->begin_conditional(buffer_, condition->handle(), offset);
+}
+
+void Commands::end_when() {
+  in_when_ = false;
+  if (device_->variant().conditional) device_->end_conditional(buffer_);
+}
+
+void Commands::refuse_when(const char* what) const {
+  if (in_when_)
+    throw Error(ErrorKind::internal, std::string(what) + " inside of a condition would run always");
+}
+
 void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
                     uint64_t source_offset, uint64_t target_offset) {
+  refuse_when("a copy");
   touch(source->handle(), true, false);
   touch(target->handle(), false, true);
   barrier_if_needed();
@@ -228,6 +254,7 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
+  refuse_when("a fill");
   touch(buffer->handle(), false, true);
   barrier_if_needed();
   kept_.push_back(buffer);

@@ -110,9 +110,9 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 
   using History = OutputGauge::History;
   gauge_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
-                stats_.history ? History::judged
-                : history_     ? History::taken_on
-                               : History::none,
+                stats_.history             ? History::judged
+                : history_ || gauge_taken_ ? History::taken_on
+                                           : History::none,
                 params.gauge);
   const PlanePtr intrinsic = planes_.acquire();
   const struct { uint32_t w, h; float t, luma; } size{extent_.width, extent_.height, 1 / params.anchor.hold_texture, params.anchor.luma};
@@ -123,6 +123,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;
+  gauge_taken_ = false;
   commands.keep(input);
   commands.keep(intrinsic);
   Layers layers{extent_, {}};
@@ -130,6 +131,13 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   layers[Role::model] = intrinsic;
   layers[Role::intrinsic] = intrinsic;
   return layers;
+}
+
+void IntrinsicDecomposition::take_gauge(gpu::Commands& commands,
+                                        const IntrinsicDecomposition& other) {
+  reset();
+  gauge_.take(commands, other.gauge_);
+  gauge_taken_ = true;
 }
 
 void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptive) {

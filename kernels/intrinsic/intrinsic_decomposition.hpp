@@ -55,7 +55,10 @@ class IntrinsicDecomposition {
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
-  void reset() { history_ = false; }
+  void reset() { history_ = gauge_taken_ = false; }
+  /// Forgets the frames so far, but starts from the scale of the output that `other`, on the same
+  /// device, has come to.
+  void take_gauge(gpu::Commands& commands, const IntrinsicDecomposition& other);
   /// Frames recorded since construction: the last one's number is one less.
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
@@ -98,7 +101,8 @@ class IntrinsicDecomposition {
   gpu::BufferPtr flux_, value_, terms_, start_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
-  bool history_ = false; int warm_ = 0;
+  bool history_ = false;
+  bool gauge_taken_ = false;
   Stats stats_;  // of the frame being recorded
 };
 

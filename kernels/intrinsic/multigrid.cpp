@@ -12,7 +12,7 @@ INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
 INVERSE_SHADER(intrinsic_extrapolate);
-INVERSE_SHADER(intrinsic_verdict);
+INVERSE_SHADER(intrinsic_mean);
 
 namespace inverse {
 namespace {
@@ -21,7 +21,6 @@ constexpr uint64_t kTogether = 300;  // quads up to which levels run in one disp
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
-constexpr uint32_t kSumLanes = 64;   // of verdict.comp
 constexpr size_t kCells = 2;         // the cells' level
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
@@ -46,14 +45,12 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
       restrict_{device->kernel(shaders::intrinsic_restrict, {3, 1}),
                 device->kernel(shaders::intrinsic_restrict, {3, 2}),
                 device->kernel(shaders::intrinsic_restrict, {4, 0})} {
-  // Barriers cost lavapipe by the lane; a GPU wants its lanes filled.
-  const uint32_t lanes =
-      device->is_cpu() ? 32 : std::min(device->limits().workgroup_invocations, 256U);
+  const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
   extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});
   measure_ = device->kernel(shaders::intrinsic_extrapolate, {1});
-  sum_ = device->kernel(shaders::intrinsic_verdict, {}, kSumLanes);
+  mean_ = device->kernel(shaders::intrinsic_mean);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -169,9 +166,9 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
   if (!measure) return;
   const struct {
     uint32_t count;
-    float pixels, threshold;
-  } sum{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()), 0};
-  commands.dispatch(sum_, {sums_, change_}, sum, {});
+    float pixels;
+  } mean{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels())};
+  commands.dispatch(mean_, {sums_, change_}, mean, {});
 }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,

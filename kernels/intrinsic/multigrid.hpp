@@ -14,9 +14,9 @@ namespace inverse {
 class Multigrid {
  public:
   struct Params {
-    /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the
-    /// smooth functions that they stand for; 0.5 is right for equal weights, more is slower and
-    /// safer where weights jump.
+    /// Least share that a coarse edge keeps of the edges that it stands for, 0.5…1. All of them (1)
+    /// bind aggregates twice as strongly as the smooth functions that they stand for; 0.5 is right
+    /// for equal weights, more is slower and safer where weights jump.
     float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
@@ -79,7 +79,7 @@ class Multigrid {
   gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, sum_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, mean_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, change_;
   bool cleared_ = false;

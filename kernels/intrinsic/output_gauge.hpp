@@ -26,10 +26,14 @@ class OutputGauge {
   /// TemporalAnchor's, counts where the frame before was judged by it.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
               const gpu::BufferPtr& verdict, History history, const Params& params);
+  /// Records taking over what another has come to.
+  void take(gpu::Commands& commands, const OutputGauge& other);
   /// One vec4: ln c in x.
   const gpu::BufferPtr& value() const { return gauge_; }
 
  private:
+  void clear_once(gpu::Commands& commands);
+
   gpu::KernelPtr count_, gauge_kernel_;
   gpu::BufferPtr counts_, gauge_;
   bool cleared_ = false;

@@ -79,6 +79,11 @@ vec4 precondition(vec4 diagonal, vec4 v) {
   return mix(vec4(0.0), v / max(diagonal, 1e-30), greaterThan(diagonal, vec4(1e-30)));
 }
 
+/// Whether a direction d of the conjugate gradients has a curvature that is more than rounding: of (dᵀA d, dᵀM d), M the
+/// diagonal. Where nothing holds a pixel's gray value (no data term, no samples, no neighbor of its color) A is singular,
+/// and a step along what is left of dᵀA d would lead anywhere.
+bool curves(vec2 products) { return products.x > 1e-8 * products.y; }
+
 /// A pixel's chromaticity as sample frames carry it: red and blue on a grid of 3/4095, red · 4096 + blue, exact in a
 /// float; green follows, the mean being 1.
 float pack_chromaticity(vec3 c) { return floor(c.r * 1365.0 + 0.5) * 4096.0 + floor(c.b * 1365.0 + 0.5); }

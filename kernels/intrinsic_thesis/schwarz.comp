@@ -53,15 +53,15 @@ void main() {
     for (int k = 0; k < kStrip; ++k) directions[here + k * kPitch] = d[k];
     barrier();
     vec4 q[kStrip];
-    float curvature = 0.0;
+    vec2 curvature = vec2(0.0);  // dᵀA d, dᵀM d
     for (int k = 0; k < kStrip; ++k) {
       int at = here + k * kPitch;
       q[k] = apply_node(node[k], d[k]) - to_next[k].xxxy * directions[at + 1] - to_next[k].zzzw * directions[at - 1] -
              down[k].xxxy * directions[at - kPitch] - down[k + 1].xxxy * directions[at + kPitch];
-      curvature += dot(d[k], q[k]);
+      curvature += vec2(dot(d[k], q[k]), dot(d[k], diag[k] * d[k]));
     }
-    curvature = workgroup_sum(vec4(curvature)).x;
-    float alpha = curvature > 0.0 && rz > 0.0 ? rz / curvature : 0.0;
+    curvature = workgroup_sum(vec4(curvature, 0.0, 0.0)).xy;
+    float alpha = curves(curvature) && rz > 0.0 ? rz / curvature.x : 0.0;
     float next = 0.0;
     for (int k = 0; k < kStrip; ++k) {
       x[k] += alpha * d[k];

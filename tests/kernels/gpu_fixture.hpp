@@ -12,8 +12,8 @@ namespace inverse::testing {
 
 using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 
-/// A device and the means to move pixels to and fro. INVERSE_PORTABLE and INVERSE_WORKGROUP choose
-/// the variant.
+/// A device and the means to move pixels to and fro. The environment variables of
+/// gpu::Variant choose the variant.
 class GpuTest : public ::testing::Test {
  protected:
   void SetUp() override { device = gpu::Device::open(); }

@@ -58,6 +58,35 @@ TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
   EXPECT_EQ(download(levels.back().buffer), Pixels(4, 3.0f));
 }
 
+// The device decides: the second condition is what a kernel wrote in the same submit.
+TEST_F(DeviceTest, KernelsAreLeftOutWhereTheirConditionIsZero) {
+  const Halve halve(device);
+  const Plane ones = plane({2, 2}, Pixels(16, 1.0f)), zeros = plane({2, 2}, Pixels(16, 0.0f));
+  for (const bool runs : {true, false}) {
+    const Plane condition = plane({1, 1}, Pixels(4, runs ? 0.0f : 1.0f));
+    const Plane target = plane({1, 1}, Pixels(4, 5.0f));
+    run([&](gpu::Commands& commands) {
+      halve.record(commands, runs ? ones : zeros, condition);
+      commands.when(condition.buffer, 4, [&] { halve.record(commands, ones, target); });
+    });
+    const bool ran = runs || !device->variant().conditional;
+    EXPECT_EQ(download(target.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+  }
+}
+
+TEST_F(DeviceTest, WhatRunsAlwaysIsRefusedInsideOfACondition) {
+  const auto word = gpu::Buffer::create(device, gpu::Element::word, 1);
+  gpu::Commands commands(device);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.fill(word); }), Error);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.when(word, 0, [] {}); }), Error);
+  commands.begin();
+  EXPECT_NO_THROW(commands.fill(word));
+  commands.submit();
+  commands.wait();
+}
+
 TEST_F(DeviceTest, BuffersReturnTheirMemory) {
   const uint64_t before = device->memory_bytes();
   {
