@@ -3,8 +3,8 @@
 #include "../gpu/common.glsl"
 #include "quad.glsl"
 
-// The mean of q / (1 + q), q the cells' mismatch with the frame before, over tiles of 4 x 4 cells (the cells of guide level
-// 4), and its sum over the frame. One tile an invocation.
+// Of tiles of 4 x 4 cells (the cells of guide level 4): the mean of q / (1 + q), q the cells' difference from the frame before,
+// and the sums of the structure that moved and of all structure. And the frame's sums. One tile an invocation.
 PLANE_IN(0, mismatch);
 PLANE_OUT(1, tiles);
 PLANE_OUT(2, sums);
@@ -18,9 +18,9 @@ void main() {
     for (uint y = first.y; y < first.y + count.y; ++y)
       for (uint x = first.x; x < first.x + count.x; ++x) {
         vec4 q = FETCH(mismatch, int(y * push.size.x + x));
-        sum += vec4(q.x / (1.0 + q.x), q.yz, 1.0);
+        sum += vec4(q.x / (1.0 + q.x), q.yz, 0.0);
       }
-    STORE(tiles, tile.y * tile_size.x + tile.x, vec4(sum.x / float(count.x * count.y), sum.yzw));
+    STORE(tiles, tile.y * tile_size.x + tile.x, vec4(sum.x / float(count.x * count.y), sum.yz, 0.0));
   }
   SUM_PARTIALS(sums, sum);
 }

@@ -5,25 +5,32 @@
 #include "guide.glsl"
 #include "temporal.glsl"
 
+// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
+// one. With kAnchored, reflectance first moves only part of the way from the frame before, so that the sensor's noise is
+// averaged over frames and stays in shading: as the cells say, interpolated between them, and less where a pixel changed
+// otherwise than its cell. One cell, 4 x 4 pixels, an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, frame);
-PLANE_INOUT(1, shading);
-PLANE_IN(2, cells);
-PLANE_IN(3, wide);
-PLANE_IN(4, gauge);  // .x = ln c (gauge.comp)
-PLANE_OUT(5, intrinsic);
-PLANE_INOUT(6, kept);
-PLANE_IN(7, start);
-PLANE_IN(8, level0);
-PLANE_INOUT(9, memory);
-layout(push_constant) uniform Push { uvec2 size; float texture; float luma; } push;
+PLANE_IN(1, cells);
+PLANE_IN(2, wide);
+PLANE_IN(3, gauge);  // .x = ln c (gauge.comp)
+PLANE_IN(4, start);  // of cells (cell_terms.comp)
+PLANE_IN(5, now);    // m and the input's brightness (assemble.comp)
+PLANE_INOUT(6, shading);
+PLANE_INOUT(7, kept);
+PLANE_INOUT(8, memory);
+PLANE_OUT(9, intrinsic);
+layout(push_constant) uniform Push {
+  uvec2 size;
+  float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
+} push;
 
 uint quads = QUADS(push.size.x);
-float keep_at(int x, int y) {
-  return FETCH(start, 3 * (y * int(QUADS(quads)) + x / 4) + 2)[x & 3];
-}
-vec4 row_keep(int y, int dx0, int x, int dx1) {
-  return vec4(0.0);
+
+float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(quads)) + x / 4) + START_HOLD)[x & 3]; }
+// Of a row of cells: this one and those beside it.
+vec3 holds_of(ivec2 cell, int y) {
+  return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(quads) - 1), y));
 }
 
 void main() {
@@ -35,36 +42,29 @@ void main() {
   uint at = cell.y * quads + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
   float change = 0.0;
-  vec3 keeps[3];
+  vec3 above = vec3(0.0), here = above, below = above;
   if (kAnchored) {
+    int y = int(cell.y), last = int(push.size.y + 3u) / 4 - 1;
     change = guide.x - LOAD(kept, at).w;
-    ivec2 c = ivec2(cell), last = ivec2(quads, (push.size.y + 3u) / 4u) - 1;
-    for (int j = 0; j < 3; ++j) {
-      int y = clamp(c.y + j - 1, 0, last.y);
-      keeps[j] = vec3(keep_at(max(c.x - 1, 0), y), keep_at(c.x, y), keep_at(min(c.x + 1, last.x), y));
-    }
+    above = holds_of(ivec2(cell), max(y - 1, 0));
+    here = holds_of(ivec2(cell), y);
+    below = holds_of(ivec2(cell), min(y + 1, last));
   }
   for (uint y = 0u; y < count.y; ++y) {
     uint quad = (first + y) * quads + cell.x;
-    vec4 s = LOAD(shading, quad), m = vec4(0.0), l = vec4(0.0);
-    for (uint x = 0u; x < 4u; ++x) {
-      vec4 g = FETCH(level0, int((first + y) * push.size.x + min(4u * cell.x + x, push.size.x - 1u)));
-      m = vec4(m.yzw, g.x);
-      l = vec4(l.yzw, mix(g.x, luma(g), push.luma));
-    }
-    vec4 r = l - s;
+    vec4 s = LOAD(shading, quad), m = FETCH(now, int(MEMORY_STRIDE * quad) + MEMORY_MEAN);
+    vec4 bright = FETCH(now, int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS);
     if (kAnchored) {
-      float f = 0.25 * (float(y) + 0.5) - 0.5;
-      vec3 k = f < 0.0 ? mix(keeps[1], keeps[0], -f) : mix(keeps[1], keeps[2], f);
-      vec4 keep = vec4(mix(k.y, k.x, 0.375), mix(k.y, k.x, 0.125), mix(k.y, k.z, 0.125), mix(k.y, k.z, 0.375));
-      vec4 off = push.texture * (m - LOAD(memory, 2u * quad) - change);
-      keep /= 1.0 + off * off;
-      r += keep * (LOAD(memory, 2u * quad + 1u) - r);
-      s = l - r;
-      STORE(shading, quad, MASKED(s, INSIDE(cell.x, push.size.x)));
+      float down = 0.25 * float(y) - 0.375;  // from the cell's center, in cells
+      vec3 row = down < 0.0 ? mix(here, above, -down) : mix(here, below, down);
+      vec4 hold = vec4(mix(row.yy, row.xx, vec2(0.375, 0.125)), mix(row.yy, row.zz, vec2(0.125, 0.375)));
+      vec4 off = push.texture * (m - LOAD(memory, MEMORY_STRIDE * quad + MEMORY_MEAN) - change);
+      hold /= 1.0 + off * off;
+      s += MASKED(hold * (bright - LOAD(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS) - s), INSIDE(cell.x, push.size.x));
+      STORE(shading, quad, s);
     }
-    STORE(memory, 2u * quad, m);
-    STORE(memory, 2u * quad + 1u, r);
+    STORE(memory, MEMORY_STRIDE * quad + MEMORY_MEAN, m);
+    STORE(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS, bright - s);
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
