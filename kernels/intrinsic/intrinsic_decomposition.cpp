@@ -120,11 +120,12 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
     uint32_t width, height;
     float texture;
   } push{extent_.width, extent_.height, 1 / params.anchor.hold_texture};
-  commands.dispatch(
-      stats_.history ? anchored_layers_ : layers_,
-      {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_, anchor_.now(),
-       multigrid_.field(), anchor_.kept(), anchor_.memory(), intrinsic->buffer},
-      push, line_of(guide_.cell_extent().pixels()));
+  commands.dispatch(stats_.history ? anchored_layers_ : layers_,
+                    {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_,
+                     anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
+                     multigrid_.field(), anchor_.kept(), intrinsic->buffer},
+                    push, line_of(guide_.cell_extent().pixels()));
+  anchor_.advance();
   record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;

@@ -15,11 +15,13 @@ PLANE_IN(1, cells);
 PLANE_IN(2, wide);
 PLANE_IN(3, gauge);  // .x = ln c (gauge.comp)
 PLANE_IN(4, start);  // of cells (cell_terms.comp)
-PLANE_IN(5, now);    // m and the input's brightness (assemble.comp)
-PLANE_INOUT(6, shading);
-PLANE_INOUT(7, kept);
-PLANE_INOUT(8, memory);
-PLANE_OUT(9, intrinsic);
+PLANE_IN(5, before);    // m and the brightness of reflectance, the last frame's
+PLANE_IN(6, now);       // m and the input's brightness (assemble.comp)
+PLANE_IN(7, shading);
+PLANE_OUT(8, memory);   // the same buffer as `now`, whose brightness becomes that of reflectance
+PLANE_OUT(9, held);     // the same buffer as `shading`
+PLANE_INOUT(10, kept);
+PLANE_OUT(11, intrinsic);
 layout(push_constant) uniform Push {
   uvec2 size;
   float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
@@ -52,19 +54,18 @@ void main() {
   }
   for (uint y = 0u; y < count.y; ++y) {
     uint quad = (first + y) * quads + cell.x;
-    vec4 s = LOAD(shading, quad), m = FETCH(now, int(MEMORY_STRIDE * quad) + MEMORY_MEAN);
-    vec4 bright = FETCH(now, int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS);
+    int mean = int(MEMORY_STRIDE * quad) + MEMORY_MEAN, brightness = int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS;
+    vec4 s = FETCH(shading, int(quad)), bright = FETCH(now, brightness);
     if (kAnchored) {
       float down = 0.25 * float(y) - 0.375;  // from the cell's center, in cells
       vec3 row = down < 0.0 ? mix(here, above, -down) : mix(here, below, down);
       vec4 hold = vec4(mix(row.yy, row.xx, vec2(0.375, 0.125)), mix(row.yy, row.zz, vec2(0.125, 0.375)));
-      vec4 off = push.texture * (m - LOAD(memory, MEMORY_STRIDE * quad + MEMORY_MEAN) - change);
+      vec4 off = push.texture * (FETCH(now, mean) - FETCH(before, mean) - change);
       hold /= 1.0 + off * off;
-      s += MASKED(hold * (bright - LOAD(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS) - s), INSIDE(cell.x, push.size.x));
-      STORE(shading, quad, s);
+      s += MASKED(hold * (bright - FETCH(before, brightness) - s), INSIDE(cell.x, push.size.x));
+      STORE(held, quad, s);
     }
-    STORE(memory, MEMORY_STRIDE * quad + MEMORY_MEAN, m);
-    STORE(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS, bright - s);
+    STORE(memory, uint(brightness), bright - s);
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);

@@ -50,10 +50,12 @@ class TemporalAnchor {
   }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
   const gpu::BufferPtr& memory() const {
     return memory_;
-  }  ///< of quads of pixels: m and the brightness of reflectance; layers.comp writes it
+  }  ///< of quads of pixels: m and the brightness of reflectance
   const gpu::BufferPtr& now() const {
     return now_;
-  }  ///< of quads of pixels: m and the brightness of the frame at work; assemble.comp writes it
+  }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
+  /// The frame at work is done: what it left is what the next one finds.
+  void advance() { memory_.swap(now_); }
   const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
   const gpu::BufferPtr& tiles() const {
     return tiles_;
