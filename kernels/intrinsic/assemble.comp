@@ -15,8 +15,8 @@ PLANE_IN(2, level0);
 PLANE_IN(3, force);    // of cells, with their anchors
 PLANE_IN(4, memory);   // the last frame's
 PLANE_OUT(5, system);  // of stride 3
-PLANE_OUT(6, shading);
-PLANE_OUT(7, now);     // m and the input's brightness
+PLANE_INOUT(6, shading);  // the last frame's solution on entry
+PLANE_OUT(7, now);     // m
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -29,24 +29,22 @@ void main() {
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
   if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(quads)) + FLUX_DOWN);
   int cells = int((position.y / 4u) * QUADS(quads) + position.x / 4u);
-  vec4 m = vec4(0.0), bright = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
+  vec4 m = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);
     vec4 guide = FETCH(level0, int(position.y * push.size.x + x));
     m = vec4(m.yzw, guide.x);
-    bright = vec4(bright.yzw, brightness(guide));
     s = vec4(s.yzw, s.x + guide.x + guide.w);
   }
   bvec4 inside = INSIDE(position.x, push.size.x);
   if (kAnchored) {
     float gate = FETCH(start, START_STRIDE * cells + START_GATE)[position.x & 3u];
     float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
-    vec4 before = bright - FETCH(memory, MEMORY_STRIDE * at + MEMORY_BRIGHTNESS);
+    vec4 before = m - FETCH(memory, MEMORY_STRIDE * at + MEMORY_MEAN) + LOAD(shading, at);
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);
   }
   STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
   STORE(shading, uint(at), MASKED(s, inside));
   STORE(now, uint(MEMORY_STRIDE * at) + MEMORY_MEAN, m);
-  STORE(now, uint(MEMORY_STRIDE * at) + MEMORY_BRIGHTNESS, bright);
 }

@@ -18,10 +18,3 @@ vec4 guide_of(vec3 rgb) {
   return vec4(m, log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
               log(max(max(light.r, light.g), light.b)) - m);
 }
-
-// ln of the mean channel, as near as the guide has it. m is as noisy as the darkest channel; this is not.
-float brightness(vec4 guide) {
-  vec3 k = vec3(0.5 * guide.y + guide.z / 3.0, -0.5 * guide.y + guide.z / 3.0, guide.z * (-2.0 / 3.0));
-  vec3 e = exp(k);
-  return guide.x + log((e.x + e.y + e.z) / 3.0);
-}

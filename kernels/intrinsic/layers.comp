@@ -16,9 +16,9 @@ PLANE_IN(2, wide);
 PLANE_IN(3, gauge);  // .x = ln c (gauge.comp)
 PLANE_IN(4, start);  // of cells (cell_terms.comp)
 PLANE_IN(5, before);    // m and the brightness of reflectance, the last frame's
-PLANE_IN(6, now);       // m and the input's brightness (assemble.comp)
+PLANE_IN(6, now);       // m (assemble.comp)
 PLANE_IN(7, shading);
-PLANE_OUT(8, memory);   // the same buffer as `now`, whose brightness becomes that of reflectance
+PLANE_OUT(8, memory);   // the same buffer as `now`: the brightness of reflectance
 PLANE_OUT(9, held);     // the same buffer as `shading`
 PLANE_INOUT(10, kept);
 PLANE_OUT(11, intrinsic);
@@ -55,7 +55,12 @@ void main() {
   for (uint y = 0u; y < count.y; ++y) {
     uint quad = (first + y) * quads + cell.x;
     int mean = int(MEMORY_STRIDE * quad) + MEMORY_MEAN, brightness = int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS;
-    vec4 s = FETCH(shading, int(quad)), bright = FETCH(now, brightness);
+    vec4 s = FETCH(shading, int(quad)), bright = vec4(0.0);
+    for (uint x = 0u; x < 4u; ++x) {
+      vec3 rgb = sanitize(FETCH(frame, int((first + y) * push.size.x + min(4u * cell.x + x, push.size.x - 1u))).rgb);
+      bright = vec4(bright.yzw, rgb.r + rgb.g + rgb.b);
+    }
+    bright = log(bright / 3.0 + kIntensityFloor);
     if (kAnchored) {
       float down = 0.25 * float(y) - 0.375;  // from the cell's center, in cells
       vec3 row = down < 0.0 ? mix(here, above, -down) : mix(here, below, down);
@@ -69,7 +74,8 @@ void main() {
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-      STORE(intrinsic, pixel, vec4(rgb * exp(scale - s.x), exp(s.x - scale)));
+      float light = exp(s.x - scale);
+      STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
       s = s.yzwx;
     }
   }

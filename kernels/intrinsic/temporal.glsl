@@ -2,8 +2,8 @@
 // level 4). Chroma and local contrast survive a change of light, but not moving content.
 vec4 cell_state(vec4 cell, vec4 wide) { return vec4(cell.x - wide.x, cell.yz, cell.x); }
 
-// Of a quad of pixels, two vec4: m, and the brightness of its reflectance, ln of the mean channel minus s. The same of a frame
-// at work: m and the brightness of its input.
+// Of a quad of pixels, two vec4: m, and the brightness of its reflectance, ln of the mean channel minus s. (m is as noisy as the
+// darkest channel; what is seen is the mean.)
 #define MEMORY_MEAN 0
 #define MEMORY_BRIGHTNESS 1
 #define MEMORY_STRIDE 2

@@ -16,13 +16,13 @@ class TemporalAnchor {
     float anchor_weight = 1.2F;
     /// How many frames after a reset or cut it takes until the weight is that, 1…1e3: a first
     /// frame's word is worth no more than another's.
-    float anchor_frames = 6.0F;
+    float anchor_frames = 7.0F;
     /// Change of chroma that halves it, natural log units, 1e-3…10; it counts less in the dark.
-    float anchor_chroma = 0.4F;
+    float anchor_chroma = 0.5F;
     /// Change of local log contrast that halves it, 1e-3…10.
     float anchor_detail = 4.0F;
     /// Deviation of the change of log intensity inside a cell that halves it, 1e-3…10.
-    float anchor_texture = 1.5F;
+    float anchor_texture = 2.0F;
     /// Share of the structure around, 0.01…100, that halves it when it moves: edges of shadows come
     /// and go, but paint stays in place unless content moves.
     float anchor_motion = 0.4F;

@@ -153,12 +153,11 @@ Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
   return gate;
 }
 
-/// ln of the mean channel, as near as the guide has it.
-double brightness(const GuideLevel& l, std::size_t i) {
-  const double c0 = l.c0[i], c1 = l.c1[i];
-  return l.m[i] +
-         std::log((std::exp(c0 / 2 + c1 / 3) + std::exp(-c0 / 2 + c1 / 3) + std::exp(-2 * c1 / 3)) /
-                  3);
+/// ln of the mean channel.
+double brightness(const double* rgb, std::size_t i) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += sanitize_linear(rgb[3 * i + c]);
+  return std::log(sum / 3 + kIntensityFloor);
 }
 
 /// A plane of the cells at a pixel, linear between their centers.
@@ -278,7 +277,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
           (anchored ? state->coarse[c] : prior.V[c]) + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
       if (!anchored) continue;
-      const double before = brightness(l, i) - state->rho[i];
+      const double before = l.m[i] - state->m[i] + state->s[i];
       const double anchor = gate.value[c] * params.anchor_weight *
                             std::min(1.0, (state->frames + 1) / params.anchor_frames);
       fine.mass[i] += anchor;
@@ -334,7 +333,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
         const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
         const double off = l.m[i] - state->m[i] - (cells.m[c] - state->mean[c]);
         s[i] += between_cells(hold, cells, x, y) / (1 + square(off / params.hold_texture)) *
-                (brightness(l, i) - state->rho[i] - s[i]);
+                (brightness(rgb, i) - state->rho[i] - s[i]);
       }
   }
 
@@ -346,10 +345,19 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
     const int frames = result.stats.anchored ? state->frames + 1 : 0;
-    *state = {width,   height, detail, cells.c0, cells.c1,
-              cells.m, force,  coarse, l.m,      std::vector<double>(n),
+    *state = {width,
+              height,
+              detail,
+              cells.c0,
+              cells.c1,
+              cells.m,
+              force,
+              coarse,
+              l.m,
+              s,
+              std::vector<double>(n),
               frames};
-    for (std::size_t i = 0; i < n; ++i) state->rho[i] = brightness(l, i) - s[i];
+    for (std::size_t i = 0; i < n; ++i) state->rho[i] = brightness(rgb, i) - s[i];
   }
   return result;
 }

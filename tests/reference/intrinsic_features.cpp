@@ -6,7 +6,6 @@
 namespace inverse::reference {
 namespace {
 
-constexpr double kIntensityFloor = 2e-3;
 constexpr double kChromaFloor = 1e-2;
 
 }  // namespace
