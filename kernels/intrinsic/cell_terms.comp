@@ -47,7 +47,7 @@ void main() {
   int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
-  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean;
+  vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean, alike = mean;
   vec4 verdict_now = kAnchored ? FETCH(verdict, 0) : vec4(0.0);
   float quiet = 0.0;
   if (kAnchored) {
@@ -62,16 +62,17 @@ void main() {
     mean = vec4(mean.yzw, guide.x);
     most = vec4(most.yzw, guide.x + guide.w);
     if (kAnchored) {
-      gate = vec4(gate.yzw, quiet / (1.0 + FETCH(mismatch, cell).x));
+      alike = vec4(alike.yzw, 1.0 / (1.0 + FETCH(mismatch, cell).x));
       change = vec4(change.yzw, push.light * (guide.x - FETCH(before, cell).w));
     }
   }
+  gate = quiet * alike;
   STORE(terms, TERMS_STRIDE * at + TERMS_SCREEN, v + g);
   STORE(terms, TERMS_STRIDE * at + TERMS_PULL, v * target);
   STORE(terms, TERMS_STRIDE * at + TERMS_CHROMA, g);
   STORE(terms, TERMS_STRIDE * at + TERMS_MEAN, MASKED(mean, inside));
-  // Also where content has moved, shading is nearer to what it was there than to the prior's guess.
-  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), verdict_now.y) : target;
+  // Also where content around has moved, shading is nearer to what it was there than to the prior's guess.
+  vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), verdict_now.y * alike) : target;
   STORE(start, START_STRIDE * at + START_VALUE, from - most);
   STORE(start, START_STRIDE * at + START_GATE, gate);
   STORE(start, START_STRIDE * at + START_HOLD, gate * push.hold / (1.0 + change * change));

@@ -54,7 +54,7 @@ constexpr double kFrameStructure = 5;      // beside a neighborhood's, for the w
 
 /// How much the anchor is believed at every cell, and the frame's mean mismatch.
 struct Gate {
-  std::vector<double> value;
+  std::vector<double> value, alike;  // alike: of the cell alone
   double mismatch = 0;
 };
 
@@ -121,6 +121,7 @@ Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
   const Unrest unrest = unrest_of(guide, state);
   Gate gate;
   gate.value.resize(l.m.size());
+  gate.alike.resize(l.m.size());
   const int tw = (l.width + 3) / 4, th = (l.height + 3) / 4;  // tiles of 4 x 4 cells
   std::vector<double> tile(std::size_t(tw) * th, 0), count(tile), moved(tile), structure(tile);
   const auto tile_of = [&](int x, int y) { return std::size_t(y / 4) * tw + std::size_t(x / 4); };
@@ -133,7 +134,7 @@ Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
                            square(trust / params.anchor_chroma) +
                        unrest.change[i] / square(params.anchor_texture);
       const double counts = unrest.structure[i] / (unrest.structure[i] + kLittleStructure);
-      gate.value[i] = 1 / (1 + q);
+      gate.value[i] = gate.alike[i] = 1 / (1 + q);
       tile[t] += q / (1 + q);
       count[t] += 1;
       moved[t] += counts * unrest.change[i];
@@ -274,7 +275,8 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
       const bool anchored = result.stats.anchored;
       const double value =
-          (anchored ? state->coarse[c] : prior.V[c]) + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
+          (anchored ? prior.V[c] + gate.alike[c] * (state->coarse[c] - prior.V[c]) : prior.V[c]) +
+          l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
       if (!anchored) continue;
       const double before = l.m[i] - state->m[i] + state->s[i];
