@@ -3,7 +3,7 @@
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
 //        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
 //                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
-//        + sum over pixels t (m - s - rho_previous)^2     temporal anchor
+//        + sum over pixels t (s - s_before)^2             temporal anchor
 //
 // over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
 // edge. a, b, v, V and g come from
