@@ -5,7 +5,8 @@
 //                        + g (m' - s' - r_bin)^2         equal chroma, equal reflectance (soft)
 //        + sum over pixels t (s - s_before)^2            temporal anchor; t is the same all over a cell
 //
-// s_before is what s is if reflectance is what it was in the frame before. d is the step across an edge, m the mean log intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
+// s_before is what s is if reflectance is what it was in the frame before. d is the step across an edge, m the mean log
+// intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
 // Reflectance is r = i - s exactly, so that the data and chromaticity terms of Eqs. 3.5 and 3.10 vanish. a, b, v, V, g
 // come from EdgePrior. E is quadratic; setting its gradient to zero,
 //
