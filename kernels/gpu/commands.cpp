@@ -4,6 +4,10 @@
 #include <iterator>
 #include <mutex>
 
+#include "shaders.hpp"
+
+INVERSE_SHADER(gpu_fill);
+
 namespace inverse::gpu {
 namespace {
 
@@ -59,8 +63,10 @@ Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) 
 }
 
 Commands::~Commands() {
-  if (in_flight_ && vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE,
-                                    timed_out_ ? 0 : device_->patience_ns()) == VK_TIMEOUT) {
+  const uint64_t patience = timed_out_ || device_->silent() ? 0 : device_->patience_ns();
+  if (in_flight_ &&
+      vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience) == VK_TIMEOUT) {
+    device_->note_silent(true);
     kept_.push_back(device_);  // the pools, the fence and the queries live as long as it does
     abandon(std::move(kept_));
     return;
@@ -254,7 +260,13 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
-  refuse_when("a fill");
+  if (in_when_) {
+    const struct {
+      uint32_t count, word;
+    } push{static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t)), word};
+    dispatch(device_->kernel(shaders::gpu_fill), {buffer}, push, {push.count});
+    return;
+  }
   touch(buffer->handle(), false, true);
   barrier_if_needed();
   kept_.push_back(buffer);
@@ -327,6 +339,7 @@ void Commands::wait() {
   const uint64_t patience = timed_out_ ? 0 : device_->patience_ns();
   const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience);
   timed_out_ = result == VK_TIMEOUT;
+  device_->note_silent(timed_out_);
   if (timed_out_)
     throw Error(ErrorKind::device_lost,
                 "the Vulkan device \"" + device_->name() + "\" did not finish a frame within " +

@@ -35,7 +35,8 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
   /// Waits for work still in flight. Where the device does not finish it in time
-  /// (`Device::patience_ns`), everything that the work may use is left to it for good.
+  /// (`Device::patience_ns`; at once where it is silent already), everything that the work may use
+  /// is left to it for good.
   ~Commands();
 
   const std::shared_ptr<Device>& device() const { return device_; }
@@ -66,7 +67,7 @@ class Commands {
   /// Records kernels that the device leaves out where the word at `offset` bytes of `condition` is
   /// 0 when it comes to them; all of them run on a device that cannot
   /// (`Device::variant().conditional`). What a kernel left out would have written stays as it was.
-  /// Copies and fills run always, so there must be none: throws Error(internal). Not nested.
+  /// Copies run always, so there must be none: throws Error(internal). Not nested.
   template <typename Record>
   void when(const BufferPtr& condition, uint64_t offset, Record record) {
     begin_when(condition, offset);

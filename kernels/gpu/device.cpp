@@ -327,7 +327,7 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
 }
 
 uint64_t Device::patience_ns() const {
-  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 120 : 10) * uint64_t{1'000'000'000};
+  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 30 : 10) * uint64_t{1'000'000'000};
 }
 
 void Device::count_memory(int64_t bytes) {

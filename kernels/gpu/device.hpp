@@ -81,10 +81,15 @@ class Device : public std::enable_shared_from_this<Device> {
   void note_lost() { lost_ = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
-  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, 120 s for
-  /// a software device (which shares its processors with whatever else runs), or the environment
-  /// variable `INVERSE_PATIENCE` in seconds.
+  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, which is
+  /// what drivers allow themselves, 30 s for a software device (which is slower and shares its
+  /// processors with whatever else runs), or the environment variable `INVERSE_PATIENCE` in
+  /// seconds.
   uint64_t patience_ns() const;
+  /// Whether patience ran out on the last work that was waited for: then nobody who only tidies up
+  /// waits as long again.
+  bool silent() const { return silent_.load(); }
+  void note_silent(bool silent) { silent_ = silent; }
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
   /// workgroup size). Built once and kept as long as the device: to compile it
@@ -128,7 +133,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
-  std::atomic<bool> lost_{false};
+  std::atomic<bool> lost_{false}, silent_{false};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

@@ -79,7 +79,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, multigrid, cycle, cycle + 1 == stats_.cycles,
+        commands, multigrid, cycle,
+        {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
@@ -92,6 +93,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.levels = multigrid_.depth();
   stats_.history = history_ && params.anchor.anchor_weight > 0;
   stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
+  stats_.stops = params.adaptive && params.settled > 0;
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
 
@@ -153,7 +155,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptiv
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 4, gpu::Memory::readback);
   constexpr uint64_t kVec4 = 16;
-  commands.copy(multigrid_.change(), report.found, kVec4, 0, 0);
+  commands.copy(multigrid_.progress(), report.found, kVec4, 0, 0);
   if (stats_.history) commands.copy(anchor_.verdict(), report.found, kVec4, 0, kVec4);
   commands.copy(gauge_.value(), report.found, kVec4, 0, 2 * kVec4);
   if (adaptive) commands.copy(prior_.control(), report.found, sizeof(uint32_t), 0, 3 * kVec4);
@@ -164,6 +166,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const float* found = of.found->map_as<float>();
   Findings findings;
   findings.change = std::sqrt(found[0]);
+  findings.cycles = of.stats.stops ? static_cast<uint32_t>(found[2]) : of.stats.cycles;
   if (of.stats.history) {
     findings.mismatch = found[4];
     findings.cut = found[5] == 0;

@@ -12,7 +12,7 @@ INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
 INVERSE_SHADER(intrinsic_extrapolate);
-INVERSE_SHADER(intrinsic_mean);
+INVERSE_SHADER(intrinsic_settle);
 
 namespace inverse {
 namespace {
@@ -50,7 +50,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
   extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});
   measure_ = device->kernel(shaders::intrinsic_extrapolate, {1});
-  mean_ = device->kernel(shaders::intrinsic_mean);
+  settle_ = device->kernel(shaders::intrinsic_settle);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -67,7 +67,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
   sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
-  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
+  progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
@@ -147,7 +147,8 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
   for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
 }
 
-void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure) {
+void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
+                            const Progress& progress) {
   // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
   // Analysis, 5.1.
   const float ratio = slowest / (2 - slowest);
@@ -160,35 +161,45 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
     float w, c;
   } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
   commands.dispatch(
-      measure ? measure_ : extrapolate_,
+      progress.measured ? measure_ : extrapolate_,
       {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
       push, line_of(field()->count()));
-  if (!measure) return;
+  if (!progress.measured) return;
   const struct {
     uint32_t count;
-    float pixels;
-  } mean{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels())};
-  commands.dispatch(mean_, {sums_, change_}, mean, {});
+    float pixels, settled;
+    uint32_t first;
+  } settle{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()),
+           progress.settled * progress.settled, k == 0 ? 1U : 0U};
+  commands.dispatch(settle_, {sums_, progress_}, settle, {});
 }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
-                             bool measure, const std::function<void()>& before,
+                             const Progress& progress, const std::function<void()>& before,
                              const std::function<void()>& after) {
-  if (params.slowest > 0 || measure) commands.copy(field(), starts_[k % 2], field()->bytes());
-  for (size_t i = 0; i < kCells; ++i) {
-    smooth(commands, i);
-    restrict_to(commands, i);
-  }
-  commands.stage("descend");
-  for (uint32_t cycle = 0; cycle < params.cell_cycles; ++cycle) {
-    before();
-    cell_cycle(commands, params);
-  }
-  after();
-  commands.stage("cells");
-  for (size_t i = kCells; i-- > 0;) correct(commands, i);
-  if (params.slowest > 0 || measure) extrapolate(commands, params.slowest, k, measure);
-  commands.stage("ascend");
+  const bool from_start = params.slowest > 0 || progress.measured;
+  if (from_start) commands.copy(field(), starts_[k % 2], field()->bytes());
+  const auto cycle = [&] {
+    for (size_t i = 0; i < kCells; ++i) {
+      smooth(commands, i);
+      restrict_to(commands, i);
+    }
+    commands.stage("descend");
+    for (uint32_t inner = 0; inner < params.cell_cycles; ++inner) {
+      before();
+      cell_cycle(commands, params);
+    }
+    after();
+    commands.stage("cells");
+    for (size_t i = kCells; i-- > 0;) correct(commands, i);
+    if (from_start) extrapolate(commands, params.slowest, k, progress);
+    commands.stage("ascend");
+  };
+  constexpr uint64_t kGoesOn = sizeof(float);  // the second number of `progress_`
+  if (progress.conditional)
+    commands.when(progress_, kGoesOn, cycle);
+  else
+    cycle();
 }
 
 }  // namespace inverse

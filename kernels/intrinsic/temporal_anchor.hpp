@@ -36,6 +36,7 @@ class TemporalAnchor {
     float hold_texture = 0.2F;
     /// Mean mismatch of a frame, 0…1, from which on it is a cut.
     float cut_fraction = 0.3F;
+    bool operator==(const Params&) const = default;
   };
   static constexpr uint64_t kMemoryStride = 2;  ///< vec4 a quad of pixels (temporal.glsl)
   static constexpr uint64_t kStartStride = 3;   ///< vec4 a quad of cells (temporal.glsl)

@@ -32,8 +32,8 @@ void main() {
   vec2 sum = vec2(0.0);
 
   int before = max(first - 1, 0) * w + x;
-  vec4 above = search(before, beta);
   vec4 here = search(first * w + x, beta);
+  vec4 up = here - search(before, beta);
   vec2 edge_up = float(first > 0) * FETCH(edges, before).yw;
   for (int row = 0; row < kStrip; ++row) {
     int y = first + row;
@@ -43,15 +43,15 @@ void main() {
     vec4 edge = FETCH(edges, n);
     vec2 edge_left = has_left * FETCH(edges, base + left).xz;
     vec4 node = FETCH(nodes, n);
-    vec4 q = apply_node(node, here) - edge_up.xxxy * above - edge.yyyw * below -
-             edge_left.xxxy * search(base + left, beta) - edge.xxxz * search(base + right, beta);
+    vec4 across = here - search(base + right, beta), down = here - below, back = here - search(base + left, beta);
+    vec4 q = apply_node(node, here) + edge_up.xxxy * up + edge.yyyw * down + edge_left.xxxy * back + edge.xxxz * across;
     if (inside && y < push.size.y) {
       STORE(directions, n, here);
       STORE(products, n, q);
       sum += vec2(dot(here, q), dot(here, diagonal(node) * here));
     }
     edge_up = edge.yw;
-    above = here;
+    up = -down;
     here = below;
   }
   SUM_PARTIALS(partials, vec4(sum, 0.0, 0.0));

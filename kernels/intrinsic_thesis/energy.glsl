@@ -45,6 +45,7 @@ layout(push_constant) uniform Push {
   float sample_threshold;  // τ_cc² on the grid of packed chromaticities
   float log_floor, chroma_floor;
   float p, epsilon2, irls_factor;
+  float settled;
 } push;
 
 const vec3 kChannelWeight = vec3(0.299, 0.587, 0.114);  // ω_c, ITU-R BT.601
@@ -61,11 +62,28 @@ float irls_weight(vec3 difference) {
   return push.irls_factor * pow(dot(difference, difference) + push.epsilon2, 0.5 * push.p - 1.0);
 }
 
-/// The part of A v at a pixel that needs no neighbors.
+vec3 log_light(vec3 image) { return log(max(image, push.log_floor)); }
+
+/// P v. Projected twice, so that its sum vanishes even against a rounding of v: times a large weight, what is left of it would
+/// drive the gray values, which little else holds.
+vec3 colored(vec3 v) {
+  vec3 once = v - mean3(v);
+  return once - mean3(once);
+}
+
+/// The data and chromaticity terms' part of b - A x at a pixel, i = log_light.
+vec4 node_residual(vec4 node, vec3 i, vec4 x) {
+  vec3 misfit = i - x.rgb;
+  vec3 data = push.w_data * node.x * kChannelWeight * (misfit - x.a);
+  return vec4(data + push.w_chromaticity * node.x * colored(misfit), data.r + data.g + data.b);
+}
+
+/// The part of A v at a pixel that needs no neighbors. The rest is edges times differences of v: a sum over all edges less
+/// the neighbors' share would lose what holds a patch in place against the edges inside it.
 vec4 apply_node(vec4 node, vec4 v) {
   vec3 data = push.w_data * node.x * kChannelWeight * (v.rgb + v.a);
-  vec3 chroma = push.w_chromaticity * node.x * (v.rgb - mean3(v.rgb));
-  return vec4(data + chroma + (node.y + node.z) * v.rgb, data.r + data.g + data.b + node.w * v.a);
+  vec3 chroma = push.w_chromaticity * node.x * colored(v.rgb);
+  return vec4(data + chroma + node.y * v.rgb, data.r + data.g + data.b);
 }
 
 /// diag(A) at a pixel.

@@ -106,7 +106,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
   for (uint32_t k = 0; k < cycles; ++k) {
     lab.run([&](gpu::Commands& commands) {
       multigrid.record_cycle(
-          commands, params, k, false, [&] { bins.record(commands, guide, state); },
+          commands, params, k, {}, [&] { bins.record(commands, guide, state); },
           [&] { bins.record_force(commands, state); });
     });
     if (last && k + 1 < cycles) continue;

@@ -12,7 +12,7 @@ namespace inverse::extremes {
 /// pixels carry screen (mean s)² − 2 pull (mean s), and t of each of their pixels.
 struct GridSystem {
   Extent extent, cells;
-  std::vector<float> right, down, f;       ///< pixels
+  std::vector<float> right, down, f;        ///< pixels
   std::vector<float> screen, pull, anchor;  ///< cells
 
   explicit GridSystem(Extent extent);

@@ -15,11 +15,11 @@ namespace {
 
 using reference::ThesisParams;
 
-constexpr int kWidth = 10, kHeight = 7;                // of thesis systems: 280 unknowns
-constexpr Extent kGrid{20, 13};                        // of the multigrid's: 260
-constexpr int kRestarts = 4, kIterations = 280;        // PCG
-constexpr int kSweeps = 120, kInnerIterations = 64;    // Schwarz
-constexpr uint32_t kCycles = 60;                       // multigrid
+constexpr int kWidth = 10, kHeight = 7;              // of thesis systems: 280 unknowns
+constexpr Extent kGrid{20, 13};                      // of the multigrid's: 260
+constexpr int kRestarts = 4, kIterations = 280;      // PCG
+constexpr int kSweeps = 120, kInnerIterations = 64;  // Schwarz
+constexpr uint32_t kCycles = 240;                    // multigrid
 constexpr int kPlainIterations = 4000;
 
 /// Four paints in patches under a ramp of light, noise on top.
@@ -32,15 +32,16 @@ reference::Plane patches(unsigned seed) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       for (size_t c = 0; c < 3; ++c)
-        image.at(x, y)[c] = kPaints[(x / 4 + 2 * (y / 3)) % 4][c] * (0.3 + 0.06 * y) + noise(random);
+        image.at(x, y)[c] =
+            kPaints[(x / 4 + 2 * (y / 3)) % 4][c] * (0.3 + 0.06 * y) + noise(random);
   return in_single_precision(image);
 }
 
 /// A frozen system of the thesis' method as a problem for one of its solvers.
 Problem thesis_problem(const std::string& name, Solver solver, const reference::Plane& image,
-                       const ThesisParams& params, reference::ThesisSystem system) {
+                       const ThesisParams& params, const reference::PullPlane& pulls,
+                       reference::ThesisSystem system) {
   system.edges = in_single_precision(system.edges);
-  system.b = in_single_precision(system.b);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       reference::Vec4& node = system.node.at(x, y);
@@ -49,13 +50,13 @@ Problem thesis_problem(const std::string& name, Solver solver, const reference::
         node[kind / 2 + 2] = here[kind] + here[kind + 1] +
                              (x > 0 ? system.edges.at(x - 1, y)[kind] : 0) +
                              (y > 0 ? system.edges.at(x, y - 1)[kind + 1] : 0);
-      node[1] = static_cast<double>(static_cast<float>(node[1]));
     }
   std::vector<double> b;
   for (const reference::Vec4& value : system.b.data) b.insert(b.end(), value.begin(), value.end());
-  const auto on_device = [image, params, system, solver](const Lab& lab) {
+  const auto on_device = [image, params, pulls, edges = system.edges, solver](const Lab& lab) {
     ThesisLab method(lab, image, params);
-    method.set_system(system);
+    method.set_edges(edges);
+    method.set_pulls(pulls);
     const bool schwarz = solver == Solver::schwarz;
     for (int k = 0; k < (schwarz ? kSweeps : kRestarts); ++k)
       method.step(schwarz, schwarz ? kInnerIterations : kIterations, k);
@@ -64,7 +65,12 @@ Problem thesis_problem(const std::string& name, Solver solver, const reference::
       x.insert(x.end(), value.begin(), value.end());
     return x;
   };
-  return {name, solver, matrix_of(system), b, on_device};
+  return {name,
+          solver,
+          matrix_of(system),
+          b,
+          on_device,
+          solver == Solver::schwarz ? kSweeps * kInnerIterations : kRestarts * kIterations};
 }
 
 /// The system of an IRLS step where `x0` says what the step starts from.
@@ -82,7 +88,8 @@ Problem irls_problem(const std::string& name, Solver solver, const ThesisParams&
     reference::Vec4& pull = pulls.at(static_cast<int>(2 + 3 * k), static_cast<int>(1 + 2 * k));
     pull = {-0.5 * strokes[k], -0.7 * strokes[k], -1.1 * strokes[k], strokes[k]};
   }
-  return thesis_problem(name, solver, image, params, assemble(level, x0, pulls, params));
+  pulls = in_single_precision(pulls);
+  return thesis_problem(name, solver, image, params, pulls, assemble(level, x0, pulls, params));
 }
 
 std::string decade(double value) {
@@ -128,7 +135,7 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
     const reference::Plane image = patches(2);
     const reference::ThesisLevel level(image, {});
     reference::PullPlane pulls(kWidth, kHeight);
-    for (reference::Vec4& pull : pulls.data) pull = {-0.5, -0.7, -1.1, 1};
+    for (reference::Vec4& pull : pulls.data) pull = {-0.5, -0.75, -1.125, 1};
     reference::ThesisSystem system = assemble(level, level.log_image, pulls, {});
     std::mt19937 random(3);
     std::uniform_real_distribution<double> exponent(-decades / 2, decades / 2);
@@ -140,13 +147,17 @@ void add_thesis(std::vector<Problem>& problems, Solver solver) {
         if (y + 1 == kHeight) edge[1] = edge[3] = 0;
       }
     problems.push_back(thesis_problem("edges over " + decade(decades) + " decades", solver, image,
-                                      {}, system));
+                                      {}, pulls, system));
   }
 }
 
 Problem grid_problem(const std::string& name, const GridSystem& system) {
-  return {name, Solver::multigrid, matrix_of(system), right_hand_side(system),
-          [system](const Lab& lab) { return cycles_on_device(lab, system, kCycles).back(); }};
+  return {name,
+          Solver::multigrid,
+          matrix_of(system),
+          right_hand_side(system),
+          [system](const Lab& lab) { return cycles_on_device(lab, system, kCycles).back(); },
+          static_cast<int>(kCycles)};
 }
 
 /// Edges 10^low … 10^high, uniform in the logarithm; every cell held by `screen`.
@@ -182,9 +193,9 @@ void add_grids(std::vector<Problem>& problems) {
         grid_problem("edges over " + decade(decades) + " decades",
                      random_grid(static_cast<unsigned>(decades), -decades / 2, decades / 2, 1)));
   for (const float inside : {1e2F, 1e4F, 1e6F})
-    problems.push_back(grid_problem("patches of " + decade(static_cast<double>(inside)) +
-                                        " that 1 joins",
-                                    patched_grid(inside, 1, 0.1F)));
+    problems.push_back(
+        grid_problem("patches of " + decade(static_cast<double>(inside)) + " that 1 joins",
+                     patched_grid(inside, 1, 0.1F)));
   for (const float screen : {1e3F, 1e-2F, 1e-4F})
     problems.push_back(grid_problem("cells held by " + decade(static_cast<double>(screen)),
                                     random_grid(7, -1, 1, screen)));
@@ -233,8 +244,10 @@ Outcome judge(const Problem& problem, const Lab& lab) {
   return outcome;
 }
 
-double predicted_digits(double condition) {
-  return std::max(0.0, -std::log10(kLoss * condition * 0x1p-24));
+double predicted_digits(Solver solver, const Outcome& outcome) {
+  const double error =
+      solver == Solver::multigrid ? 32 * outcome.condition : 4 * outcome.condition_preconditioned;
+  return std::max(0.0, -std::log10(error * 0x1p-24));
 }
 
 }  // namespace inverse::extremes

@@ -1,12 +1,14 @@
-// extremes [--report FILE] [GoogleTest's options]
+// extremes [--report FILE | --case TEXT] [GoogleTest's options]
 //
-// The stability suite. --report FILE runs the ladder of stiff systems instead of the tests and
-// writes condition numbers against digits kept, for every solver, as JSON.
+// The stability suite. --case TEXT runs one random case, as a failure names it. --report FILE runs
+// the ladder of stiff systems instead of the tests and writes condition numbers against digits
+// kept, for every solver, as JSON.
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstring>
 
+#include "check.hpp"
 #include "error.hpp"
 #include "problem.hpp"
 
@@ -32,14 +34,21 @@ int report(const char* path) {
     fprintf(file,
             "%s\n  {\"name\": \"%s: %s\", \"solver\": \"%s\", \"system\": \"%s\", "
             "\"condition\": %.4g, \"condition_preconditioned\": %.4g, \"digits_plain\": %.3f, "
-            "\"digits_preconditioned\": %.3f}",
+            "\"digits_preconditioned\": %.3f, \"iterations\": %d}",
             separator, name_of(problem.solver), problem.name.c_str(), name_of(problem.solver),
             problem.name.c_str(), outcome.condition, outcome.condition_preconditioned,
-            outcome.digits_plain, outcome.digits_preconditioned);
+            outcome.digits_plain, outcome.digits_preconditioned, problem.iterations);
     separator = ",";
   }
   fprintf(file, "\n]}\n");
   return fclose(file) == 0 ? 0 : 1;
+}
+
+int run_case(const char* text) {
+  const Lab lab;
+  const auto wrong = check_with(lab)(parse_case(text));
+  printf("%s\n", wrong ? wrong->c_str() : "nothing is wrong");
+  return wrong ? 1 : 0;
 }
 
 }  // namespace
@@ -47,9 +56,9 @@ int report(const char* path) {
 
 int main(int count, char** words) {
   try {
-    if (count == 3 && strcmp(words[1], "--report") == 0)
-      return inverse::extremes::report(words[2]);
-  } catch (const inverse::Error& error) {
+    if (count == 3 && strcmp(words[1], "--report") == 0) return inverse::extremes::report(words[2]);
+    if (count == 3 && strcmp(words[1], "--case") == 0) return inverse::extremes::run_case(words[2]);
+  } catch (const std::exception& error) {
     fprintf(stderr, "%s\n", error.what());
     return 1;
   }

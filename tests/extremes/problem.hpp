@@ -26,6 +26,7 @@ struct Problem {
   std::vector<double> b;
   /// Solves it in single precision on the device, from zero, and returns x in the order of b.
   std::function<std::vector<double>(const Lab& lab)> solve_on_device;
+  int iterations = 0;  ///< that this takes: cycles, or steps of conjugate gradients
 };
 
 /// What came of one.
@@ -41,10 +42,10 @@ Outcome judge(const Problem& problem, const Lab& lab);
 /// The ladder: systems of conditions from 1e2 to 1e8 for every solver.
 std::vector<Problem> ladder();
 
-/// Largest loss that the condition number predicts: digits ≥ −log10(kLoss · condition · 2^−24).
-/// The constant stands for the growth of rounding errors with the number of unknowns (400) and of
-/// iterations.
-inline constexpr double kLoss = 8;
-double predicted_digits(double condition);
+/// The fewest digits that the outcome may have kept: the condition number predicts a relative error
+/// of C · condition · 2^−24. Conjugate gradients: the condition after scaling by the diagonal, C
+/// = 4. Multigrid: the condition of A, which it does not scale, C = 32; what of that it loses it
+/// has not reached yet, rather than lost to rounding.
+double predicted_digits(Solver solver, const Outcome& outcome);
 
 }  // namespace inverse::extremes

@@ -50,13 +50,13 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
   scalars_kernel_ = device->kernel(shaders::intrinsic_thesis_scalars, {}, kOneGroup);
   schwarz_ = device->kernel(shaders::intrinsic_thesis_schwarz, {}, kBlockGroup);
   const uint64_t n = extent_.pixels();
-  for (auto* buffer : {&links_, &data_, &edges_, &nodes_, &preconditioned_, &products_, &solution_,
-                       &spare_, &directions_[0], &directions_[1]})
+  for (auto* buffer : {&links_, &edges_, &nodes_, &preconditioned_, &products_, &solution_, &spare_,
+                       &directions_[0], &directions_[1]})
     *buffer = lab.buffer(n);
   image_ = lab.upload(pixels_of(image));
   pulls_ = lab.upload(Pixels(4 * n, 0.0F));
-  partials_ = lab.buffer(gpu::partial_count(
-      *direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
+  partials_ = lab.buffer(
+      gpu::partial_count(*direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, 3);
   lab.run([&](gpu::Commands& commands) {
     commands.fill(partials_);
@@ -88,17 +88,13 @@ ThesisLab::Push ThesisLab::push() const {
 
 void ThesisLab::set_up() const {
   lab_.run([&](gpu::Commands& commands) {
-    commands.dispatch(setup_, {image_, links_, data_}, push(), {extent_.width, extent_.height});
+    commands.dispatch(setup_, {image_, links_}, push(), {extent_.width, extent_.height});
   });
 }
 
-void ThesisLab::set_system(const reference::ThesisSystem& system) {
+void ThesisLab::set_edges(const reference::Plane& edges) {
   frozen_ = true;
-  links_ = lab_.upload(pixels_of(system.edges));
-  data_ = lab_.upload(pixels_of(system.b));
-  reference::Plane pulls(system.node.width, system.node.height);  // targets are in b already
-  for (size_t n = 0; n < pulls.size(); ++n) pulls.data[n][3] = system.node.data[n][1];
-  pulls_ = lab_.upload(pixels_of(pulls));
+  links_ = lab_.upload(pixels_of(edges));
 }
 
 void ThesisLab::set_pulls(const reference::PullPlane& pulls) {
@@ -147,8 +143,7 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
   lab_.run([&](gpu::Commands& commands) {
     Push push = this->push();
     commands.dispatch(
-        reweight_,
-        {solution_, links_, data_, pulls_, image_, edges_, nodes_, preconditioned_, partials_},
+        reweight_, {solution_, links_, pulls_, image_, edges_, nodes_, preconditioned_, partials_},
         push, {extent_.width, (extent_.height - 1) / kStrip + 1});
     if (!schwarz) {
       conjugate_gradients(commands, iterations);
@@ -160,9 +155,9 @@ void ThesisLab::step(bool schwarz, int iterations, int step) {
     const auto blocks = [](uint32_t size, int shifted) {
       return (size + static_cast<uint32_t>(shifted) - 1) / kBlock + 1;
     };
-    commands.dispatch(schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
-                      {blocks(extent_.width, shift[0]) * kBlockGroup,
-                       blocks(extent_.height, shift[1])});
+    commands.dispatch(
+        schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
+        {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
     std::swap(solution_, spare_);
   });
 }

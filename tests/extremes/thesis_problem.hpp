@@ -16,10 +16,10 @@ class ThesisLab {
   /// `image` is linear light that a float holds; `w_…` and the floors are taken from `params`.
   ThesisLab(const Lab& lab, const reference::Plane& image, const reference::ThesisParams& params);
 
-  /// Edges and constant parts of b from the image, as the method does (setup.comp).
+  /// Edges from the image, as the method does (setup.comp).
   void set_up() const;
-  /// Edges and b of a frozen system instead: every IRLS step finds the same ones.
-  void set_system(const reference::ThesisSystem& system);
+  /// The edges of a frozen system instead (ThesisSystem): every IRLS step finds the same ones.
+  void set_edges(const reference::Plane& edges);
   void set_pulls(const reference::PullPlane& pulls);
   void set_solution(const reference::Plane& x);
   reference::Plane solution() const;
@@ -38,7 +38,7 @@ class ThesisLab {
   reference::ThesisParams params_;
   bool frozen_ = false;
   gpu::KernelPtr setup_, reweight_, direction_, update_, scalars_kernel_, schwarz_;
-  gpu::BufferPtr image_, links_, data_, pulls_, edges_, nodes_, preconditioned_, products_;
+  gpu::BufferPtr image_, links_, pulls_, edges_, nodes_, preconditioned_, products_;
   gpu::BufferPtr solution_, spare_, directions_[2], partials_, scalars_;
 };
 
