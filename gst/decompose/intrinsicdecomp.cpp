@@ -8,7 +8,7 @@ namespace {
 struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
-  float keep_tolerance = 5e-4F;
+  float keep_tolerance = 1e-3F;
 };
 
 Params preset(const Params& set) {
