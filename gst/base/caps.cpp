@@ -9,17 +9,11 @@ namespace inverse {
 namespace {
 
 // In the order of preference among equals: packed RGB needs the least work.
-constexpr const char* kFormats =
-    "{ RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, GRAY8, P010_10LE, I420_10LE, "
-    "RGBA64_LE }";
+constexpr const char* kColorFormats =
+    "RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, P010_10LE, I420_10LE, RGBA64_LE";
+constexpr const char* kGrayFormats = "GRAY8, GRAY16_LE";
 constexpr const char* kGeometry =
     "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
-
-GstCaps* pixel_caps() {
-  const std::string text =
-      std::string("video/x-raw, format = (string) ") + kFormats + ", " + kGeometry;
-  return gst_caps_from_string(text.c_str());
-}
 
 GstCaps* layer_caps() {
   const std::string text = std::string("video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
@@ -95,6 +89,14 @@ void keep_transfer(GstCaps* in, GstCaps* out) {
 }
 
 }  // namespace
+
+GstCaps* pixel_caps(Prefer prefer) {
+  const bool gray = prefer == Prefer::gray;
+  const std::string formats = std::string(gray ? kGrayFormats : kColorFormats) + ", " +
+                              (gray ? kColorFormats : kGrayFormats);
+  const std::string text = "video/x-raw, format = (string) { " + formats + " }, " + kGeometry;
+  return gst_caps_from_string(text.c_str());
+}
 
 GstCaps* template_caps(Flow flow) {
   switch (flow) {

@@ -15,6 +15,11 @@ enum class Flow {
                      ///< error
 };
 
+/// Ordinary video in system memory, of every format that the kernels read and write (frame_io.cpp
+/// says which is which) and any size; the formats of one kind before the others. New reference.
+enum class Prefer { color, gray };
+GstCaps* pixel_caps(Prefer prefer = Prefer::color);
+
 /// Template caps for a pad of this kind. New reference.
 GstCaps* template_caps(Flow flow);
 

@@ -49,6 +49,15 @@ DevicePtr device_in(GstContext* context) {
   return device->lost() ? nullptr : device;  // who starts again after a loss gets another
 }
 
+/// What the application has set on the element and GStreamer keeps for it, from NULL to NULL: the
+/// context that tells of a device, where that is from outside the pipeline. New reference, or null.
+GstContext* context_from_outside(GstElement* element, gpointer family) {
+  GstContext* context = gst_element_get_context(element, kDeviceContext);
+  if (context && family_in(context) != family && device_in(context)) return context;
+  if (context) gst_context_unref(context);  // one that we announced ourselves
+  return nullptr;
+}
+
 /// Asks the neighbors on all pads of one direction.
 DevicePtr ask(GstElement* element, GstPadDirection direction) {
   GstQuery* query = gst_query_new_context(kDeviceContext);
@@ -85,6 +94,10 @@ void DeviceContext::acquire(const std::string& select) {
     if (device && offered_family_ != family) demand = Demand::application;
   };
   if (select.empty()) {
+    if (GstContext* context = context_from_outside(element_, family)) {
+      set_context(context);
+      gst_context_unref(context);
+    }
     take_offered();
     if (!device) device = neighbor_.find(element_, VulkanNeighbor::Ask::what_there_is);
     if (!device) device = ask(element_, GST_PAD_SRC);

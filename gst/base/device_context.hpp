@@ -22,9 +22,9 @@ class DeviceContext {
   explicit DeviceContext(GstElement* element) : element_(element) {}
 
   /// The device for the element, from NULL → READY on: where `select` is not empty, the one that it
-  /// names. Else, in this order: one that was set on the element, a neighbor's, one that the
-  /// application provides on request, the best there is. A device that is opened here is announced
-  /// to the rest of the pipeline. Throws Error(no_device).
+  /// names. Else, in this order: one that was set on the element (now or before an earlier start),
+  /// a neighbor's, one that the application provides on request, the best there is. A device that
+  /// is opened here is announced to the rest of the pipeline. Throws Error(no_device).
   void acquire(const std::string& select);
   /// Acquires again where the device was lost since. Throws Error(no_device).
   void renew(const std::string& select);

@@ -159,7 +159,7 @@ gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
 }
 
 GstFlowReturn prepare_output_buffer(GstBaseTransform* transform, GstBuffer* in, GstBuffer** out) {
-  if (!element_of(transform).sends_layers())
+  if (!element_of(transform).sends_layers() && !inverse::is_gap(in))
     return GST_BASE_TRANSFORM_CLASS(parent_class)->prepare_output_buffer(transform, in, out);
   *out = gst_buffer_new();
   return GST_BASE_TRANSFORM_GET_CLASS(transform)->copy_metadata(transform, in, *out)
@@ -183,6 +183,10 @@ void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
 }
 
 GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* out) {
+  // A gap stays one. A frame that is flagged so is still a frame, and what is made of it no
+  // silence.
+  if (inverse::is_gap(in)) return GST_FLOW_OK;
+  GST_BUFFER_FLAG_UNSET(out, GST_BUFFER_FLAG_GAP);
   return element_of(transform).transform(in, out);
 }
 
@@ -191,6 +195,18 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
       GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START)
     element_of(transform).flush();
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+}
+
+gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
+    GstQOSType type{};
+    GstClockTimeDiff late = 0;
+    gst_event_parse_qos(event, &type, nullptr, &late, nullptr);
+    // Who throttles wants fewer frames, not cheaper ones.
+    if (type != GST_QOS_TYPE_THROTTLE)
+      element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
+  }
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
@@ -233,6 +249,7 @@ void base_class_init(gpointer klass, gpointer) {
   base->before_transform = before_transform;
   base->transform = transform;
   base->sink_event = sink_event;
+  base->src_event = src_event;
   base->query = query;
   base->passthrough_on_same_caps = FALSE;
 }
@@ -282,6 +299,7 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   self->element =
       new FilterElement(GST_ELEMENT(instance), *static_cast<GstInverseFilterClass*>(klass)->info);
   gst_base_transform_set_qos_enabled(GST_BASE_TRANSFORM(instance), TRUE);
+  gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
 }
 
 GType filter_type() {

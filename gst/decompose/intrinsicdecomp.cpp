@@ -1,58 +1,90 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
-#include "intrinsic/preset.hpp"
+#include "intrinsic/ladder.hpp"
 
 namespace inverse {
 namespace {
 
-struct Params : IntrinsicDecomposition::Params {
-  Show show = Show::reflectance;
-  Quality quality = Quality::medium;
+struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
+  /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
+  float keep_tolerance = 5e-4F;
 };
 
 Params preset(const Params& set) {
-  Params params{intrinsic_preset(set.quality)};
+  Params params;
   params.quality = set.quality;
+  intrinsic_ladder().set(params, set.quality);
   return params;
 }
 
-class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
+class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> {
  public:
-  PropertyStore& parameters() override { return parameters_; }
+  IntrinsicElement() : MethodDecomposer(table(), intrinsic_ladder(), preset) {}
 
-  void describe(GstStructure* stats, uint64_t number) const override {
-    const auto& method = method_->stats(number);
-    std::string skipped;
-    for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    const auto found = method_->findings(number);
-    gst_structure_set(
-        stats, "cycles", G_TYPE_UINT, method.cycles, "levels", G_TYPE_UINT, method.levels,
-        "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut, "mismatch",
-        G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change", G_TYPE_DOUBLE,
-        static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE, static_cast<double>(found.gauge),
-        "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated,
-        "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    MethodDecomposer::configure(device, extent);
+    const Params set = parameters_.snapshot();
+    method_->prepare(set.half_resolution);
+    // A change of level that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0) method_->prepare(true);
   }
 
  protected:
-  Show decompose(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
+  bool settled(std::optional<uint64_t> done) const override {
+    return done && method_->findings(*done).change < params().keep_tolerance;
+  }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
+    const auto method = method_->stats(number);
+    std::string skipped;
+    for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
+    const auto found = method_->findings(number);
+    gst_structure_set(stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT,
+                      method.levels, "half-resolution", G_TYPE_BOOLEAN, method.half_resolution,
+                      "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
+                      "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
+                      G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
+                      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles,
+                      "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "skipped",
+                      G_TYPE_STRING, skipped.c_str(), nullptr);
+  }
+
+  uint64_t decompose(FrameWork& frame) override {
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    return params.show;
+        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+    return method_->recorded() - 1;
   }
 
  private:
   static const PropertyTable<Params>& table() {
     using P = Params;
-    static const PropertyTable<P> table{
-        show_property<P>(),
-        quality_property<P>("Sets the cycles as a group; what is set explicitly wins"),
-        flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: tiles where nothing changed keep what was "
-                "decided about their edges"),
+    static const PropertyTable<P> table = [] {
+      auto table = shared_properties<P>(
+          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
+      const PropertyTable<P> own = own_properties();
+      table.insert(table.end(), own.begin(), own.end());
+      return table;
+    }();
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
+        flag<P>(
+            "adaptive", &P::adaptive,
+            "Leave out what a frame does not need: tiles where nothing changed keep what was "
+            "decided about their edges, cycles end when little changes, and a picture that comes "
+            "again keeps its layers once they have settled"),
+        number<P>("settled", &P::settled, 0.f, 1.f,
+                  "Change of log shading by a cycle, rms in natural log units, from which on no "
+                  "further one follows; 0 = all run"),
+        flag<P>("half-resolution", &P::half_resolution,
+                "Solve at half the frame's width and height, at about a third of the cost; where "
+                "shading steps is then read from the frame"),
+        number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+                  "Change of log shading by the last cycle, rms in natural log units, below which "
+                  "the layers of a picture that comes again are kept; 0 = never"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                   "Change of intensity or chroma, natural log units, from which on a tile counts "
                   "as changed"),
@@ -112,10 +144,7 @@ class IntrinsicElement final : public MethodDecomposer<IntrinsicDecomposition> {
             "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
             "scene"),
     };
-    return table;
   }
-
-  Parameters<Params> parameters_{table(), preset};
 };
 
 }  // namespace

@@ -1,28 +1,31 @@
 // intrinsicdecompthesis: chapter 3 of the thesis to the letter.
 #include "decomposer.hpp"
-#include "intrinsic_thesis/preset.hpp"
+#include "intrinsic_thesis/ladder.hpp"
 #include "intrinsic_thesis/thesis_decomposition.hpp"
 
 namespace inverse {
 namespace {
 
-struct Params : ThesisParams {
-  Show show = Show::reflectance;
-  Quality quality = Quality::medium;
+struct Params : ThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
 Params preset(const Params& set) {
-  Params params{thesis_preset(set.quality)};
+  Params params;
   params.quality = set.quality;
+  thesis_ladder().set(params, set.quality);
   return params;
 }
 
-class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
+class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
  public:
-  PropertyStore& parameters() override { return parameters_; }
+  ThesisElement() : MethodDecomposer(table(), thesis_ladder(), preset) {}
 
-  void describe(GstStructure* stats, uint64_t number) const override {
+ protected:
+  // It starts every frame from nothing: again is as good as before.
+  bool settled(std::optional<uint64_t>) const override { return true; }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
     gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
                       method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
@@ -34,27 +37,31 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
- protected:
-  Show decompose(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
-    method_->set_params(params);
-    method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-    return params.show;
+  uint64_t decompose(FrameWork& frame) override {
+    method_->set_params(params());
+    return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
   }
 
  private:
   static const PropertyTable<Params>& table() {
     using P = Params;
-    static const PropertyTable<P> table{
-        show_property<P>(),
-        quality_property<P>("Sets iterations as a group; what is set explicitly wins"),
+    static const PropertyTable<P> table = [] {
+      auto table = shared_properties<P>("Sets iterations as a group; what is set explicitly wins");
+      const PropertyTable<P> own = own_properties();
+      table.insert(table.end(), own.begin(), own.end());
+      return table;
+    }();
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
         flag<P>(
             "adaptive", &P::adaptive,
-            "Has no effect, as the thesis' method does all its work for every frame; for scripts "
-            "that set it on any decomposer"),
+            "Leave out what a frame does not need: a picture that comes again keeps its layers"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},
@@ -95,7 +102,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
                   "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)"),
         number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
                   "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)"),
-        number<P>("epsilon", &P::epsilon, 1e-5f, 1.f,
+        number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
                   "Smallest reflectance step in a reweighting, log units"),
         number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
                   "Smallest intensity before the logarithm, 1 = full scale"),
@@ -110,10 +117,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
                 "Draw new sample positions for every frame instead of keeping them"),
         flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
     };
-    return table;
   }
-
-  Parameters<Params> parameters_{table(), preset};
 };
 
 }  // namespace

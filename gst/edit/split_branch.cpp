@@ -2,22 +2,15 @@
 
 #include <string>
 
+#include "base/caps.hpp"
+
 namespace inverse {
 namespace {
 
-// Scalar layers first offer gray.
-constexpr const char* kGray = "GRAY8, GRAY16_LE, ";
-constexpr const char* kColor =
-    "RGBA, BGRA, RGBx, BGRx, NV12, I420, YUY2, UYVY, RGB, BGR, P010_10LE, I420_10LE, RGBA64_LE";
-
+/// Scalar layers first offer gray.
 GstCaps* format_caps(SplitLayer layer) {
   const bool scalar = layer == SplitLayer::shading || layer == SplitLayer::mask;
-  const std::string formats =
-      scalar ? std::string(kGray) + kColor : std::string(kColor) + ", GRAY8, GRAY16_LE";
-  const std::string text = "video/x-raw, format = (string) { " + formats +
-                           " }, width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], "
-                           "framerate = (fraction) [ 0, max ]";
-  return gst_caps_from_string(text.c_str());
+  return pixel_caps(scalar ? Prefer::gray : Prefer::color);
 }
 
 /// Says in the caps which transfer curve the samples have, unless what follows insists on its own.

@@ -312,6 +312,11 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
         start(branch) &&
         ((branch.negotiated() && !gst_pad_needs_reconfigure(branch.pad())) || negotiate(branch));
   }
+  if (negotiated && is_gap(buffer)) {
+    for (GstBuffer*& frame : frames) frame = gst_buffer_ref(buffer);
+    gst_buffer_unref(buffer);
+    return push(all, frames);
+  }
   const bool good = negotiated && guarded(element_, [&] { draw(buffer, all, frames); });
   gst_buffer_unref(buffer);
   if (!good) {
@@ -321,6 +326,11 @@ GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
   }
   ++frames_;
   publish(std::chrono::duration<double, std::milli>(Clock::now() - start_time).count());
+  return push(all, frames);
+}
+
+GstFlowReturn SplitElement::push(const std::vector<BranchPtr>& all,
+                                 const std::vector<GstBuffer*>& frames) {
   GstFlowReturn result = GST_FLOW_NOT_LINKED;  // where there is no pad at all, as tee says it
   for (size_t i = 0; i < all.size(); ++i) {
     SplitBranch& branch = *all[i];

@@ -65,6 +65,7 @@ Buffer::Buffer(std::shared_ptr<Device> device, Element element, uint64_t count, 
     info.size = bytes();
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    if (device_->variant().conditional) info.usage |= VK_BUFFER_USAGE_CONDITIONAL_RENDERING_BIT_EXT;
     if (view) info.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
     check(vkCreateBuffer(device_->handle(), &info, nullptr, &buffer_), "creating a buffer");
     VkMemoryRequirements needs;

@@ -4,6 +4,10 @@
 #include <iterator>
 #include <mutex>
 
+#include "shaders.hpp"
+
+INVERSE_SHADER(gpu_fill);
+
 namespace inverse::gpu {
 namespace {
 
@@ -59,8 +63,10 @@ Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) 
 }
 
 Commands::~Commands() {
-  if (in_flight_ && vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE,
-                                    timed_out_ ? 0 : device_->patience_ns()) == VK_TIMEOUT) {
+  const uint64_t patience = timed_out_ || device_->silent() ? 0 : device_->patience_ns();
+  if (in_flight_ &&
+      vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience) == VK_TIMEOUT) {
+    device_->note_silent(true);
     kept_.push_back(device_);  // the pools, the fence and the queries live as long as it does
     abandon(std::move(kept_));
     return;
@@ -83,6 +89,7 @@ void Commands::begin() {
   pending_.clear();  // an exception may have left some
   stage_names_.clear();
   dispatches_ = 0;
+  in_when_ = false;
   for (VkDescriptorPool pool : descriptor_pools_)
     check(vkResetDescriptorPool(device_->handle(), pool, 0), "resetting descriptors");
   descriptor_pool_ = 0;
@@ -101,8 +108,12 @@ void Commands::full_barrier() {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = kKernelWrites;
   barrier.dstAccessMask = kKernelAccess;
-  vkCmdPipelineBarrier(buffer_, kKernelStages, kKernelStages, 0, 1, &barrier, 0, nullptr, 0,
-                       nullptr);
+  VkPipelineStageFlags after = kKernelStages;
+  if (device_->variant().conditional) {
+    barrier.dstAccessMask |= VK_ACCESS_CONDITIONAL_RENDERING_READ_BIT_EXT;
+    after |= VK_PIPELINE_STAGE_CONDITIONAL_RENDERING_BIT_EXT;
+  }
+  vkCmdPipelineBarrier(buffer_, kKernelStages, after, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
 void Commands::touch(VkBuffer buffer, bool reads, bool writes) {
@@ -216,8 +227,29 @@ void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const Buffer
   vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
 }
 
+void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {
+  refuse_when("another condition");
+  in_when_ = true;
+  if (!device_->variant().conditional) return;
+  touch(condition->handle(), true, false);
+  barrier_if_needed();
+  kept_.push_back(condition);
+  device_->begin_conditional(buffer_, condition->handle(), offset);
+}
+
+void Commands::end_when() {
+  in_when_ = false;
+  if (device_->variant().conditional) device_->end_conditional(buffer_);
+}
+
+void Commands::refuse_when(const char* what) const {
+  if (in_when_)
+    throw Error(ErrorKind::internal, std::string(what) + " inside of a condition would run always");
+}
+
 void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
                     uint64_t source_offset, uint64_t target_offset) {
+  refuse_when("a copy");
   touch(source->handle(), true, false);
   touch(target->handle(), false, true);
   barrier_if_needed();
@@ -228,6 +260,13 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
 }
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
+  if (in_when_) {
+    const struct {
+      uint32_t count, word;
+    } push{static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t)), word};
+    dispatch(device_->kernel(shaders::gpu_fill), {buffer}, push, {push.count});
+    return;
+  }
   touch(buffer->handle(), false, true);
   barrier_if_needed();
   kept_.push_back(buffer);
@@ -300,6 +339,7 @@ void Commands::wait() {
   const uint64_t patience = timed_out_ ? 0 : device_->patience_ns();
   const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience);
   timed_out_ = result == VK_TIMEOUT;
+  device_->note_silent(timed_out_);
   if (timed_out_)
     throw Error(ErrorKind::device_lost,
                 "the Vulkan device \"" + device_->name() + "\" did not finish a frame within " +

@@ -35,7 +35,8 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
   /// Waits for work still in flight. Where the device does not finish it in time
-  /// (`Device::patience_ns`), everything that the work may use is left to it for good.
+  /// (`Device::patience_ns`; at once where it is silent already), everything that the work may use
+  /// is left to it for good.
   ~Commands();
 
   const std::shared_ptr<Device>& device() const { return device_; }
@@ -62,6 +63,18 @@ class Commands {
   void dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
                          std::span<const std::byte> push, const BufferPtr& arguments,
                          uint64_t offset = 0);
+
+  /// Records kernels that the device leaves out where the word at `offset` bytes of `condition` is
+  /// 0 when it comes to them; all of them run on a device that cannot
+  /// (`Device::variant().conditional`). What a kernel left out would have written stays as it was.
+  /// Copies run always, so there must be none: throws Error(internal). Not nested.
+  template <typename Record>
+  void when(const BufferPtr& condition, uint64_t offset, Record record) {
+    begin_when(condition, offset);
+    const std::unique_ptr<Commands, void (*)(Commands*)> end(
+        this, [](Commands* self) { self->end_when(); });
+    record();
+  }
 
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
@@ -106,6 +119,9 @@ class Commands {
     VkBuffer buffer;
     bool written;
   };
+  void begin_when(const BufferPtr& condition, uint64_t offset);
+  void end_when();
+  void refuse_when(const char* what) const;
   void touch(VkBuffer buffer, bool reads, bool writes);
   void barrier_if_needed();
   void full_barrier();
@@ -129,6 +145,7 @@ class Commands {
   std::vector<StageTime> stages_;
   std::vector<std::shared_ptr<void>> kept_;
   uint32_t dispatches_ = 0;
+  bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;
 };

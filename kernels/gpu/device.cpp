@@ -167,6 +167,23 @@ uint32_t environment_number(const char* name, uint32_t fallback) {
   return text && *text ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : fallback;
 }
 
+bool has_conditional(VkPhysicalDevice device) {
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> all(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data());
+  if (std::none_of(all.begin(), all.end(), [](const VkExtensionProperties& extension) {
+        return !std::strcmp(extension.extensionName, VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME);
+      }))
+    return false;
+  VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  features.pNext = &conditional;
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return conditional.conditionalRendering;
+}
+
 struct OwnedDevice {
   std::shared_ptr<Instance> instance;
   VkDevice handle = VK_NULL_HANDLE;
@@ -215,6 +232,16 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  const char* extension = VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME;
+  VkPhysicalDeviceConditionalRenderingFeaturesEXT feature{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT};
+  feature.conditionalRendering = VK_TRUE;
+  const bool conditional = has_conditional(devices[index]);
+  if (conditional) {
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = &extension;
+    info.pNext = &feature;
+  }
   const auto owner = std::make_shared<OwnedDevice>();
   owner->instance = instance;
   check(vkCreateDevice(devices[index], &info, nullptr, &owner->handle),
@@ -225,6 +252,7 @@ std::shared_ptr<Device> Device::open(const std::string& select) {
   handles.queue_family = queue.queueFamilyIndex;
   handles.device = owner->handle;
   handles.owner = owner;
+  handles.conditional = conditional;
   vkGetDeviceQueue(handles.device, handles.queue_family, 0, &handles.queue);
   std::shared_ptr<Device> device(new Device(std::move(handles), true));
   opened[index] = device;
@@ -272,9 +300,19 @@ void Device::read_properties() {
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
-  variant_.workgroup = is_cpu_ ? 64 : 128;
-  const uint32_t workgroup = environment_number("INVERSE_WORKGROUP", variant_.workgroup) / 8 * 8;
-  variant_.workgroup = std::clamp(workgroup, 8u, std::min(256u, limits_.workgroup_invocations));
+  variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
+  if (variant_.conditional) {
+    begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(
+        vkGetDeviceProcAddr(handles_.device, "vkCmdBeginConditionalRenderingEXT"));
+    end_conditional_ = reinterpret_cast<PFN_vkCmdEndConditionalRenderingEXT>(
+        vkGetDeviceProcAddr(handles_.device, "vkCmdEndConditionalRenderingEXT"));
+  }
+  const auto lanes = [&](const char* name, uint32_t fallback) {
+    return std::clamp(environment_number(name, fallback) / 8 * 8, 8u,
+                      std::min(256u, limits_.workgroup_invocations));
+  };
+  variant_.workgroup = lanes("INVERSE_WORKGROUP", is_cpu_ ? 64 : 128);
+  variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
 }
 
 std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
@@ -289,7 +327,7 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
 }
 
 uint64_t Device::patience_ns() const {
-  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 120 : 10) * uint64_t{1'000'000'000};
+  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 30 : 10) * uint64_t{1'000'000'000};
 }
 
 void Device::count_memory(int64_t bytes) {
@@ -299,6 +337,16 @@ void Device::count_memory(int64_t bytes) {
   while (now > peak && !memory_peak_bytes_.compare_exchange_weak(peak, now)) {
   }
 }
+
+void Device::begin_conditional(VkCommandBuffer commands, VkBuffer condition,
+                               uint64_t offset) const {
+  VkConditionalRenderingBeginInfoEXT info{VK_STRUCTURE_TYPE_CONDITIONAL_RENDERING_BEGIN_INFO_EXT};
+  info.buffer = condition;
+  info.offset = offset;
+  begin_conditional_(commands, &info);
+}
+
+void Device::end_conditional(VkCommandBuffer commands) const { end_conditional_(commands); }
 
 void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};

@@ -25,9 +25,16 @@ struct Variant {
   /// arithmetic: chosen where texel views are too short or subgroup arithmetic is missing.
   /// `INVERSE_PORTABLE=0|1`.
   bool portable = false;
+  /// Work that the device itself may leave out (Commands::when): where it has
+  /// VK_EXT_conditional_rendering and was opened with it. `INVERSE_CONDITIONAL=0` does without.
+  bool conditional = false;
   /// Invocations per workgroup along x (specialization constant 0), a multiple of 8.
   /// `INVERSE_WORKGROUP=N`.
   uint32_t workgroup = 64;
+  /// Invocations of a kernel that is one workgroup and works in steps with a barrier between: few
+  /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
+  /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
+  uint32_t lone_workgroup = 32;
 };
 
 struct Limits {
@@ -57,6 +64,7 @@ class Device : public std::enable_shared_from_this<Device> {
     std::function<void()> lock;    ///< taken around every use of the queue
     std::function<void()> unlock;  ///< releases it
     std::shared_ptr<void> owner;   ///< kept as long as this object lives
+    bool conditional = false;      ///< opened with VK_EXT_conditional_rendering and its feature
   };
   /// Adopts a device that is already open; it must outlive this object (`owner`).
   static std::shared_ptr<Device> adopt(Borrowed borrowed);
@@ -73,10 +81,15 @@ class Device : public std::enable_shared_from_this<Device> {
   void note_lost() { lost_ = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
-  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, 120 s for
-  /// a software device (which shares its processors with whatever else runs), or the environment
-  /// variable `INVERSE_PATIENCE` in seconds.
+  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, which is
+  /// what drivers allow themselves, 30 s for a software device (which is slower and shares its
+  /// processors with whatever else runs), or the environment variable `INVERSE_PATIENCE` in
+  /// seconds.
   uint64_t patience_ns() const;
+  /// Whether patience ran out on the last work that was waited for: then nobody who only tidies up
+  /// waits as long again.
+  bool silent() const { return silent_.load(); }
+  void note_silent(bool silent) { silent_ = silent; }
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
   /// workgroup size). Built once and kept as long as the device: to compile it
@@ -98,6 +111,9 @@ class Device : public std::enable_shared_from_this<Device> {
   VkQueue queue() const { return handles_.queue; }
   const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
   void count_memory(int64_t bytes);
+  /// Around commands that run where the word at `offset` is not 0; where `variant().conditional`.
+  void begin_conditional(VkCommandBuffer commands, VkBuffer condition, uint64_t offset) const;
+  void end_conditional(VkCommandBuffer commands) const;
   /// Submits under the queue's lock; throws Error(device_lost) or Error(out_of_memory).
   void submit(VkCommandBuffer commands, VkFence fence);
 
@@ -111,11 +127,13 @@ class Device : public std::enable_shared_from_this<Device> {
   bool is_cpu_ = false;
   Limits limits_;
   Variant variant_;
+  PFN_vkCmdBeginConditionalRenderingEXT begin_conditional_ = nullptr;
+  PFN_vkCmdEndConditionalRenderingEXT end_conditional_ = nullptr;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
-  std::atomic<bool> lost_{false};
+  std::atomic<bool> lost_{false}, silent_{false};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

@@ -34,7 +34,7 @@ void main() {
     float f[CELL_CUES];
     f[0] = 2.0 * p.w - 0.7;
     f[1] = clamp((p.x - mean) / 1.5, -2.0, 2.0);
-    f[2] = max(0.5 * (p.x + 4.0), -1.0);
+    f[2] = clamp(0.5 * (p.x + 4.0), -1.0, 2.0);
     f[3] = cue(activity.x, 2.5);
     f[4] = cue(activity.y, 2.5);
     f[5] = clamp(around.x + around.w, -2.0, 2.0);

@@ -49,7 +49,8 @@ void smooth_color(uint base, uvec2 size, uint color) {
 // One quad of the next level, at `to`, from the level of `size` at `base`: x, y are its place there.
 void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
   uint quads = QUADS(size.x);
-  vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), along = vec4(0.0);
+  vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), inside = vec4(0.0), along[3];
+  along[0] = along[1] = along[2] = vec4(0.0);
   for (uint part = 0u; part < 4u; ++part) {  // two rows of two quads
     uint qx = 2u * x + (part & 1u), qy = 2u * y + (part >> 1u);
     if (qx < quads && qy < size.y) {
@@ -60,8 +61,9 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
         vec2 pair = m.xz + m.yw;
         mass += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
         across += second ? vec4(0.0, 0.0, right.yw) : vec4(right.yw, 0.0, 0.0);
-        pair = (part >> 1u) != 0u ? down.xz + down.yw : vec2(0.0);
-        along += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
+        inside += second ? vec4(0.0, 0.0, right.xz) : vec4(right.xz, 0.0, 0.0);
+        pair = down.xz + down.yw;
+        along[part >> 1u] += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
       } else {
         vec4 u = LOAD(field, at), f = SYSTEM(at, SYSTEM_RHS) - m * u;
         vec4 flow = right * (SHIFT_LEFT(u, qx + 1u < quads ? LOAD(field, at + 1u) : u) - u);
@@ -75,8 +77,23 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
     }
   }
   if (kSetup) {
-    SYSTEM(to, SYSTEM_RIGHT) = push.scale * across;
-    SYSTEM(to, SYSTEM_DOWN) = push.scale * along;
+    uint first = base + 2u * y * quads + 2u * x;
+    float next = 0.0;  // what holds the aggregate after this quad together
+    if (2u * x + 2u < quads) {
+      next = SYSTEM(first + 2u, SYSTEM_RIGHT).x;
+      if (2u * y + 1u < size.y) next += SYSTEM(first + quads + 2u, SYSTEM_RIGHT).x;
+    }
+    if (2u * y + 2u < size.y) {
+      vec4 a = SYSTEM(first + 2u * quads, SYSTEM_DOWN);
+      along[2].xy = a.xz + a.yw;
+      if (2u * x + 1u < quads) {
+        vec4 b = SYSTEM(first + 2u * quads + 1u, SYSTEM_DOWN);
+        along[2].zw = b.xz + b.yw;
+      }
+    }
+    bvec4 last = equal(uvec4(8u * x) + uvec4(3, 5, 7, 9), uvec4(size.x));
+    SYSTEM(to, SYSTEM_RIGHT) = in_series(across, inside, SHIFT_LEFT(inside, vec4(next)), last, push.scale);
+    SYSTEM(to, SYSTEM_DOWN) = in_series(along[1], along[0], along[2], bvec4(2u * y + 3u == size.y), push.scale);
     SYSTEM(to, SYSTEM_MASS) = mass;
   } else {
     SYSTEM(to, SYSTEM_RHS) = rhs;

@@ -2,9 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
+#include "relax.glsl"
 
 // The next coarser level's operator, once a frame: aggregates of 2 x 2 pixels add their masses up, and the edges between
-// two aggregates add up to theirs, scaled (multigrid.hpp). With kTerms that level is the cells' and gets their screen and their
+// two aggregates make theirs (relax.glsl). With kTerms that level is the cells' and gets their screen and their
 // pixels' anchors too.
 // One coarse quad an invocation.
 layout(constant_id = 1) const int kStride = 4;        // of the fine system
@@ -28,27 +29,35 @@ void main() {
   uint half_quads = QUADS(half_size.x);
   uvec2 position = grid_position(half_quads);
   if (position.y >= half_size.y) return;
-  int x = 2 * int(position.x), second = x + 1 < quads ? 1 : 0;
-  vec4 right = vec4(0.0), down = vec4(0.0), mass = vec4(0.0);
-  uint last = min(2u * position.y + 1u, push.size.y - 1u);
-  for (uint y = 2u * position.y; y <= last; ++y) {
-    int a = kStride * (int(y) * quads + x), b = a + kStride * second;
-    vec4 ra = FETCH(system, a + SYSTEM_RIGHT), rb = float(second) * FETCH(system, b + SYSTEM_RIGHT);
-    vec4 da = FETCH(system, a + SYSTEM_DOWN), db = float(second) * FETCH(system, b + SYSTEM_DOWN);
-    right += vec4(ra.yw, rb.yw);
-    down = (y & 1u) == 1u ? PAIRS(da, db) : down;
+  int x = 2 * int(position.x), second = x + 1 < quads ? 1 : 0, third = x + 2 < quads ? 2 : 0;
+  vec4 across = vec4(0.0), inside = vec4(0.0), next = vec4(0.0), along[3], mass = vec4(0.0);  // along: of three rows
+  for (uint k = 0u; k < 3u; ++k) {
+    uint y = 2u * position.y + k;
+    float has = y < push.size.y ? 1.0 : 0.0;
+    int row = kStride * (int(min(y, push.size.y - 1u)) * quads + x);
+    vec4 da = FETCH(system, row + SYSTEM_DOWN), db = float(second) * FETCH(system, row + kStride * second + SYSTEM_DOWN);
+    along[k] = has * PAIRS(da, db);
+    if (k == 2u) break;
+    vec4 ra = has * FETCH(system, row + SYSTEM_RIGHT);
+    vec4 rb = has * float(second) * FETCH(system, row + kStride * second + SYSTEM_RIGHT);
+    across += vec4(ra.yw, rb.yw);
+    inside += vec4(ra.xz, rb.xz);
+    next += has * (third > 0 ? 1.0 : 0.0) * FETCH(system, row + kStride * third + SYSTEM_RIGHT).x;
     if (kCoarseStride > 3) {
       vec4 ma = vec4(push.mass), mb = vec4(push.mass);
       if (kStride > 3) {
-        ma = FETCH(system, a + SYSTEM_MASS);
-        mb = float(second) * FETCH(system, b + SYSTEM_MASS);
+        ma = FETCH(system, row + SYSTEM_MASS);
+        mb = float(second) * FETCH(system, row + kStride * second + SYSTEM_MASS);
       }
-      mass += PAIRS(ma, mb);
+      mass += has * PAIRS(ma, mb);
     }
   }
+  bvec4 last = equal(uvec4(8u * position.x) + uvec4(3, 5, 7, 9), uvec4(push.size.x));
+  vec4 right = in_series(across, inside, SHIFT_LEFT(inside, next), last, push.scale);
+  vec4 down = in_series(along[1], along[0], along[2], bvec4(2u * position.y + 3u == push.size.y), push.scale);
   uint to = position.y * half_quads + position.x;
-  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_RIGHT, push.scale * right);
-  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_DOWN, push.scale * down);
+  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_RIGHT, right);
+  STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_DOWN, down);
   if (kCoarseStride > 3) {
     if (kTerms) {
       ivec2 size = ivec2(push.finest);

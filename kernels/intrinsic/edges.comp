@@ -91,7 +91,7 @@ void main() {
           f[10] = value_step(step);
           f[12] = cue(abs(step_before.x) + abs(step_after.x), 3.0);
           f[13] = cue(length(step_before.yz) + length(step_after.yz), 3.0);
-          f[14] = max(0.5 * (min(p.x, q.x) + 4.0), -1.0);
+          f[14] = clamp(0.5 * (min(p.x, q.x) + 4.0), -1.0, 2.0);
           vec2 result = edge_net(f, sums);
           float on = pixel == at && along < end ? 1.0 : 0.0;
           float a = on * push.reflectance_weight * weight(result.x), b = on * push.shading_weight * weight(result.y);

@@ -1,7 +1,8 @@
 // Planes that say what a frame looks like. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01),
-// m = mean_c i, u = max_c i - m, c0 = k_R - k_G, c1 = (k_R + k_G) / 2 - k_B. Level 0 is a pixel a vec4, levels above
+// m = mean_c i, u = max_c i - m, c0 = √3/2 (k_R - k_G), c1 = (k_R + k_G) / 2 - k_B: axes of one scale, so that
+// a distance of chroma is the same whatever the channels are called. Level 0 is a pixel a vec4, levels above
 // hold means of 2 x 2 cells (at an odd border the last row or column counts twice). Level 2, the cells, has a second vec4 a cell:
-// the mean activity |dm| and |dc| of the pixels' steps to the right and down.
+// the mean activity |dm| and |dc| of the pixels' steps to their four neighbors, each step half with either end.
 const float kIntensityFloor = 2e-3;
 const float kChromaFloor = 1e-2;
 const float kMostLight = 1e4;
@@ -15,6 +16,6 @@ vec3 sanitize(vec3 rgb) {
 vec4 guide_of(vec3 rgb) {
   vec3 light = rgb + kIntensityFloor, color = rgb + kChromaFloor;
   float m = log(light.r * light.g * light.b) / 3.0;
-  return vec4(m, log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
+  return vec4(m, 0.8660254 * log(color.r / color.g), log(sqrt(color.r * color.g) / color.b),
               log(max(max(light.r, light.g), light.b)) - m);
 }

@@ -76,7 +76,8 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_force()};
   for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
     multigrid_.record_cycle(
-        commands, multigrid, cycle, cycle + 1 == stats_.cycles,
+        commands, multigrid, cycle,
+        {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state); });
 }
@@ -88,6 +89,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.levels = multigrid_.depth();
   stats_.history = history_ && params.anchor.anchor_weight > 0;
   stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
+  stats_.stops = params.adaptive && params.settled > 0;
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
 
@@ -107,9 +109,9 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
 
   using History = OutputGauge::History;
   gauge_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
-                stats_.history ? History::judged
-                : history_     ? History::taken_on
-                               : History::none,
+                stats_.history             ? History::judged
+                : history_ || gauge_taken_ ? History::taken_on
+                                           : History::none,
                 params.gauge);
   const PlanePtr intrinsic = planes_.acquire();
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
@@ -120,6 +122,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;
+  gauge_taken_ = false;
   commands.keep(input);
   commands.keep(intrinsic);
   Layers layers{extent_, {}};
@@ -129,6 +132,13 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return layers;
 }
 
+void IntrinsicDecomposition::take_gauge(gpu::Commands& commands,
+                                        const IntrinsicDecomposition& other) {
+  reset();
+  gauge_.take(commands, other.gauge_);
+  gauge_taken_ = true;
+}
+
 void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptive) {
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
@@ -136,7 +146,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands, bool adaptiv
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 4, gpu::Memory::readback);
   constexpr uint64_t kVec4 = 16;
-  commands.copy(multigrid_.change(), report.found, kVec4, 0, 0);
+  commands.copy(multigrid_.progress(), report.found, kVec4, 0, 0);
   if (stats_.history) commands.copy(anchor_.verdict(), report.found, kVec4, 0, kVec4);
   commands.copy(gauge_.value(), report.found, kVec4, 0, 2 * kVec4);
   if (adaptive) commands.copy(prior_.control(), report.found, sizeof(uint32_t), 0, 3 * kVec4);
@@ -147,6 +157,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const float* found = of.found->map_as<float>();
   Findings findings;
   findings.change = std::sqrt(found[0]);
+  findings.cycles = of.stats.stops ? static_cast<uint32_t>(found[2]) : of.stats.cycles;
   if (of.stats.history) {
     findings.mismatch = found[4];
     findings.cut = found[5] == 0;

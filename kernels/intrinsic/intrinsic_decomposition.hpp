@@ -30,16 +30,20 @@ class IntrinsicDecomposition {
     Multigrid::Params multigrid;
     OutputGauge::Params gauge;
     /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
-    /// weights.
+    /// weights, and cycles end when little changes.
     bool adaptive = true;
+    /// Rms change of log shading by a cycle below which no further one follows, 0…1; 0: all run.
+    float settled = 0.01F;
     /// Change of a 2 x 2 mean's log intensity or chroma, 0…1, from which on a tile has changed.
     float still_tolerance = 0.05F;
+    bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
   };
   struct Stats {
-    uint32_t cycles = 0;               ///< multigrid cycles recorded
+    uint32_t cycles = 0;               ///< multigrid cycles at most
+    bool stops = false;                ///< fewer where little changes
     uint32_t levels = 0;               ///< of the multigrid
     bool history = false;              ///< a frame before was looked at
     std::vector<std::string> skipped;  ///< what was left out, and why
@@ -55,17 +59,21 @@ class IntrinsicDecomposition {
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
-  void reset() { history_ = false; }
+  void reset() { history_ = gauge_taken_ = false; }
+  /// Forgets the frames so far, but starts from the scale of the output that `other`, on the same
+  /// device, has come to.
+  void take_gauge(gpu::Commands& commands, const IntrinsicDecomposition& other);
   /// Frames recorded since construction: the last one's number is one less.
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
   const Stats& stats(uint64_t frame) const { return report(frame).stats; }
   /// What the device found out about a frame.
   struct Findings {
-    float change = 0;    ///< rms change of log shading by the last cycle: what is left to do
-    float mismatch = 0;  ///< with the frame before, 0…1; 0 without one
-    bool cut = false;    ///< a cut: nothing was taken over
-    float gauge = 0;     ///< ln of the factor from the solver's R to the layer's
+    uint32_t cycles = 0;  ///< multigrid cycles that ran, of Stats::cycles
+    float change = 0;     ///< rms change of log shading by the last cycle: what is left to do
+    float mismatch = 0;   ///< with the frame before, 0…1; 0 without one
+    bool cut = false;     ///< a cut: nothing was taken over
+    float gauge = 0;      ///< ln of the factor from the solver's R to the layer's
     uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
@@ -99,6 +107,7 @@ class IntrinsicDecomposition {
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
+  bool gauge_taken_ = false;
   Stats stats_;  // of the frame being recorded
 };
 

@@ -12,7 +12,7 @@ INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
 INVERSE_SHADER(intrinsic_extrapolate);
-INVERSE_SHADER(intrinsic_verdict);
+INVERSE_SHADER(intrinsic_settle);
 
 namespace inverse {
 namespace {
@@ -21,7 +21,6 @@ constexpr uint64_t kTogether = 300;  // quads up to which levels run in one disp
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
-constexpr uint32_t kSumLanes = 64;   // of verdict.comp
 constexpr size_t kCells = 2;         // the cells' level
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
@@ -46,14 +45,12 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
       restrict_{device->kernel(shaders::intrinsic_restrict, {3, 1}),
                 device->kernel(shaders::intrinsic_restrict, {3, 2}),
                 device->kernel(shaders::intrinsic_restrict, {4, 0})} {
-  // Barriers cost lavapipe by the lane; a GPU wants its lanes filled.
-  const uint32_t lanes =
-      device->is_cpu() ? 32 : std::min(device->limits().workgroup_invocations, 256U);
+  const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
   extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});
   measure_ = device->kernel(shaders::intrinsic_extrapolate, {1});
-  sum_ = device->kernel(shaders::intrinsic_verdict, {}, kSumLanes);
+  settle_ = device->kernel(shaders::intrinsic_settle);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -70,7 +67,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
   sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
-  change_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
+  progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
   cell_far_ = buffer(quads_of(levels_[kCells].extent));
@@ -150,7 +147,8 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
   for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
 }
 
-void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure) {
+void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
+                            const Progress& progress) {
   // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
   // Analysis, 5.1.
   const float ratio = slowest / (2 - slowest);
@@ -163,35 +161,45 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k, 
     float w, c;
   } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
   commands.dispatch(
-      measure ? measure_ : extrapolate_,
+      progress.measured ? measure_ : extrapolate_,
       {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
       push, line_of(field()->count()));
-  if (!measure) return;
+  if (!progress.measured) return;
   const struct {
     uint32_t count;
-    float pixels, threshold;
-  } sum{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()), 0};
-  commands.dispatch(sum_, {sums_, change_}, sum, {});
+    float pixels, settled;
+    uint32_t first;
+  } settle{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()),
+           progress.settled * progress.settled, k == 0 ? 1U : 0U};
+  commands.dispatch(settle_, {sums_, progress_}, settle, {});
 }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
-                             bool measure, const std::function<void()>& before,
+                             const Progress& progress, const std::function<void()>& before,
                              const std::function<void()>& after) {
-  if (params.slowest > 0 || measure) commands.copy(field(), starts_[k % 2], field()->bytes());
-  for (size_t i = 0; i < kCells; ++i) {
-    smooth(commands, i);
-    restrict_to(commands, i);
-  }
-  commands.stage("descend");
-  for (uint32_t cycle = 0; cycle < params.cell_cycles; ++cycle) {
-    before();
-    cell_cycle(commands, params);
-  }
-  after();
-  commands.stage("cells");
-  for (size_t i = kCells; i-- > 0;) correct(commands, i);
-  if (params.slowest > 0 || measure) extrapolate(commands, params.slowest, k, measure);
-  commands.stage("ascend");
+  const bool from_start = params.slowest > 0 || progress.measured;
+  if (from_start) commands.copy(field(), starts_[k % 2], field()->bytes());
+  const auto cycle = [&] {
+    for (size_t i = 0; i < kCells; ++i) {
+      smooth(commands, i);
+      restrict_to(commands, i);
+    }
+    commands.stage("descend");
+    for (uint32_t inner = 0; inner < params.cell_cycles; ++inner) {
+      before();
+      cell_cycle(commands, params);
+    }
+    after();
+    commands.stage("cells");
+    for (size_t i = kCells; i-- > 0;) correct(commands, i);
+    if (from_start) extrapolate(commands, params.slowest, k, progress);
+    commands.stage("ascend");
+  };
+  constexpr uint64_t kGoesOn = sizeof(float);  // the second number of `progress_`
+  if (progress.conditional)
+    commands.when(progress_, kGoesOn, cycle);
+  else
+    cycle();
 }
 
 }  // namespace inverse

@@ -14,9 +14,9 @@ namespace inverse {
 class Multigrid {
  public:
   struct Params {
-    /// Factor on coarse edges, 0.5…1. Sums of edges (1) bind aggregates twice as strongly as the
-    /// smooth functions that they stand for; 0.5 is right for equal weights, more is slower and
-    /// safer where weights jump.
+    /// Least share that a coarse edge keeps of the edges that it stands for, 0.5…1. All of them (1)
+    /// bind aggregates twice as strongly as the smooth functions that they stand for; 0.5 is right
+    /// for equal weights, more is slower and safer where weights jump.
     float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
@@ -25,6 +25,14 @@ class Multigrid {
     /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
     /// diverges on some frames, because the chroma bins lag behind.
     float slowest = 0.5F;
+    bool operator==(const Params&) const = default;
+  };
+  /// How much of the work of a frame's cycles is done.
+  struct Progress {
+    bool measured = false;  ///< this cycle sums up what it changed
+    bool conditional =
+        false;          ///< left out where the one before was measured and is the last one needed
+    float settled = 0;  ///< rms change by a cycle, log units, that no further one need follow
   };
   static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
   static constexpr uint64_t kForceStride = 3;  ///< vec4 a quad of cells of `cell_force`
@@ -53,11 +61,12 @@ class Multigrid {
   void record_operators(gpu::Commands& commands, const Params& params) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their force after the last correction.
-  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k, bool measure,
-                    const std::function<void()>& before, const std::function<void()>& after);
-  /// One vec4; x = mean square change of the unknown, log units², by the last cycle that was
-  /// recorded with `measure`.
-  const gpu::BufferPtr& change() const { return change_; }
+  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
+                    const Progress& progress, const std::function<void()>& before,
+                    const std::function<void()>& after);
+  /// One vec4, of the last measured cycle (settle.comp): mean square change of the unknown, log
+  /// units²; whether further cycles are needed; measured cycles of this frame so far.
+  const gpu::BufferPtr& progress() const { return progress_; }
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
 
@@ -70,7 +79,7 @@ class Multigrid {
   void smooth(gpu::Commands& commands, size_t level) const;
   void correct(gpu::Commands& commands, size_t level) const;
   void restrict_to(gpu::Commands& commands, size_t level) const;
-  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, bool measure);
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
@@ -79,9 +88,9 @@ class Multigrid {
   gpu::KernelPtr correct_[3];
   gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
   gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, sum_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, settle_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
-  gpu::BufferPtr sums_, change_;
+  gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;
   gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
 };

@@ -20,13 +20,22 @@ OutputGauge::OutputGauge(const std::shared_ptr<gpu::Device>& device)
       counts_(gpu::Buffer::create(device, gpu::Element::word, kGaugeBins)),
       gauge_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
-void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
-                         const gpu::BufferPtr& verdict, History history, const Params& params) {
+void OutputGauge::clear_once(gpu::Commands& commands) {
   if (!cleared_) {
     commands.fill(counts_);
     commands.fill(gauge_);
   }
   cleared_ = true;
+}
+
+void OutputGauge::take(gpu::Commands& commands, const OutputGauge& other) {
+  clear_once(commands);
+  commands.copy(other.gauge_, gauge_, gauge_->bytes());
+}
+
+void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
+                         const gpu::BufferPtr& verdict, History history, const Params& params) {
+  clear_once(commands);
   const std::array<uint32_t, 2> size{guide.extent().width, guide.extent().height};
   commands.dispatch(count_, {guide.cells(), shading, counts_}, size,
                     line_of(guide.cell_extent().pixels()));

@@ -17,6 +17,7 @@ class OutputGauge {
     float value = 0.9F;
     /// Share of the newest frame, 0…1; 1 follows every frame, 0 never moves until a cut.
     float share = 0.1F;
+    bool operator==(const Params&) const = default;
   };
   explicit OutputGauge(const std::shared_ptr<gpu::Device>& device);
 
@@ -26,10 +27,14 @@ class OutputGauge {
   /// TemporalAnchor's, counts where the frame before was judged by it.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
               const gpu::BufferPtr& verdict, History history, const Params& params);
+  /// Records taking over what another has come to.
+  void take(gpu::Commands& commands, const OutputGauge& other);
   /// One vec4: ln c in x.
   const gpu::BufferPtr& value() const { return gauge_; }
 
  private:
+  void clear_once(gpu::Commands& commands);
+
   gpu::KernelPtr count_, gauge_kernel_;
   gpu::BufferPtr counts_, gauge_;
   bool cleared_ = false;

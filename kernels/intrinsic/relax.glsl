@@ -1,4 +1,4 @@
-// What the multigrid kernels share: the system's rows and the exact solve of one quad.
+// What the multigrid kernels share: the edges of coarse levels and the exact solve of one quad.
 
 // Solves the tridiagonal system of a quad's four pixels: diagonal d, couplings w.x, w.y, w.z between neighbors (w.w to
 // the next quad is in f already), right-hand side f. Pixels without equation (d = 0: padding) come out as 0.
@@ -13,4 +13,13 @@ vec4 solve_quad(vec4 d, vec4 w, vec4 f) {
   float s3 = (f.w + w.z * y2) / (d.w - w.z * g2);
   float s2 = y2 + g2 * s3, s1 = y1 + g1 * s2;
   return vec4(y0 + g0 * s1, s1, s2, s3);
+}
+
+// Edges between aggregates of 2 x 2: the sums `crossing` of the edges over their border, in series with half of what holds
+// either aggregate together in the same direction, `before` and `after`; at least the share `least` of the sum. Weak edges
+// between strong ones so keep all of their weight: with less, the correction of a patch would overshoot, the more the
+// larger the patch. A single pixel needs nothing to hold it together.
+vec4 in_series(vec4 crossing, vec4 before, vec4 after, bvec4 single, float least) {
+  vec4 resistance = 1.0 / max(before, vec4(1e-20)) + mix(1.0 / max(after, vec4(1e-20)), vec4(0.0), single);
+  return crossing * max(vec4(least), 1.0 / (1.0 + 0.5 * crossing * resistance));
 }

@@ -37,11 +37,12 @@ void main() {
     for (uint y = first; y < last; ++y) {
       intensity.xyz += t * vec3(1.0, here.xw);
       vec4 right = FETCH(level, at + next);
-      count(here - right, t * trust(right.x));
-      at += y + 1u < push.size.y ? int(push.size.x) : 0;
+      count(here - right, float(next) * t * trust(right.x));
+      bool ends = y + 1u == push.size.y;
+      at += ends ? 0 : int(push.size.x);
       vec4 below = FETCH(level, at);
       float t_below = trust(below.x);
-      count(here - below, t * t_below);
+      count(here - below, ends ? 0.0 : t * t_below);
       here = below;
       t = t_below;
     }

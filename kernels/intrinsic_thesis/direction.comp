@@ -3,7 +3,7 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 
-// First half of a conjugate-gradient iteration: d = z + β d₀, q = A d, with partial sums of dᵀq.
+// First half of a conjugate-gradient iteration: d = z + β d₀, q = A d, with partial sums of dᵀq and dᵀM d.
 PLANE_IN(0, preconditioned);
 PLANE_IN(1, previous);
 PLANE_IN(2, edges);
@@ -29,11 +29,11 @@ void main() {
   int right = min(x + 1, w - 1);
   float has_left = float(x > 0);
   float beta = FETCH1(scalars, 2);
-  float sum = 0.0;
+  vec2 sum = vec2(0.0);
 
   int before = max(first - 1, 0) * w + x;
-  vec4 above = search(before, beta);
   vec4 here = search(first * w + x, beta);
+  vec4 up = here - search(before, beta);
   vec2 edge_up = float(first > 0) * FETCH(edges, before).yw;
   for (int row = 0; row < kStrip; ++row) {
     int y = first + row;
@@ -42,16 +42,17 @@ void main() {
     vec4 below = search(min(y + 1, push.size.y - 1) * w + x, beta);
     vec4 edge = FETCH(edges, n);
     vec2 edge_left = has_left * FETCH(edges, base + left).xz;
-    vec4 q = apply_node(FETCH(nodes, n), here) - edge_up.xxxy * above - edge.yyyw * below -
-             edge_left.xxxy * search(base + left, beta) - edge.xxxz * search(base + right, beta);
+    vec4 node = FETCH(nodes, n);
+    vec4 across = here - search(base + right, beta), down = here - below, back = here - search(base + left, beta);
+    vec4 q = apply_node(node, here) + edge_up.xxxy * up + edge.yyyw * down + edge_left.xxxy * back + edge.xxxz * across;
     if (inside && y < push.size.y) {
       STORE(directions, n, here);
       STORE(products, n, q);
-      sum += dot(here, q);
+      sum += vec2(dot(here, q), dot(here, diagonal(node) * here));
     }
     edge_up = edge.yw;
-    above = here;
+    up = -down;
     here = below;
   }
-  SUM_PARTIALS(partials, vec4(sum, 0.0, 0.0, 0.0));
+  SUM_PARTIALS(partials, vec4(sum, 0.0, 0.0));
 }

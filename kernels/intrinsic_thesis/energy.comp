@@ -19,7 +19,7 @@ void main() {
   int n = at.y * push.size.x + at.x;
   vec3 here = FETCH(image, n).rgb;
   vec4 value = FETCH(solution, n);
-  vec3 difference = log(max(here, push.log_floor)) - value.rgb;
+  vec3 difference = log_light(here) - value.rgb;
   vec3 residual = difference - value.a;
   vec3 chroma = difference - mean3(difference);
   float local = intensity_weight(here) * (push.w_data * dot(kChannelWeight, residual * residual) +

@@ -45,6 +45,7 @@ layout(push_constant) uniform Push {
   float sample_threshold;  // τ_cc² on the grid of packed chromaticities
   float log_floor, chroma_floor;
   float p, epsilon2, irls_factor;
+  float settled;
 } push;
 
 const vec3 kChannelWeight = vec3(0.299, 0.587, 0.114);  // ω_c, ITU-R BT.601
@@ -61,11 +62,28 @@ float irls_weight(vec3 difference) {
   return push.irls_factor * pow(dot(difference, difference) + push.epsilon2, 0.5 * push.p - 1.0);
 }
 
-/// The part of A v at a pixel that needs no neighbors.
+vec3 log_light(vec3 image) { return log(max(image, push.log_floor)); }
+
+/// P v. Projected twice, so that its sum vanishes even against a rounding of v: times a large weight, what is left of it would
+/// drive the gray values, which little else holds.
+vec3 colored(vec3 v) {
+  vec3 once = v - mean3(v);
+  return once - mean3(once);
+}
+
+/// The data and chromaticity terms' part of b - A x at a pixel, i = log_light.
+vec4 node_residual(vec4 node, vec3 i, vec4 x) {
+  vec3 misfit = i - x.rgb;
+  vec3 data = push.w_data * node.x * kChannelWeight * (misfit - x.a);
+  return vec4(data + push.w_chromaticity * node.x * colored(misfit), data.r + data.g + data.b);
+}
+
+/// The part of A v at a pixel that needs no neighbors. The rest is edges times differences of v: a sum over all edges less
+/// the neighbors' share would lose what holds a patch in place against the edges inside it.
 vec4 apply_node(vec4 node, vec4 v) {
   vec3 data = push.w_data * node.x * kChannelWeight * (v.rgb + v.a);
-  vec3 chroma = push.w_chromaticity * node.x * (v.rgb - mean3(v.rgb));
-  return vec4(data + chroma + (node.y + node.z) * v.rgb, data.r + data.g + data.b + node.w * v.a);
+  vec3 chroma = push.w_chromaticity * node.x * colored(v.rgb);
+  return vec4(data + chroma + node.y * v.rgb, data.r + data.g + data.b);
 }
 
 /// diag(A) at a pixel.
@@ -78,6 +96,11 @@ vec4 diagonal(vec4 node) {
 vec4 precondition(vec4 diagonal, vec4 v) {
   return mix(vec4(0.0), v / max(diagonal, 1e-30), greaterThan(diagonal, vec4(1e-30)));
 }
+
+/// Whether a direction d of the conjugate gradients has a curvature that is more than rounding: of (dᵀA d, dᵀM d), M the
+/// diagonal. Where nothing holds a pixel's gray value (no data term, no samples, no neighbor of its color) A is singular,
+/// and a step along what is left of dᵀA d would lead anywhere.
+bool curves(vec2 products) { return products.x > 1e-8 * products.y; }
 
 /// A pixel's chromaticity as sample frames carry it: red and blue on a grid of 3/4095, red · 4096 + blue, exact in a
 /// float; green follows, the mean being 1.

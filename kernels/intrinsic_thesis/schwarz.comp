@@ -30,15 +30,15 @@ void main() {
   vec2 down[kStrip + 1];                                                             // a and V across each row
   float rz = 0.0;
   int base = clamp(column, 0, push.size.x - 1);
-  int above = clamp(corner.y + local.y - 1, 0, push.size.y - 1);
-  down[0] = FETCH(edges, above * push.size.x + base).yw;
+  int above = corner.y + local.y - 1;
+  down[0] = (above >= 0 ? 1.0 : 0.0) * FETCH(edges, clamp(above, 0, push.size.y - 1) * push.size.x + base).yw;
   for (int k = 0; k < kStrip; ++k) {
     int row = corner.y + local.y + k;
     float live = has_column && row >= 0 && row < push.size.y ? 1.0 : 0.0;
     int n = clamp(row, 0, push.size.y - 1) * push.size.x + base;
     vec4 edge = FETCH(edges, n);
-    to_next[k] = vec4(edge.xz, FETCH(edges, n - (base > 0 ? 1 : 0)).xz);
-    down[k + 1] = edge.yw;
+    to_next[k] = vec4(edge.xz, (base > 0 ? 1.0 : 0.0) * FETCH(edges, n - (base > 0 ? 1 : 0)).xz);
+    down[k + 1] = (row >= 0 ? 1.0 : 0.0) * edge.yw;  // no edge from above the frame
     node[k] = live * FETCH(nodes, n);
     x[k] = FETCH(solution, n);
     z[k] = live * FETCH(preconditioned, n);
@@ -53,15 +53,16 @@ void main() {
     for (int k = 0; k < kStrip; ++k) directions[here + k * kPitch] = d[k];
     barrier();
     vec4 q[kStrip];
-    float curvature = 0.0;
+    vec2 curvature = vec2(0.0);  // dᵀA d, dᵀM d
     for (int k = 0; k < kStrip; ++k) {
       int at = here + k * kPitch;
-      q[k] = apply_node(node[k], d[k]) - to_next[k].xxxy * directions[at + 1] - to_next[k].zzzw * directions[at - 1] -
-             down[k].xxxy * directions[at - kPitch] - down[k + 1].xxxy * directions[at + kPitch];
-      curvature += dot(d[k], q[k]);
+      q[k] = apply_node(node[k], d[k]) + to_next[k].xxxy * (d[k] - directions[at + 1]) +
+             to_next[k].zzzw * (d[k] - directions[at - 1]) + down[k].xxxy * (d[k] - directions[at - kPitch]) +
+             down[k + 1].xxxy * (d[k] - directions[at + kPitch]);
+      curvature += vec2(dot(d[k], q[k]), dot(d[k], diag[k] * d[k]));
     }
-    curvature = workgroup_sum(vec4(curvature)).x;
-    float alpha = curvature > 0.0 && rz > 0.0 ? rz / curvature : 0.0;
+    curvature = workgroup_sum(vec4(curvature, 0.0, 0.0)).xy;
+    float alpha = curves(curvature) && rz > 0.0 ? rz / curvature.x : 0.0;
     float next = 0.0;
     for (int k = 0; k < kStrip; ++k) {
       x[k] += alpha * d[k];

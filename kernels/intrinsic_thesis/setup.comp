@@ -3,10 +3,9 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 
-// What a level knows before it is solved: constant parts of the edges, (2 w_r ω_cs, V), and of b.
+// What a level knows before it is solved: constant parts of the edges, (2 w_r ω_cs, V).
 PLANE_IN(0, image);
 PLANE_OUT(1, links);
-PLANE_OUT(2, data);
 
 vec2 link(vec3 chroma, float weight, vec3 other, float exists) {
   vec3 d = chroma - chromaticity(other);
@@ -27,9 +26,4 @@ void main() {
   vec2 to_right = link(chroma, weight, right, float(exists.x));
   vec2 down = link(chroma, weight, below, float(exists.y));
   STORE(links, n, vec4(to_right.x, down.x, to_right.y, down.y));
-
-  vec3 i = log(max(here, push.log_floor));
-  vec3 fit = push.w_data * weight * kChannelWeight * i;
-  vec3 prior = push.w_chromaticity * weight * (i - mean3(i));
-  STORE(data, n, vec4(fit + prior, fit.r + fit.g + fit.b));
 }

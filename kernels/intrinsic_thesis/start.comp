@@ -11,6 +11,6 @@ void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
-  vec3 i = log(max(FETCH(image, n).rgb, push.log_floor));
+  vec3 i = log_light(FETCH(image, n).rgb);
   STORE(solution, n, 0.5 * vec4(i, mean3(i)));
 }

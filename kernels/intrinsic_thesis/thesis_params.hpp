@@ -28,7 +28,7 @@ struct ThesisParams {
   float alpha_clustering = 0.4f;  ///< fall-off of the cluster prior with |I| (3.15), 0…1e3
   float tau_cc = 0.05f;   ///< chromaticity distance up to which samples bind (3.13) and clusters
                           ///< merge, 0…3; not printed in the thesis
-  float epsilon = 5e-3f;  ///< floor of |d| in the IRLS weight, log units, 1e-5…1; not printed in
+  float epsilon = 5e-3f;  ///< floor of |d| in the IRLS weight, log units, 1e-6…1; not printed in
                           ///< the thesis: smaller ones let rounding decide edges
   float log_floor = 1e-3f;     ///< floor of I before the logarithm, full scale 1, 1e-6…0.5
   float chroma_floor = 3e-3f;  ///< ε_c of c = (I + ε_c)/mean(I + ε_c), full scale 1, 1e-6…0.5
@@ -37,13 +37,17 @@ struct ThesisParams {
   int levels = 0;  ///< of the Gaussian pyramid, 1…12; 0: three to five by resolution (3.5.4)
   int irls_iterations = 4;  ///< reweightings a level, 1…64
   int pcg_iterations = 8;  ///< conjugate-gradient steps a reweighting, globally or a block, 1…256
-  int samples = 9;         ///< N_s a pixel (3.12), 0…64
-  int keyframes = 5;       ///< past frames to sample from, 0…5; 0 for stills
+  /// Conjugate gradients end where the residual, in the preconditioner's norm, is this share of
+  /// that of the level's first system, 0…1; 0: all iterations run, as in the thesis.
+  float settled = 0;
+  int samples = 9;           ///< N_s a pixel (3.12), 0…64
+  int keyframes = 5;         ///< past frames to sample from, 0…5; 0 for stills
   int keyframe_spacing = 5;  ///< frames from one keyframe to the next, 1…1000
   bool resample = false;     ///< draw new sample positions every frame instead of the same ones
   bool energy = false;       ///< evaluate the energy at the finest level, for stats
   bool trace = false;        ///< evaluate it at every IRLS step of every level
   uint32_t seed = 1;         ///< of samples and clusters
+  bool operator==(const ThesisParams&) const = default;
 };
 
 }  // namespace inverse

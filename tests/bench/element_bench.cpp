@@ -2,8 +2,9 @@
 // element. Frames are those of the bundled clip, scaled; methods take turns, so that what else the
 // machine does hits all alike.
 //
-// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--json FILE]
-// [ELEMENT …]
+// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
+//                      [--json FILE] [ELEMENT …]
+// With --still one frame of the clip comes again and again.
 #include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
@@ -138,6 +139,7 @@ int main(int count, char** arguments) {
   std::vector<std::string> lines;
   std::string json;
   int frames = 40, rounds = 3;
+  bool still = false;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
@@ -147,6 +149,8 @@ int main(int count, char** arguments) {
       frames = std::max(4, std::stoi(next()));
     } else if (argument == "--json") {
       json = next();
+    } else if (argument == "--still") {
+      still = true;
     } else if (argument == "--rounds") {
       rounds = std::max(1, std::stoi(next()));
     } else if (argument == "--sizes") {
@@ -172,7 +176,9 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "@progress %.3f %dx%d\n",
                  static_cast<double>(&size - sizes.data()) / static_cast<double>(sizes.size()),
                  size.width, size.height);
-    const auto video = load(clip, size, "NV12", frames);
+    auto video = load(clip, size, "NV12", frames);
+    if (still && !video.empty())
+      for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
     if (video.size() < 4) {
       std::fprintf(stderr, "cannot read %s\n", clip.c_str());
       return 1;

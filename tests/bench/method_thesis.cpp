@@ -1,5 +1,5 @@
 // intrinsicdecompthesis in the benchmark: its two solvers are two methods.
-#include "kernels/intrinsic_thesis/preset.hpp"
+#include "kernels/intrinsic_thesis/ladder.hpp"
 #include "kernels/intrinsic_thesis/thesis_decomposition.hpp"
 #include "tests/bench/methods.hpp"
 
@@ -91,17 +91,18 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
   };
   // The work-precision curve: reweightings x iterations, "4x8" is what the thesis runs.
   for (const auto& [irls, iterations] :
-       {std::pair{1, 4}, {1, 8}, {2, 8}, {4, 8}, {7, 8}, {16, 8}, {16, 16}}) {
+       {std::pair{1, 4}, {1, 8}, {2, 8}, {3, 8}, {4, 8}, {7, 8}, {16, 8}, {16, 16}}) {
     ThesisParams params = base;
     params.irls_iterations = irls;
     params.pcg_iterations = iterations;
     const char* preset = "";
     for (const auto& [quality, name] : kQualities) {
-      const ThesisParams p = thesis_preset(quality);
+      ThesisParams p;
+      thesis_ladder().set(p, quality);
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    const bool dear = irls == 16, odd = iterations == 4 || (dear && !*preset);
+    const bool dear = irls == 16, odd = iterations == 4 || irls == 3 || (dear && !*preset);
     const bool brief = (*preset && !dear) || irls == base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,

@@ -9,12 +9,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <map>
 
 #include "frames.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "thesis_options.hpp"
 
 namespace {
 
@@ -38,7 +37,7 @@ void run(const Options& options) {
   std::vector<bench::Frame> inputs;
   if (!options.dump.empty()) inputs = bench::read_frames(options.dump);
   const Extent extent = inputs.empty() ? options.extent : inputs.front().extent;
-  const int count = inputs.empty() ? options.frames : static_cast<int>(inputs.size());
+  const int count = inputs.empty() ? std::max(options.frames, 1) : static_cast<int>(inputs.size());
   const auto device = gpu::Device::open();
   const auto opened = Clock::now();
   ThesisDecomposition method(device, extent);
@@ -94,38 +93,18 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string name = argv[i];
-    if (name == "--printed") {
-      options.params.irls = ThesisParams::Irls::printed;
-      continue;
-    }
-    const char* value = i + 1 < argc ? argv[++i] : "";
-    if (name == "--dump") {
-      options.dump = value;
-    } else if (name == "--out") {
-      options.out = value;
-    } else if (name == "--frames") {
-      options.frames = std::max(std::atoi(value), 1);
-    } else if (name == "--solver") {
-      options.params.solver =
-          !strcmp(value, "schwarz") ? ThesisParams::Solver::schwarz : ThesisParams::Solver::pcg;
-    } else if (name == "--levels") {
-      options.params.levels = std::atoi(value);
-    } else if (name == "--irls") {
-      options.params.irls_iterations = std::atoi(value);
-    } else if (name == "--pcg") {
-      options.params.pcg_iterations = std::atoi(value);
-    } else if (name == "--epsilon") {
-      options.params.epsilon = static_cast<float>(std::atof(value));
-    } else if (name == "--keyframes") {
-      options.params.keyframes = std::atoi(value);
-    } else if (name != "--size" ||
-               sscanf(value, "%ux%u", &options.extent.width, &options.extent.height) != 2) {
-      fprintf(stderr, "unknown option %s; the head of thesis_bench.cpp lists them\n", name.c_str());
-      return 2;
-    }
-  }
+  bench::Options known = bench::thesis_options(options.params, options.extent, options.dump);
+  known["--out"] = bench::text(options.out);
+  known["--frames"] = bench::integer(options.frames);
+  known["--keyframes"] = bench::integer(options.params.keyframes);
+  known["--printed"] = bench::flag([&] { options.params.irls = ThesisParams::Irls::printed; });
+  known["--solver"] = {true, [&](const char* value) {
+                         const bool schwarz = !strcmp(value, "schwarz");
+                         options.params.solver =
+                             schwarz ? ThesisParams::Solver::schwarz : ThesisParams::Solver::pcg;
+                         return schwarz || !strcmp(value, "pcg");
+                       }};
+  if (!bench::read(known, argc, argv, "thesis_bench.cpp")) return 2;
   try {
     run(options);
   } catch (const std::exception& error) {

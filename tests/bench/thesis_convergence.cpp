@@ -15,14 +15,13 @@
 // p < 1 is not convex, and where an edge hangs between on and off rounding decides.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <string>
 
 #include "../reference/thesis_params.hpp"
 #include "frames.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "thesis_options.hpp"
 
 namespace {
 
@@ -259,33 +258,11 @@ int main(int argc, char** argv) {
   options.params.levels = 5;
   Extent extent{160, 120};
   std::string dump;
-  for (int i = 1; i < argc; ++i) {
-    const std::string name = argv[i];
-    if (name == "--no-converged") {
-      options.converged = false;
-      continue;
-    }
-    const char* value = i + 1 < argc ? argv[++i] : "";
-    if (name == "--dump") {
-      dump = value;
-    } else if (name == "--svg") {
-      options.svg = value;
-    } else if (name == "--irls") {
-      options.params.irls_iterations = std::atoi(value);
-    } else if (name == "--pcg") {
-      options.params.pcg_iterations = std::atoi(value);
-    } else if (name == "--epsilon") {
-      options.params.epsilon = static_cast<float>(std::atof(value));
-    } else if (name == "--p") {
-      options.params.p = static_cast<float>(std::atof(value));
-    } else if (name == "--levels") {
-      options.params.levels = std::atoi(value);
-    } else if (name != "--size" || sscanf(value, "%ux%u", &extent.width, &extent.height) != 2) {
-      fprintf(stderr, "unknown option %s; the head of thesis_convergence.cpp lists them\n",
-              name.c_str());
-      return 2;
-    }
-  }
+  bench::Options known = bench::thesis_options(options.params, extent, dump);
+  known["--svg"] = bench::text(options.svg);
+  known["--p"] = bench::number(options.params.p);
+  known["--no-converged"] = bench::flag([&] { options.converged = false; });
+  if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
   try {
     const bench::Frame frame =
         dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();

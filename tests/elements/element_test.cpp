@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "own_process.hpp"
+
 namespace inverse::testing {
 namespace {
 
@@ -211,10 +213,6 @@ int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>
 int main(int count, char** arguments) {
   ::testing::InitGoogleTest(&count, arguments);
   gst_init(&count, &arguments);
-  if (count == 3 && std::string(arguments[1]) == inverse::testing::kLaunchOption) {
-    const auto result = inverse::testing::run_line(arguments[2]);
-    for (const auto& error : result.errors) fprintf(stderr, "%s\n", error.c_str());
-    return result.eos && result.errors.empty() ? 0 : 1;
-  }
-  return RUN_ALL_TESTS();
+  const int served = inverse::testing::serve(count, arguments);
+  return served >= 0 ? served : RUN_ALL_TESTS();
 }

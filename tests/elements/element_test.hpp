@@ -32,10 +32,6 @@ struct LineResult {
 LineResult run_line(const std::string& line, unsigned seconds = 60,
                     const std::function<void(GstElement* pipeline)>& prepare = {});
 
-/// The test program, started with this option and a launch line, runs the line instead of the
-/// tests, prints its errors, and exits with 1 where there are any.
-inline constexpr const char* kLaunchOption = "--launch";
-
 /// A harness around a piece of a launch line with video caps on both sides.
 class VideoHarness {
  public:

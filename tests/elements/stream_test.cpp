@@ -125,52 +125,40 @@ TEST(Stream, AnEditingLineInSystemMemoryOpensOneDevice) {
   EXPECT_EQ(contexts.size(), 1u) << "GStreamer's own Vulkan device is for those who need it";
 }
 
-/// Runs in a process of its own (see the next test), as the device is lost by environment variable.
-TEST(Rehearsal, ALostDeviceIsReplacedWhenThePipelineStartsAgain) {
-  if (!g_getenv("INVERSE_LOSE_DEVICE")) GTEST_SKIP() << "run by Stream.APipelineRecovers…";
-  GstElement* pipeline = gst_parse_launch(
-      "videotestsrc num-buffers=20 ! video/x-raw,width=32,height=24 ! intrinsicdecomp ! "
-      "intrinsiccompose ! "
-      "fakesink",
-      nullptr);
-  GstBus* bus = gst_element_get_bus(pipeline);
-  const auto ended_with = [&] {
-    gst_element_set_state(pipeline, GST_STATE_PLAYING);
-    GstMessage* message = gst_bus_timed_pop_filtered(
-        bus, 30 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-    const GstMessageType type = message ? GST_MESSAGE_TYPE(message) : GST_MESSAGE_UNKNOWN;
-    if (message) gst_message_unref(message);
-    gst_element_set_state(
-        pipeline, g_getenv("INVERSE_TEST_STOP_IN_READY") ? GST_STATE_READY : GST_STATE_NULL);
-    gst_bus_set_flushing(bus, TRUE);
-    gst_bus_set_flushing(bus, FALSE);
-    return type;
-  };
-  EXPECT_EQ(ended_with(), GST_MESSAGE_ERROR);
-  EXPECT_EQ(ended_with(), GST_MESSAGE_EOS);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(bus);
-  gst_object_unref(pipeline);
-}
-
-TEST(Stream, APipelineRecoversFromALostDevice) {
-  gchar** environment = g_environ_setenv(g_get_environ(), "INVERSE_LOSE_DEVICE", "7", TRUE);
-  const gchar* arguments[] = {"/proc/self/exe", "--gtest_filter=Rehearsal.*", nullptr};
-  gchar* self = g_file_read_link("/proc/self/exe", nullptr);
-  arguments[0] = self;
-  gchar* text = nullptr;
-  gint status = -1;
-  g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_STDERR_TO_DEV_NULL,
-               nullptr, nullptr, &text, nullptr, &status, nullptr);
-  EXPECT_EQ(status, 0) << text;
-  g_free(text);
-  environment = g_environ_setenv(environment, "INVERSE_TEST_STOP_IN_READY", "1", TRUE);
-  g_spawn_sync(nullptr, const_cast<gchar**>(arguments), environment, G_SPAWN_STDERR_TO_DEV_NULL,
-               nullptr, nullptr, &text, nullptr, &status, nullptr);
-  EXPECT_EQ(status, 0) << "from READY: " << text;
-  g_free(text);
-  g_free(self);
-  g_strfreev(environment);
+// No frame for a time: an empty buffer with the flag GAP. It goes where frames go, and means no new
+// scene.
+TEST(Stream, GapsPassThroughEveryElement) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  const auto frame = random_frame(caps, 1);
+  for (const char* line :
+       {"intrinsicdecomp", "intrinsicdecompthesis", "intrinsicdecomp ! intrinsiccompose",
+        "intrinsicdecomp ! intrinsicrecolor write-mask=true ! intrinsiccompose show=mask",
+        "intrinsicdecomp ! intrinsicsplit name=s s.shading ! identity"}) {
+    VideoHarness harness(line, caps);
+    for (int i = 0; i < 6; ++i) {
+      const bool gap = i % 3 == 0;  // the first of all, too
+      GstBuffer* buffer =
+          gap ? gst_buffer_new() : gst_buffer_new_memdup(frame.data(), frame.size());
+      GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(i) * GST_SECOND / 25;
+      GST_BUFFER_DURATION(buffer) = GST_SECOND / 25;
+      // A frame that is flagged so is a frame all the same.
+      if (gap || i == 4) GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_GAP);
+      ASSERT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK) << line << ", " << i;
+      GstBuffer* out = gst_harness_try_pull(harness.harness());
+      ASSERT_NE(out, nullptr) << line << ", " << i;
+      EXPECT_EQ(GST_BUFFER_PTS(out), static_cast<GstClockTime>(i) * GST_SECOND / 25) << line;
+      EXPECT_EQ(GST_BUFFER_DURATION(out), GST_SECOND / 25) << line;
+      EXPECT_EQ(static_cast<bool>(GST_BUFFER_FLAG_IS_SET(out, GST_BUFFER_FLAG_GAP)), gap)
+          << line << ", " << i;
+      EXPECT_EQ(gst_buffer_get_size(out) == 0, gap) << line << ", " << i;
+      gst_buffer_unref(out);
+    }
+    const auto errors = harness.errors();
+    EXPECT_TRUE(errors.empty()) << line << ": " << errors[0];
+    if (harness.find("intrinsicdecomp")) {
+      EXPECT_TRUE(history_of(harness)) << line;
+    }
+  }
 }
 
 }  // namespace inverse::testing

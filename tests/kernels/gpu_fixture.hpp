@@ -7,13 +7,14 @@
 
 #include "gpu/commands.hpp"
 #include "image/plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::testing {
 
 using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 
-/// A device and the means to move pixels to and fro. INVERSE_PORTABLE and INVERSE_WORKGROUP choose
-/// the variant.
+/// A device and the means to move pixels to and fro. The environment variables of
+/// gpu::Variant choose the variant.
 class GpuTest : public ::testing::Test {
  protected:
   void SetUp() override { device = gpu::Device::open(); }
@@ -53,6 +54,14 @@ inline Pixels random_pixels(Extent extent, unsigned seed, float low = 0.0f, floa
   Pixels pixels(extent.pixels() * 4);
   for (float& p : pixels) p = value(random);
   return pixels;
+}
+
+/// The same for the double-precision references.
+inline reference::Plane to_reference(Extent extent, const Pixels& pixels) {
+  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
+  for (size_t n = 0; n < plane.size(); ++n)
+    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+  return plane;
 }
 
 inline const std::vector<Extent> kOddSizes = {{1, 1},   {2, 3},   {1, 40},    {17, 5},

@@ -58,6 +58,39 @@ TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
   EXPECT_EQ(download(levels.back().buffer), Pixels(4, 3.0f));
 }
 
+// The device decides: the second condition is what a kernel wrote in the same submit.
+TEST_F(DeviceTest, KernelsAreLeftOutWhereTheirConditionIsZero) {
+  const Halve halve(device);
+  const Plane ones = plane({2, 2}, Pixels(16, 1.0f)), zeros = plane({2, 2}, Pixels(16, 0.0f));
+  for (const bool runs : {true, false}) {
+    const Plane condition = plane({1, 1}, Pixels(4, runs ? 0.0f : 1.0f));
+    const Plane target = plane({1, 1}, Pixels(4, 5.0f)), filled = plane({1, 1}, Pixels(4, 5.0f));
+    run([&](gpu::Commands& commands) {
+      halve.record(commands, runs ? ones : zeros, condition);
+      commands.when(condition.buffer, 4, [&] {
+        halve.record(commands, ones, target);
+        commands.fill(filled.buffer, 0x3f800000);
+      });
+    });
+    const bool ran = runs || !device->variant().conditional;
+    EXPECT_EQ(download(target.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+    EXPECT_EQ(download(filled.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+  }
+}
+
+TEST_F(DeviceTest, WhatRunsAlwaysIsRefusedInsideOfACondition) {
+  const auto word = gpu::Buffer::create(device, gpu::Element::word, 1);
+  gpu::Commands commands(device);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.copy(word, word, 4); }), Error);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.when(word, 0, [] {}); }), Error);
+  commands.begin();
+  EXPECT_NO_THROW(commands.fill(word));
+  commands.submit();
+  commands.wait();
+}
+
 TEST_F(DeviceTest, BuffersReturnTheirMemory) {
   const uint64_t before = device->memory_bytes();
   {
@@ -85,13 +118,17 @@ TEST_F(DeviceTest, StagesAreTimed) {
 TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
   const uint64_t before = device->memory_bytes();
   const uint64_t words = device->limits().storage_buffer_bytes >= (1u << 27) ? 1u << 25 : 1u << 22;
-  setenv("INVERSE_PATIENCE", "0", 1);
+  const auto kept = std::make_shared<int>();
   {
-    gpu::Commands commands(device);
-    commands.begin();
+    setenv("INVERSE_PATIENCE", "0", 1);
+    gpu::Commands commands(device), behind(device);
     const auto buffer = gpu::Buffer::create(device, gpu::Element::word, words);
-    for (int i = 0; i < 20; ++i) commands.fill(buffer, i);
-    commands.submit();
+    for (gpu::Commands* work : {&commands, &behind}) {
+      work->begin();
+      for (int i = 0; i < 20; ++i) work->fill(buffer, i);
+      work->submit();
+    }
+    behind.keep(kept);
     try {
       commands.wait();
       ADD_FAILURE() << "20 fills took no time";
@@ -101,13 +138,16 @@ TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
     }
     EXPECT_TRUE(commands.in_flight());
     EXPECT_THROW(commands.begin(), Error);  // still at work
+    EXPECT_TRUE(device->silent());
+    unsetenv("INVERSE_PATIENCE");
   }
-  unsetenv("INVERSE_PATIENCE");
+  EXPECT_EQ(kept.use_count(), 2) << "what stands in line behind it is not waited for, either";
   EXPECT_GE(device->memory_bytes(), before + 4 * words);
   // The device itself goes on: later work runs behind what it was left with.
   const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 4);
   run([&](gpu::Commands& commands) { commands.fill(buffer, 0x3f800000); });
   EXPECT_EQ(download(buffer), Pixels(4, 1.0f));
+  EXPECT_FALSE(device->silent());
 }
 
 // Under INVERSE_VALIDATION=1 a misuse of Vulkan ends the process, so that no test can miss it.

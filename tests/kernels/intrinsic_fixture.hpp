@@ -10,6 +10,7 @@
 #include "intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 #include "tests/reference/multigrid.hpp"
+#include "tests/reference/output_gauge.hpp"
 
 namespace inverse::testing {
 

@@ -149,7 +149,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
           multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
       for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
-            commands, params, static_cast<uint32_t>(k), false,
+            commands, params, static_cast<uint32_t>(k), {},
             [&] { bins.record(commands, guide, state); },
             [&] { bins.record_force(commands, state); });
     });
@@ -240,6 +240,58 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
           << x << "," << y;  // fixed point: a hundredth in log reflectance
     }
   EXPECT_EQ(got, once()) << "the sums' order must not matter";
+}
+
+TEST_F(IntrinsicTest, OutputGaugeAgreesWithReference) {
+  for (const Extent extent : kOddSizes) {
+    Guide guide(device, extent);
+    OutputGauge gauge(device);
+    OutputGauge::Params params;
+    reference::GaugeParams wanted;
+    wanted.quantile = params.quantile = 0.83F;  // of no count of cells a whole number
+    wanted.share = params.share = 0.3F;
+    reference::OutputGauge expected(wanted);
+    using History = OutputGauge::History;
+    const struct {
+      History history;
+      float same;  // the verdict: 1 where the frame continues the one before
+      bool dark;
+    } frames[] = {{History::none, 0, false},   {History::judged, 1, false},
+                  {History::judged, 1, true},  {History::judged, 1, false},
+                  {History::judged, 0, false}, {History::taken_on, 0, false},
+                  {History::none, 0, true},    {History::judged, 1, false}};
+    unsigned seed = 20;
+    for (const auto& frame : frames) {
+      std::mt19937 random(++seed);
+      std::uniform_real_distribution<float> value(-3, 0.5F);
+      const Pixels pixels = frame.dark ? Pixels(extent.pixels() * 4, 0.001F) : scene(extent, seed);
+      std::vector<double> shading(extent.pixels());
+      Pixels quads(quads_of(extent) * 4);
+      for (uint32_t y = 0; y < extent.height; ++y)
+        for (uint32_t x = 0; x < extent.width; ++x) {
+          const float s = value(random);
+          shading[static_cast<size_t>(y) * extent.width + x] = static_cast<double>(s);
+          quads[4 * (static_cast<size_t>(y) * quads_of(extent.width) + x / 4) + x % 4] = s;
+        }
+      const float verdict[] = {0, frame.same, 0, 0};
+      const auto input = plane(extent, pixels);
+      const auto field = upload(gpu::Element::vec4, quads.data(), quads_of(extent));
+      const auto judged = upload(gpu::Element::vec4, verdict, 1);
+      run([&](gpu::Commands& commands) {
+        guide.record(commands, input.buffer);
+        gauge.record(commands, guide, field, judged, frame.history, params);
+      });
+      const auto rgb = rgb_of(pixels);
+      const bool carries = frame.history == History::taken_on ||
+                           (frame.history == History::judged && frame.same > 0);
+      const double want =
+          expected.update(reference::make_guide(rgb.data(), static_cast<int>(extent.width),
+                                                static_cast<int>(extent.height)),
+                          shading, carries);
+      EXPECT_NEAR(download(gauge.value())[0], want, 0.5 / 32 + 1e-3)  // half a bin
+          << name_of(extent) << ", frame " << seed - 21;
+    }
+  }
 }
 
 }  // namespace inverse::testing

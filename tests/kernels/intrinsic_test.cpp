@@ -60,6 +60,7 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   IntrinsicDecomposition method(device, extent);
   IntrinsicDecomposition::Params params;
   params.cycles = params.warm_cycles = 3;
+  params.settled = 0;
   reference::IntrinsicParams reference_params;
   reference_params.cycles = 3;
   reference::IntrinsicState state;
@@ -100,6 +101,7 @@ TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
       for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
   IntrinsicDecomposition::Params adaptive, whole;
   whole.adaptive = false;
+  adaptive.settled = 0;
   IntrinsicDecomposition one(device, extent), other(device, extent);
   const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
   const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
@@ -137,8 +139,8 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
 }
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
-  // Cells measure their activity towards the right and down, so that even the reference is not
-  // quite symmetric.
+  // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
+  // its cycles (tests/extremes/symmetry_test.cpp).
   const Extent extent{160, 120};
   const Pixels pixels = scene(extent, 10);
   Pixels mirrored(pixels.size());
@@ -269,6 +271,48 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
   IntrinsicDecomposition::Params params;
   params.prior.chroma_weight = 0;
   for (const float v : decompose(extent, pixels, params)) ASSERT_TRUE(std::isfinite(v));
+}
+
+// Cycles that are left out must show in what the device says, and cost no more than `settled`
+// bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
+TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
+  constexpr uint32_t kMost = 16;
+  const bool leaves_out = device->variant().conditional;
+  const Extent extent{160, 120};
+  const PlanePtr still = input(extent, scene(extent, 9));
+  IntrinsicDecomposition::Params params, all;
+  params.cycles = params.warm_cycles = all.cycles = all.warm_cycles = kMost;
+  all.adaptive = false;
+  IntrinsicDecomposition settling(device, extent), patient(device, extent);
+  const Pixels complete = decompose(patient, still, all);
+  EXPECT_EQ(patient.findings().cycles, kMost);
+  uint32_t fewest = kMost;
+  for (const float settled : {0.01F, 0.03F, 0.1F}) {
+    params.settled = settled;
+    const Pixels got = decompose(settling, still, params);
+    const uint32_t cycles = settling.findings().cycles;
+    EXPECT_LT(settling.findings().change, settled);
+    EXPECT_LE(cycles, fewest);
+    fewest = cycles;
+    double sum = 0;
+    for (size_t i = 3; i < got.size(); i += 4) {
+      const double d = std::log(static_cast<double>(got[i] / complete[i]));
+      sum += d * d;
+    }
+    const double distance = std::sqrt(sum / static_cast<double>(extent.pixels()));
+    std::printf("settled %g: %u of %u cycles, %.4f from all\n", static_cast<double>(settled),
+                cycles, kMost, distance);
+    EXPECT_LT(distance, 6 * settled);
+  }
+  EXPECT_LT(fewest, leaves_out ? 5 : kMost + 1);
+  // A still scene comes to rest: one cycle a frame.
+  params.settled = 0.01F;
+  for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
+  EXPECT_EQ(settling.findings().cycles, leaves_out ? 1 : kMost);
+  // 0 asks for all of them.
+  params.settled = 0;
+  decompose(settling, still, params, false);
+  EXPECT_EQ(settling.findings().cycles, kMost);
 }
 
 }  // namespace inverse::testing

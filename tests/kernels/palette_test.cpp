@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "../reference/palette.hpp"
+#include "../reference/scene_palette.hpp"
 #include "gpu_fixture.hpp"
 #include "palette/scene_palette.hpp"
 
@@ -15,14 +16,6 @@ class PaletteTest : public GpuTest {
     run([&](gpu::Commands& commands) { palette.record_update(commands, log_reflectance); });
     const Pixels colors = download(palette.colors());
     return Palette::read(colors.data(), palette.params().clusters);
-  }
-
-  static reference::Plane to_reference(Extent extent, const Pixels& pixels) {
-    reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
-    for (size_t n = 0; n < plane.size(); ++n) {
-      for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
-    }
-    return plane;
   }
 
   /// ln R of pixels around `colors` distinct colors.
@@ -176,6 +169,49 @@ TEST_F(PaletteTest, ScenePaletteFindsAndPaintsTheColorsOfAFrame) {
       // Black is what ln R takes it for, and a bin of the histogram has a width.
       ASSERT_NEAR(got[4 * n + c], color_of(n)[c], 0.02f) << n;
   for (const float value : got) ASSERT_TRUE(std::isfinite(value));
+}
+
+// What the palette is fed with shows in its clusters, which have to be the reference's.
+TEST_F(PaletteTest, PickAndPaintAgreeWithReference) {
+  for (const Extent extent : kOddSizes) {
+    Pixels pixels = random_pixels(extent, 4, -0.1f, 1.2f);
+    pixels[0] = NAN;
+    pixels[pixels.size() / 8 * 4 + 1] = INFINITY;
+    const Plane model = plane(extent, pixels), painted = plane(extent);
+    ScenePalette palette(device, extent);
+    run([&](gpu::Commands& commands) {
+      palette.record_update(commands, model);
+      palette.record_paint(commands, model, painted);
+    });
+    int stride = 1;  // the least that leaves no more than 20 000 pixels
+    while (extent.pixels() / static_cast<uint64_t>(stride * stride) > 20'000) ++stride;
+    const reference::Plane doubles = to_reference(extent, pixels);
+    reference::Palette expected{reference::PaletteParams()};
+    expected.update(reference::pick(doubles, stride));
+
+    const Pixels colors = download(palette.palette().colors());
+    std::vector<reference::Vec3> own;  // the device's, so that borders between them are, too
+    size_t used = 0;
+    for (const auto& cluster : Palette::read(colors.data(), palette.palette().params().clusters)) {
+      const int k = static_cast<int>(used++);
+      const auto& wanted = expected.clusters()[static_cast<size_t>(k)];
+      ASSERT_EQ(cluster.index, wanted.weight > 0 ? wanted.alias : -1) << extent.width << ", " << k;
+      if (cluster.index < 0) continue;
+      const auto& merged = expected.clusters()[static_cast<size_t>(cluster.index)].merged;
+      for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(cluster.color[c], merged[c], 1e-3) << k;
+      own.push_back({cluster.log_color[0], cluster.log_color[1], cluster.log_color[2]});
+    }
+    const reference::Plane want = reference::paint(doubles, own);
+    const Pixels got = download(painted.buffer);
+    size_t elsewhere = 0;  // as near to another color, to single precision
+    for (size_t n = 0; n < want.size(); ++n) {
+      bool same = true;
+      for (size_t c = 0; c < 4; ++c)
+        same &= std::abs(got[4 * n + c] - want.data[n][c]) <= 1e-5 * (1 + want.data[n][c]);
+      elsewhere += !same;
+    }
+    EXPECT_LE(elsewhere, want.size() / 5000) << extent.width << "x" << extent.height;
+  }
 }
 
 }  // namespace inverse::testing

@@ -8,6 +8,9 @@ namespace {
 
 constexpr double kIntensityFloor = 2e-3;
 constexpr double kChromaFloor = 1e-2;
+// (c0, c1) are axes of one scale in the plane of chroma: a distance there is the same whatever the
+// channels are called.
+constexpr double kChromaScale = 0.86602540378;  // √3/2
 
 }  // namespace
 
@@ -63,6 +66,7 @@ void frame_statistics(Guide& g) {
       excess += t * l.u[i];
       weight += t;
       for (const std::size_t j : {l.index(x + 1, y), l.index(x, y + 1)}) {
+        if (j == i) continue;  // the border
         const double dc = std::min(chroma_step(l, i, j), 0.3), tt = t * trust(j);
         const double dv = std::abs(l.m[i] + l.u[i] - l.m[j] - l.u[j]), w = tt * dc * dc;
         step += w * dv;
@@ -100,14 +104,17 @@ Guide make_guide(const double* rgb, int width, int height) {
     }
     l.m[i] = (f[0] + f[1] + f[2]) / 3;
     l.u[i] = std::max({f[0], f[1], f[2]}) - l.m[i];
-    l.c0[i] = k[0] - k[1];
+    l.c0[i] = kChromaScale * (k[0] - k[1]);
     l.c1[i] = 0.5 * (k[0] + k[1]) - k[2];
   }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = l.index(x, y), r = l.index(x + 1, y), d = l.index(x, y + 1);
-      l.gm[i] = std::abs(l.m[i] - l.m[r]) + std::abs(l.m[i] - l.m[d]);
-      l.gc[i] = chroma_step(l, i, r) + chroma_step(l, i, d);
+      const std::size_t i = l.index(x, y);
+      for (const std::size_t j :
+           {l.index(x - 1, y), l.index(x + 1, y), l.index(x, y - 1), l.index(x, y + 1)}) {
+        l.gm[i] += 0.5 * std::abs(l.m[i] - l.m[j]);
+        l.gc[i] += 0.5 * chroma_step(l, i, j);
+      }
     }
   for (std::size_t k = 1; k < kGuideLevels; ++k) g.level[k] = halve(g.level[k - 1]);
   frame_statistics(g);
@@ -141,7 +148,7 @@ void edge_features(const Guide& g, int x, int y, bool down, double* out) {
   out[10] = 5 * std::clamp(std::abs(l0.m[p] + l0.u[p] - l0.m[q] - l0.u[q]) - dm, -0.4, 0.4);
   out[12] = log_cue(std::abs(l0.m[before] - l0.m[p]) + std::abs(l0.m[q] - l0.m[after]), 3);
   out[13] = log_cue(chroma_step(l0, before, p) + chroma_step(l0, q, after), 3);
-  out[14] = std::max(0.5 * (std::min(l0.m[p], l0.m[q]) + 4), -1.0);
+  out[14] = std::clamp(0.5 * (std::min(l0.m[p], l0.m[q]) + 4), -1.0, 2.0);
   out[11] = 5 * std::clamp(std::abs(l1.m[p1] + l1.u[p1] - l1.m[q1] - l1.u[q1]) - dm1, -0.4, 0.4);
   std::copy(g.statistics.begin(), g.statistics.end(), out + kEdgeFeatures - kFrameStatistics);
 }
@@ -151,7 +158,7 @@ void cell_features(const Guide& g, int x, int y, double* out) {
   const std::size_t p = l2.index(x, y), q = l4.index(x >> 2, y >> 2);
   out[0] = 2 * l2.u[p] - 0.7;
   out[1] = std::clamp((l2.m[p] - g.mean) / 1.5, -2.0, 2.0);
-  out[2] = std::max(0.5 * (l2.m[p] + 4), -1.0);
+  out[2] = std::clamp(0.5 * (l2.m[p] + 4), -1.0, 2.0);
   out[3] = log_cue(l2.gm[p], 2.5);
   out[4] = log_cue(l2.gc[p], 2.5);
   out[5] = std::clamp(l2.m[p] + l2.u[p] - l4.m[q] - l4.u[q], -2.0, 2.0);

@@ -61,14 +61,39 @@ void smooth(Level& l, int color, int rows) {
     }
 }
 
-Level coarsen(const Level& fine, double scale) {
+namespace {
+
+/// The edge between two aggregates: the sum `crossing` of the edges that cross their border, in
+/// series with half of what holds either together along the same direction, `before` and `after`.
+/// At least the share `least` of the sum. A single pixel needs nothing to hold it together.
+double in_series(double crossing, double before, double after, bool single, double least) {
+  if (crossing <= 0) return 0;
+  const double resistance = 1 / before + (single ? 0 : 1 / after);
+  return crossing * std::max(least, 1 / (1 + 0.5 * crossing * resistance));
+}
+
+}  // namespace
+
+Level coarsen(const Level& fine, double least) {
   Level c((fine.width + 1) / 2, (fine.height + 1) / 2);
+  Level inside(c.width, c.height);
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {
-      const std::size_t to = c.at(x / 2, y / 2);
-      c.mass[to] += fine.mass[fine.at(x, y)];
-      if (x % 2 == 1) c.right[to] += scale * fine.right[fine.at(x, y)];
-      if (y % 2 == 1) c.down[to] += scale * fine.down[fine.at(x, y)];
+      const std::size_t to = c.at(x / 2, y / 2), from = fine.at(x, y);
+      c.mass[to] += fine.mass[from];
+      (x % 2 == 1 ? c : inside).right[to] += fine.right[from];
+      (y % 2 == 1 ? c : inside).down[to] += fine.down[from];
+    }
+  for (int y = 0; y < c.height; ++y)
+    for (int x = 0; x < c.width; ++x) {
+      const std::size_t at = c.at(x, y);
+      if (x + 1 < c.width)
+        c.right[at] = in_series(c.right[at], inside.right[at], inside.right[at + 1],
+                                2 * x + 3 == fine.width, least);
+      const auto below = at + static_cast<std::size_t>(c.width);
+      if (y + 1 < c.height)
+        c.down[at] = in_series(c.down[at], inside.down[at], inside.down[below],
+                               2 * y + 3 == fine.height, least);
     }
   return c;
 }

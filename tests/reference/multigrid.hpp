@@ -35,9 +35,9 @@ void solve_row(Level& level, int first, int y);
 /// upwards.
 void smooth(Level& level, int color, int rows);
 
-/// The next coarser operator: masses add up, edges that cross the aggregates' borders add up and
-/// are scaled.
-Level coarsen(const Level& fine, double scale);
+/// The next coarser operator: masses add up; edges that cross the aggregates' borders add up and
+/// stand in series with the aggregates' own, at least with the share `least`.
+Level coarsen(const Level& fine, double least);
 
 /// 2 x 2 means; the last row or column of an odd border counts twice.
 std::vector<double> halve(const std::vector<double>& fine, int width, int height);

@@ -25,9 +25,9 @@ STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "thesis PCG": ("#D55E00", "s"), "
           "constant shading": ("#222222", "_"), "constant reflectance": ("#222222", "|")}
 SPARE = [("#E69F00", "p"), ("#F0E442", "H"), ("#000000", "8")]  # methods to come
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
-MAIN = {"intrinsicdecomp": "cycles", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
+MAIN = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles"]  # have plots of their own
+SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
@@ -83,7 +83,7 @@ def draw_curve(ax, points, error, time, labels, line="-"):
     x, y = [p[time][1] for p in points], [p[error] for p in points]
     spread = [[p[time][1] - p[time][0] for p in points], [p[time][2] - p[time][1] for p in points]]
     ax.errorbar(x, y, xerr=spread, fmt="none", ecolor=color, alpha=0.35, elinewidth=2.2, zorder=2)
-    ax.plot(x, y, line, color=color, marker=marker, markersize=5, linewidth=1.4, zorder=3, markeredgecolor="white",
+    ax.plot(x, y, line, color=color, marker=marker, markersize=5 if len(points) > 1 else 7, linewidth=1.4, zorder=3, markeredgecolor="white",
             markeredgewidth=0.5)
     labels.avoid_line(x, y)
     for a, b in zip(x, y):
@@ -200,7 +200,7 @@ def knobs(points, folder):
     """What else can be turned, from each method's default."""
     error, time = "lmse20", "wall_ms"
     panels = [("intrinsicdecomp", ["intrinsicdecomp"]), ("the thesis' method", ["thesis PCG", "thesis Schwarz"])]
-    dashes = {"resolution": "--", "levels": ":", "coarse cycles": "-."}
+    dashes = {"cycles": "-", "resolution": "--", "levels": ":", "coarse cycles": "-."}
     figure, axes = plt.subplots(1, 2, figsize=(10.5, 4.6))
     for ax, (title, methods) in zip(axes, panels):
         some = [p for p in usable(points, error, time) if p["method"] in methods and
@@ -214,12 +214,14 @@ def knobs(points, folder):
             for curve, dash in {MAIN[method]: "-", **dashes}.items():
                 along = curve_of(some, method, curve)
                 if sum(p["curve"] == curve for p in along):
+                    if curve == "cycles":  # does not contain the default, which may end earlier
+                        along = [p for p in along if p["curve"] == curve]
                     draw_curve(ax, along, error, time, labels, dash)
                     drawn.append((method, curve, along))
         mark_presets(ax, some, error, time, labels)
         for method, curve, along in drawn:
             own = [p for p in along if p["curve"] == curve]
-            end = own[-1] if curve == MAIN[method] else own[0]
+            end = own[-1] if curve in (MAIN[method], "cycles") else own[0]
             name = curve if len(methods) == 1 else f"{method.split()[1]}, {curve}"
             labels.put(end[time][1], end[error], name, style(method)[0], size=7.5)
             for p in own:

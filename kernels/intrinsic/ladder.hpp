@@ -1,0 +1,35 @@
+#pragma once
+#include "../ladder.hpp"
+#include "scaled_intrinsic.hpp"
+
+namespace inverse {
+
+/// A level: resolution, cycles of the first frame and of those after it, and from which change on
+/// edges are decided anew.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance>
+void intrinsic_level(ScaledIntrinsic::Params& params) {
+  params.half_resolution = kHalf;
+  params.cycles = kCycles;
+  params.warm_cycles = kWarm;
+  params.still_tolerance = kTolerance;
+}
+
+/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade). Only one step changes the
+/// resolution, which makes the method forget earlier frames.
+inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
+  static const Ladder<ScaledIntrinsic::Params> ladder{
+      {{0.40, intrinsic_level<true, 3, 1, 0.1F>},
+       {0.46, intrinsic_level<true, 4, 2, 0.1F>},
+       {0.54, intrinsic_level<true, 4, 2, 0.05F>},
+       {0.65, intrinsic_level<true, 8, 4, 0.05F>},
+       {0.83, intrinsic_level<false, 4, 2, 0.1F>},
+       {1.00, intrinsic_level<false, 4, 2, 0.05F>},
+       {1.18, intrinsic_level<false, 6, 3, 0.05F>},
+       {1.36, intrinsic_level<false, 8, 4, 0.05F>},
+       {2.1, intrinsic_level<false, 12, 8, 0.05F>},
+       {4.8, intrinsic_level<false, 24, 24, 0.05F>}},
+      {2, 5, 7, 9}};
+  return ladder;
+}
+
+}  // namespace inverse

@@ -1,0 +1,79 @@
+// Devices that are not there, or go while frames are under way. In processes of their own, as
+// environment variables decide (INVERSE_LOSE_DEVICE=N loses the device with the Nth submit).
+#include <set>
+
+#include "element_test.hpp"
+#include "own_process.hpp"
+
+namespace inverse::testing {
+namespace {
+
+const std::string kSource = "videotestsrc num-buffers=20 ! video/x-raw,width=32,height=24 ! ";
+
+/// Loses the device with each of a few submits in turn. Every time the line must end with an error
+/// that says so, and nothing else. The elements that the loss was noticed in first.
+std::set<std::string> lose(const std::string& line) {
+  std::set<std::string> noticed;
+  for (int submit = 4; submit < 10; ++submit) {
+    const auto [status, text] =
+        run_self({{"INVERSE_LOSE_DEVICE", std::to_string(submit)}}, {kLaunchOption, line});
+    EXPECT_EQ(status, 1) << "submit " << submit << ": " << text;
+    const std::string first = text.substr(0, text.find('\n'));
+    EXPECT_EQ(first.find("intrinsic"), 0u) << first;
+    EXPECT_NE(first.find("device was lost"), std::string::npos) << first;
+    noticed.insert(first.substr(0, first.find(':')));
+  }
+  return noticed;
+}
+
+using Names = std::set<std::string>;
+
+}  // namespace
+
+TEST(LostDevice, EveryElementThatMeetsTheLossSaysSoAndNothingHangs) {
+  EXPECT_EQ(lose(kSource + "intrinsicdecomp ! fakesink"), Names{"intrinsicdecomp"});
+  EXPECT_EQ(lose(kSource + "intrinsicdecompthesis ! fakesink"), Names{"intrinsicdecompthesis"});
+  EXPECT_EQ(lose(kSource + "intrinsicdecomp ! intrinsicrecolor ! intrinsiccompose ! fakesink"),
+            (Names{"intrinsicdecomp", "intrinsicrecolor", "intrinsiccompose"}));
+  EXPECT_EQ(lose(kSource + "intrinsicdecomp ! intrinsicsplit name=s s.reflectance ! queue ! "
+                           "fakesink s.shading ! queue ! fakesink"),
+            (Names{"intrinsicdecomp", "intrinsicsplit"}));
+}
+
+TEST(LostDevice, OnATeeNoBranchHangs) {
+  // Which branch comes first is up to the threads.
+  const Names noticed =
+      lose(kSource +
+           "intrinsicdecomp ! tee name=t t. ! queue ! intrinsiccompose ! fakesink "
+           "t. ! queue ! intrinsicrecolor ! intrinsiccompose ! fakesink "
+           "t. ! queue ! intrinsicsplit name=s s.shading ! fakesink");
+  EXPECT_FALSE(noticed.empty());
+}
+
+TEST(LostDevice, IsReplacedWhenThePipelineStartsAgain) {
+  const std::string line = kSource + "intrinsicdecomp ! intrinsiccompose ! fakesink";
+  for (const char* state : {"null", "ready"}) {
+    const auto [status, text] =
+        run_self({{"INVERSE_LOSE_DEVICE", "7"}}, {kRestartOption, state, line});
+    EXPECT_EQ(status, 0) << state << ": " << text;
+    EXPECT_EQ(text.substr(0, 10), "error\nend\n") << state << ": " << text;
+  }
+}
+
+TEST(LostDevice, WithoutAVulkanDriverTheErrorSaysWhatToInstall) {
+  const auto [status, text] =
+      run_self({{"VK_ICD_FILENAMES", "/nowhere"}},
+               {kLaunchOption, "videotestsrc num-buffers=1 ! intrinsicdecomp ! fakesink"});
+  EXPECT_EQ(status, 1) << text;
+  EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
+}
+
+TEST(LostDevice, AnUnknownDeviceListsTheKnownOnes) {
+  const auto result =
+      run_line("videotestsrc num-buffers=1 ! intrinsicdecomp device=nonesuch ! fakesink");
+  EXPECT_NE(result.first_error().find("no Vulkan device matches \"nonesuch\"; there are: 0 ="),
+            std::string::npos)
+      << result.first_error();
+}
+
+}  // namespace inverse::testing

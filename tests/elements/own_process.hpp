@@ -1,0 +1,31 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+namespace inverse::testing {
+
+/// How a program ended and all that it wrote.
+struct Ended {
+  int status =
+      -1;  ///< its exit status; −1 where a signal ended it: a crash, or a hang of two minutes
+  std::string text;
+};
+
+/// Runs this very program (which has the runtime of a sanitizer where the plugin needs one) in a
+/// process of its own, with more in its environment and these arguments.
+Ended run_self(const std::map<std::string, std::string>& environment,
+               const std::vector<std::string>& arguments);
+
+/// Started with this option and a launch line, the program runs the line instead of the tests,
+/// prints its errors, and exits with 1 where there are any.
+inline constexpr const char* kLaunchOption = "--launch";
+
+/// Started with this option, "null" or "ready", and a launch line, it runs the line twice, stopping
+/// to that state in between, and prints "error" or "end" for each time.
+inline constexpr const char* kRestartOption = "--restart";
+
+/// Does what the options above ask for; −1 where they do not stand in the arguments.
+int serve(int count, char** arguments);
+
+}  // namespace inverse::testing

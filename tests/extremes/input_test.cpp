@@ -1,0 +1,38 @@
+// Bad input, one by one and in seeded mixtures, for every solver: a finite, sensible picture.
+#include <gtest/gtest.h>
+
+#include "check.hpp"
+#include "inputs.hpp"
+
+namespace inverse::extremes {
+namespace {
+
+class Inputs : public testing::TestWithParam<Solver> {
+ protected:
+  static const Lab& lab() {
+    static const Lab lab;
+    return lab;
+  }
+};
+
+TEST_P(Inputs, EveryFaultByItself) {
+  const Check check = check_with(lab());
+  for (uint32_t fault = 0; fault < kFaults; ++fault)
+    for (const Extent extent : {Extent{1, 1}, Extent{2, 3}, Extent{31, 18}}) {
+      const Case one{GetParam(), extent.width, extent.height, 2, fault + 1, 1U << fault, 0};
+      const auto wrong = check(one);
+      EXPECT_FALSE(wrong) << name_of(static_cast<Fault>(fault)) << ": " << one.text() << ": "
+                          << *wrong;
+    }
+}
+
+TEST_P(Inputs, MixturesOfFaultsAndParameters) {
+  const auto failure = first_failure(GetParam(), 1, 40, 64, check_with(lab()));
+  EXPECT_FALSE(failure) << *failure;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Inputs, testing::ValuesIn(kSolvers),
+                         [](const auto& info) { return std::string(name_of(info.param)); });
+
+}  // namespace
+}  // namespace inverse::extremes

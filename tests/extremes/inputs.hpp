@@ -1,0 +1,47 @@
+// Bad input, one by one and mixed: frames that a camera, a decoder or a bug may hand over.
+#pragma once
+#include <string>
+
+#include "intrinsic/intrinsic_decomposition.hpp"
+#include "intrinsic_thesis/thesis_params.hpp"
+#include "lab.hpp"
+#include "shrink.hpp"
+
+namespace inverse::extremes {
+
+/// Bits of Case::faults. What covers the whole frame comes first; later ones lie on top.
+enum Fault : uint32_t {
+  kBlack,
+  kWhite,
+  kOneColor,
+  kFaintNoise,    ///< at 1/255
+  kCheckerboard,  ///< single pixels of black and white
+  kFlashing,      ///< every second frame black, the others white
+  kHalfBlack,
+  kStripes,   ///< of one pixel, black and the brightest
+  kNegative,  ///< patches below zero
+  kHotPixel,  ///< 1e4
+  kHuge,      ///< 3e38 and the largest float
+  kDenormal,  ///< 1e-40
+  kNan,
+  kInfinite,
+  kMinusInfinite,
+  kFaults  ///< how many
+};
+const char* name_of(Fault fault);
+
+/// Bits of Case::knobs: parameters at the ends of their ranges, each drawn from the seed.
+inline constexpr uint32_t kKnobs = 6;
+
+/// Frame number `frame` of a case: a colored mosaic under a light with a border, then its faults,
+/// in places drawn from the seed. Alpha is 1.
+Pixels frame_of(const Case& one, uint32_t frame);
+
+/// The parameters of a case: defaults, then its knobs.
+IntrinsicDecomposition::Params intrinsic_params_of(const Case& one);
+ThesisParams thesis_params_of(const Case& one);
+
+/// What of a value the methods take: NaN, negative and −Inf 0, +Inf 1, the rest at most `most`.
+float finite_light(float value, float most);
+
+}  // namespace inverse::extremes

@@ -1,0 +1,51 @@
+// One linear system with everything that a table of conditions needs: what is solved, its exact
+// solution, and how our solver does it.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dense.hpp"
+#include "lab.hpp"
+
+namespace inverse::extremes {
+
+enum class Solver : uint8_t {
+  multigrid,  ///< intrinsicdecomp's
+  pcg,        ///< of intrinsicdecompthesis
+  schwarz,    ///< of intrinsicdecompthesis
+};
+inline constexpr Solver kSolvers[] = {Solver::multigrid, Solver::pcg, Solver::schwarz};
+const char* name_of(Solver solver);
+
+/// A x = b with a symmetric positive definite A whose entries a float holds exactly, or nearly.
+struct Problem {
+  std::string name;
+  Solver solver;
+  Dense matrix;
+  std::vector<double> b;
+  /// Solves it in single precision on the device, from zero, and returns x in the order of b.
+  std::function<std::vector<double>(const Lab& lab)> solve_on_device;
+  int iterations = 0;  ///< that this takes: cycles, or steps of conjugate gradients
+};
+
+/// What came of one.
+struct Outcome {
+  double condition = 0;                 ///< of A
+  double condition_preconditioned = 0;  ///< of D^−1/2 A D^−1/2, D the diagonal of A
+  double digits_plain = 0;              ///< kept by single precision without preconditioner
+  double digits_preconditioned = 0;     ///< kept by the solver on the device
+  bool finite = false;
+};
+Outcome judge(const Problem& problem, const Lab& lab);
+
+/// The ladder: systems of conditions from 1e2 to 1e8 for every solver.
+std::vector<Problem> ladder();
+
+/// The fewest digits that the outcome may have kept: the condition number predicts a relative error
+/// of C · condition · 2^−24. Conjugate gradients: the condition after scaling by the diagonal, C
+/// = 4. Multigrid: the condition of A, which it does not scale, C = 32; what of that it loses it
+/// has not reached yet, rather than lost to rounding.
+double predicted_digits(Solver solver, const Outcome& outcome);
+
+}  // namespace inverse::extremes

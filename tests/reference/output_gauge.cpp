@@ -1,0 +1,47 @@
+#include "output_gauge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse::reference {
+
+namespace {
+
+/// Means of 2 x 2; at an odd border the last row or column counts twice, as in the guide.
+std::vector<double> halved(const std::vector<double>& plane, const GuideLevel& fine,
+                           const GuideLevel& coarse) {
+  std::vector<double> means;
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x) {
+      double sum = 0;
+      for (const int j : {2 * y, 2 * y + 1})
+        for (const int i : {2 * x, 2 * x + 1}) sum += plane[fine.index(i, j)];
+      means.push_back(sum / 4);
+    }
+  return means;
+}
+
+}  // namespace
+
+double OutputGauge::update(const Guide& guide, const std::vector<double>& log_shading,
+                           bool carries) {
+  const GuideLevel& cells = guide.level[kCellLevel];
+  std::vector<double> mean = log_shading;
+  for (int level = 0; level < kCellLevel; ++level)
+    mean = halved(mean, guide.level[std::size_t(level)], guide.level[std::size_t(level) + 1]);
+  std::vector<double> brightest;  // ln max_c R
+  for (std::size_t i = 0; i < cells.m.size(); ++i)
+    if (const double light = cells.m[i] + cells.u[i]; light > kDarkest)
+      brightest.push_back(std::clamp(light - mean[i], -kGaugeReach, kGaugeReach));
+  known_ = known_ && carries;
+  if (brightest.empty()) return gauge_ = known_ ? gauge_ : 0;
+  const double reach = params_.quantile * static_cast<double>(brightest.size());
+  const auto rank = static_cast<std::ptrdiff_t>(std::max(std::ceil(reach) - 1, 0.0));
+  std::nth_element(brightest.begin(), brightest.begin() + rank, brightest.end());
+  const double wanted = std::log(params_.value) - brightest[static_cast<std::size_t>(rank)];
+  gauge_ = known_ ? gauge_ + params_.share * (wanted - gauge_) : wanted;
+  known_ = true;
+  return gauge_;
+}
+
+}  // namespace inverse::reference
