@@ -57,7 +57,8 @@ class Settings {
       s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
                       {"cycles", std::to_string(params.cycles)},
                       {"warm-cycles", std::to_string(params.warm_cycles)},
-                      {"still-tolerance", text_of(double(params.still_tolerance))}};
+                      {"still-tolerance", text_of(double(params.still_tolerance))},
+                      {"settled", text_of(double(params.settled))}};
       s.effort = s.preset.empty() ? Effort::usual : Effort::brief;
       const std::string half = params.half_resolution ? "half, " : "";
       s.base = k == ladder.top(Quality::medium);

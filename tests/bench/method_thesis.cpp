@@ -126,7 +126,6 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
          .make = [make, base,
                   times](Size size) { return at_lower_resolution(size, times, make(base)); },
          .effort = pcg ? Effort::usual : Effort::full});
-  method.settings.push_back({.curve = "resolution", .name = "1/1", .order = 0, .make = make(base)});
   if (pcg) add_ablations(method, base, make);
   ThesisParams alone = base;
   alone.keyframes = 0;

@@ -56,7 +56,7 @@ def draw(results, folder, work):
            plots.adaptivity(results["adaptivity"], summary.steady_time(results["device"]), folder),
            "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists()}
     plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
-    plots.knobs(own, folder)
+    plots.knobs(own, summary.steady_time(results["device"]), folder)
     plots.other_clocks(own, folder)
     plots.sizes(results["elements"], folder)
     if results["extremes"]:

@@ -9,7 +9,9 @@ def figure(value, digits=4):
     """.0297 as papers write it; a dash for what was not measured."""
     if value is None:
         return "–"
-    text = f"{value:.{digits}f}"
+    text = f"{round(value, digits) + 0.0:.{digits}f}"
+    if float(text) == 0:
+        return "0"
     return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
 
 
@@ -191,12 +193,12 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "natural log units: 0.01 is one percent. The processor's solvers minimize `intrinsicdecomp`'s energy "
                    "independently, in double precision, and are measured against the device's converged solution: where "
                    "their curve ends is how well the two agree.*\n")
-    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, reflectance from "
-               "the full frame) and pyramid levels, each from the default.*\n")
+    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, with the full frame "
+               "as a guide or without, reflectance from the full frame) and pyramid levels, each from the default.*\n")
     out.append("## Everybody\n\n" + everybody(points, results["methods"]) +
                "\nMeans over the own stills. `low` to `best`: presets. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the "
                "thesis). Errors are means of reflectance and shading and invariant to scale; less is better but for MS-SSIM. "
-               "WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
+               "A dash: nothing to measure. WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
                "with the least LMSE is shown.\n")
     if has["regimes"]:
         out.append("## By regime\n\n![By regime](regimes.png)\n\n" + by_regime(results["summary"]["regimes"]) +
@@ -221,7 +223,9 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "of the processor).\n")
     out.append("## Condition number against digits kept\n\n")
     if results["extremes"]:
-        out.append("![Condition numbers](conditions.png)\n\n" + extremes(results["extremes"]["cases"]))
+        out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "
+                   "precision.*\n\n<details><summary>All cases</summary>\n\n" +
+                   extremes(results["extremes"]["cases"]) + "\n</details>\n")
     else:
         out.append("Not measured in this run: `tests/extremes` was not built.\n")
     out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
