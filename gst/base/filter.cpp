@@ -197,6 +197,18 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
 
+gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
+    GstQOSType type{};
+    GstClockTimeDiff late = 0;
+    gst_event_parse_qos(event, &type, nullptr, &late, nullptr);
+    // Who throttles wants fewer frames, not cheaper ones.
+    if (type != GST_QOS_TYPE_THROTTLE)
+      element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
+  }
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
+}
+
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
   const bool asks_context = GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT;
   if (asks_context && element_of(transform).context().answer(query)) return TRUE;
@@ -237,6 +249,7 @@ void base_class_init(gpointer klass, gpointer) {
   base->before_transform = before_transform;
   base->transform = transform;
   base->sink_event = sink_event;
+  base->src_event = src_event;
   base->query = query;
   base->passthrough_on_same_caps = FALSE;
 }

@@ -20,7 +20,10 @@ struct FrameWork {
   uint64_t number;  ///< frames since `configure`, from 0
   bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
   bool draw;   ///< pixels go out: set `picture`
-  Picture picture;  ///< out: what to draw
+  bool repeated = false;  ///< the picture of the frame before came again, byte by byte
+  bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
+  Picture picture;    ///< out: what to draw
+  bool same_picture = false;  ///< out: it would come out as the one that was drawn last
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
@@ -37,8 +40,15 @@ class Filter {
   virtual void release() = 0;
   /// Forgets what it knows of earlier frames.
   virtual void reset() {}
+  /// Whether frames are to be compared with the ones before them, for FrameWork::repeated.
+  virtual bool looks_for_repeats() const { return false; }
   /// Records the work for one frame.
   virtual void process(FrameWork& frame) = 0;
+  /// What a completed frame took, its wait for the device included; `number` is FrameWork's. Called
+  /// once for each, before `describe`.
+  virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
+  /// Who shows the frames said (QoS) that one came so much too late; negative: early.
+  virtual void late(double /*milliseconds*/) {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}

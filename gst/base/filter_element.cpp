@@ -1,6 +1,8 @@
 #include "filter_element.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "errors.hpp"
 #include "layers_meta.hpp"
@@ -50,6 +52,7 @@ void FilterElement::stop() {
     GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
   }
   slots_ = {};
+  forget_repeats();
   input_.reset();
   output_.reset();
   planes_.reset();
@@ -124,6 +127,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   const Extent extent{static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_)),
                       static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&in_info_))};
   slots_ = {};
+  forget_repeats();
   for (Slot& slot : slots_) {
     slot.commands = std::make_unique<gpu::Commands>(device);
     if (input_) slot.in = input_->make_buffer(device);
@@ -140,16 +144,51 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
-  return guarded(element_, [&] { run(in, out); }) ? GST_FLOW_OK : GST_FLOW_ERROR;
+  if (guarded(element_, [&] { run(in, out); })) return GST_FLOW_OK;
+  forget_repeats();  // of a frame that was never computed
+  return GST_FLOW_ERROR;
 }
 
-Layers FilterElement::read_input(GstBuffer* in, Slot& slot) {
-  if (in_layers_) return take_layers(in);
-  Layers layers;
-  layers.extent = planes_->extent();
-  layers[Role::input] = planes_->acquire();
-  input_->record(*slot.commands, in, slot.in, *layers[Role::input]);
-  return layers;
+void FilterElement::forget_repeats() {
+  repeats_.reset();
+  held_input_.reset();
+  drawn_.reset();
+}
+
+void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
+  if (in_layers_) {
+    frame.layers = take_layers(in);
+    return;
+  }
+  if (frame.fresh || !filter_->looks_for_repeats()) forget_repeats();
+  if (filter_->looks_for_repeats()) frame.repeated = repeats_.next(input_->fingerprint(in));
+  frame.hold = repeats_.going_on();
+  frame.layers.extent = planes_->extent();
+  PlanePtr& plane = frame.layers[Role::input];
+  if (frame.repeated && held_input_) {
+    plane = held_input_;
+  } else {
+    plane = planes_->acquire();
+    input_->record(*slot.commands, in, slot.in, *plane);
+    slot.commands->stage("unpack");
+  }
+  held_input_ = frame.hold ? plane : nullptr;
+}
+
+void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
+  const bool again = frame.same_picture && drawn_ && output_->waits();
+  if (!out_layers_ && !again) {
+    output_->record(*slot.commands, frame.picture, frame.layers, slot.out, out);
+    slot.commands->stage("pack");
+    drawn_ = slot.out;
+  }
+  slot.commands->submit();
+  if (out_layers_) {
+    attach_layers(out, frame.layers);
+  } else if (output_->waits()) {
+    slot.commands->wait();
+    output_->write(drawn_, out);
+  }
 }
 
 std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
@@ -196,21 +235,12 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (breaks_off(in)) fresh_ = true;
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
+  if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{*slot.commands, read_input(in, slot), number_, fresh, !out_layers_, {}};
-  if (!in_layers_) slot.commands->stage("unpack");
+  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_};
+  read_input(in, slot, frame);
   filter_->process(frame);
-  if (!out_layers_) {
-    output_->record(*slot.commands, frame.picture, frame.layers, slot.out, out);
-    slot.commands->stage("pack");
-  }
-  slot.commands->submit();
-  if (out_layers_) {
-    attach_layers(out, frame.layers);
-  } else if (output_->waits()) {
-    slot.commands->wait();
-    output_->write(slot.out, out);
-  }
+  send(out, slot, frame);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
   if (in_images_) slot.commands->wait();
@@ -238,6 +268,8 @@ void FilterElement::finish(Slot& slot) {
   if (!slot.pending) return;
   slot.pending = false;
   slot.commands->wait();
+  // Where nobody waits for the device, the wall clock says little of what a frame costs.
+  filter_->took(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
   GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);
   filter_->describe(stats, slot.number);
   std::lock_guard lock(mutex_);
@@ -249,6 +281,16 @@ GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
   GstBufferPool* pool = nullptr;
   guarded(element_, [&] { pool = make_image_pool(images_device_, caps, size); });
   return pool;
+}
+
+void FilterElement::late(double milliseconds) {
+  std::lock_guard lock(mutex_);
+  late_ms_ = std::max(late_ms_.value_or(milliseconds), milliseconds);
+}
+
+std::optional<double> FilterElement::take_lateness() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(late_ms_, {});
 }
 
 void FilterElement::announce_latency(GstClockTime latency) {

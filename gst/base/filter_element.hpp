@@ -7,6 +7,7 @@
 #include "device_context.hpp"
 #include "filter.hpp"
 #include "frame_io.hpp"
+#include "repeats.hpp"
 
 namespace inverse {
 
@@ -30,6 +31,8 @@ class FilterElement {
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// The next frame starts afresh.
   void flush() { fresh_ = true; }
+  /// Downstream said how late a frame was (negative: early). From any thread.
+  void late(double milliseconds);
 
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
@@ -58,13 +61,17 @@ class FilterElement {
   void configure(const std::shared_ptr<gpu::Device>& device);
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
-  Layers read_input(GstBuffer* in, Slot& slot);
+  void read_input(GstBuffer* in, Slot& slot, FrameWork& frame);
+  /// What a frame whose picture came again could take over is gone.
+  void forget_repeats();
+  void send(GstBuffer* out, Slot& slot, FrameWork& frame);
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
   void announce_latency(GstClockTime latency);
   void forget_refused();
+  std::optional<double> take_lateness();
 
   GstElement* element_;
   const ElementInfo& info_;
@@ -82,6 +89,9 @@ class FilterElement {
   std::unique_ptr<FrameInput> input_;
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
+  Repeats repeats_;
+  PlanePtr held_input_;   // of the frame before, while repeats go on
+  gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
   std::array<Slot, gpu::kFramesInFlight> slots_;
   size_t next_slot_ = 0;
   uint64_t number_ = 0;  // frames since `configure`
@@ -89,8 +99,9 @@ class FilterElement {
   GstClockTime last_time_ = GST_CLOCK_TIME_NONE;
   std::atomic<GstClockTime> latency_{0};
 
-  mutable std::mutex mutex_;  // device_name_, stats_
+  mutable std::mutex mutex_;  // device_name_, stats_, late_ms_
   GstStructure* stats_ = nullptr;
+  std::optional<double> late_ms_;  // the most since the frame before
 
  public:
   FilterElement(const FilterElement&) = delete;

@@ -1,5 +1,8 @@
 #include "frame_io.hpp"
 
+#define XXH_INLINE_ALL  // a header, nothing to link
+#include <xxhash.h>
+
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -198,6 +201,24 @@ gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& devic
 
 void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
   unpack_.emplace(device, format_);
+}
+
+std::optional<uint64_t> FrameInput::fingerprint(GstBuffer* buffer) const {
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane) {
+    const size_t bytes = row_bytes(format_.format, format_.extent, plane);
+    const uint32_t rows = plane_rows(format_.format, format_.extent, plane);
+    const auto stride = static_cast<ptrdiff_t>(frame.stride(plane));  // negative upside down
+    if (stride == static_cast<ptrdiff_t>(bytes)) {
+      XXH3_64bits_update(&state, frame.data(plane), bytes * rows);
+      continue;
+    }
+    for (uint32_t row = 0; row < rows; ++row)
+      XXH3_64bits_update(&state, frame.data(plane) + row * stride, bytes);
+  }
+  return XXH3_64bits_digest(&state);
 }
 
 void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,

@@ -33,6 +33,10 @@ class FrameInput {
   /// A buffer for the bytes of one frame on the device, for `record`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
+  /// A 64-bit hash of the bytes of a frame's pixels, without the padding of rows: two frames with
+  /// the same one are the same picture, but for one chance in 2^64. Nothing where the pixels are
+  /// not in system memory. Throws as `record`.
+  virtual std::optional<uint64_t> fingerprint(GstBuffer* buffer) const;
   /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`.
   /// Throws Error(unsupported) where the buffer does not hold what its caps say.
   void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,

@@ -193,6 +193,14 @@ class Parameters final : public PropertyStore {
     std::lock_guard lock(mutex_);
     return effective();
   }
+  /// The same with `adjust(P&)` applied to the preset: what was set explicitly wins over that, too.
+  template <typename Adjust>
+  P snapshot(Adjust adjust) const {
+    std::lock_guard lock(mutex_);
+    P result = preset_ ? preset_(values_) : values_;
+    adjust(result);
+    return with_explicit(result);
+  }
 
   void install(GObjectClass* object_class, guint first_id) const override {
     const P defaults = effective();
@@ -208,9 +216,8 @@ class Parameters final : public PropertyStore {
   }
 
  private:
-  P effective() const {
-    if (!preset_) return values_;
-    P result = preset_(values_);
+  P effective() const { return preset_ ? with_explicit(preset_(values_)) : values_; }
+  P with_explicit(P result) const {
     for (size_t i = 0; i < table_.size(); ++i)
       if (explicitly_[i]) table_[i].copy(result, values_);
     return result;

@@ -4,6 +4,12 @@
 
 namespace inverse {
 
+double device_ms(const gpu::Commands& commands) {
+  double sum = 0;
+  for (const auto& stage : commands.stages()) sum += stage.milliseconds;
+  return sum;
+}
+
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms) {
   const gpu::Device& device = *commands.device();
   GstStructure* stats =
@@ -11,13 +17,10 @@ GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double
                         device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
                         G_TYPE_UINT64, device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
                         device.memory_peak_bytes(), nullptr);
-  double device_ms = 0;
-  for (const auto& stage : commands.stages()) {
+  for (const auto& stage : commands.stages())
     gst_structure_set(stats, (std::string(stage.name) + "-ms").c_str(), G_TYPE_DOUBLE,
                       stage.milliseconds, nullptr);
-    device_ms += stage.milliseconds;
-  }
-  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms, nullptr);
+  gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms(commands), nullptr);
   return stats;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
+#include <array>
 #include <optional>
 
 #include "base/filter.hpp"
 #include "image/mosaic.hpp"
+#include "live_trade.hpp"
 #include "palette/scene_palette.hpp"
 
 namespace inverse {
@@ -13,51 +15,143 @@ enum class Show { reflectance, shading, input, mosaic, clusters };
 /// How much work goes into a frame: sets a group of parameters; what is set explicitly wins.
 enum class Quality { low, medium, high, best };
 
-/// What every decomposer of reflectance and shading shares: `show`. A method derives from it and
-/// fills the layers.
+/// The parameters that every decomposer has.
+struct DecomposerParams {
+  Show show = Show::reflectance;
+  Quality quality = Quality::medium;
+  double target_fps = 0;      ///< frames a second to hold; 0: any
+  double latency_budget = 0;  ///< ms that a frame may take; 0: any time
+};
+
+/// What every decomposer of reflectance and shading shares: `show`, keeping the layers of pictures
+/// that come again, and `target-fps`/`latency-budget`. A method derives from it and fills the
+/// layers.
+///
+/// A picture that came again keeps the layers of the frame before without running the method, where
+/// the method's parameters are the same, `adaptive` is on and the method has settled on it. For
+/// that the planes of the last frame are held, and editors have to copy them; so they are held only
+/// while repeats go on (FrameWork::hold).
 class Decomposer : public Filter {
  public:
+  explicit Decomposer(std::span<const double> level_costs) : trade_(level_costs) {}
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
   void process(FrameWork& frame) final;
+  void took(uint64_t number, double milliseconds) final;
+  void late(double milliseconds) final;
+  void describe(GstStructure* stats, uint64_t number) const final;
 
  protected:
-  /// Fills `frame.layers` from its input layer and returns what to show.
-  virtual Show decompose(FrameWork& frame) = 0;
+  /// What there is to know of the parameters in force for a frame.
+  struct Settings {
+    Show show = Show::reflectance;
+    bool adaptive = true;
+    bool changed = false;  ///< the method's differ from those of the frame before
+  };
+  /// Takes the parameters for the next frame, and chooses the level of work by them.
+  virtual Settings next_settings(LiveTrade& trade) = 0;
+  /// Runs the method: fills `frame.layers` from its input layer. Returns the method's own number
+  /// for the frame.
+  virtual uint64_t decompose(FrameWork& frame) = 0;
+  /// Whether running the method again on the same picture is worth nothing. `done` is a frame (the
+  /// method's number) of that picture with the same parameters that is completed; nothing where
+  /// there is none yet.
+  virtual bool settled(std::optional<uint64_t> done) const = 0;
+  /// Adds to the stats what the method tells of a completed frame (the method's number).
+  virtual void describe_method(GstStructure* stats, uint64_t number) const = 0;
 
   void reset() override;
 
-  /// The property `show`, for the parameters of any method.
+  /// The properties of DecomposerParams. `sets` says which parameters `quality` stands for.
   template <typename P>
-  static Property<P> show_property() {
-    return choice<P>(
-        "show", &P::show, "GstInverseShow", show_choices(),
-        "What to show where ordinary video goes out; elements that take layers get all "
-        "of them");
-  }
-  /// The property `quality`; `sets` says which group of parameters it stands for.
-  template <typename P>
-  static Property<P> quality_property(const char* sets) {
-    return choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(), sets);
+  static PropertyTable<P> shared_properties(const char* sets) {
+    return {
+        choice<P>("show", &P::show, "GstInverseShow", show_choices(),
+                  "What to show where ordinary video goes out; elements that take layers get all "
+                  "of them"),
+        choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(), sets),
+        number<P>("target-fps", &P::target_fps, 0., 1000.,
+                  "Frames a second to hold by choosing the work for each, at most that of quality; "
+                  "what is set explicitly stays. 0 = any rate"),
+        number<P>("latency-budget", &P::latency_budget, 0., 1e5,
+                  "Milliseconds that a frame may take in this element, held in the same way; the "
+                  "stricter of the two counts. 0 = any time"),
+    };
   }
 
  private:
   static std::vector<Choice> show_choices();
   static std::vector<Choice> quality_choices();
+  bool keeps(const FrameWork& frame, const Settings& settings);
+  void draw(FrameWork& frame, Show show);
   PlanePtr draw_clusters(FrameWork& frame);
+
+  /// What became of one of the last frames.
+  struct Past {
+    uint64_t method = 0;  // the method's number of the frame whose layers it has
+    bool kept = false;
+    size_t level = 0;  // of LiveTrade
+    uint64_t kept_so_far = 0;
+  };
+  const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
 
   std::shared_ptr<gpu::Device> device_;
   std::optional<PlanePool> planes_;
   // Made when they are first asked for.
   std::optional<Mosaic> mosaic_;
   std::optional<ScenePalette> palette_;
+
+  std::array<Past, gpu::kFramesInFlight> past_;
+  std::optional<Layers> held_;    // of the frame before
+  std::optional<uint64_t> same_;  // the first frame (FrameWork's number) of this picture with these
+                                  // parameters
+  uint64_t last_method_ = 0;      // the last frame's number
+  std::optional<Show> drawn_;     // how the frame before was drawn
+  uint64_t kept_ = 0;             // frames since `configure`
+  LiveTrade trade_;
+};
+
+/// A level of work between cheap and good.
+template <typename P>
+struct Level {
+  double cost;      ///< time of a frame in relation to the other levels, measured
+  void (*set)(P&);  ///< the parameters that make it up
+};
+
+/// The measured front of error against time of a method, from cheap to good, and which of its
+/// levels each `quality` stands for.
+template <typename P>
+struct Ladder {
+  std::vector<Level<P>> levels;
+  std::array<size_t, 4> qualities;
+
+  std::vector<double> costs() const {
+    std::vector<double> costs;
+    for (const auto& level : levels) costs.push_back(level.cost);
+    return costs;
+  }
+  size_t top(Quality quality) const { return qualities[static_cast<size_t>(quality)]; }
+  /// The defaults that go with a quality.
+  P preset(Quality quality) const {
+    P params;
+    params.quality = quality;
+    levels[top(quality)].set(params);
+    return params;
+  }
 };
 
 /// A decomposer whose frames all go through one object of the method, made anew for each size:
-/// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames.
-template <typename Method>
+/// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames. `P` derives
+/// from DecomposerParams and Method::Params and has `adaptive`.
+template <typename Method, typename P>
 class MethodDecomposer : public Decomposer {
  public:
+  MethodDecomposer(const PropertyTable<P>& table, const Ladder<P>& ladder,
+                   typename Parameters<P>::Preset preset)
+      : Decomposer(ladder.costs()), parameters_(table, preset), ladder_(ladder) {}
+  PropertyStore& parameters() override { return parameters_; }
+  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     Decomposer::configure(device, extent);
     method_.emplace(device, extent);
@@ -72,7 +166,25 @@ class MethodDecomposer : public Decomposer {
   }
 
  protected:
+  Settings next_settings(LiveTrade& trade) override {
+    P next = parameters_.snapshot();
+    trade.aim({next.target_fps, next.latency_budget}, ladder_.top(next.quality));
+    if (trade.level() != ladder_.top(next.quality))
+      next = parameters_.snapshot(ladder_.levels[trade.level()].set);
+    const typename Method::Params &before = params_, &now = next;
+    const bool changed = before != now;
+    params_ = next;
+    return {params_.show, params_.adaptive, changed};
+  }
+  /// In force for this frame.
+  const P& params() const { return params_; }
+
   std::optional<Method> method_;
+  Parameters<P> parameters_;
+
+ private:
+  const Ladder<P>& ladder_;
+  P params_;
 };
 
 }  // namespace inverse

@@ -5,32 +5,59 @@
 namespace inverse {
 namespace {
 
-struct Params : ScaledIntrinsic::Params {
-  Show show = Show::reflectance;
-  Quality quality = Quality::medium;
+struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
+  /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
+  float keep_tolerance = 5e-4F;
 };
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  constexpr uint32_t kCycles[] = {4, 4, 8, 24}, kWarmCycles[] = {2, 2, 4, 24};
-  params.cycles = kCycles[static_cast<size_t>(set.quality)];
-  params.warm_cycles = kWarmCycles[static_cast<size_t>(set.quality)];
-  params.half_resolution = set.quality == Quality::low;
-  return params;
+/// A level of the ladder: resolution, cycles of the first frame and of those after it, and from
+/// which change on edges are decided anew.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance>
+void work(Params& params) {
+  params.half_resolution = kHalf;
+  params.cycles = kCycles;
+  params.warm_cycles = kWarm;
+  params.still_tolerance = kTolerance;
 }
 
-class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
+/// The front of error against time (docs/measurements.md, Live trade). Only one step changes the
+/// resolution, which makes the method forget earlier frames.
+const Ladder<Params>& ladder() {
+  static const Ladder<Params> ladder{{{0.40, work<true, 3, 1, 0.1F>},
+                                      {0.46, work<true, 4, 2, 0.1F>},
+                                      {0.54, work<true, 4, 2, 0.05F>},
+                                      {0.65, work<true, 8, 4, 0.05F>},
+                                      {0.83, work<false, 4, 2, 0.1F>},
+                                      {1.00, work<false, 4, 2, 0.05F>},
+                                      {1.18, work<false, 6, 3, 0.05F>},
+                                      {1.36, work<false, 8, 4, 0.05F>},
+                                      {2.1, work<false, 12, 8, 0.05F>},
+                                      {4.8, work<false, 24, 24, 0.05F>}},
+                                     {2, 5, 7, 9}};
+  return ladder;
+}
+
+Params preset(const Params& set) { return ladder().preset(set.quality); }
+
+class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> {
  public:
-  PropertyStore& parameters() override { return parameters_; }
+  IntrinsicElement() : MethodDecomposer(table(), ladder(), preset) {}
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
-    method_->prepare(parameters_.snapshot().half_resolution);
+    const Params set = parameters_.snapshot();
+    method_->prepare(set.half_resolution);
+    // A change of level that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0) method_->prepare(true);
   }
 
-  void describe(GstStructure* stats, uint64_t number) const override {
+ protected:
+  bool settled(std::optional<uint64_t> done) const override {
+    return done && method_->findings(*done).change < params().keep_tolerance;
+  }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
@@ -45,30 +72,41 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
                       G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
- protected:
-  Show decompose(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
+  uint64_t decompose(FrameWork& frame) override {
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params, {frame.fresh});
-    return params.show;
+        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+    return method_->recorded() - 1;
   }
 
  private:
   static const PropertyTable<Params>& table() {
     using P = Params;
-    static const PropertyTable<P> table{
-        show_property<P>(),
-        quality_property<P>(
-            "Sets half-resolution and the cycles as a group; what is set explicitly wins"),
-        flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: tiles where nothing changed keep what was "
-                "decided about their edges"),
+    static const PropertyTable<P> table = [] {
+      auto table = shared_properties<P>(
+          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
+      const PropertyTable<P> own = own_properties();
+      table.insert(table.end(), own.begin(), own.end());
+      return table;
+    }();
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
+        flag<P>(
+            "adaptive", &P::adaptive,
+            "Leave out what a frame does not need: tiles where nothing changed keep what was "
+            "decided about their edges, cycles end when little changes, and a picture that comes "
+            "again keeps its layers once they have settled"),
         number<P>("settled", &P::settled, 0.f, 1.f,
-                  "Root mean square change of log shading by a cycle from which on no further one "
-                  "follows; 0 = all run"),
+                  "Change of log shading by a cycle, rms in natural log units, from which on no "
+                  "further one follows; 0 = all run"),
         flag<P>("half-resolution", &P::half_resolution,
                 "Solve at half the frame's width and height, at about a third of the cost; where "
                 "shading steps is then read from the frame"),
+        number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+                  "Change of log shading by the last cycle, rms in natural log units, below which "
+                  "the layers of a picture that comes again are kept; 0 = never"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                   "Change of intensity or chroma, natural log units, from which on a tile counts "
                   "as changed"),
@@ -128,10 +166,7 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic> {
             "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
             "scene"),
     };
-    return table;
   }
-
-  Parameters<Params> parameters_{table(), preset};
 };
 
 }  // namespace

@@ -5,27 +5,41 @@
 namespace inverse {
 namespace {
 
-struct Params : ThesisParams {
-  Show show = Show::reflectance;
-  Quality quality = Quality::medium;
+struct Params : ThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
-/// The thesis runs 4 × 8 iterations (section 3.6.5) and shows convergence with 7 × 8.
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  constexpr int kIrls[] = {2, 4, 7, 16};
-  params.irls_iterations = kIrls[static_cast<int>(set.quality)];
-  params.pcg_iterations = set.quality == Quality::best ? 16 : 8;
-  return params;
+template <int kIrls, int kPcg>
+void work(Params& params) {
+  params.irls_iterations = kIrls;
+  params.pcg_iterations = kPcg;
 }
 
-class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
- public:
-  PropertyStore& parameters() override { return parameters_; }
+/// The front of error against time (docs/measurements.md, Live trade). The thesis runs 4 x 8
+/// iterations (section 3.6.5) and shows convergence with 7 x 8.
+const Ladder<Params>& ladder() {
+  static const Ladder<Params> ladder{{{0.26, work<1, 4>},
+                                      {0.32, work<1, 8>},
+                                      {0.61, work<2, 8>},
+                                      {0.77, work<3, 8>},
+                                      {1.00, work<4, 8>},
+                                      {1.66, work<7, 8>},
+                                      {6.6, work<16, 16>}},
+                                     {2, 4, 5, 6}};
+  return ladder;
+}
 
-  void describe(GstStructure* stats, uint64_t number) const override {
+Params preset(const Params& set) { return ladder().preset(set.quality); }
+
+class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
+ public:
+  ThesisElement() : MethodDecomposer(table(), ladder(), preset) {}
+
+ protected:
+  // It starts every frame from nothing: again is as good as before.
+  bool settled(std::optional<uint64_t>) const override { return true; }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
     gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
                       method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
@@ -37,27 +51,31 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
- protected:
-  Show decompose(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
-    method_->set_params(params);
-    method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-    return params.show;
+  uint64_t decompose(FrameWork& frame) override {
+    method_->set_params(params());
+    return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
   }
 
  private:
   static const PropertyTable<Params>& table() {
     using P = Params;
-    static const PropertyTable<P> table{
-        show_property<P>(),
-        quality_property<P>("Sets iterations as a group; what is set explicitly wins"),
+    static const PropertyTable<P> table = [] {
+      auto table = shared_properties<P>("Sets iterations as a group; what is set explicitly wins");
+      const PropertyTable<P> own = own_properties();
+      table.insert(table.end(), own.begin(), own.end());
+      return table;
+    }();
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
         flag<P>(
             "adaptive", &P::adaptive,
-            "Has no effect, as the thesis' method does all its work for every frame; for scripts "
-            "that set it on any decomposer"),
+            "Leave out what a frame does not need: a picture that comes again keeps its layers"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},
@@ -113,10 +131,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition> {
                 "Draw new sample positions for every frame instead of keeping them"),
         flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
     };
-    return table;
   }
-
-  Parameters<Params> parameters_{table(), preset};
 };
 
 }  // namespace

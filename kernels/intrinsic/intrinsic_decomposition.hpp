@@ -36,6 +36,7 @@ class IntrinsicDecomposition {
     float settled = 0.01F;
     /// Change of a 2 x 2 mean's log intensity or chroma, 0…1, from which on a tile has changed.
     float still_tolerance = 0.05F;
+    bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)

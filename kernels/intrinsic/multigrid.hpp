@@ -25,6 +25,7 @@ class Multigrid {
     /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
     /// diverges on some frames, because the chroma bins lag behind.
     float slowest = 0.5F;
+    bool operator==(const Params&) const = default;
   };
   /// How much of the work of a frame's cycles is done.
   struct Progress {

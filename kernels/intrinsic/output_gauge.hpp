@@ -17,6 +17,7 @@ class OutputGauge {
     float value = 0.9F;
     /// Share of the newest frame, 0…1; 1 follows every frame, 0 never moves until a cut.
     float share = 0.1F;
+    bool operator==(const Params&) const = default;
   };
   explicit OutputGauge(const std::shared_ptr<gpu::Device>& device);
 

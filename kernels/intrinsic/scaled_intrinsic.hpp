@@ -16,6 +16,7 @@ class ScaledIntrinsic {
  public:
   struct Params : IntrinsicDecomposition::Params {
     bool half_resolution = false;
+    bool operator==(const Params&) const = default;
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;
   struct Stats : IntrinsicDecomposition::Stats {

@@ -27,6 +27,7 @@ class TemporalAnchor {
     float anchor_light = 0.02F;
     /// Mean mismatch of a frame, 0…1, from which on it is a cut.
     float cut_fraction = 0.3F;
+    bool operator==(const Params&) const = default;
   };
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 

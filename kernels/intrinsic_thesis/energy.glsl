@@ -45,6 +45,7 @@ layout(push_constant) uniform Push {
   float sample_threshold;  // τ_cc² on the grid of packed chromaticities
   float log_floor, chroma_floor;
   float p, epsilon2, irls_factor;
+  float settled;
 } push;
 
 const vec3 kChannelWeight = vec3(0.299, 0.587, 0.114);  // ω_c, ITU-R BT.601

@@ -34,10 +34,10 @@ constexpr int kBlock = 16;            // Schwarz
 constexpr uint32_t kBlockGroup = 64;  // invocations that solve one block
 constexpr uint32_t kStrip = 8;        // pixels an invocation of the strip kernels
 constexpr uint32_t kOneGroup = 128;   // invocations of the kernels that run as one workgroup
-constexpr uint64_t kScalars = 3;      // (rᵀz, α, β)
+constexpr uint64_t kScalars = 6;      // as in scalars.comp
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
 // Layout of a readback buffer, in vec4: gauge, scalars, palette, trace.
-constexpr uint64_t kScalarsAt = 1, kColorsAt = 2, kTraceAt = kColorsAt + kColors;
+constexpr uint64_t kScalarsAt = 1, kColorsAt = 3, kTraceAt = kColorsAt + kColors;
 
 /// The radical inverse of n in `base`, times the block size, rounded down.
 int halton(int n, int base) {
@@ -73,7 +73,7 @@ struct ThesisDecomposition::Push {
   uint32_t stream, seed;
   float w_data, w_intensity, w_reflectance, w_shading, w_chromaticity, w_non_local, w_clustering;
   float w_cs, alpha_cs, alpha_clustering, sample_threshold, log_floor, chroma_floor, p, epsilon2;
-  float irls_factor;
+  float irls_factor, settled;
 };
 
 int thesis_levels(Extent extent, int requested) {
@@ -137,6 +137,7 @@ void ThesisDecomposition::set_params(const Params& params) {
   p.alpha_clustering = std::clamp(p.alpha_clustering, 0.0f, 1e3f);
   p.tau_cc = std::clamp(p.tau_cc, 0.0f, 3.0f);
   p.epsilon = std::clamp(p.epsilon, 1e-6f, 1.0f);
+  p.settled = std::clamp(p.settled, 0.0f, 1.0f);
   p.levels = std::clamp(p.levels, 0, 12);
   p.irls_iterations = std::clamp(p.irls_iterations, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
@@ -239,6 +240,7 @@ ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
   push.chroma_floor = p.chroma_floor;
   push.p = p.p;
   push.epsilon2 = p.epsilon * p.epsilon;
+  push.settled = p.settled;
   push.irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f;
   return push;
 }
@@ -279,7 +281,7 @@ void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int st
   current_->energy.push_back({static_cast<int>(level), step, 0, 0, 0, 0});
 }
 
-void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level) {
+void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
   Push push = push_for(level);
   const gpu::Items strips = strips_of(at.extent);
@@ -288,8 +290,9 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
     push.mode = mode;
     commands.dispatch(scalars_kernel_, {partials_, scalars_}, push, {kOneGroup});
   };
+  push.slot = step;
   reduce(0);
-  for (int k = 0; k < params_.pcg_iterations; ++k) {
+  const auto iterate = [&](int k) {
     const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
     commands.dispatch(
@@ -302,6 +305,13 @@ void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t le
                        at.solution, preconditioned_, partials_},
                       push, strips);
     reduce(2);
+  };
+  constexpr uint64_t kGoesOn = 4 * sizeof(float);  // into `scalars_`
+  for (int k = 0; k < params_.pcg_iterations; ++k) {
+    if (params_.settled > 0)
+      commands.when(scalars_, kGoesOn, [&] { iterate(k); });
+    else
+      iterate(k);
   }
 }
 
@@ -350,7 +360,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
                        nodes_, preconditioned_, partials_},
                       push, strips_of(levels_[level].extent));
     if (params_.solver == Params::Solver::pcg) {
-      conjugate_gradients(commands, level);
+      conjugate_gradients(commands, level, step);
     } else {
       schwarz(commands, level, step);
     }
@@ -364,11 +374,12 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   }
   if (!cleared_) {
     // Sums leave some slots untouched, and the first direction is multiplied by zero.
-    for (const auto& buffer : {partials_, scalars_, energy_partials_, energy_pull_partials_}) {
+    for (const auto& buffer : {partials_, energy_partials_, energy_pull_partials_}) {
       if (buffer) commands.fill(buffer);
     }
     cleared_ = true;
   }
+  commands.fill(scalars_);  // counts the frame's iterations
   const uint64_t number = recorded_++;
   Readback& readback = readback_[number % readback_.size()];
   readback.stats = {};
@@ -447,6 +458,8 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   stats.gauge = values[0];
+  if (params_.solver == Params::Solver::pcg)
+    stats.iterations = static_cast<int>(values[4 * kScalarsAt + 5]);
   stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;
   stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
   for (size_t k = 0; k < stats.clusters.size(); ++k) {

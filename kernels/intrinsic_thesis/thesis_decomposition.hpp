@@ -35,6 +35,7 @@ class ThesisDecomposition {
     int keyframes = 0;           ///< that samples were drawn from
     bool clustered = false;      ///< false: a single level, nothing to cluster beforehand
     float gauge = 0;             ///< ln of the factor from the solver's R to the layer's
+    int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
     std::vector<Palette::Cluster> clusters;
@@ -89,7 +90,7 @@ class ThesisDecomposition {
   Push push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
   void solve(gpu::Commands& commands, size_t level, bool clustered);
-  void conjugate_gradients(gpu::Commands& commands, size_t level);
+  void conjugate_gradients(gpu::Commands& commands, size_t level, int step);
   void schwarz(gpu::Commands& commands, size_t level, int step);
   void evaluate(gpu::Commands& commands, size_t level, int step, bool clustered);
   std::vector<gpu::BufferPtr> frame_buffers(size_t level) const;

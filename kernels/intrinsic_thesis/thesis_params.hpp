@@ -37,13 +37,17 @@ struct ThesisParams {
   int levels = 0;  ///< of the Gaussian pyramid, 1…12; 0: three to five by resolution (3.5.4)
   int irls_iterations = 4;  ///< reweightings a level, 1…64
   int pcg_iterations = 8;  ///< conjugate-gradient steps a reweighting, globally or a block, 1…256
-  int samples = 9;         ///< N_s a pixel (3.12), 0…64
-  int keyframes = 5;       ///< past frames to sample from, 0…5; 0 for stills
+  /// Conjugate gradients end where the residual, in the preconditioner's norm, is this share of
+  /// that of the level's first system, 0…1; 0: all iterations run, as in the thesis.
+  float settled = 0;
+  int samples = 9;           ///< N_s a pixel (3.12), 0…64
+  int keyframes = 5;         ///< past frames to sample from, 0…5; 0 for stills
   int keyframe_spacing = 5;  ///< frames from one keyframe to the next, 1…1000
   bool resample = false;     ///< draw new sample positions every frame instead of the same ones
   bool energy = false;       ///< evaluate the energy at the finest level, for stats
   bool trace = false;        ///< evaluate it at every IRLS step of every level
   uint32_t seed = 1;         ///< of samples and clusters
+  bool operator==(const ThesisParams&) const = default;
 };
 
 }  // namespace inverse

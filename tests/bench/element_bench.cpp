@@ -2,7 +2,9 @@
 // element. Frames are those of the bundled clip, scaled; methods take turns, so that what else the
 // machine does hits all alike.
 //
-// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [ELEMENT …]
+// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
+//                      [ELEMENT …]
+// With --still one frame of the clip comes again and again.
 #include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
@@ -136,6 +138,7 @@ int main(int count, char** arguments) {
   std::vector<Size> sizes{{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
   std::vector<std::string> lines;
   int frames = 40, rounds = 3;
+  bool still = false;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
@@ -143,6 +146,8 @@ int main(int count, char** arguments) {
       clip = next();
     } else if (argument == "--frames") {
       frames = std::max(4, std::stoi(next()));
+    } else if (argument == "--still") {
+      still = true;
     } else if (argument == "--rounds") {
       rounds = std::max(1, std::stoi(next()));
     } else if (argument == "--sizes") {
@@ -164,7 +169,9 @@ int main(int count, char** arguments) {
       "| device bytes "
       "a pixel | stages, device ms |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const Size size : sizes) {
-    const auto video = load(clip, size, "NV12", frames);
+    auto video = load(clip, size, "NV12", frames);
+    if (still && !video.empty())
+      for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
     if (video.size() < 4) {
       std::fprintf(stderr, "cannot read %s\n", clip.c_str());
       return 1;

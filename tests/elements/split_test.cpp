@@ -256,7 +256,8 @@ TEST_F(Split, APadIsGivenBackWhileThereIsFlow) {
   for (int i = 0; i < 30; ++i) {
     GstPad* mine = gst_element_request_pad_simple(element(), "input");
     ASSERT_NE(mine, nullptr);
-    g_usleep(3000);
+    for (const int before = good + bad; good + bad < before + 2;)
+      g_usleep(100);  // a frame meets it
     gst_element_release_request_pad(element(), mine);
     gst_object_unref(mine);
   }

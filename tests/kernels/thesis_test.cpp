@@ -256,6 +256,39 @@ TEST_F(ThesisTest, LayersMultiplyToTheInputWhereTheDataTermBinds) {
   EXPECT_LT(worst, 0.02);
 }
 
+// Iterations that are left out are counted, and cost less than a hundredth of the energy. It may
+// come out lower, too: the energy has many minima, and loose first steps pass by some.
+TEST_F(ThesisTest, ConjugateGradientsEndWhenTheResidualIsSmall) {
+  const Extent extent{96, 72};
+  const Plane frame = plane(extent, scene(extent, 5));
+  const auto stats_with = [&](float settled, int iterations) {
+    ThesisParams params;
+    params.energy = true;
+    params.samples = 0;  // lagged samples and clusters pull the solution past the least energy
+    params.w_clustering = 0;
+    params.settled = settled;
+    params.pcg_iterations = iterations;
+    ThesisDecomposition method(device, extent);
+    method.set_params(params);
+    Layers layers;
+    uint64_t number = 0;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, layers); });
+    return method.stats(number);
+  };
+  const auto all = stats_with(0, 32), fewer = stats_with(0.01f, 32), fewest = stats_with(0.1f, 32);
+  EXPECT_EQ(all.iterations, all.levels * all.irls_iterations * 32);
+  if (device->variant().conditional) {
+    EXPECT_LT(fewer.iterations, all.iterations);
+    EXPECT_LT(fewest.iterations, fewer.iterations);
+  } else {
+    EXPECT_EQ(fewest.iterations, all.iterations);
+  }
+  const double energy = all.energy.back().total();
+  std::printf("iterations %d, %d, %d; energy %g, %g, %g\n", all.iterations, fewer.iterations,
+              fewest.iterations, energy, fewer.energy.back().total(), fewest.energy.back().total());
+  EXPECT_LT(fewer.energy.back().total(), 1.01 * energy);
+}
+
 TEST_F(ThesisTest, SameSeedGivesTheSameBits) {
   const Extent extent{67, 49};
   std::vector<Pixels> results;

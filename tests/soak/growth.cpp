@@ -45,17 +45,17 @@ Holding holding_now(uint64_t device_bytes) {
   return holding;
 }
 
-void Growth::sample_now(uint64_t device_bytes) {
+void Growth::sample_now(uint64_t device_bytes, std::chrono::milliseconds patience) {
   const auto fewest = [&](double Holding::*field) {
     double least = std::numeric_limits<double>::max();
     for (const Holding& sample : samples_) least = std::min(least, sample.*field);
     return least;
   };
   const double threads = fewest(&Holding::threads), descriptors = fewest(&Holding::descriptors);
-  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  const auto end = std::chrono::steady_clock::now() + patience;
   Holding now = holding_now(device_bytes);
   while ((now.threads > threads || now.descriptors > descriptors) &&
-         std::chrono::steady_clock::now() < patience) {
+         std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     now = holding_now(device_bytes);
   }

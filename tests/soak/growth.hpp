@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -31,8 +32,10 @@ class Growth {
   Growth(std::string phase, const Slack& slack) : phase_(std::move(phase)), slack_(slack) {}
   void sample(const Holding& holding) { samples_.push_back(holding); }
   /// Samples this process once it has settled: a thread that is ending is gone soon, a leaked one
-  /// is not. Waits at most a second for as few threads and files as ever in this phase.
-  void sample_now(uint64_t device_bytes);
+  /// is not. Waits, as long as `patience` lasts, for as few threads and files as ever in this
+  /// phase.
+  void sample_now(uint64_t device_bytes,
+                  std::chrono::milliseconds patience = std::chrono::seconds(1));
   size_t samples() const { return samples_.size(); }
   const Holding& last() const { return samples_.back(); }
   /// Prints the phase's lines of the table; false where something grew beyond its slack.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <future>
 #include <random>
 #include <thread>
 
@@ -41,17 +42,20 @@ TEST(Growth, FilesAndThreadsAreSeen) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.threads += i / 20; }));
 }
 TEST(Growth, AThreadThatIsEndingIsFineAndALastingOneIsSeen) {
-  const auto while_alive = [](std::chrono::milliseconds life) {
+  const auto grown = [](std::chrono::milliseconds patience, std::chrono::milliseconds life) {
     Growth growth("test", Slack{});
     for (int i = 0; i < 4; ++i) growth.sample_now(0);
     const double before = growth.last().threads;
-    std::thread thread([life] { std::this_thread::sleep_for(life); });
-    growth.sample_now(0);
+    std::promise<void> sampled;
+    std::thread thread([life, done = sampled.get_future()] { done.wait_for(life); });
+    growth.sample_now(0, patience);
+    sampled.set_value();
     thread.join();
     return growth.last().threads - before;
   };
-  EXPECT_EQ(while_alive(std::chrono::milliseconds(50)), 0);
-  EXPECT_EQ(while_alive(std::chrono::milliseconds(1500)), 1);
+  using namespace std::chrono_literals;
+  EXPECT_EQ(grown(60s, 50ms), 0);
+  EXPECT_EQ(grown(50ms, 60s), 1);
 }
 TEST(Growth, TooFewSamplesAreNoVerdict) {
   Growth growth("test", Slack{});

@@ -1,0 +1,82 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace inverse {
+
+/// Holds the time that frames take by choosing how much work goes into them: a level on a ladder of
+/// settings from cheap to good, each with what it costs in relation to the others.
+///
+/// It goes down at once (when the median of the last frames is too long, as far as need be), and up
+/// slowly: one level, once the level above had room for a while for all but the slowest of them.
+/// Where a level that it went up to turns out too slow it waits twice as long before it tries
+/// that one again, so that it settles below what does not fit instead of swinging around it. A
+/// single slow frame moves nothing. Knows neither clock nor GStreamer: times come from the caller,
+/// in seconds that never go back. Not thread-safe.
+class LiveTrade {
+ public:
+  struct Goal {
+    double fps = 0;         ///< frames a second to hold; 0: any
+    double latency_ms = 0;  ///< the longest that a frame may take; 0: any time
+    bool on() const { return fps > 0 || latency_ms > 0; }
+    /// The time for one frame, the smaller of the two; infinite where neither is set.
+    double budget_ms() const;
+  };
+  /// What it chose, and why.
+  struct Report {
+    size_t level = 0;         ///< 0 is the cheapest
+    double predicted_ms = 0;  ///< what a frame is expected to take at this level; 0: not known yet
+    double budget_ms = 0;
+    uint64_t moves = 0;  ///< changes of level so far
+    std::string reason;  ///< of the last one; empty where there was none
+  };
+
+  /// `costs` of the levels, positive and rising; only their ratios count.
+  explicit LiveTrade(std::span<const double> costs);
+
+  /// What to hold from now on, and the best level that it may choose. Without a goal that is the
+  /// level; a new goal starts there.
+  void aim(const Goal& goal, size_t top);
+  size_t level() const { return level_; }
+  const Report& report() const { return report_; }
+
+  /// A frame that ran at `level` took so long. Frames of other levels than the present one, which
+  /// were still in flight when it changed, do not count.
+  void frame(double now_s, double took_ms, size_t level);
+  /// Whoever shows the frames said that one came so much too late; negative: early.
+  void late(double now_s, double by_ms);
+  /// What frames took so far says nothing about the next ones (another size, another device).
+  void forget();
+
+  static constexpr double kRoom = 0.85;   ///< share of the budget that a level to go to may take
+  static constexpr double kPatience = 2;  ///< s that a level above has room before it is tried
+  static constexpr double kMostPatience = 32;  ///< s, after it failed again and again
+  static constexpr double kTrial = 10;         ///< s that a level has to hold to count as a success
+  static constexpr double kEcho = 0.3;  ///< s after a change in which lateness is an old story
+  static constexpr size_t kWindow = 5;  ///< frames that count
+  static constexpr size_t kFewest = 3;  ///< of them after a change
+
+ private:
+  double predicted(size_t level) const { return typical_ * costs_[level] / costs_[level_]; }
+  void move(double now_s, size_t to, const std::string& reason);
+  /// The value that `above` of the last frames, at most kWindow of them, took longer than.
+  double took_but(size_t above) const;
+
+  std::vector<double> costs_;
+  Goal goal_;
+  size_t level_, top_;
+  std::array<double, kWindow> took_{};
+  size_t frames_ = 0;  // at this level
+  double typical_ = 0;
+  unsigned late_ = 0;             // reports in a row
+  std::vector<double> patience_;  // s that each level has to have room before it is tried
+  std::optional<double> moved_, climbed_, room_since_;  // s
+  Report report_;
+};
+
+}  // namespace inverse
