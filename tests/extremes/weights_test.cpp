@@ -36,7 +36,7 @@ double rms_apart(const Pixels& one, const Pixels& other) {
 
 TEST(Weights, MoreCyclesComeCloserAtEveryCorner) {
   const Lab lab;
-  const Extent extent{131, 70};
+  const Extent extent{83, 70};
   const uint32_t squares[] = {8, 16, 64};
   int corner = 0;
   for (const float a : {1e-3F, 1.0F, 1e3F})
