@@ -1,6 +1,6 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "intrinsic/scaled_intrinsic.hpp"
+#include "intrinsic/ladder.hpp"
 
 namespace inverse {
 namespace {
@@ -11,38 +11,16 @@ struct Params : ScaledIntrinsic::Params, DecomposerParams {
   float keep_tolerance = 5e-4F;
 };
 
-/// A level of the ladder: resolution, cycles of the first frame and of those after it, and from
-/// which change on edges are decided anew.
-template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance>
-void work(Params& params) {
-  params.half_resolution = kHalf;
-  params.cycles = kCycles;
-  params.warm_cycles = kWarm;
-  params.still_tolerance = kTolerance;
+Params preset(const Params& set) {
+  Params params;
+  params.quality = set.quality;
+  intrinsic_ladder().levels[intrinsic_ladder().top(set.quality)].set(params);
+  return params;
 }
-
-/// The front of error against time (docs/measurements.md, Live trade). Only one step changes the
-/// resolution, which makes the method forget earlier frames.
-const Ladder<Params>& ladder() {
-  static const Ladder<Params> ladder{{{0.40, work<true, 3, 1, 0.1F>},
-                                      {0.46, work<true, 4, 2, 0.1F>},
-                                      {0.54, work<true, 4, 2, 0.05F>},
-                                      {0.65, work<true, 8, 4, 0.05F>},
-                                      {0.83, work<false, 4, 2, 0.1F>},
-                                      {1.00, work<false, 4, 2, 0.05F>},
-                                      {1.18, work<false, 6, 3, 0.05F>},
-                                      {1.36, work<false, 8, 4, 0.05F>},
-                                      {2.1, work<false, 12, 8, 0.05F>},
-                                      {4.8, work<false, 24, 24, 0.05F>}},
-                                     {2, 5, 7, 9}};
-  return ladder;
-}
-
-Params preset(const Params& set) { return ladder().preset(set.quality); }
 
 class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> {
  public:
-  IntrinsicElement() : MethodDecomposer(table(), ladder(), preset) {}
+  IntrinsicElement() : MethodDecomposer(table(), intrinsic_ladder(), preset) {}
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);

@@ -13,8 +13,10 @@ PLANE_IN(1, start);       // of cells (cell_terms.comp)
 PLANE_IN(2, level0);
 PLANE_IN(3, force);       // of cells, with their anchors
 PLANE_OUT(4, system);     // of stride 3
-PLANE_INOUT(5, shading);  // the last frame's solution on entry
-PLANE_INOUT(6, mean);     // m, the last frame's on entry
+PLANE_IN(5, last_shading);  // the last frame's solution
+PLANE_IN(6, last_mean);     // and its m
+PLANE_OUT(7, shading);      // the same buffers as those of the last frame
+PLANE_OUT(8, mean);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -38,7 +40,7 @@ void main() {
   if (kAnchored) {
     float gate = FETCH(start, 2 * cells + 1)[position.x & 3u];
     float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
-    vec4 before = m - LOAD(mean, at) + LOAD(shading, at);
+    vec4 before = m - FETCH(last_mean, at) + FETCH(last_shading, at);
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);
   }

@@ -55,7 +55,7 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(anchored ? anchored_assemble_ : assemble_,
                     {flux_, start_, guide_.level0(), multigrid_.cell_force(), multigrid_.system(),
-                     multigrid_.field(), anchor_.mean()},
+                     multigrid_.field(), anchor_.mean(), multigrid_.field(), anchor_.mean()},
                     size, line_of(quads_of(extent_)));
 }
 
