@@ -51,8 +51,11 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   }
 
   uint64_t decompose(FrameWork& frame) override {
+    ScaledIntrinsic::Params in_force = params();
+    // The sooner a picture that stays has settled, the sooner nothing is left to do.
+    if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+        method_->record(frame.commands, frame.layers[Role::input], in_force, {frame.fresh});
     return method_->recorded() - 1;
   }
 
