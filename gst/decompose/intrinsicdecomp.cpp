@@ -11,29 +11,31 @@ struct Params : ScaledIntrinsic::Params, DecomposerParams {
   float keep_tolerance = 1e-3F;
 };
 
-/// A level of the ladder: resolution, cycles of the first frame and of those after it, and from
-/// which change on edges are decided anew.
-template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance>
+/// A level of the ladder: resolution, cycles of the first frame and of those after it at most, from
+/// which change of a cycle on none follows, and from which change of the picture on edges are
+/// decided anew.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kSettled, float kTolerance>
 void work(Params& params) {
   params.half_resolution = kHalf;
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
+  params.settled = kSettled;
   params.still_tolerance = kTolerance;
 }
 
 /// The front of error against time (docs/measurements.md, Live trade). Only one step changes the
 /// resolution, which makes the method forget earlier frames.
 const Ladder<Params>& ladder() {
-  static const Ladder<Params> ladder{{{0.40, work<true, 3, 1, 0.1F>},
-                                      {0.46, work<true, 4, 2, 0.1F>},
-                                      {0.54, work<true, 4, 2, 0.05F>},
-                                      {0.65, work<true, 8, 4, 0.05F>},
-                                      {0.83, work<false, 4, 2, 0.1F>},
-                                      {1.00, work<false, 4, 2, 0.05F>},
-                                      {1.18, work<false, 6, 3, 0.05F>},
-                                      {1.36, work<false, 8, 4, 0.05F>},
-                                      {2.1, work<false, 12, 8, 0.05F>},
-                                      {4.8, work<false, 24, 24, 0.05F>}},
+  static const Ladder<Params> ladder{{{0.42, work<true, 3, 1, 0.01F, 0.1F>},
+                                      {0.48, work<true, 4, 2, 0.01F, 0.1F>},
+                                      {0.54, work<true, 4, 2, 0.01F, 0.05F>},
+                                      {0.63, work<true, 8, 4, 0.003F, 0.05F>},
+                                      {0.84, work<false, 4, 2, 0.01F, 0.1F>},
+                                      {1.00, work<false, 4, 2, 0.01F, 0.05F>},
+                                      {1.21, work<false, 6, 3, 0.005F, 0.05F>},
+                                      {1.30, work<false, 8, 4, 0.003F, 0.05F>},
+                                      {1.70, work<false, 12, 8, 0.001F, 0.05F>},
+                                      {2.90, work<false, 24, 24, 1e-4F, 0.05F>}},
                                      {2, 5, 7, 9}};
   return ladder;
 }
@@ -83,7 +85,8 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     using P = Params;
     static const PropertyTable<P> table = [] {
       auto table = shared_properties<P>(
-          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
+          "Sets half-resolution, the cycles and when they have settled as a group; what is set "
+          "explicitly wins");
       const PropertyTable<P> own = own_properties();
       table.insert(table.end(), own.begin(), own.end());
       return table;
