@@ -8,7 +8,7 @@ namespace {
 struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
-  float keep_tolerance = 5e-4F;
+  float keep_tolerance = 1e-3F;
 };
 
 Params preset(const Params& set) {
@@ -64,7 +64,8 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     using P = Params;
     static const PropertyTable<P> table = [] {
       auto table = shared_properties<P>(
-          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
+          "Sets half-resolution, the cycles and when they have settled as a group; what is set "
+          "explicitly wins");
       const PropertyTable<P> own = own_properties();
       table.insert(table.end(), own.begin(), own.end());
       return table;
