@@ -111,13 +111,11 @@ class Decomposer : public Filter {
 
 /// A decomposer whose frames all go through one object of the method, made anew for each size:
 /// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames. `P` derives
-/// from DecomposerParams and Method::Params and has `adaptive`; the ladder says what makes up each
-/// level of work.
+/// from DecomposerParams and Method::Params and has `adaptive`.
 template <typename Method, typename P>
 class MethodDecomposer : public Decomposer {
  public:
-  using Levels = Ladder<typename Method::Params>;
-  MethodDecomposer(const PropertyTable<P>& table, const Levels& ladder,
+  MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder,
                    typename Parameters<P>::Preset preset)
       : Decomposer(ladder.costs()), parameters_(table, preset), ladder_(ladder) {}
   PropertyStore& parameters() override { return parameters_; }
@@ -154,7 +152,7 @@ class MethodDecomposer : public Decomposer {
   Parameters<P> parameters_;
 
  private:
-  const Levels& ladder_;
+  const Ladder<typename Method::Params>& ladder_;
   P params_;
 };
 

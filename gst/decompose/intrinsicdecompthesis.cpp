@@ -14,7 +14,7 @@ Params preset(const Params& set) {
   Params params;
   params.settled = 0.01F;
   params.quality = set.quality;
-  thesis_ladder().levels[thesis_ladder().top(set.quality)].set(params);
+  thesis_ladder().set(params, set.quality);
   return params;
 }
 

@@ -4,8 +4,33 @@
 
 namespace inverse {
 
-/// Levels of work of intrinsicdecomp. Only one step changes the resolution, which makes the method
-/// forget earlier frames.
-const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder();
+/// A level: resolution, cycles of the first frame and of those after it, from which change on edges
+/// are decided anew, and below which change of a cycle no further one follows.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled = 0.01F>
+void intrinsic_level(ScaledIntrinsic::Params& params) {
+  params.half_resolution = kHalf;
+  params.cycles = kCycles;
+  params.warm_cycles = kWarm;
+  params.still_tolerance = kTolerance;
+  params.settled = kSettled;
+}
+
+/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade). Only one step changes the
+/// resolution, which makes the method forget earlier frames.
+inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
+  static const Ladder<ScaledIntrinsic::Params> ladder{
+      {{0.40, intrinsic_level<true, 3, 1, 0.1F>},
+       {0.46, intrinsic_level<true, 4, 2, 0.1F>},
+       {0.54, intrinsic_level<true, 4, 2, 0.05F>},
+       {0.65, intrinsic_level<true, 8, 4, 0.05F>},
+       {0.83, intrinsic_level<false, 4, 2, 0.1F>},
+       {1.00, intrinsic_level<false, 4, 2, 0.05F>},
+       {1.18, intrinsic_level<false, 6, 3, 0.05F, 0.007F>},
+       {1.36, intrinsic_level<false, 8, 4, 0.05F, 0.005F>},
+       {2.1, intrinsic_level<false, 12, 8, 0.05F, 0.003F>},
+       {4.8, intrinsic_level<false, 24, 24, 0.05F, 0.001F>}},
+      {2, 5, 7, 9}};
+  return ladder;
+}
 
 }  // namespace inverse

@@ -2,8 +2,8 @@
 // element. Frames are those of the bundled clip, scaled; methods take turns, so that what else the
 // machine does hits all alike.
 //
-// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--json FILE]
-//                      [--still] [ELEMENT …]
+// usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
+//                      [--json FILE] [ELEMENT …]
 // With --still one frame of the clip comes again and again.
 #include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
@@ -147,10 +147,10 @@ int main(int count, char** arguments) {
       clip = next();
     } else if (argument == "--frames") {
       frames = std::max(4, std::stoi(next()));
-    } else if (argument == "--still") {
-      still = true;
     } else if (argument == "--json") {
       json = next();
+    } else if (argument == "--still") {
+      still = true;
     } else if (argument == "--rounds") {
       rounds = std::max(1, std::stoi(next()));
     } else if (argument == "--sizes") {

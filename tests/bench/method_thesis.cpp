@@ -91,17 +91,18 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
   };
   // The work-precision curve: reweightings x iterations, "4x8" is what the thesis runs.
   for (const auto& [irls, iterations] :
-       {std::pair{1, 4}, {1, 8}, {2, 8}, {4, 8}, {7, 8}, {16, 8}, {16, 16}}) {
+       {std::pair{1, 4}, {1, 8}, {2, 8}, {3, 8}, {4, 8}, {7, 8}, {16, 8}, {16, 16}}) {
     ThesisParams params = base;
     params.irls_iterations = irls;
     params.pcg_iterations = iterations;
     const char* preset = "";
     for (const auto& [quality, name] : kQualities) {
-      const ThesisParams p = thesis_ladder().preset(quality);
+      ThesisParams p;
+      thesis_ladder().set(p, quality);
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    const bool dear = irls == 16, odd = iterations == 4 || (dear && !*preset);
+    const bool dear = irls == 16, odd = iterations == 4 || irls == 3 || (dear && !*preset);
     const bool brief = (*preset && !dear) || irls == base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,
@@ -125,7 +126,6 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
          .make = [make, base,
                   times](Size size) { return at_lower_resolution(size, times, make(base)); },
          .effort = pcg ? Effort::usual : Effort::full});
-  method.settings.push_back({.curve = "resolution", .name = "1/1", .order = 0, .make = make(base)});
   if (pcg) add_ablations(method, base, make);
   ThesisParams alone = base;
   alone.keyframes = 0;

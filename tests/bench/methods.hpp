@@ -5,7 +5,7 @@
 #include <array>
 
 #include "kernels/intrinsic_thesis/thesis_params.hpp"
-#include "kernels/quality.hpp"
+#include "kernels/ladder.hpp"
 #include "tests/bench/device_session.hpp"
 
 namespace inverse::bench {

@@ -204,12 +204,13 @@ class Bench {
     if (row.scene->video ? k > 1 : row.warm || row.slow) row.sample(cost);
     row.warm = true;
     if (!judged) return;
+    if (row.scene->video) row.reflectance.push_back(d.reflectance);
+    if (row.scene->video && k % 3 != 2) return;  // frames are alike, and scores are dear
     row.scores.push_back(
         score(d.reflectance, d.shading, frame.reflectance, frame.shading, frame.mask));
     const auto limit = converged.find(row.method->name);
     if (limit != converged.end())
       row.to_converged.push_back(log_distance(d.reflectance, limit->second[k], frame.mask));
-    if (row.scene->video) row.reflectance.push_back(d.reflectance);
     if (k == 0 && !options_.layers.empty() && !row.scene->video &&
         row.setting->effort == Setting::Effort::brief)
       write_layers(row, d);

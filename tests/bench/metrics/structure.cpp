@@ -37,10 +37,7 @@ Channel inside_of(const Image& mask, int width, int height) {
   return out;
 }
 
-/// Separable Gaussian, zero outside; `step` is from sample to sample, `length` the samples of a
-/// line.
-void blur_lines(const std::vector<double>& in, std::vector<double>& out, int lines, int length,
-                std::size_t line_step, std::size_t step) {
+const std::array<double, kWindow>& gaussian() {
   static const std::array<double, kWindow> kernel = [] {
     std::array<double, kWindow> g{};
     double sum = 0;
@@ -49,21 +46,28 @@ void blur_lines(const std::vector<double>& in, std::vector<double>& out, int lin
     for (double& x : g) x /= sum;
     return g;
   }();
-  for (int l = 0; l < lines; ++l)
-    for (int x = 0; x < length; ++x) {
-      double sum = 0;
-      for (int k = std::max(-kRadius, -x); k <= std::min(kRadius, length - 1 - x); ++k)
-        sum += kernel[std::size_t(k + kRadius)] *
-               in[std::size_t(l) * line_step + std::size_t(x + k) * step];
-      out[std::size_t(l) * line_step + std::size_t(x) * step] = sum;
-    }
+  return kernel;
 }
 
+/// Separable Gaussian, zero outside.
 Channel blur(const Channel& in) {
-  Channel mid(in.width, in.height), out(in.width, in.height);
-  const std::size_t w = std::size_t(in.width);
-  blur_lines(in.v, mid.v, in.height, in.width, w, 1);
-  blur_lines(mid.v, out.v, in.width, in.height, 1, w);
+  const int w = in.width, h = in.height;
+  Channel mid(w, h), out(w, h);
+  for (int k = -kRadius; k <= kRadius; ++k) {
+    const double g = gaussian()[std::size_t(k + kRadius)];
+    for (int y = 0; y < h; ++y) {
+      const double* from = &in.v[std::size_t(y) * std::size_t(w)];
+      double* to = &mid.v[std::size_t(y) * std::size_t(w)];
+      for (int x = std::max(0, -k); x < w - std::max(0, k); ++x) to[x] += g * from[x + k];
+    }
+  }
+  for (int y = 0; y < h; ++y)
+    for (int k = std::max(-kRadius, -y); k <= std::min(kRadius, h - 1 - y); ++k) {
+      const double g = gaussian()[std::size_t(k + kRadius)];
+      const double* from = &mid.v[std::size_t(y + k) * std::size_t(w)];
+      double* to = &out.v[std::size_t(y) * std::size_t(w)];
+      for (int x = 0; x < w; ++x) to[x] += g * from[x];
+    }
   return out;
 }
 

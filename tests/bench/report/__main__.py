@@ -31,17 +31,15 @@ def summarize(results):
     rows = results["rows"]
     own = summary.points(rows, sets={"own"}, device=results["device"])
     names = dict.fromkeys(r["regime"] for r in rows if not r["video"])
-    videos = summary.points([r for r in rows if r["curve"] == "warm cycles"], video=True, sets={"own"})
+    videos = summary.points([r for r in rows if r["curve"] == "video ladder"], video=True, sets={"own"})
     clock = summary.steady_time(results["device"])
-    warm = [p for p in videos if p["method"] == "intrinsicdecomp"]
     curve = [p for p in own if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles"]
     results["summary"] = {
         "own": own,
         "regimes": {n: summary.points(rows, regime=n, device=results["device"]) for n in names},
         "front": [[p["method"], p["curve"], p["setting"]] for p in summary.front(own, "lmse20")],
         "videos": videos,
-        "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)],
-        "warm_knee": [p["setting"] for p in summary.knee(warm, "lmse20", clock)]}
+        "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)]}
 
 
 def other_machines(paths):
@@ -58,14 +56,14 @@ def draw(results, folder, work):
            plots.adaptivity(results["adaptivity"], summary.steady_time(results["device"]), folder),
            "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists()}
     plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
-    plots.knobs(own, folder)
+    plots.knobs(own, summary.steady_time(results["device"]), folder)
     plots.other_clocks(own, folder)
     plots.sizes(results["elements"], folder)
     if results["extremes"]:
         plots.conditions(results["extremes"]["cases"], folder)
     scene = work / "scenes-own" / "own-still_life.f32"
     columns = [("truth", None)]
-    for title, name in [("intrinsicdecomp", "intrinsicdecomp-cycles-4"), ("thesis", "thesis_PCG-iterations-4x8"),
+    for title, name in [("intrinsicdecomp", "intrinsicdecomp-ladder-4"), ("thesis", "thesis_PCG-iterations-4x8"),
                         ("color Retinex", "color_Retinex-thresholds-t_.5,_c_.1"),
                         ("R = I / max_c I", "R_=_I___max_c_I-only-")]:
         dump = work / "layers" / f"own-still_life-{name}.f32"

@@ -110,6 +110,14 @@ def run(build, work, data, full, progress, only):
                GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
         results["elements"] += json.loads(out.read_text())
 
+    progress.begin("duplicate frames")
+    results["duplicates"] = []
+    for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
+        out = work / "elements.json"
+        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "24", "--rounds", "1", "--json", out,
+                line], progress, GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
+        results["duplicates"] += json.loads(out.read_text())
+
     progress.begin("extremes")
     extremes = build / "tests" / "extremes" / "extremes"
     results["extremes"] = None
@@ -135,6 +143,7 @@ def parts(full):
         if number == 0:
             yield f"bench-peers scenes-other {number}", 100 if full else 10
     yield "elements", 10
+    yield "duplicate frames", 3
     yield "extremes", 5
     yield "plots and page", 8
 

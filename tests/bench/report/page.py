@@ -9,7 +9,9 @@ def figure(value, digits=4):
     """.0297 as papers write it; a dash for what was not measured."""
     if value is None:
         return "–"
-    text = f"{value:.{digits}f}"
+    text = f"{round(value, digits) + 0.0:.{digits}f}"
+    if float(text) == 0:
+        return "0"
     return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
 
 
@@ -51,27 +53,34 @@ def headline(points):
     return text
 
 
-def exchange(points, along="cycles"):
+def exchange(points, along):
     """What each further step along a curve of intrinsicdecomp costs and brings."""
     curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
                    key=lambda p: p["order"])
+    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, still-tolerance",
+             "cycles": "cycles (all run)"}
     rows = []
     for before, p in zip([None] + curve, curve):
         gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
         cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
         name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
-        last = figure(p["to_converged"]) if along == "cycles" else figure(p["jitter"])
+        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video ladder" else [figure(p["to_converged"])]
         rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
-                     figure(p["lmse20"]), last, cost, gain])
-    return table([along, "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE",
-                  "to converged" if along == "cycles" else "jitter", "step costs (processor)", "step brings"], rows)
+                     figure(p["lmse20"])] + last + [cost, gain])
+    if along == "cycles":
+        rows = [row[:1] + row[2:] for row in rows]
+    head = [heads[along], "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE"]
+    if along == "cycles":
+        head.remove("`quality`")
+    return table(head + (["flicker", "jitter"] if along == "video ladder" else ["to converged"]) +
+                 ["step costs (processor)", "step brings"], rows)
 
 
 def everybody(points, methods):
     rows = []
     for method in dict.fromkeys(p["method"] for p in points):
         some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
-                ("adaptive", "without", "resolution", "levels", "coarse cycles")]
+                ("adaptive", "without", "resolution", "levels", "coarse cycles", "cycles")]
         some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
         if method not in OURS and len(some) > 1 and "same energy" not in method:
             some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
@@ -105,11 +114,11 @@ def by_regime(panels):
 
 
 def videos(rows):
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and r["curve"] != "adaptive" and r["method"] not in
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and r["method"] not in
             ("constant reflectance", "R = I / max_c I")]
     out = []
     for r in rows:
-        name = r["method"] + (f", {r['curve']} {r['setting']}" if r["method"] in OURS else "")
+        name = r["method"] + ((f", `{r['preset']}`" if r["preset"] else f", {r['curve']} {r['setting']}") if r["method"] in OURS else "")
         if r["method"] == "constant shading":
             name = "the input itself"
         out.append((r["set"] != "own", r["set"], r["scene"],
@@ -121,7 +130,7 @@ def videos(rows):
 
 def adaptivity(entries):
     rows = []
-    for e in entries:
+    for e in (e for e in entries if e["wall_ratio"]):
         low, middle, high = e["wall_ratio"] or (None,) * 3
         cpu = e["processor_ratio"]
         rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else f"{e['set']} {e['scene']}"),
@@ -153,8 +162,8 @@ def write(results, folder, has):
     """`has` names the plots that were drawn."""
     rows, points = results["rows"], results["summary"]["own"]
     machine = results["machine"]
-    knee, warm = (" to ".join(dict.fromkeys([k[0], k[-1]])) if k else None
-                  for k in (results["summary"]["knee"], results["summary"]["warm_knee"]))
+    knee = results["summary"]["knee"]
+    knee = " to ".join(dict.fromkeys([knee[0], knee[-1]])) if knee else None
     out = ["""# What a millisecond buys
 
 Error against run time of every method, its peers and the no-solve answers, on the same machine in the same run. Made by
@@ -167,26 +176,29 @@ Error against run time of every method, its peers and the no-solve answers, on t
     if has["picture"]:
         out.append("![Layers](layers.jpg)\n\n*The still life: truth, and what methods make of it at their defaults (scaled to "
                    "the truth by least squares).*\n")
-    out.append("## Each further cycle\n\n" + exchange(points))
+    out.append("## Each step of the ladder\n\nThe levels of work that `intrinsicdecomp` offers, as they ship: presets "
+               "(`quality=low|medium|high|best`; what is set explicitly wins), and the steps between them that live trade "
+               "(`target-fps`, `latency-budget`) takes. Single frames, own stills:\n\n" + exchange(points, "ladder") +
+               "\nFrames that continue a video, own videos:\n\n" +
+               exchange(results["summary"]["videos"], "video ladder") +
+               "\n## Each further cycle\n\nThe solve alone, at full resolution and with every cycle run:\n\n" +
+               exchange(points, "cycles"))
     if knee:
-        out.append(f"The knee of this curve (the point farthest below the line between its ends, in logarithms of error and "
-                   f"{'processor' if 'llvmpipe' in results['device'] else 'device'} time) lies at "
-                   f"**{knee} cycles**. Presets "
-                   "of the elements are `quality=low|medium|high|best`; what is set explicitly wins.\n")
-    out.append("Frames of a video start from the one before, and need fewer (own videos, mean):\n\n" +
-               exchange(results["summary"]["videos"], "warm cycles") + (f"\nKnee: **{warm} cycles**.\n" if warm else ""))
+        out.append("The knee of this curve (the points farthest below the line between its ends, in logarithms of error and "
+                   f"{'processor' if 'llvmpipe' in results['device'] else 'device'} time) lies at **{knee} cycles**; the "
+                   "default is 4.\n")
     if has["convergence"]:
         out.append("![Convergence](convergence.png)\n\n"
                    "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 48×8 iterations) in "
                    "natural log units: 0.01 is one percent. The processor's solvers minimize `intrinsicdecomp`'s energy "
                    "independently, in double precision, and are measured against the device's converged solution: where "
                    "their curve ends is how well the two agree.*\n")
-    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, reflectance from "
-               "the full frame) and pyramid levels, each from the default.*\n")
+    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, with the full frame "
+               "as a guide or without, reflectance from the full frame) and pyramid levels, each from the default.*\n")
     out.append("## Everybody\n\n" + everybody(points, results["methods"]) +
                "\nMeans over the own stills. `low` to `best`: presets. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the "
                "thesis). Errors are means of reflectance and shading and invariant to scale; less is better but for MS-SSIM. "
-               "WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
+               "A dash: nothing to measure. WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
                "with the least LMSE is shown.\n")
     if has["regimes"]:
         out.append("## By regime\n\n![By regime](regimes.png)\n\n" + by_regime(results["summary"]["regimes"]) +
@@ -203,16 +215,24 @@ Error against run time of every method, its peers and the no-solve answers, on t
         out.append("![Adaptivity](adaptivity.png)\n\n")
     out.append(adaptivity(results["adaptivity"]) +
                "\nFrames of both settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
+    if results.get("duplicates"):
+        off, on = results["duplicates"]
+        out.append(f"A frame that comes again and again needs nothing at all: through the element at {off['width']}×"
+                   f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
+                   f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
+                   "of the processor).\n")
     out.append("## Condition number against digits kept\n\n")
     if results["extremes"]:
-        out.append("![Condition numbers](conditions.png)\n\n" + extremes(results["extremes"]["cases"]))
+        out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "
+                   "precision.*\n\n<details><summary>All cases</summary>\n\n" +
+                   extremes(results["extremes"]["cases"]) + "\n</details>\n")
     else:
         out.append("Not measured in this run: `tests/extremes` was not built.\n")
     out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
                "\nFrames of the bundled clip as NV12 from system memory to system memory.\n")
     out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
     for other in results.get("others", []):
-        out.append(f"## On {other['device']}\n\n" + exchange(other["points"]))
+        out.append(f"## On {other['device']}\n\n" + exchange(other["points"], "ladder"))
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 

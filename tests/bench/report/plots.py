@@ -25,9 +25,9 @@ STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "thesis PCG": ("#D55E00", "s"), "
           "constant shading": ("#222222", "_"), "constant reflectance": ("#222222", "|")}
 SPARE = [("#E69F00", "p"), ("#F0E442", "H"), ("#000000", "8")]  # methods to come
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
-MAIN = {"intrinsicdecomp": "cycles", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
+MAIN = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles"]  # have plots of their own
+SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
@@ -83,7 +83,7 @@ def draw_curve(ax, points, error, time, labels, line="-"):
     x, y = [p[time][1] for p in points], [p[error] for p in points]
     spread = [[p[time][1] - p[time][0] for p in points], [p[time][2] - p[time][1] for p in points]]
     ax.errorbar(x, y, xerr=spread, fmt="none", ecolor=color, alpha=0.35, elinewidth=2.2, zorder=2)
-    ax.plot(x, y, line, color=color, marker=marker, markersize=5, linewidth=1.4, zorder=3, markeredgecolor="white",
+    ax.plot(x, y, line, color=color, marker=marker, markersize=5 if len(points) > 1 else 7, linewidth=1.4, zorder=3, markeredgecolor="white",
             markeredgewidth=0.5)
     labels.avoid_line(x, y)
     for a, b in zip(x, y):
@@ -196,31 +196,40 @@ def convergence(points, folder):
     return True
 
 
-def knobs(points, folder):
-    """What else can be turned, from each method's default."""
-    error, time = "lmse20", "wall_ms"
+def knobs(points, time, folder):
+    """What else can be turned, from each method's default; `time` is the clock to trust."""
+    error = "lmse20"
     panels = [("intrinsicdecomp", ["intrinsicdecomp"]), ("the thesis' method", ["thesis PCG", "thesis Schwarz"])]
-    dashes = {"resolution": "--", "levels": ":", "coarse cycles": "-."}
+    lines = {"cycles": "-", "iterations": "-", "half resolution, guided": "--", "resolution": "--", "levels": ":",
+             "coarse cycles": "-."}
+    names = {"resolution": "resolution, unguided", "iterations": "iterations"}
+    alone = ("cycles", "iterations", "half resolution, guided")  # curves that the default is not a point of, or is already
+    some = []
+    for p in usable(points, error, time):
+        if p["curve"] == "ladder" and p["setting"].startswith("half, "):
+            p = {**p, "curve": "half resolution, guided", "setting": p["setting"].removeprefix("half, ")}
+        if p["curve"] in lines or p["base"]:
+            some.append(p)
     figure, axes = plt.subplots(1, 2, figsize=(10.5, 4.6))
     for ax, (title, methods) in zip(axes, panels):
-        some = [p for p in usable(points, error, time) if p["method"] in methods and
-                (p["curve"] in dashes or p["curve"] == MAIN[p["method"]])]
-        if not some:
+        here = [p for p in some if p["method"] in methods]
+        if not here:
             continue
-        finish_axes(ax, *extent(some, error, time), TIME_NAMES[time], LMSE)
+        finish_axes(ax, *extent(here, error, time), TIME_NAMES[time], LMSE)
         labels = Labels(ax)
         drawn = []
         for method in methods:
-            for curve, dash in {MAIN[method]: "-", **dashes}.items():
-                along = curve_of(some, method, curve)
-                if sum(p["curve"] == curve for p in along):
+            for curve, dash in lines.items():
+                along = curve_of(here, method, curve)
+                if curve in alone:
+                    along = [p for p in along if p["curve"] == curve]
+                if any(p["curve"] == curve for p in along):
                     draw_curve(ax, along, error, time, labels, dash)
                     drawn.append((method, curve, along))
-        mark_presets(ax, some, error, time, labels)
         for method, curve, along in drawn:
             own = [p for p in along if p["curve"] == curve]
-            end = own[-1] if curve == MAIN[method] else own[0]
-            name = curve if len(methods) == 1 else f"{method.split()[1]}, {curve}"
+            end = own[-1] if curve in alone else own[0]
+            name = names.get(curve, curve) if len(methods) == 1 else f"{method.split()[1]}, {curve}"
             labels.put(end[time][1], end[error], name, style(method)[0], size=7.5)
             for p in own:
                 labels.put(p[time][1], p[error], p["setting"], style(method)[0], ABOVE, 6.5)
@@ -251,7 +260,7 @@ def regimes(by_regime, folder):
 def adaptivity(entries, clock, folder):
     """What leaving out saves: time with it over time without, by scene."""
     ratio = clock.replace("_ms", "_ratio")
-    entries = sorted((e for e in entries if e[ratio] and e["video"]), key=lambda e: -e[ratio][1])
+    entries = sorted((e for e in entries if e[ratio] and e["setting"] == "adaptive=on"), key=lambda e: -e[ratio][1])
     if not entries:
         return False
     figure, ax = plt.subplots(figsize=(8, 0.46 * len(entries) + 1.3))
@@ -263,8 +272,8 @@ def adaptivity(entries, clock, folder):
         ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set']}: {e['regime']}" +
-                                        ("" if e["setting"] == "adaptive=on" else f" ({e['setting']})") for e in entries])
+    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set']}: {e['regime']}"
+                                        for e in entries])
     ax.set_ylim(-0.6, len(entries) - 0.3)
     ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
     ax.grid(axis="y", visible=False)
@@ -315,9 +324,9 @@ def conditions(cases, folder):
                                        ("digits_preconditioned", "#0072B2", "o", "preconditioned")):
         line = sorted((c["condition"], c[field]) for c in cases if c.get(field) is not None)
         if line:
-            ax.plot(*zip(*line), marker=marker, color=color, linestyle="none", alpha=0.8)
-            ax.annotate(name, line[-1], (8, 0), textcoords="offset points", color=color, va="center")
+            ax.plot(*zip(*line), marker=marker, color=color, linestyle="none", alpha=0.8, markersize=5, label=name)
     ax.set_xlabel("condition number of the normal equations")
     ax.set_ylabel("correct decimal digits in single precision")
+    ax.legend(loc="upper right", bbox_to_anchor=(1, 1.12), ncols=2, frameon=False, labelcolor="linecolor")
     ax.set_title("Condition number against digits kept")
     save(figure, folder, "conditions")
