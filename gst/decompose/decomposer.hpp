@@ -4,6 +4,7 @@
 
 #include "base/filter.hpp"
 #include "image/mosaic.hpp"
+#include "ladder.hpp"
 #include "live_trade.hpp"
 #include "palette/scene_palette.hpp"
 
@@ -11,9 +12,6 @@ namespace inverse {
 
 /// What a decomposer shows where pixels go out.
 enum class Show { reflectance, shading, input, mosaic, clusters };
-
-/// How much work goes into a frame: sets a group of parameters; what is set explicitly wins.
-enum class Quality { low, medium, high, best };
 
 /// The parameters that every decomposer has.
 struct DecomposerParams {
@@ -111,42 +109,13 @@ class Decomposer : public Filter {
   LiveTrade trade_;
 };
 
-/// A level of work between cheap and good.
-template <typename P>
-struct Level {
-  double cost;      ///< time of a frame in relation to the other levels, measured
-  void (*set)(P&);  ///< the parameters that make it up
-};
-
-/// The measured front of error against time of a method, from cheap to good, and which of its
-/// levels each `quality` stands for.
-template <typename P>
-struct Ladder {
-  std::vector<Level<P>> levels;
-  std::array<size_t, 4> qualities;
-
-  std::vector<double> costs() const {
-    std::vector<double> costs;
-    for (const auto& level : levels) costs.push_back(level.cost);
-    return costs;
-  }
-  size_t top(Quality quality) const { return qualities[static_cast<size_t>(quality)]; }
-  /// The defaults that go with a quality.
-  P preset(Quality quality) const {
-    P params;
-    params.quality = quality;
-    levels[top(quality)].set(params);
-    return params;
-  }
-};
-
 /// A decomposer whose frames all go through one object of the method, made anew for each size:
 /// `Method(device, extent)`, with `reset()` for what it remembers of earlier frames. `P` derives
 /// from DecomposerParams and Method::Params and has `adaptive`.
 template <typename Method, typename P>
 class MethodDecomposer : public Decomposer {
  public:
-  MethodDecomposer(const PropertyTable<P>& table, const Ladder<P>& ladder,
+  MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder,
                    typename Parameters<P>::Preset preset)
       : Decomposer(ladder.costs()), parameters_(table, preset), ladder_(ladder) {}
   PropertyStore& parameters() override { return parameters_; }
@@ -183,7 +152,7 @@ class MethodDecomposer : public Decomposer {
   Parameters<P> parameters_;
 
  private:
-  const Ladder<P>& ladder_;
+  const Ladder<typename Method::Params>& ladder_;
   P params_;
 };
 

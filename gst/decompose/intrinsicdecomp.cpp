@@ -1,6 +1,6 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "decomposer.hpp"
-#include "intrinsic/scaled_intrinsic.hpp"
+#include "intrinsic/ladder.hpp"
 
 namespace inverse {
 namespace {
@@ -11,40 +11,16 @@ struct Params : ScaledIntrinsic::Params, DecomposerParams {
   float keep_tolerance = 1e-3F;
 };
 
-/// A level of the ladder: resolution, cycles of the first frame and of those after it at most, from
-/// which change of a cycle on none follows, and from which change of the picture on edges are
-/// decided anew.
-template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kSettled, float kTolerance>
-void work(Params& params) {
-  params.half_resolution = kHalf;
-  params.cycles = kCycles;
-  params.warm_cycles = kWarm;
-  params.settled = kSettled;
-  params.still_tolerance = kTolerance;
+Params preset(const Params& set) {
+  Params params;
+  params.quality = set.quality;
+  intrinsic_ladder().set(params, set.quality);
+  return params;
 }
-
-/// The front of error against time (docs/measurements.md, Live trade). Only one step changes the
-/// resolution, which makes the method forget earlier frames.
-const Ladder<Params>& ladder() {
-  static const Ladder<Params> ladder{{{0.42, work<true, 3, 1, 0.01F, 0.1F>},
-                                      {0.48, work<true, 4, 2, 0.01F, 0.1F>},
-                                      {0.54, work<true, 4, 2, 0.01F, 0.05F>},
-                                      {0.63, work<true, 8, 4, 0.003F, 0.05F>},
-                                      {0.84, work<false, 4, 2, 0.01F, 0.1F>},
-                                      {1.00, work<false, 4, 2, 0.01F, 0.05F>},
-                                      {1.21, work<false, 6, 3, 0.005F, 0.05F>},
-                                      {1.30, work<false, 8, 4, 0.003F, 0.05F>},
-                                      {1.70, work<false, 12, 8, 0.001F, 0.05F>},
-                                      {2.90, work<false, 24, 24, 1e-4F, 0.05F>}},
-                                     {2, 5, 7, 9}};
-  return ladder;
-}
-
-Params preset(const Params& set) { return ladder().preset(set.quality); }
 
 class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> {
  public:
-  IntrinsicElement() : MethodDecomposer(table(), ladder(), preset) {}
+  IntrinsicElement() : MethodDecomposer(table(), intrinsic_ladder(), preset) {}
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
@@ -75,8 +51,11 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   }
 
   uint64_t decompose(FrameWork& frame) override {
+    ScaledIntrinsic::Params in_force = params();
+    // The sooner a picture that stays has settled, the sooner nothing is left to do.
+    if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+        method_->record(frame.commands, frame.layers[Role::input], in_force, {frame.fresh});
     return method_->recorded() - 1;
   }
 
@@ -141,6 +120,9 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
             "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
             "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
         number<P>(
+            "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
+            "Frames after a cut or a gap that it takes until the temporal weight is whole"),
+        number<P>(
             "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
             "Change of chroma that halves the temporal weight, natural log units"),
         number<P>(
@@ -150,8 +132,20 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
             "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
             "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
         number<P>(
-            "temporal-still", [](P& p) -> float& { return p.anchor.anchor_still; }, 0.f, 100.f,
-            "How many times the temporal weight is added where the light stays, too"),
+            "temporal-motion", [](P& p) -> float& { return p.anchor.anchor_motion; }, 1e-2f, 100.f,
+            "Share of the texture around a place that halves the temporal weight when it moves"),
+        number<P>(
+            "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
+            "Share of the last frame's reflectance that stays where neither content nor light "
+            "changes; more averages sensor noise over more frames"),
+        number<P>(
+            "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
+            "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units"),
+        number<P>(
+            "temporal-hold-texture", [](P& p) -> float& { return p.anchor.hold_texture; }, 1e-3f,
+            10.f,
+            "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
+            "natural log units"),
         number<P>(
             "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
             "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "

@@ -1,5 +1,6 @@
 // intrinsicdecompthesis: chapter 3 of the thesis to the letter.
 #include "decomposer.hpp"
+#include "intrinsic_thesis/ladder.hpp"
 #include "intrinsic_thesis/thesis_decomposition.hpp"
 
 namespace inverse {
@@ -9,31 +10,17 @@ struct Params : ThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
-template <int kIrls, int kPcg>
-void work(Params& params) {
-  params.irls_iterations = kIrls;
-  params.pcg_iterations = kPcg;
+Params preset(const Params& set) {
+  Params params;
+  params.settled = 0.01F;
+  params.quality = set.quality;
+  thesis_ladder().set(params, set.quality);
+  return params;
 }
-
-/// The front of error against time (docs/measurements.md, Live trade). The thesis runs 4 x 8
-/// iterations (section 3.6.5) and shows convergence with 7 x 8.
-const Ladder<Params>& ladder() {
-  static const Ladder<Params> ladder{{{0.26, work<1, 4>},
-                                      {0.32, work<1, 8>},
-                                      {0.61, work<2, 8>},
-                                      {0.77, work<3, 8>},
-                                      {1.00, work<4, 8>},
-                                      {1.66, work<7, 8>},
-                                      {6.6, work<16, 16>}},
-                                     {2, 4, 5, 6}};
-  return ladder;
-}
-
-Params preset(const Params& set) { return ladder().preset(set.quality); }
 
 class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
  public:
-  ThesisElement() : MethodDecomposer(table(), ladder(), preset) {}
+  ThesisElement() : MethodDecomposer(table(), thesis_ladder(), preset) {}
 
  protected:
   // It starts every frame from nothing: again is as good as before.
@@ -41,18 +28,20 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
-    gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
-                      method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
-                      "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
-                      static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
-                      static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
-                      method.cluster_count, nullptr);
+    gst_structure_set(
+        stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
+        method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations, "iterations",
+        G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT, method.keyframes, "residual",
+        G_TYPE_DOUBLE, static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
+        static_cast<double>(method.gauge), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
-    method_->set_params(params());
+    ThesisParams in_force = params();
+    if (!params().adaptive) in_force.settled = 0;
+    method_->set_params(in_force);
     return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
   }
 
@@ -73,9 +62,14 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
-        flag<P>(
-            "adaptive", &P::adaptive,
-            "Leave out what a frame does not need: a picture that comes again keeps its layers"),
+        flag<P>("adaptive", &P::adaptive,
+                "Leave out what a frame does not need: a picture that comes again keeps its "
+                "layers, and "
+                "conjugate gradients end when the residual is small"),
+        number<P>(
+            "settled", &P::settled, 0.f, 1.f,
+            "Share of the residual of a level's first system, in the preconditioner's norm, at "
+            "which conjugate gradients end; 0 = all iterations run"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},

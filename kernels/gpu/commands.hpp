@@ -95,7 +95,10 @@ class Commands {
   /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
   /// timed.
   void stage(const char* name);
-  static constexpr uint32_t kMaxStages = 31;
+  static constexpr uint32_t kMaxStages = 127;
+  /// Whether every dispatch is a stage of its own, named as its kernel: for benchmarks, as every
+  /// mark waits.
+  void stage_every_dispatch(bool every) { stage_every_dispatch_ = every; }
 
   /// Hands the recorded work to the device.
   void submit();
@@ -148,6 +151,7 @@ class Commands {
   bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;
+  bool stage_every_dispatch_ = false;
 };
 
 /// How many frames an element may have in flight: who keeps something for each needs so many.

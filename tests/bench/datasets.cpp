@@ -10,6 +10,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "tests/bench/scene.hpp"
+
 namespace inverse::bench {
 namespace {
 
@@ -54,16 +56,18 @@ float srgb_to_linear(float v) {
   return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
 }
 
-Image halve(const Image& in, bool is_mask) {
-  Image out(in.width / 2, in.height / 2, in.channels);
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x)
-      for (int c = 0; c < in.channels; ++c) {
-        const float mean = 0.25F * (in.at(2 * x, 2 * y, c) + in.at(2 * x + 1, 2 * y, c) +
-                                    in.at(2 * x, 2 * y + 1, c) + in.at(2 * x + 1, 2 * y + 1, c));
-        out.at(x, y, c) = is_mask ? (mean > 0.999F ? 1.0F : 0.0F) : mean;
-      }
-  return out;
+}  // namespace
+
+const char* regime_title(Regime regime) {
+  constexpr std::array<const char*, kRegimes> kNames{"MIT objects", "hard shadow",
+                                                     "near-constant value", "diverse value"};
+  return kNames[std::size_t(regime)];
+}
+
+Regime regime_of(const std::string& scene) {
+  for (const Sequence& s : kSequences)
+    if (scene == s.scene) return s.regime;
+  return Regime::kNearConstantValue;
 }
 
 int count_frames(const std::string& directory) {
@@ -73,14 +77,6 @@ int count_frames(const std::string& directory) {
     std::snprintf(name, sizeof name, "/I8/%03d.png", n);
     if (!fs::exists(directory + name)) return n;
   }
-}
-
-}  // namespace
-
-const char* regime_name(Regime regime) {
-  constexpr std::array<const char*, kRegimes> kNames{"mit", "hard_shadow", "near_constant_value",
-                                                     "diverse_value"};
-  return kNames[std::size_t(regime)];
 }
 
 Frame load_mit(const std::string& directory) {
@@ -142,23 +138,11 @@ std::vector<Frame> load_all(const std::string& root, int frames_per_scene) {
   return frames;
 }
 
-std::vector<Frame> load_sequence(const std::string& root, const std::string& scene) {
-  const std::string directory = root + "/" + scene;
-  Regime regime = Regime::kNearConstantValue;
-  for (const Sequence& s : kSequences)
-    if (scene == s.scene) regime = s.regime;
-  const int n = count_frames(directory);
-  if (n == 0) throw std::runtime_error("no frames in " + directory + "/I8");
-  std::vector<Frame> frames;
-  for (int k = 0; k < n; ++k) frames.push_back(load_rendered(directory, k, regime));
-  return frames;
-}
-
 Frame half_size(const Frame& frame) {
   Frame f = frame;
-  f.input = halve(frame.input, false);
-  f.reflectance = halve(frame.reflectance, false);
-  f.shading = halve(frame.shading, false);
+  f.input = halve(frame.input);
+  f.reflectance = halve(frame.reflectance);
+  f.shading = halve(frame.shading);
   if (!frame.mask.empty()) f.mask = halve(frame.mask, true);
   return f;
 }

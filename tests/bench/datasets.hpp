@@ -17,8 +17,14 @@ namespace inverse::bench {
 enum class Regime { kMit, kHardShadow, kNearConstantValue, kDiverseValue };
 inline constexpr int kRegimes = 4;
 
-/// "mit", "hard_shadow", "near_constant_value", "diverse_value".
-const char* regime_name(Regime regime);
+/// "MIT objects", "hard shadow", "near-constant value", "diverse value".
+const char* regime_title(Regime regime);
+
+/// The regime of a rendered sequence by its directory's name; of unknown ones near-constant value.
+Regime regime_of(const std::string& scene);
+
+/// How many frames a rendered sequence has.
+int count_frames(const std::string& directory);
 
 struct Frame {
   std::string scene;  ///< Directory name; frames of one scene are left out together when tuning.
@@ -40,9 +46,6 @@ Frame load_rendered(const std::string& directory, int index, Regime regime);
 /// them when 0). `root` holds one directory per set. Throws std::runtime_error naming a missing
 /// file.
 std::vector<Frame> load_all(const std::string& root, int frames_per_scene);
-
-/// All frames of one rendered sequence in order.
-std::vector<Frame> load_sequence(const std::string& root, const std::string& scene);
 
 /// Halves the size by 2 x 2 means (masks: all four inside); an odd last row or column is dropped.
 Frame half_size(const Frame& frame);

@@ -3,7 +3,7 @@
 // machine does hits all alike.
 //
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
-//                      [ELEMENT …]
+//                      [--json FILE] [ELEMENT …]
 // With --still one frame of the clip comes again and again.
 #include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
@@ -137,6 +137,7 @@ int main(int count, char** arguments) {
   std::string clip = "media/clip.webm";
   std::vector<Size> sizes{{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
   std::vector<std::string> lines;
+  std::string json;
   int frames = 40, rounds = 3;
   bool still = false;
   for (int i = 1; i < count; ++i) {
@@ -146,6 +147,8 @@ int main(int count, char** arguments) {
       clip = next();
     } else if (argument == "--frames") {
       frames = std::max(4, std::stoi(next()));
+    } else if (argument == "--json") {
+      json = next();
     } else if (argument == "--still") {
       still = true;
     } else if (argument == "--rounds") {
@@ -168,7 +171,11 @@ int main(int count, char** arguments) {
       "| element | size | wall ms a frame | processor ms | device ms | ns a pixel | first frame ms "
       "| device bytes "
       "a pixel | stages, device ms |\n|---|---|---|---|---|---|---|---|---|\n");
-  for (const Size size : sizes) {
+  std::string rows;
+  for (const Size& size : sizes) {
+    std::fprintf(stderr, "@progress %.3f %dx%d\n",
+                 static_cast<double>(&size - sizes.data()) / static_cast<double>(sizes.size()),
+                 size.width, size.height);
     auto video = load(clip, size, "NV12", frames);
     if (still && !video.empty())
       for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
@@ -195,8 +202,21 @@ int main(int count, char** arguments) {
         std::printf("%s %.1f ", name.c_str(), median(values));
       std::printf("|\n");
       std::fflush(stdout);
+      char row[512];
+      std::snprintf(row, sizeof row,
+                    "%s{\"element\": \"%s\", \"width\": %d, \"height\": %d, \"wall_ms\": %.3f, "
+                    "\"processor_ms\": %.3f, \"device_ms\": %.3f, \"first_frame_ms\": %.1f, "
+                    "\"device_bytes_per_pixel\": %.1f}",
+                    rows.empty() ? "" : ",\n", lines[i].c_str(), size.width, size.height,
+                    median(f.wall), median(f.processor), median(f.device), f.first.front(),
+                    f.device_bytes / pixels);
+      rows += row;
     }
     for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
+  }
+  if (!json.empty() && !(std::ofstream(json) << '[' << rows << "]\n").flush()) {
+    std::fprintf(stderr, "cannot write %s\n", json.c_str());
+    return 1;
   }
   return 0;
 }

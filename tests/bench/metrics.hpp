@@ -1,48 +1,130 @@
-// Error measures for intrinsic decompositions.
+// Error measures for intrinsic decompositions. A library of its own (`metrics`): no dependencies,
+// double precision inside. The program `metrics A B` gives them to scripts.
 //
-// All of them are invariant to a positive scale of the estimate: reflectance and shading are only
-// determined up to one factor, and the MIT set leaves a further factor per color channel open.
-// Estimate and truth have equal size and channels; the mask (one channel, 1 counts, 0 does not) may
-// be empty, which counts every pixel.
+// Reflectance and shading are only determined up to one factor, and the MIT set leaves a further
+// one per color channel open: measures named scale-invariant, LMSE and DSSIM fit such a factor,
+// the others compare values as they are. Estimate and truth have equal size and channels
+// (std::invalid_argument otherwise). A mask has one channel, above 0.5 counts; empty: all counts.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/bench/image.hpp"
 
 namespace inverse::bench {
 
-/// Local mean squared error of Grosse et al. (ICCV 2009): in k x k windows that overlap by half,
-/// the estimate is scaled to the truth by least squares; the squared errors, summed over windows
-/// and channels, are divided by the squared truth summed alike. 0 is perfect, 1 is as bad as black.
-double lmse(const Image& estimate, const Image& truth, const Image& mask, int k = 20);
+// Squared error (metrics/squared_error.cpp).
+
+/// Mean squared error over pixels and channels.
+double mse(const Image& estimate, const Image& truth, const Image& mask);
+
+/// Peak signal-to-noise ratio, 10 log10(peak² / MSE), dB; infinite for equal images.
+double psnr(const Image& estimate, const Image& truth, const Image& mask, double peak = 1);
 
 /// Scale-invariant mean squared error: one least-squares factor per channel for the whole image,
 /// mean over pixels and channels of the squared error, truth scaled to a largest value of 1.
 double scale_invariant_mse(const Image& estimate, const Image& truth, const Image& mask);
 
-/// (1 - SSIM) / 2 after the same scaling; 11 x 11 Gaussian windows of sigma 1.5, dynamic range 1.
-/// Windows lose the weight of pixels outside the mask.
+/// Local mean squared error of Grosse et al. (ICCV 2009): in k x k windows that overlap by half,
+/// the estimate is scaled to the truth by least squares; the squared errors, summed over windows
+/// and channels, are divided by the squared truth summed alike. 0 is perfect, 1 is as bad as black.
+/// Grosse et al. take k = 20, the thesis k = 10 (section 3.6.2).
+double lmse(const Image& estimate, const Image& truth, const Image& mask, int k = 20);
+
+// Structure (metrics/structure.cpp).
+
+/// Structural similarity (Wang et al. 2004), mean over pixels and channels; 11 x 11 Gaussian
+/// windows of sigma 1.5, population variances; `range` is that of the values. Windows that reach
+/// over the border are left out where the frame has others; windows lose the weight of pixels
+/// outside the mask. 1 for equal images.
+double ssim(const Image& estimate, const Image& truth, const Image& mask, double range = 1);
+
+/// (1 - SSIM) / 2 after one least-squares factor per channel, truth scaled to a largest value of 1.
 double dssim(const Image& estimate, const Image& truth, const Image& mask);
 
-/// The three measures, each the mean of reflectance and shading.
-struct Scores {
-  double lmse20 = 0, lmse10 = 0, mse = 0, dssim = 0;
+/// Multi-scale SSIM (Wang, Simoncelli and Bovik 2003): contrast and structure on scales that halve
+/// by 2 x 2 means, luminance on the coarsest; exponents .0448 .2856 .3001 .2363 .1333, of the first
+/// few only, scaled to the same sum, where the frame is too small for 11 x 11 windows on all five.
+double ms_ssim(const Image& estimate, const Image& truth, const Image& mask, double range = 1);
+
+// Order of reflectances (metrics/order.cpp).
+
+/// What somebody, or the truth, says about two points' reflectances.
+struct Judgment {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  enum class Darker : std::uint8_t { neither, first, second } darker = Darker::neither;
+  double weight = 1;  ///< how sure they are
 };
 
-/// Scores an estimated reflectance (3 channels) and shading (1 channel).
-Scores score(const Image& reflectance, const Image& shading, const Image& true_reflectance,
-             const Image& true_shading, const Image& mask);
+/// Compares the mean channels of two points: darker by more than the factor 1 + delta, or neither.
+Judgment::Darker compare(const Image& reflectance, const Judgment& points, double delta);
 
-/// Flicker: the standard deviation over time of the logarithm of the mean channel of reflectance,
-/// averaged over pixels (natural log units). Frames show a scene whose true reflectance is static.
-/// The per-frame mean over pixels is removed first when `remove_gauge` is set, since one global
-/// factor a frame is a matter of the gauge and not of the decomposition.
-double flicker(const std::vector<Image>& reflectance, bool remove_gauge);
+/// `count` judgments by the truth about points drawn at random inside the mask, half of the pairs
+/// near each other (16 pixels), of weight 1.
+std::vector<Judgment> judge(const Image& truth, const Image& mask, int count, std::uint32_t seed,
+                            double delta = 0.1);
+
+/// Weighted human disagreement rate (Bell, Bala and Snavely 2014): the share of the judgments'
+/// weight that the estimate contradicts, 0…1.
+double whdr(const Image& reflectance, const std::vector<Judgment>& judgments, double delta = 0.1);
+
+// Time (metrics/flicker.cpp). Values are natural log units of the mean channel of reflectance.
+
+/// Standard deviation over time, averaged over the pixels of the mask, which show the same true
+/// reflectance in every frame. The per-frame mean over these pixels is removed first when
+/// `remove_gauge` is set, since one global factor a frame is a matter of the gauge and not of the
+/// decomposition.
+double flicker(const std::vector<Image>& reflectance, bool remove_gauge, const Image& mask = {});
+
+/// Where one surface point is seen, frame by frame, in pixels (the center of the first is 0, 0);
+/// not seen where a coordinate is NaN.
+using Track = std::vector<std::array<double, 2>>;
+
+/// The same along known motion, by bilinear sampling; points seen in fewer than two frames do not
+/// count. The gauge of a frame is the mean over its points of their deviation from their own mean.
+double flicker_along(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
+                     bool remove_gauge);
 
 /// As flicker without the gauge, of changes from frame to frame: the root mean square of successive
 /// differences over the square root of 2, which is the standard deviation where frames are
 /// independent. Slow drift, which nobody sees, hardly counts.
-double jitter(const std::vector<Image>& reflectance);
+double jitter(const std::vector<Image>& reflectance, const Image& mask = {});
+
+/// Pixels (1 or 0) whose true reflectance stays within 1 % in all frames.
+Image static_pixels(const std::vector<Image>& true_reflectance);
+
+// Together (metrics/score.cpp).
+
+/// Means of reflectance and shading, but for `whdr`, which is the reflectance's.
+struct Scores {
+  double lmse20 = 0, lmse10 = 0, mse = 0, dssim = 0, ms_ssim = 0, psnr = 0, whdr = 0;
+};
+
+/// The fields of Scores by name, for whoever goes through all of them.
+inline constexpr std::array<std::pair<const char*, double Scores::*>, 7> kScoreFields{
+    {{"lmse20", &Scores::lmse20},
+     {"lmse10", &Scores::lmse10},
+     {"mse", &Scores::mse},
+     {"dssim", &Scores::dssim},
+     {"ms_ssim", &Scores::ms_ssim},
+     {"psnr", &Scores::psnr},
+     {"whdr", &Scores::whdr}}};
+
+/// Scores an estimated reflectance (3 channels) and shading (1 channel): `mse` is the
+/// scale-invariant one; MS-SSIM and PSNR are taken after the scale of DSSIM; WHDR asks the truth
+/// about 2000 pairs of points.
+Scores score(const Image& reflectance, const Image& shading, const Image& true_reflectance,
+             const Image& true_shading, const Image& mask);
+
+/// The estimate times one least-squares factor per channel, over the largest true value (`peak`).
+Image fitted(const Image& estimate, const Image& truth, const Image& mask, double* peak = nullptr);
+
+/// Distance of two decompositions of one frame: root mean square over pixels and channels of the
+/// difference of ln R, one common factor removed, natural log units; R below 1e-4 counts as 1e-4.
+double log_distance(const Image& reflectance, const Image& other, const Image& mask);
 
 }  // namespace inverse::bench

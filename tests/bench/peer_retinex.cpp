@@ -1,48 +1,25 @@
-#include "tests/bench/baselines.hpp"
-
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+
+#include "tests/bench/peers.hpp"
 
 namespace inverse::bench {
 namespace {
 
 constexpr float kFloor = 1e-3F;
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
-Decomposition divide(const Image& input, Image shading) {
-  Decomposition d{Image(input.width, input.height, 3), std::move(shading)};
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        d.reflectance.at(x, y, c) = input.at(x, y, c) / std::max(d.shading.at(x, y), 1e-6F);
-  return d;
-}
+/// Steps above these are reflectance.
+struct Thresholds {
+  double intensity;  ///< of the mean log intensity
+  double chroma;     ///< of log chromaticity
+};
 
-}  // namespace
-
-Decomposition constant_shading(const Image& input) {
-  return {input, Image(input.width, input.height, 1, 1.0F)};
-}
-
-Decomposition constant_reflectance(const Image& input) {
-  Decomposition d{Image(input.width, input.height, 3, 1.0F), Image(input.width, input.height, 1)};
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x)
-      d.shading.at(x, y) = (input.at(x, y, 0) + input.at(x, y, 1) + input.at(x, y, 2)) / 3;
-  return d;
-}
-
-Decomposition max_channel(const Image& input) {
-  Image s(input.width, input.height, 1);
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x)
-      s.at(x, y) = std::max({input.at(x, y, 0), input.at(x, y, 1), input.at(x, y, 2), kFloor});
-  return divide(input, std::move(s));
-}
-
-Decomposition retinex(const Image& input, const RetinexParams& params) {
+Decomposition retinex(const Image& input, const Thresholds& params) {
   const int w = input.width, h = input.height, n = w * h;
   std::vector<std::array<double, 3>> q(static_cast<std::size_t>(n));
   std::vector<double> m(static_cast<std::size_t>(n));
@@ -67,8 +44,7 @@ Decomposition retinex(const Image& input, const RetinexParams& params) {
     double dq = 0;
     for (int c = 0; c < 3; ++c)
       dq += std::pow(q[std::size_t(i)][std::size_t(c)] - q[std::size_t(j)][std::size_t(c)], 2);
-    const bool reflectance = std::abs(dm) > params.intensity_threshold ||
-                             (params.color && std::sqrt(dq) > params.chroma_threshold);
+    const bool reflectance = std::abs(dm) > params.intensity || std::sqrt(dq) > params.chroma;
     const double step = reflectance ? 0.0 : dm;
     entries.emplace_back(i, i, 1);
     entries.emplace_back(j, j, 1);
@@ -90,6 +66,40 @@ Decomposition retinex(const Image& input, const RetinexParams& params) {
   Image shading(w, h, 1);
   for (int i = 0; i < n; ++i) shading.data[std::size_t(i)] = float(std::exp(s[i]));
   return divide(input, std::move(shading));
+}
+
+void add(Method& method, const char* name, double order, const Thresholds& thresholds,
+         Setting::Effort effort) {
+  method.settings.push_back({.curve = "thresholds",
+                             .name = name,
+                             .order = order,
+                             .parameters = {{"intensity", text_of(thresholds.intensity)},
+                                            {"chroma", text_of(thresholds.chroma)}},
+                             .make = without_memory([thresholds](const Image& frame) {
+                               return retinex(frame, thresholds);
+                             }),
+                             .effort = effort});
+}
+
+}  // namespace
+
+Method gray_retinex() {
+  Method method{
+      "gray Retinex", "peer", "Steps of intensity above a threshold are paint", {}, {}, {}};
+  add(method, "t .1", 0, {0.1, kNever}, Setting::Effort::brief);
+  return method;
+}
+
+Method color_retinex() {
+  Method method{"color Retinex",
+                "peer",
+                "Steps of intensity or chroma above thresholds are paint",
+                {},
+                {},
+                {}};
+  add(method, "t .5, c .1", 0, {0.5, 0.1}, Setting::Effort::brief);
+  add(method, "c .1", 1, {kNever, 0.1}, Setting::Effort::full);
+  return method;
 }
 
 }  // namespace inverse::bench

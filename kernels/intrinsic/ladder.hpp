@@ -1,0 +1,36 @@
+#pragma once
+#include "../ladder.hpp"
+#include "scaled_intrinsic.hpp"
+
+namespace inverse {
+
+/// A level: resolution, cycles of the first frame and of those after it, from which change on edges
+/// are decided anew, and below which change of a cycle no further one follows.
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
+void intrinsic_level(ScaledIntrinsic::Params& params) {
+  params.half_resolution = kHalf;
+  params.cycles = kCycles;
+  params.warm_cycles = kWarm;
+  params.still_tolerance = kTolerance;
+  params.settled = kSettled;
+}
+
+/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade). Only one step changes the
+/// resolution, which makes the method forget earlier frames.
+inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
+  static const Ladder<ScaledIntrinsic::Params> ladder{
+      {{0.42, intrinsic_level<true, 3, 1, 0.1F, 0.01F>},
+       {0.48, intrinsic_level<true, 4, 2, 0.1F, 0.01F>},
+       {0.54, intrinsic_level<true, 4, 2, 0.05F, 0.01F>},
+       {0.63, intrinsic_level<true, 8, 4, 0.05F, 0.003F>},
+       {0.84, intrinsic_level<false, 4, 2, 0.1F, 0.01F>},
+       {1.00, intrinsic_level<false, 4, 2, 0.05F, 0.01F>},
+       {1.21, intrinsic_level<false, 6, 3, 0.05F, 0.005F>},
+       {1.30, intrinsic_level<false, 8, 4, 0.05F, 0.003F>},
+       {1.70, intrinsic_level<false, 12, 8, 0.05F, 0.001F>},
+       {2.90, intrinsic_level<false, 24, 24, 0.05F, 1e-4F>}},
+      {2, 5, 7, 9}};
+  return ladder;
+}
+
+}  // namespace inverse

@@ -1,0 +1,37 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace inverse {
+
+/// How much work goes into a frame. Every method says by its ladder which of its parameters that
+/// sets.
+enum class Quality : uint8_t { low, medium, high, best };
+
+/// A level of work between cheap and good.
+template <typename Params>
+struct Level {
+  double cost;           ///< time of a frame in relation to the other levels, measured
+  void (*set)(Params&);  ///< the parameters that make it up
+};
+
+/// The measured front of error against time of a method (docs/report), from cheap to good, and
+/// which of its levels each quality stands for.
+template <typename Params>
+struct Ladder {
+  std::vector<Level<Params>> levels;
+  std::array<size_t, 4> qualities;
+
+  std::vector<double> costs() const {
+    std::vector<double> costs;
+    for (const auto& level : levels) costs.push_back(level.cost);
+    return costs;
+  }
+  size_t top(Quality quality) const { return qualities[static_cast<size_t>(quality)]; }
+  /// Sets the parameters that go with a quality.
+  void set(Params& params, Quality quality) const { levels[top(quality)].set(params); }
+};
+
+}  // namespace inverse

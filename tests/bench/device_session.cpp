@@ -1,0 +1,111 @@
+#include "tests/bench/device_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/bench/scene.hpp"
+
+namespace inverse::bench {
+
+DeviceSession::DeviceSession(const std::string& select)
+    : device_(gpu::Device::open(select)), commands_(device_) {}
+
+Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost& cost) {
+  const Extent extent{uint32_t(frame.width), uint32_t(frame.height)};
+  if (!input_ || input_->extent != extent) {
+    const auto create = [&](gpu::Memory memory) {
+      return gpu::Buffer::create(device_, gpu::Element::vec4, extent.pixels(), memory);
+    };
+    input_ = std::make_shared<Plane>(Plane{extent, create(gpu::Memory::upload)});
+    output_ = create(gpu::Memory::readback);
+  }
+  float* pixel = input_->buffer->map_as<float>();
+  for (std::size_t i = 0; i < extent.pixels(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) pixel[4 * i + c] = frame.data[3 * i + c];
+    pixel[4 * i + 3] = 1;
+  }
+  cost = measure([&] {
+    commands_.begin();
+    const PlanePtr layer = record(commands_, input_);
+    commands_.copy(layer->buffer, output_, output_->bytes());
+    commands_.stage("download");
+    commands_.submit();
+    commands_.wait();
+  });
+  if (!commands_.stages().empty()) {
+    cost.device = 0;
+    for (const gpu::StageTime& stage : commands_.stages()) {
+      cost.device += stage.milliseconds;
+      cost.stages[stage.name] += stage.milliseconds;
+    }
+  }
+  Decomposition d{Image(frame.width, frame.height, 3), Image(frame.width, frame.height, 1)};
+  const float* result = output_->map_as<float>();
+  for (std::size_t i = 0; i < extent.pixels(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) d.reflectance.data[3 * i + c] = result[4 * i + c];
+    d.shading.data[i] = result[4 * i + 3];
+  }
+  return d;
+}
+
+namespace {
+
+class LowerResolution final : public Solver {
+ public:
+  LowerResolution(int times, std::unique_ptr<Solver> inner)
+      : times_(times), inner_(std::move(inner)) {}
+
+  Decomposition run(const Image& frame, bool continues, Cost& cost) override {
+    Image small = frame;
+    Decomposition d;
+    Cost inner;
+    const Cost down = measure([&] {
+      for (int k = 0; k < times_; ++k) small = halve(small);
+    });
+    const Decomposition low = inner_->run(small, continues, inner);
+    const Cost up = measure([&] { d = enlarge(low.shading, frame); });
+    cost = inner;
+    cost.wall += down.wall + up.wall;
+    cost.processor += down.processor + up.processor;
+    return d;
+  }
+
+ private:
+  Decomposition enlarge(const Image& shading, const Image& frame) const {
+    constexpr float kLeast = 1e-6F;
+    Image logs = shading;
+    for (float& v : logs.data) v = std::log(std::max(v, kLeast));
+    Decomposition d{Image(frame.width, frame.height, 3), Image(frame.width, frame.height, 1)};
+    const float scale = 1.0F / float(1 << times_);
+    const auto place = [&](int at, int count) {
+      return std::clamp((float(at) + 0.5F) * scale - 0.5F, 0.0F, float(count - 1));
+    };
+    for (int y = 0; y < frame.height; ++y) {
+      const float v = place(y, logs.height);
+      const int y0 = int(v), y1 = std::min(y0 + 1, logs.height - 1);
+      for (int x = 0; x < frame.width; ++x) {
+        const float u = place(x, logs.width);
+        const int x0 = int(u), x1 = std::min(x0 + 1, logs.width - 1);
+        const float fx = u - float(x0), fy = v - float(y0);
+        const float s = std::exp((1 - fy) * ((1 - fx) * logs.at(x0, y0) + fx * logs.at(x1, y0)) +
+                                 fy * ((1 - fx) * logs.at(x0, y1) + fx * logs.at(x1, y1)));
+        d.shading.at(x, y) = s;
+        for (int c = 0; c < 3; ++c) d.reflectance.at(x, y, c) = frame.at(x, y, c) / s;
+      }
+    }
+    return d;
+  }
+
+  int times_;
+  std::unique_ptr<Solver> inner_;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> at_lower_resolution(
+    Size size, int times, const std::function<std::unique_ptr<Solver>(Size)>& make) {
+  return std::make_unique<LowerResolution>(times,
+                                           make({size.width >> times, size.height >> times}));
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,102 @@
+// import-scenes FROM TO [--frames N] [--videos]: turns image folders with ground truth into the
+// benchmark's flat dumps. Prints a line for each set.
+//
+// Any folder below FROM (three levels) that holds original.png, reflectance.png, shading.png and
+// mask.png is a still in the form of the MIT set; one that holds I8, R, Sdir and Sind a rendered
+// sequence, of which N frames (default 1, 0: all) spread evenly become stills, and with --videos
+// all become a video.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "tests/bench/datasets.hpp"
+#include "tests/bench/scene.hpp"
+
+namespace inverse::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+TruthFrame truth_of(Frame frame) {
+  return {std::move(frame.input), std::move(frame.reflectance), std::move(frame.shading),
+          std::move(frame.mask)};
+}
+
+std::string blanks(std::string text) {
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+/// Numbers of the frames to take of a sequence of `count`.
+std::vector<int> spread(int count, int take) {
+  take = take <= 0 ? count : std::min(take, count);
+  std::vector<int> numbers;
+  for (int k = 0; k < take; ++k)
+    numbers.push_back(take == 1 ? count / 2 : k * (count - 1) / (take - 1));
+  return numbers;
+}
+
+void run(const std::string& from, const std::string& to, int frames, bool videos) {
+  std::vector<fs::path> folders;
+  for (auto it = fs::recursive_directory_iterator(from); it != fs::recursive_directory_iterator();
+       ++it) {
+    if (it.depth() > 2) it.disable_recursion_pending();
+    if (it->is_directory()) folders.push_back(it->path());
+  }
+  std::sort(folders.begin(), folders.end());
+  std::map<std::string, int> counts;
+  for (const fs::path& folder : folders) {
+    const std::string name = blanks(folder.filename().string());
+    if (fs::exists(folder / "original.png") && fs::exists(folder / "reflectance.png")) {
+      const std::string set = blanks(folder.parent_path().filename().string());
+      write_scene(
+          to,
+          {set, name, regime_title(Regime::kMit), false, {truth_of(load_mit(folder.string()))}});
+      ++counts[set];
+    } else if (fs::exists(folder / "I8" / "000.png") && fs::exists(folder / "R") &&
+               fs::exists(folder / "Sdir")) {
+      const Regime regime = regime_of(folder.filename().string());
+      const int count = count_frames(folder.string());
+      Scene stills{folder.filename().string(), "stills", regime_title(regime), false, {}};
+      for (const int k : spread(count, frames))
+        stills.frames.push_back(truth_of(load_rendered(folder.string(), k, regime)));
+      write_scene(to, stills);
+      if (videos) {
+        Scene video{folder.filename().string(), "video", regime_title(regime), true, {}};
+        for (int k = 0; k < count; ++k)
+          video.frames.push_back(truth_of(load_rendered(folder.string(), k, regime)));
+        write_scene(to, video);
+      }
+      ++counts[stills.set];
+    }
+  }
+  for (const auto& [set, count] : counts) std::printf("%s: %d\n", set.c_str(), count);
+  if (counts.empty()) throw std::runtime_error("no ground truth in " + from);
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) try {
+  std::string from, to;
+  int frames = 1;
+  bool videos = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--frames" && i + 1 < argc)
+      frames = std::stoi(argv[++i]);
+    else if (argument == "--videos")
+      videos = true;
+    else
+      (from.empty() ? from : to) = argument;
+  }
+  if (to.empty()) throw std::runtime_error("usage: import-scenes FROM TO [--frames N] [--videos]");
+  inverse::bench::run(from, to, frames, videos);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "import-scenes: %s\n", error.what());
+  return 1;
+}

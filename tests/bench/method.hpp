@@ -1,0 +1,85 @@
+// How a decomposition method enters the benchmark: one registration that lists its settings.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/bench/image.hpp"
+
+namespace inverse::bench {
+
+struct Decomposition {
+  Image reflectance;  ///< 3 channels, linear
+  Image shading;      ///< 1 channel, linear
+};
+
+/// What a frame cost, milliseconds.
+struct Cost {
+  double wall = 0;
+  double processor = 0;  ///< all threads of the process
+  /// By the device's own clock; NaN where there is none.
+  double device = std::numeric_limits<double>::quiet_NaN();
+  std::map<std::string, double> stages;  ///< parts of `device`
+};
+
+/// A method at one setting for frames of one size. It may remember frames.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  /// Decomposes a frame; with `continues` it follows the one before, otherwise nothing does.
+  virtual Decomposition run(const Image& frame, bool continues, Cost& cost) = 0;
+};
+
+struct Size {
+  int width = 0, height = 0;
+  auto operator<=>(const Size&) const = default;
+};
+
+/// One point of a method's work-precision curve.
+struct Setting {
+  std::string curve;  ///< points of one curve are joined in the plots: "cycles", "levels", …
+  std::string name;   ///< the point's label: "4"
+  double order = 0;   ///< its place along the curve
+  std::map<std::string, std::string> parameters;  ///< what differs from the defaults
+  std::function<std::unique_ptr<Solver>(Size)> make;
+  std::string preset;  ///< quality that has these parameters: "medium"; empty: none
+  bool base = false;   ///< the method's default for stills, a point of all of its curves
+  bool stills = true;  ///< is measured on stills
+  bool video = false;  ///< is measured on videos
+  enum class Effort : std::uint8_t {
+    brief,  ///< in every run, on all data
+    usual,  ///< in every run, on the project's own data; with --full on all
+    full,   ///< with --full only
+  } effort = Effort::usual;
+  /// The curve and name of the setting from which this one differs in leaving out what frames do
+  /// not need; their times and errors are compared, scene by scene. Empty: none.
+  std::string against;
+};
+
+struct Method {
+  std::string name;
+  std::string family;       ///< "method", "peer" (other people's) or "trivial"
+  std::string description;  ///< one sentence
+  std::vector<Setting> settings;
+  /// The method's own converged solution, against which its settings are measured; null: none.
+  std::function<std::unique_ptr<Solver>(Size)> converged;
+  /// Another method that minimizes the same energy, whose converged solution is taken instead.
+  std::string converges_to;
+};
+
+/// Wall-clock and processor time of `work`.
+Cost measure(const std::function<void()>& work);
+
+/// What a program measures: `bench-methods --help` tells the options.
+int run_bench(int argc, char** argv, const std::string& device, const std::vector<Method>& methods);
+
+/// A setting's parameters as text.
+std::string text_of(double value);
+
+}  // namespace inverse::bench

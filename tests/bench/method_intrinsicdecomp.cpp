@@ -1,0 +1,185 @@
+// intrinsicdecomp in the benchmark.
+#include <set>
+
+#include "kernels/intrinsic/ladder.hpp"
+#include "tests/bench/methods.hpp"
+
+namespace inverse::bench {
+namespace {
+
+using Params = ScaledIntrinsic::Params;
+using Effort = Setting::Effort;
+using Make = decltype(Setting::make);
+
+class IntrinsicSolver final : public Solver {
+ public:
+  IntrinsicSolver(DeviceSession& session, Size size, const Params& params)
+      : session_(session),
+        params_(params),
+        method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
+
+  Decomposition run(const Image& frame, bool continues, Cost& cost) override {
+    return session_.run(
+        frame,
+        [&](gpu::Commands& commands, const PlanePtr& input) {
+          return method_.record(commands, input, params_, {!continues})[Role::intrinsic];
+        },
+        cost);
+  }
+
+ private:
+  DeviceSession& session_;
+  Params params_;
+  ScaledIntrinsic method_;
+};
+
+/// The settings of one program run.
+class Settings {
+ public:
+  explicit Settings(DeviceSession& session) : session_(session) {}
+
+  Make make(const Params& params) const {
+    return [&session = session_, params](Size size) -> std::unique_ptr<Solver> {
+      return std::make_unique<IntrinsicSolver>(session, size, params);
+    };
+  }
+
+  /// The levels that the element offers, as they ship; presets are some of them.
+  void add_ladder() {
+    const auto& ladder = intrinsic_ladder();
+    std::set<std::string> stills;
+    for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
+      Params params;
+      ladder.levels[k].set(params);
+      Setting s{.curve = "ladder", .order = double(k), .make = make(params)};
+      for (const auto& [quality, name] : kQualities)
+        if (ladder.top(quality) == k) s.preset = name;
+      s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
+                      {"cycles", std::to_string(params.cycles)},
+                      {"warm-cycles", std::to_string(params.warm_cycles)},
+                      {"still-tolerance", text_of(double(params.still_tolerance))},
+                      {"settled", text_of(double(params.settled))}};
+      s.effort = s.preset.empty() ? Effort::usual : Effort::brief;
+      const std::string half = params.half_resolution ? "half, " : "";
+      s.base = k == ladder.top(Quality::medium);
+      s.name = half + std::to_string(params.cycles);
+      // Levels that differ only in how they follow a video are one to stills.
+      const bool again = k + 1 < ladder.levels.size() && [&] {
+        Params next;
+        ladder.levels[k + 1].set(next);
+        return next.half_resolution == params.half_resolution && next.cycles == params.cycles;
+      }();
+      if (!again) all.push_back(s);
+      s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
+      s.name = half + std::to_string(params.warm_cycles) + ", " +
+               text_of(double(params.still_tolerance));
+      all.push_back(s);
+    }
+  }
+
+  /// Multigrid cycles, all of which run: how the solve converges.
+  void add_cycles() {
+    for (const uint32_t cycles : {1U, 2U, 3U, 4U, 6U, 8U, 12U, 24U}) {
+      Params params;
+      params.cycles = cycles;
+      params.adaptive = false;
+      all.push_back({.curve = "cycles",
+                     .name = std::to_string(cycles),
+                     .order = double(cycles),
+                     .parameters = {{"cycles", std::to_string(cycles)}, {"adaptive", "false"}},
+                     .make = make(params)});
+    }
+  }
+
+  /// Shading of a smaller frame, enlarged without a guide.
+  void add_resolutions() {
+    for (const int times : {1, 2})
+      all.push_back({.curve = "resolution",
+                     .name = times == 1 ? "1/2" : "1/4",
+                     .order = -double(times),
+                     .parameters = {{"resolution", times == 1 ? "1/2" : "1/4"}},
+                     .make = [inner = make({}), times](Size size) {
+                       return at_lower_resolution(size, times, inner);
+                     }});
+  }
+
+  /// Cycles of the coarse levels in every cycle.
+  void add_coarse_cycles() {
+    for (const uint32_t cycles : {1U, 4U}) {
+      Params params;
+      params.multigrid.cell_cycles = cycles;
+      all.push_back({.curve = "coarse cycles",
+                     .name = std::to_string(cycles),
+                     .order = double(cycles),
+                     .parameters = {{"cell-cycles", std::to_string(cycles)}},
+                     .make = make(params),
+                     .effort = Effort::full});
+    }
+  }
+
+  void add_without_anchor() {
+    Params params;
+    params.anchor.anchor_weight = 0;
+    all.push_back({.curve = "temporal anchor",
+                   .name = "off",
+                   .parameters = {{"temporal-weight", "0"}},
+                   .make = make(params),
+                   .stills = false,
+                   .video = true});
+  }
+
+  /// What leaving out saves, together and one by one, each against the setting that does all the
+  /// work.
+  void add_adaptive() {
+    Params off, tiles, cycles;
+    off.adaptive = false;
+    tiles.settled = 0;
+    cycles.still_tolerance = 0;
+    const auto add = [&](const char* name, double order, const Params& params,
+                         const char* against) {
+      all.push_back({.curve = "adaptive",
+                     .name = name,
+                     .order = order,
+                     .parameters = {{"adaptive", params.adaptive ? "true" : "false"},
+                                    {"settled", text_of(double(params.settled))},
+                                    {"still-tolerance", text_of(double(params.still_tolerance))}},
+                     .make = make(params),
+                     .stills = false,
+                     .video = true,
+                     .effort = Effort::brief,
+                     .against = against});
+    };
+    add("off", 0, off, "");
+    add("on", 1, {}, "adaptive/off");
+    add("tiles only", 2, tiles, "adaptive/off");
+    add("cycles only", 3, cycles, "adaptive/off");
+  }
+
+  std::vector<Setting> all;
+
+ private:
+  DeviceSession& session_;
+};
+
+}  // namespace
+
+Method intrinsicdecomp(DeviceSession& session) {
+  Settings settings(session);
+  settings.add_ladder();
+  settings.add_cycles();
+  settings.add_resolutions();
+  settings.add_coarse_cycles();
+  settings.add_without_anchor();
+  settings.add_adaptive();
+  Params converged;
+  converged.cycles = 200;
+  converged.adaptive = false;
+  return {"intrinsicdecomp",
+          "method",
+          "One log-shading unknown a pixel, multigrid with a learned edge prior",
+          settings.all,
+          settings.make(converged),
+          {}};
+}
+
+}  // namespace inverse::bench

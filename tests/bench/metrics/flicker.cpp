@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tests/bench/metrics.hpp"
+#include "tests/bench/metrics/detail.hpp"
+
+namespace inverse::bench {
+namespace {
+
+/// Logarithm of the mean channel at the counting pixels, minus its mean when `centered`.
+std::vector<double> log_values(const Image& image, const Image& mask, bool centered) {
+  detail::check_sizes(image, image, mask);
+  std::vector<double> values;
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (detail::counts(mask, x, y)) {
+        values.push_back(detail::log_mean_channel(image, x, y));
+        sum += values.back();
+      }
+  if (centered)
+    for (double& v : values) v -= sum / double(values.size());
+  return values;
+}
+
+double deviation(double sum, double squares, double count) {
+  return std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
+}
+
+/// Bilinear, clamped to the image.
+double sample(const Image& image, double x, double y) {
+  const double u = std::clamp(x, 0.0, image.width - 1.0),
+               v = std::clamp(y, 0.0, image.height - 1.0);
+  const int x0 = int(u), y0 = int(v), x1 = std::min(x0 + 1, image.width - 1),
+            y1 = std::min(y0 + 1, image.height - 1);
+  const double fx = u - x0, fy = v - y0;
+  double mean = 0;
+  for (int c = 0; c < image.channels; ++c)
+    mean += (1 - fy) * ((1 - fx) * image.at(x0, y0, c) + fx * image.at(x1, y0, c)) +
+            fy * ((1 - fx) * image.at(x0, y1, c) + fx * image.at(x1, y1, c));
+  return std::log(std::max(mean / image.channels, detail::kLogFloor));
+}
+
+}  // namespace
+
+double flicker(const std::vector<Image>& reflectance, bool remove_gauge, const Image& mask) {
+  if (reflectance.size() < 2) return 0.0;
+  std::vector<double> sum, squares;
+  for (const Image& r : reflectance) {
+    const std::vector<double> l = log_values(r, mask, remove_gauge);
+    sum.resize(l.size()), squares.resize(l.size());
+    for (std::size_t i = 0; i < l.size(); ++i) sum[i] += l[i], squares[i] += l[i] * l[i];
+  }
+  double total = 0;
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    total += deviation(sum[i], squares[i], double(reflectance.size()));
+  return sum.empty() ? 0.0 : total / double(sum.size());
+}
+
+double flicker_along(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
+                     bool remove_gauge) {
+  const std::size_t frames = reflectance.size();
+  const double nowhere = std::nan("");
+  std::vector<std::vector<double>> deviations;  // of every track from its own mean, by frame
+  for (const Track& track : tracks) {
+    std::vector<double> values(frames, nowhere);
+    double sum = 0, count = 0;
+    for (std::size_t k = 0; k < std::min(frames, track.size()); ++k)
+      if (!std::isnan(track[k][0]) && !std::isnan(track[k][1])) {
+        values[k] = sample(reflectance[k], track[k][0], track[k][1]);
+        sum += values[k], count += 1;
+      }
+    if (count < 2) continue;
+    for (double& v : values) v -= sum / count;
+    deviations.push_back(values);
+  }
+  if (remove_gauge)
+    for (std::size_t k = 0; k < frames; ++k) {
+      double sum = 0, count = 0;
+      for (const auto& d : deviations)
+        if (!std::isnan(d[k])) sum += d[k], count += 1;
+      for (auto& d : deviations) d[k] -= count > 0 ? sum / count : 0;
+    }
+  double total = 0;
+  for (const auto& d : deviations) {
+    double sum = 0, squares = 0, count = 0;
+    for (double v : d)
+      if (!std::isnan(v)) sum += v, squares += v * v, count += 1;
+    total += deviation(sum, squares, count);
+  }
+  return deviations.empty() ? 0.0 : total / double(deviations.size());
+}
+
+double jitter(const std::vector<Image>& reflectance, const Image& mask) {
+  if (reflectance.size() < 2) return 0.0;
+  std::vector<double> before = log_values(reflectance[0], mask, true), squares(before.size(), 0.0);
+  for (std::size_t k = 1; k < reflectance.size(); ++k) {
+    std::vector<double> now = log_values(reflectance[k], mask, true);
+    for (std::size_t i = 0; i < now.size(); ++i)
+      squares[i] += (now[i] - before[i]) * (now[i] - before[i]);
+    before.swap(now);
+  }
+  double total = 0;
+  for (double v : squares) total += std::sqrt(v / (2 * double(reflectance.size() - 1)));
+  return squares.empty() ? 0.0 : total / double(squares.size());
+}
+
+Image static_pixels(const std::vector<Image>& true_reflectance) {
+  constexpr float kSame = 0.01F;
+  if (true_reflectance.empty()) return {};
+  const Image& first = true_reflectance.front();
+  Image mask(first.width, first.height, 1, 1.0F);
+  for (const Image& r : true_reflectance) {
+    detail::check_sizes(r, first, {});
+    for (int y = 0; y < first.height; ++y)
+      for (int x = 0; x < first.width; ++x)
+        for (int c = 0; c < first.channels; ++c)
+          if (std::abs(r.at(x, y, c) - first.at(x, y, c)) >
+              kSame * std::max(r.at(x, y, c), first.at(x, y, c)))
+            mask.at(x, y) = 0;
+  }
+  return mask;
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,71 @@
+// Files that the metrics and the benchmark read and write.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "tests/bench/flat_file.hpp"
+#include "tests/bench/png_file.hpp"
+
+namespace inverse::bench {
+namespace {
+
+class Files : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("metrics-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
+               "-" + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string path(const char* name) const { return folder_ / name; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(Files, FlatDumpsComeBackAsTheyWere) {
+  Image image(5, 3, 2);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = float(i) / 7;
+  write_flat(path("a.f32"), {"scene=x regime=y", {image, image}});
+  const FlatFile back = read_flat(path("a.f32"));
+  EXPECT_EQ(back.words, "scene=x regime=y");
+  ASSERT_EQ(back.frames.size(), 2U);
+  EXPECT_EQ(back.frames[1].data, image.data);
+  EXPECT_EQ(back.frames[1].channels, 2);
+  EXPECT_EQ(channels(image, 1, 1).at(4, 2), image.at(4, 2, 1));
+  EXPECT_EQ(stacked({&image, &image}).at(4, 2, 3), image.at(4, 2, 1));
+}
+
+TEST_F(Files, ThatAreDamagedAreRefused) {
+  EXPECT_THROW(read_flat(path("none.f32")), std::runtime_error);
+  std::ofstream(path("short.f32")) << "F32 100 100 3 1\nabc";
+  EXPECT_THROW(read_flat(path("short.f32")), std::runtime_error);
+  std::ofstream(path("other.png")) << "this is no picture at all, though it is long enough for one";
+  EXPECT_THROW(read_png(path("other.png"), false), std::runtime_error);
+}
+
+// The committed truth of the clip: every pixel is reflectance times shading, which tells whether
+// 8-bit sRGB and 16-bit linear codes were read right.
+TEST(Png, ReadsTheCommittedTruth) {
+  const std::string folder = CLIP_FOLDER;
+  const Image input = read_png(folder + "/045_input.png", true),
+              reflectance = read_png(folder + "/045_reflectance.png", true),
+              shading = read_png(folder + "/045_shading.png", true);
+  ASSERT_EQ(input.width, 160);
+  ASSERT_EQ(shading.channels, 3);
+  double worst = 0, brightest = 0;
+  for (std::size_t i = 0; i < input.data.size(); ++i) {
+    const double product = double(reflectance.data[i]) * 2 * shading.data[i];
+    worst = std::max(worst, std::abs(std::min(product, 1.0) - input.data[i]));
+    brightest = std::max(brightest, double(input.data[i]));
+  }
+  EXPECT_LT(worst, 0.02);  // two 8-bit codes at the curve's steep end
+  EXPECT_GT(brightest, 0.3);
+}
+
+}  // namespace
+}  // namespace inverse::bench

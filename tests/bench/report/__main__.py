@@ -1,0 +1,109 @@
+"""Measures every method and writes docs/report: ./dev bench [--full] [--data DIR] [--against FILE] …"""
+import argparse
+import json
+import pathlib
+import sys
+
+import against
+import measure
+import progress as progress_bar
+import summary
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
+    parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
+    parser.add_argument("--full", action="store_true", help="all data and settings: a quarter of an hour")
+    parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
+                        help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")
+    parser.add_argument("--against", type=pathlib.Path, metavar="FILE",
+                        help="an earlier results.json: print what got better or worse")
+    parser.add_argument("--add", type=pathlib.Path, action="append", default=[], metavar="FILE",
+                        help="what bench-methods wrote on another machine, for a table of its own")
+    parser.add_argument("--only", action="append", default=[], metavar="METHOD", help="measure these methods only")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/report"), metavar="DIR",
+                        help="where the report goes (default docs/report)")
+    parser.add_argument("--plots-only", action="store_true", help="draw again from the report's results.json")
+    return parser.parse_args()
+
+
+def summarize(results):
+    rows = results["rows"]
+    own = summary.points(rows, sets={"own"}, device=results["device"])
+    names = dict.fromkeys(r["regime"] for r in rows if not r["video"])
+    videos = summary.points([r for r in rows if r["curve"] == "video ladder"], video=True, sets={"own"})
+    clock = summary.steady_time(results["device"])
+    curve = [p for p in own if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles"]
+    results["summary"] = {
+        "own": own,
+        "regimes": {n: summary.points(rows, regime=n, device=results["device"]) for n in names},
+        "front": [[p["method"], p["curve"], p["setting"]] for p in summary.front(own, "lmse20")],
+        "videos": videos,
+        "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)]}
+
+
+def other_machines(paths):
+    for path in paths:
+        rows = [summary.condensed(r) for r in json.loads(path.read_text())["rows"]]
+        device = rows[0]["device"]
+        yield {"device": device, "rows": rows, "points": summary.points(rows, sets={"own"}, device=device)}
+
+
+def draw(results, folder, work):
+    import plots  # after measuring, as it takes a second
+    own = results["summary"]["own"]
+    has = {"convergence": plots.convergence(own, folder), "adaptivity": 
+           plots.adaptivity(results["adaptivity"], summary.steady_time(results["device"]), folder),
+           "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists()}
+    plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
+    plots.knobs(own, summary.steady_time(results["device"]), folder)
+    plots.other_clocks(own, folder)
+    plots.sizes(results["elements"], folder)
+    if results["extremes"]:
+        plots.conditions(results["extremes"]["cases"], folder)
+    scene = work / "scenes-own" / "own-still_life.f32"
+    columns = [("truth", None)]
+    for title, name in [("intrinsicdecomp", "intrinsicdecomp-ladder-4"), ("thesis", "thesis_PCG-iterations-4x8"),
+                        ("color Retinex", "color_Retinex-thresholds-t_.5,_c_.1"),
+                        ("R = I / max_c I", "R_=_I___max_c_I-only-")]:
+        dump = work / "layers" / f"own-still_life-{name}.f32"
+        if dump.exists():
+            columns.append((title, dump))
+    if scene.exists() and len(columns) > 1:
+        import picture
+        picture.layers(scene, columns, folder, "layers")
+        has["picture"] = True
+    return has
+
+
+def main():
+    given = options()
+    work = pathlib.Path("out/bench")
+    work.mkdir(parents=True, exist_ok=True)
+    given.out.mkdir(parents=True, exist_ok=True)
+    path = given.out / "results.json"
+    before = json.loads(given.against.read_text()) if given.against else None
+    bar = progress_bar.Progress(measure.parts(given.full))
+    if given.plots_only:
+        results = json.loads(path.read_text())
+    else:
+        try:
+            results = measure.run(given.build, work, given.data, given.full, bar, given.only)
+        except measure.Failed as failure:
+            sys.exit(f"\n{failure}")
+    bar.begin("plots and page")
+    summarize(results)
+    if given.add:
+        results["others"] = list(other_machines(given.add))
+    measure.write(results, path)
+    import page
+    page.write(results, given.out, draw(results, given.out, work))
+    bar.end()
+    print(f"{given.out}/README.md")
+    if not given.data.is_dir() and not given.plots_only:
+        print(results["data"])
+    if before:
+        print("\n".join(against.compare(before, results)))
+
+
+main()

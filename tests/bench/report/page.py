@@ -1,0 +1,252 @@
+"""The report's page, docs/report/README.md."""
+import summary
+
+OURS = ["intrinsicdecomp", "thesis PCG", "thesis Schwarz"]
+QUALITIES = ["low", "medium", "high", "best"]
+
+
+def figure(value, digits=4):
+    """.0297 as papers write it; a dash for what was not measured."""
+    if value is None:
+        return "–"
+    text = f"{round(value, digits) + 0.0:.{digits}f}"
+    if float(text) == 0:
+        return "0"
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+
+
+def time(quartiles, scale=1):
+    if not quartiles:
+        return "–"
+    middle = quartiles[1] * scale
+    return f"{middle:.1f}" if middle < 100 else f"{middle:.0f}"
+
+
+def spread(quartiles):
+    return f"{time(quartiles)} ({quartiles[0]:.3g}…{quartiles[2]:.3g})" if quartiles else "–"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
+
+
+def find(points, method, base=False, **wanted):
+    for p in points:
+        if p["method"] == method and (not base or p["base"]) and all(p[k] == v for k, v in wanted.items()):
+            return p
+    return None
+
+
+def headline(points):
+    ours, thesis = find(points, "intrinsicdecomp", True), find(points, "thesis PCG", True)
+    if not ours or not thesis or not ours["wall_ms"] or not thesis["wall_ms"]:
+        return ""
+    cpu = find(points, "same energy, CPU CG", setting="1e-2")
+    text = (f"**At its default `intrinsicdecomp` takes {time(ours['wall_ms'])} ms for a frame of 320×240 and leaves an LMSE "
+            f"of {figure(ours['lmse20'])}; the thesis' method takes {time(thesis['wall_ms'])} ms "
+            f"({thesis['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) and leaves {figure(thesis['lmse20'])}.**")
+    if cpu and cpu["wall_ms"]:
+        text += (f" A straightforward solver of the same energy on the processor (Eigen, double precision) takes "
+                 f"{time(cpu['wall_ms'])} ms ({cpu['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) to come within "
+                 f"{figure(cpu['to_converged'])} of the solution, against {figure(ours['to_converged'])}.")
+    return text
+
+
+def exchange(points, along):
+    """What each further step along a curve of intrinsicdecomp costs and brings."""
+    curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
+                   key=lambda p: p["order"])
+    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, still-tolerance",
+             "cycles": "cycles (all run)"}
+    rows = []
+    for before, p in zip([None] + curve, curve):
+        gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
+        cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
+        name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
+        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video ladder" else [figure(p["to_converged"])]
+        rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
+                     figure(p["lmse20"])] + last + [cost, gain])
+    if along == "cycles":
+        rows = [row[:1] + row[2:] for row in rows]
+    head = [heads[along], "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE"]
+    if along == "cycles":
+        head.remove("`quality`")
+    return table(head + (["flicker", "jitter"] if along == "video ladder" else ["to converged"]) +
+                 ["step costs (processor)", "step brings"], rows)
+
+
+def everybody(points, methods):
+    rows = []
+    for method in dict.fromkeys(p["method"] for p in points):
+        some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
+                ("adaptive", "without", "resolution", "levels", "coarse cycles", "cycles")]
+        some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
+        if method not in OURS and len(some) > 1 and "same energy" not in method:
+            some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
+        for p in sorted(some, key=lambda p: p["order"]):
+            name = f"`{p['preset']}`" if p["preset"] else p["setting"]
+            rows.append((methods[method]["family"], [f"{method}{' ' + name if name else ''}", spread(p["wall_ms"]),
+                         time(p["device_ms"]), time(p["processor_ms"]), figure(p["lmse20"]), figure(p["lmse10"]),
+                         figure(p["mse"]), figure(p["dssim"]), figure(p["ms_ssim"], 3), figure(p["whdr"], 3)]))
+    order = {"method": 0, "peer": 1, "trivial": 2}
+    rows.sort(key=lambda r: order[r[0]])
+    return table(["", "ms (quartiles)", "device ms", "processor ms", "LMSE 20", "LMSE 10", "si-MSE", "DSSIM", "MS-SSIM",
+                  "WHDR"], [r for _, r in rows])
+
+
+def by_regime(panels):
+    names = [n for n, points in panels.items() if points]
+    chosen = {}
+    for name in names:
+        for p in panels[name]:
+            shown = p["base"] or (p["method"] not in OURS and p["curve"] != "tolerance")
+            if shown and p["lmse20"] is not None:
+                best = chosen.setdefault(p["method"], {})
+                if name not in best or p["lmse20"] < best[name]:
+                    best[name] = p["lmse20"]
+    least = {n: min(v[n] for v in chosen.values() if n in v) for n in names}
+    rows = []
+    for method, values in chosen.items():
+        rows.append([method] + [f"**{figure(values[n])}**" if values.get(n) == least[n] else figure(values.get(n))
+                                for n in names])
+    return table(["LMSE (k = 20)"] + names, rows)
+
+
+def videos(rows):
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and r["method"] not in
+            ("constant reflectance", "R = I / max_c I")]
+    out = []
+    for r in rows:
+        name = r["method"] + ((f", `{r['preset']}`" if r["preset"] else f", {r['curve']} {r['setting']}") if r["method"] in OURS else "")
+        if r["method"] == "constant shading":
+            name = "the input itself"
+        out.append((r["set"] != "own", r["set"], r["scene"],
+                    [f"{r['scene'] if r['set'] == 'own' else r['set']}", name, time(r["wall_ms"]), figure(r["lmse20"]),
+                     figure(r["flicker"]), figure(r["jitter"])]))
+    out.sort(key=lambda o: o[:3])
+    return table(["video", "method", "ms", "LMSE", "flicker", "jitter"], [o[3] for o in out])
+
+
+def adaptivity(entries):
+    rows = []
+    for e in (e for e in entries if e["wall_ratio"]):
+        low, middle, high = e["wall_ratio"] or (None,) * 3
+        cpu = e["processor_ratio"]
+        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else f"{e['set']} {e['scene']}"),
+                     e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
+                     if None not in e["wall_ms"] else "–",
+                     f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})" if middle else "–",
+                     f"{cpu[1]:.2f} (≤ {cpu[2]:.2f})" if cpu else "–",
+                     f"{e['lmse20_added']:+.4f}" if "lmse20_added" in e else "–",
+                     f"{e['flicker_added']:+.4f}" if "flicker_added" in e else "–"])
+    return table(["method", "setting", "scene", "what happens", "ms without → with", "time saved (95 %)",
+                  "processor-time ratio (95 % bound)", "LMSE added", "flicker added"], rows)
+
+
+def extremes(cases):
+    rows = [[c["name"], f"{c['condition']:.1e}", figure(c.get("digits_plain"), 1), figure(c.get("digits_preconditioned"), 1)]
+            for c in sorted(cases, key=lambda c: c["condition"])]
+    return table(["case", "condition number", "digits kept, plain", "preconditioned"], rows)
+
+
+def elements(entries):
+    rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
+             f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.0f}", f"{e['first_frame_ms']:.0f}",
+             f"{e['device_bytes_per_pixel']:.0f}"] for e in entries]
+    return table(["element", "size", "ms a frame", "processor ms", "device ms", "frames a second", "first frame, ms",
+                  "device bytes a pixel"], rows)
+
+
+def write(results, folder, has):
+    """`has` names the plots that were drawn."""
+    rows, points = results["rows"], results["summary"]["own"]
+    machine = results["machine"]
+    knee = results["summary"]["knee"]
+    knee = " to ".join(dict.fromkeys([knee[0], knee[-1]])) if knee else None
+    out = ["""# What a millisecond buys
+
+Error against run time of every method, its peers and the no-solve answers, on the same machine in the same run. Made by
+`./dev bench""" + (" --full" if results["full"] else "") + "`; every figure is in [results.json](results.json).\n"]
+    out.append(headline(points) + "\n")
+    out.append("![Error against run time](work-precision.png)\n\n"
+               "*Mean over the project's own four stills. Left is faster, down is better; both axes are logarithmic. Circles: "
+               "`quality` presets, the default in bold. Bars: quartiles of run time. The gray band is the Pareto front. "
+               "Of a peer's settings the one with the least error is shown.*\n")
+    if has["picture"]:
+        out.append("![Layers](layers.jpg)\n\n*The still life: truth, and what methods make of it at their defaults (scaled to "
+                   "the truth by least squares).*\n")
+    out.append("## Each step of the ladder\n\nThe levels of work that `intrinsicdecomp` offers, as they ship: presets "
+               "(`quality=low|medium|high|best`; what is set explicitly wins), and the steps between them that live trade "
+               "(`target-fps`, `latency-budget`) takes. Single frames, own stills:\n\n" + exchange(points, "ladder") +
+               "\nFrames that continue a video, own videos:\n\n" +
+               exchange(results["summary"]["videos"], "video ladder") +
+               "\n## Each further cycle\n\nThe solve alone, at full resolution and with every cycle run:\n\n" +
+               exchange(points, "cycles"))
+    if knee:
+        out.append("The knee of this curve (the points farthest below the line between its ends, in logarithms of error and "
+                   f"{'processor' if 'llvmpipe' in results['device'] else 'device'} time) lies at **{knee} cycles**; the "
+                   "default is 4.\n")
+    if has["convergence"]:
+        out.append("![Convergence](convergence.png)\n\n"
+                   "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 48×8 iterations) in "
+                   "natural log units: 0.01 is one percent. The processor's solvers minimize `intrinsicdecomp`'s energy "
+                   "independently, in double precision, and are measured against the device's converged solution: where "
+                   "their curve ends is how well the two agree.*\n")
+    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, with the full frame "
+               "as a guide or without, reflectance from the full frame) and pyramid levels, each from the default.*\n")
+    out.append("## Everybody\n\n" + everybody(points, results["methods"]) +
+               "\nMeans over the own stills. `low` to `best`: presets. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the "
+               "thesis). Errors are means of reflectance and shading and invariant to scale; less is better but for MS-SSIM. "
+               "A dash: nothing to measure. WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
+               "with the least LMSE is shown.\n")
+    if has["regimes"]:
+        out.append("## By regime\n\n![By regime](regimes.png)\n\n" + by_regime(results["summary"]["regimes"]) +
+                   "\nOwn and given data together. No method is best everywhere: trivial answers win where their assumption "
+                   "holds (R = I / max_c I on palettes of one value). **Optimistic** for `intrinsicdecomp` are hard shadow and "
+                   "near-constant value of the given data, as a quarter of its prior's last fitting came from those sequences "
+                   "([accuracy](../measurements-accuracy.md)); the own set was never trained on.\n")
+    out.append(f"Given data: {results['data']}.\n")
+    out.append("## Videos\n\n" + videos(rows) +
+               "\nFlicker: standard deviation over time of ln reflectance where the truth stands still, one factor a frame "
+               "removed; jitter: the same from frame to frame only.\n")
+    out.append("## What leaving out saves\n\n")
+    if has["adaptivity"]:
+        out.append("![Adaptivity](adaptivity.png)\n\n")
+    out.append(adaptivity(results["adaptivity"]) +
+               "\nFrames of both settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
+    if results.get("duplicates"):
+        off, on = results["duplicates"]
+        out.append(f"A frame that comes again and again needs nothing at all: through the element at {off['width']}×"
+                   f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
+                   f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
+                   "of the processor).\n")
+    out.append("## Condition number against digits kept\n\n")
+    if results["extremes"]:
+        out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "
+                   "precision.*\n\n<details><summary>All cases</summary>\n\n" +
+                   extremes(results["extremes"]["cases"]) + "\n</details>\n")
+    else:
+        out.append("Not measured in this run: `tests/extremes` was not built.\n")
+    out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
+               "\nFrames of the bundled clip as NV12 from system memory to system memory.\n")
+    out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
+    for other in results.get("others", []):
+        out.append(f"## On {other['device']}\n\n" + exchange(other["points"], "ladder"))
+    load = max(machine["load_before"], machine["load_after"])
+    out.append(f"""## How it was made
+
+`./dev bench` takes about a minute, `./dev bench --full` a quarter of an hour: all frames of the given data and every
+setting. `--data DIR` names another folder of ground truth, `--against FILE` prints what got better or worse since an
+earlier `results.json`, `--add FILE` adds what `bench-methods` measured on another machine (it needs no more than libvulkan
+and `scenes`: see `tests/bench/methods_main.cpp`).
+
+- Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
+- The machine's load was {machine['load_before']:.1f} before and {machine['load_after']:.1f} after""" +
+               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2 else ".\n") +
+               """- All settings take turns on every frame, and programs take turns, several times; run time is the median. It is that of the
+  method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
+- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`).
+- Metrics: `tests/bench/metrics.hpp`; tested against closed forms and scikit-image.
+""")
+    (folder / "README.md").write_text("\n".join(out))

@@ -1,0 +1,157 @@
+"""From raw samples to figures: medians with quartiles, means of errors, fronts, knees.
+
+Everything here takes and gives plain dictionaries, as results.json has them.
+"""
+import math
+import random
+import statistics
+
+PIXELS = 320 * 240  # times are given for frames of this size
+ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr"]
+TIMES = ["wall_ms", "processor_ms", "device_ms"]
+
+
+def quartiles(samples):
+    """[first quartile, median, third quartile, count] of what is not None; None where nothing is left."""
+    values = sorted(v for v in samples if v is not None)
+    if not values:
+        return None
+    if len(values) == 1:
+        return [values[0]] * 3 + [1]
+    low, middle, high = statistics.quantiles(values, n=4, method="inclusive")
+    return [low, middle, high, len(values)]
+
+
+def key_of(row):
+    return (row["method"], row["curve"], row["setting"], row["device"], row["set"], row["scene"], row["video"])
+
+
+def merged(passes):
+    """The rows of several passes over the same settings as one: samples together, errors of whoever has them."""
+    rows = {}
+    for one in passes:
+        for row in one["rows"]:
+            known = rows.setdefault(key_of(row), row)
+            if known is row:
+                continue
+            for name in TIMES:
+                known[name] += row[name]
+            for name, values in row["stages_ms"].items():
+                known["stages_ms"].setdefault(name, []).extend(values)
+            for name in ERRORS + ["to_converged", "flicker", "jitter"]:
+                if name in row and name not in known:
+                    known[name] = row[name]
+    return list(rows.values())
+
+
+def mean(values):
+    values = [v for v in values if v is not None]
+    return statistics.fmean(values) if values else None
+
+
+def condensed(row):
+    """A row with samples turned into quartiles and errors into means over frames."""
+    out = {k: v for k, v in row.items() if k not in TIMES + ERRORS + ["to_converged", "stages_ms"]}
+    for name in TIMES:
+        out[name] = quartiles(row[name])
+    out["stages_ms"] = {n: quartiles(v)[1] for n, v in row["stages_ms"].items() if quartiles(v)}
+    for name in ERRORS + ["to_converged"]:
+        if name in row:
+            out[name] = mean(row[name])
+    return out
+
+
+def points(rows, video=False, sets=None, regime=None, device=None):
+    """One point for each method, curve and setting: means of errors over scenes (each weighs the same), times of all
+    scenes together for frames of PIXELS pixels."""
+    groups = {}
+    for row in rows:
+        if row["video"] != video or (sets and row["set"] not in sets) or (regime and row["regime"] != regime):
+            continue
+        if device and row["device"] not in (device, "processor"):
+            continue
+        groups.setdefault((row["device"], row["method"], row["curve"], row["setting"]), []).append(row)
+    scenes = {}
+    for (on, *_), group in groups.items():
+        scenes.setdefault(on, set()).update((r["set"], r["scene"]) for r in group)
+    out = []
+    for (on, method, curve, setting), group in groups.items():
+        if len(group) < len(scenes[on]):
+            continue  # errors over different scenes cannot be compared
+        point = {"device": on, "method": method, "curve": curve, "setting": setting, "order": group[0]["order"],
+                 "preset": group[0]["preset"], "base": group[0]["base"], "parameters": group[0]["parameters"],
+                 "scenes": len(group)}
+        for name in ERRORS + ["to_converged", "flicker", "jitter"]:
+            point[name] = mean(r.get(name) for r in group)
+        for name in TIMES:
+            scaled = [[q * PIXELS / (r["width"] * r["height"]) for q in r[name][:3]] for r in group if r[name]]
+            point[name] = [statistics.median(c) for c in zip(*scaled)] if scaled else None
+        out.append(point)
+    return sorted(out, key=lambda p: (p["method"], p["curve"], p["order"]))
+
+
+def front(all_points, error, time="wall_ms"):
+    """The points that no other beats in both time and error, by time."""
+    usable = [p for p in all_points if p[time] and p[error] is not None]
+    best, out = math.inf, []
+    for p in sorted(usable, key=lambda p: (p[time][1], p[error])):
+        if p[error] < best:
+            best = p[error]
+            out.append(p)
+    return out
+
+
+def steady_time(device):
+    """The clock to trust for fine differences: a software device's processor time, which other work hardly disturbs; a
+    GPU's own clock."""
+    return "processor_ms" if "llvmpipe" in device else "device_ms"
+
+
+def knee(curve, error, time="wall_ms"):
+    """The points of a curve that are farthest below the line between its ends (to nine tenths of the farthest), in the
+    logarithms of time and error: from there on a millisecond buys less than it did on average. By time."""
+    usable = sorted((p for p in curve if p[time] and p[error]), key=lambda p: p[time][1])
+    if len(usable) < 3:
+        return []
+    x = [math.log(p[time][1]) for p in usable]
+    y = [math.log(p[error]) for p in usable]
+    if x[-1] - x[0] < 1e-9:
+        return []
+    below = [y[0] + (y[-1] - y[0]) * (a - x[0]) / (x[-1] - x[0]) - b for a, b in zip(x, y)]
+    near = 0.9 * max(below)
+    return [p for p, depth in zip(usable, below) if depth >= near and depth > 0]
+
+
+def bootstrap_ratio(ours, theirs, rounds=1000):
+    """Median of paired ratios and its 95 % interval [low, median, high]; None where there are no pairs."""
+    pairs = [a / b for a, b in zip(ours, theirs) if a is not None and b]
+    if not pairs:
+        return None
+    draw = random.Random(1)
+    medians = sorted(statistics.median(draw.choices(pairs, k=len(pairs))) for _ in range(rounds))
+    return [medians[int(0.025 * rounds)], statistics.median(pairs), medians[int(0.975 * rounds)]]
+
+
+def adaptivity(rows):
+    """What leaving out saves, by setting and scene: rows that say against whom."""
+    by_key = {key_of(r): r for r in rows}
+    out = []
+    for row in rows:
+        if not row["against"]:
+            continue
+        curve, setting = row["against"].split("/", 1)
+        other = by_key.get((row["method"], curve, setting, *key_of(row)[3:]))
+        if not other:
+            continue
+        entry = {"method": row["method"], "setting": f"{row['curve']}={row['setting']}", "device": row["device"],
+                 "set": row["set"], "scene": row["scene"], "regime": row["regime"], "video": row["video"],
+                 "pairs": len(row["wall_ms"]), "wall_ms": [quartiles(r["wall_ms"])[1] if r["wall_ms"] else None
+                                                           for r in (other, row)]}
+        for name in TIMES:
+            entry[name.replace("_ms", "_ratio")] = bootstrap_ratio(row[name], other[name])
+        for name in ["lmse20", "flicker"]:
+            if name in row and name in other:
+                take = mean if name == "lmse20" else (lambda v: v)
+                entry[name + "_added"] = take(row[name]) - take(other[name])
+        out.append(entry)
+    return out

@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""Checks the report's arithmetic where the answer is known."""
+import math
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import against
+import summary
+
+
+def row(setting, times, error, scene="a", **more):
+    return {"method": "m", "curve": "c", "setting": setting, "order": 0, "preset": "", "base": False, "parameters": {},
+            "against": "", "device": "gpu", "set": "own", "scene": scene, "regime": "r", "video": False, "width": 320,
+            "height": 240, "frames": 1, "wall_ms": list(times), "processor_ms": list(times),
+            "device_ms": list(times), "stages_ms": {},
+            "lmse20": [error], **more}
+
+
+def results(*rows):
+    return {"methods": {"m": {"family": "method"}, "p": {"family": "peer"}},
+            "rows": [summary.condensed(r) for r in rows]}
+
+
+class Summary(unittest.TestCase):
+    def test_quartiles(self):
+        self.assertEqual(summary.quartiles([4, None, 1, 3, 2, 5]), [2, 3, 4, 5])
+        self.assertEqual(summary.quartiles([7]), [7, 7, 7, 1])
+        self.assertIsNone(summary.quartiles([None]))
+
+    def test_passes_are_joined(self):
+        first, second = row("1", [1, 2], 0.5), row("1", [3], 0.5)
+        del second["lmse20"]
+        joined = summary.merged([{"rows": [first]}, {"rows": [second]}])
+        self.assertEqual(len(joined), 1)
+        self.assertEqual(joined[0]["wall_ms"], [1, 2, 3])
+        self.assertEqual(joined[0]["lmse20"], [0.5])
+
+    def test_scenes_weigh_the_same_and_times_are_for_one_size(self):
+        large = row("1", [40], 0.3, scene="b", width=640, height=480)
+        points = summary.points(results(row("1", [10], 0.1), large)["rows"])
+        self.assertEqual(len(points), 1)
+        self.assertAlmostEqual(points[0]["lmse20"], 0.2)
+        self.assertAlmostEqual(points[0]["wall_ms"][1], 10)
+
+    def test_settings_that_miss_a_scene_are_left_out(self):
+        rows = results(row("1", [10], 0.1), row("1", [10], 0.3, scene="b"), row("2", [10], 0.1))["rows"]
+        self.assertEqual([p["setting"] for p in summary.points(rows)], ["1"])
+
+    def test_front_is_what_nothing_beats(self):
+        rows = results(row("slow good", [4], 0.1), row("fast bad", [1], 0.4), row("beaten", [5], 0.2),
+                       row("between", [2], 0.2))["rows"]
+        self.assertEqual([p["setting"] for p in summary.front(summary.points(rows), "lmse20")],
+                         ["fast bad", "between", "slow good"])
+
+    def test_knee_is_farthest_below_the_line(self):
+        curve = [{"setting": n, "wall_ms": [t, t, t], "e": e}
+                 for n, t, e in [("a", 1, 1), ("b", 2, 0.2), ("c", 10, 0.15), ("d", 100, 0.1)]]
+        self.assertEqual([p["setting"] for p in summary.knee(curve, "e")], ["b"])
+        self.assertEqual(summary.knee(curve[:2], "e"), [])
+
+    def test_ratio_of_pairs(self):
+        low, middle, high = summary.bootstrap_ratio([1, 2, 3, 4] * 5, [2, 4, 6, 8] * 5)
+        self.assertEqual((low, middle, high), (0.5, 0.5, 0.5))
+        self.assertIsNone(summary.bootstrap_ratio([None], [1]))
+
+    def test_adaptivity_compares_with_whom_it_says(self):
+        off, on = row("off", [10, 20, 30], 0.1), row("on", [5, 10, 15], 0.2, against="c/off")
+        entry, = summary.adaptivity([off, on])
+        self.assertEqual(entry["wall_ratio"][1], 0.5)
+        self.assertAlmostEqual(entry["lmse20_added"], 0.1)
+
+
+class Against(unittest.TestCase):
+    def lines(self, before, after):
+        return "\n".join(against.compare(before, after))
+
+    def test_noise_is_no_news(self):
+        text = self.lines(results(row("1", [9, 10, 11], 0.1)), results(row("1", [9.5, 10.4, 11.5], 0.1)))
+        self.assertIn("0 worse, 0 better", text)
+
+    def test_slower_and_worse(self):
+        text = self.lines(results(row("1", [9, 10, 11], 0.1)), results(row("1", [18, 20, 22], 0.2)))
+        self.assertIn("wall time × 2.00", text)
+        self.assertIn("lmse20 0.1000 → 0.2000", text)
+        self.assertIn("3 worse, 0 better", text)  # by the clock, by the device's, and the error
+
+    def test_a_slower_machine_is_no_news(self):
+        def peers(time):
+            return [row("1", [time] * 3, 0.1, scene=str(n), method="p", device="processor") for n in range(6)]
+        before = results(row("1", [9, 10, 11], 0.1), *peers(5))
+        after = results(row("1", [18, 20, 22], 0.1), *peers(10))
+        self.assertIn("0 worse, 0 better", self.lines(before, after))
+
+
+unittest.main()

@@ -1,0 +1,97 @@
+#include "tests/bench/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "tests/bench/flat_file.hpp"
+
+namespace inverse::bench {
+namespace {
+
+constexpr int kChannels = 8;
+
+std::string blanks(std::string text, char from, char to) {
+  std::replace(text.begin(), text.end(), from, to);
+  return text;
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path) {
+  const FlatFile file = read_flat(path);
+  std::map<std::string, std::string> words;
+  std::istringstream line(file.words);
+  for (std::string word; line >> word;) {
+    const std::size_t equals = word.find('=');
+    if (equals != std::string::npos) words[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  if (!words.count("set") || !words.count("scene") || file.frames.empty() ||
+      file.frames.front().channels != kChannels)
+    throw std::runtime_error(path + " is not a scene with truth");
+  Scene scene{words["set"],
+              blanks(words["scene"], '_', ' '),
+              blanks(words["regime"], '_', ' '),
+              words["video"] == "1",
+              {}};
+  for (const Image& all : file.frames) {
+    TruthFrame frame{channels(all, 0, 3), channels(all, 3, 3), channels(all, 6, 1),
+                     channels(all, 7, 1)};
+    if (std::all_of(frame.mask.data.begin(), frame.mask.data.end(), [](float v) { return v == 1; }))
+      frame.mask = {};
+    scene.frames.push_back(std::move(frame));
+  }
+  return scene;
+}
+
+void write_scene(const std::string& folder, const Scene& scene) {
+  FlatFile file;
+  file.words = "set=" + scene.set + " scene=" + blanks(scene.name, ' ', '_') +
+               " regime=" + blanks(scene.regime, ' ', '_') + " video=" + (scene.video ? "1" : "0");
+  for (const TruthFrame& frame : scene.frames) {
+    const Image all(frame.input.width, frame.input.height, 1, 1.0F);
+    file.frames.push_back(stacked({&frame.input, &frame.reflectance, &frame.shading,
+                                   frame.mask.empty() ? &all : &frame.mask}));
+  }
+  std::filesystem::create_directories(folder);
+  write_flat(folder + "/" + scene.set + "-" + blanks(scene.name, ' ', '_') + ".f32", file);
+}
+
+std::vector<Scene> read_scenes(const std::string& folder) {
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".f32") paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  std::vector<Scene> scenes;
+  for (const std::string& path : paths) scenes.push_back(read_scene(path));
+  return scenes;
+}
+
+Image halve(const Image& image, bool is_mask) {
+  Image out(image.width / 2, image.height / 2, image.channels);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      for (int c = 0; c < image.channels; ++c) {
+        const float mean =
+            0.25F * (image.at(2 * x, 2 * y, c) + image.at(2 * x + 1, 2 * y, c) +
+                     image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c));
+        out.at(x, y, c) = is_mask ? (mean > 0.999F ? 1.0F : 0.0F) : mean;
+      }
+  return out;
+}
+
+Image through_8_bits(const Image& linear) {
+  Image out = linear;
+  for (float& v : out.data) {
+    const float code = v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
+    const float rounded = std::round(std::clamp(code, 0.0F, 1.0F) * 255) / 255;
+    v = rounded <= 0.04045F ? rounded / 12.92F : std::pow((rounded + 0.055F) / 1.055F, 2.4F);
+  }
+  return out;
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,43 @@
+// What methods are measured on: stills and videos with ground truth, one flat dump each, so that
+// they can be carried to a machine that has no image libraries.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/image.hpp"
+
+namespace inverse::bench {
+
+/// A frame and its truth. Reflectance and shading have scales of their own.
+struct TruthFrame {
+  Image input;        ///< 3 channels, linear, [0, 1]
+  Image reflectance;  ///< 3 channels, linear
+  Image shading;      ///< 1 channel, linear
+  Image mask;         ///< 1 channel, 0 or 1; empty when every pixel counts; for scoring only
+};
+
+struct Scene {
+  std::string set;     ///< where it comes from: "own", "mit", …
+  std::string name;    ///< unique within the set
+  std::string regime;  ///< what makes it hard: "diverse value", …
+  bool video = false;  ///< frames follow each other; else each stands alone
+  std::vector<TruthFrame> frames;
+};
+
+/// The words after the numbers of the dump's first line are set=…, scene=…, regime=… and video=0|1
+/// with _ for blanks; the channels are I.rgb, R.rgb, S, mask. Throws std::runtime_error.
+Scene read_scene(const std::string& path);
+void write_scene(const std::string& folder, const Scene& scene);
+
+/// Every dump in a folder, by name.
+std::vector<Scene> read_scenes(const std::string& folder);
+
+/// Halves the size by 2 x 2 means; an odd last row or column is dropped. A mask stays 1 where all
+/// four are.
+Image halve(const Image& image, bool is_mask = false);
+
+/// Frames as a camera or a file would deliver them: through 8-bit sRGB and back.
+Image through_8_bits(const Image& linear);
+
+}  // namespace inverse::bench
