@@ -19,16 +19,16 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
 /// resolution, which makes the method forget earlier frames.
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.42, intrinsic_level<true, 3, 1, 0.1F, 0.01F>},
-       {0.48, intrinsic_level<true, 4, 2, 0.1F, 0.01F>},
-       {0.54, intrinsic_level<true, 4, 2, 0.05F, 0.01F>},
-       {0.63, intrinsic_level<true, 8, 4, 0.05F, 0.003F>},
-       {0.84, intrinsic_level<false, 4, 2, 0.1F, 0.01F>},
+      {{0.48, intrinsic_level<true, 3, 1, 0.1F, 0.01F>},
+       {0.55, intrinsic_level<true, 4, 2, 0.1F, 0.01F>},
+       {0.60, intrinsic_level<true, 4, 2, 0.05F, 0.01F>},
+       {0.68, intrinsic_level<true, 8, 4, 0.05F, 0.003F>},
+       {0.90, intrinsic_level<false, 4, 2, 0.1F, 0.01F>},
        {1.00, intrinsic_level<false, 4, 2, 0.05F, 0.01F>},
-       {1.21, intrinsic_level<false, 6, 3, 0.05F, 0.005F>},
-       {1.30, intrinsic_level<false, 8, 4, 0.05F, 0.003F>},
-       {1.70, intrinsic_level<false, 12, 8, 0.05F, 0.001F>},
-       {2.90, intrinsic_level<false, 24, 24, 0.05F, 1e-4F>}},
+       {1.16, intrinsic_level<false, 8, 4, 0.05F, 0.01F>},
+       {1.24, intrinsic_level<false, 8, 4, 0.05F, 0.003F>},
+       {1.53, intrinsic_level<false, 12, 8, 0.05F, 0.001F>},
+       {2.93, intrinsic_level<false, 24, 24, 0.05F, 1e-4F>}},
       {2, 5, 7, 9}};
   return ladder;
 }
