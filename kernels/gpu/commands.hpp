@@ -95,7 +95,7 @@ class Commands {
   /// Marks the end of a stage for `stages()`. At most kMaxStages a submit; further ones are not
   /// timed.
   void stage(const char* name);
-  static constexpr uint32_t kMaxStages = 31;
+  static constexpr uint32_t kMaxStages = 127;
 
   /// Hands the recorded work to the device.
   void submit();
