@@ -75,7 +75,7 @@ void Decomposer::process(FrameWork& frame) {
   draw(frame, settings.show);
   // Clusters follow the last frames, also those that are alike.
   const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
-  frame.same_picture = kept && drawn_ == settings.show;
+  frame.same_picture = kept && steady && drawn_ == settings.show;
   drawn_ = settings.show;
 }
 

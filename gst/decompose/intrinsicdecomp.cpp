@@ -116,6 +116,9 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
             "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
             "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
         number<P>(
+            "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
+            "Frames after a cut or a gap that it takes until the temporal weight is whole"),
+        number<P>(
             "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
             "Change of chroma that halves the temporal weight, natural log units"),
         number<P>(
@@ -125,8 +128,20 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
             "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
             "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
         number<P>(
-            "temporal-still", [](P& p) -> float& { return p.anchor.anchor_still; }, 0.f, 100.f,
-            "How many times the temporal weight is added where the light stays, too"),
+            "temporal-motion", [](P& p) -> float& { return p.anchor.anchor_motion; }, 1e-2f, 100.f,
+            "Share of the texture around a place that halves the temporal weight when it moves"),
+        number<P>(
+            "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
+            "Share of the last frame's reflectance that stays where neither content nor light "
+            "changes; more averages sensor noise over more frames"),
+        number<P>(
+            "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
+            "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units"),
+        number<P>(
+            "temporal-hold-texture", [](P& p) -> float& { return p.anchor.hold_texture; }, 1e-3f,
+            10.f,
+            "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
+            "natural log units"),
         number<P>(
             "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
             "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "

@@ -12,6 +12,7 @@ struct Params : ThesisParams, DecomposerParams {
 
 Params preset(const Params& set) {
   Params params;
+  params.settled = 0.01F;
   params.quality = set.quality;
   thesis_ladder().set(params, set.quality);
   return params;
@@ -27,18 +28,20 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
-    gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
-                      method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
-                      "keyframes", G_TYPE_INT, method.keyframes, "residual", G_TYPE_DOUBLE,
-                      static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
-                      static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
-                      method.cluster_count, nullptr);
+    gst_structure_set(
+        stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
+        method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations, "iterations",
+        G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT, method.keyframes, "residual",
+        G_TYPE_DOUBLE, static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
+        static_cast<double>(method.gauge), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
-    method_->set_params(params());
+    ThesisParams in_force = params();
+    if (!params().adaptive) in_force.settled = 0;
+    method_->set_params(in_force);
     return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
   }
 
@@ -59,9 +62,14 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
         number<P>("seed", &P::seed, 0u, G_MAXUINT,
                   "Seed of sample positions and of the first clusters: the same seed "
                   "gives the same layers"),
-        flag<P>(
-            "adaptive", &P::adaptive,
-            "Leave out what a frame does not need: a picture that comes again keeps its layers"),
+        flag<P>("adaptive", &P::adaptive,
+                "Leave out what a frame does not need: a picture that comes again keeps its "
+                "layers, and "
+                "conjugate gradients end when the residual is small"),
+        number<P>(
+            "settled", &P::settled, 0.f, 1.f,
+            "Share of the residual of a level's first system, in the preconditioner's norm, at "
+            "which conjugate gradients end; 0 = all iterations run"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},

@@ -12,7 +12,7 @@ namespace inverse::gpu {
 namespace {
 
 constexpr uint32_t kSetsPerPool = 128;
-constexpr uint32_t kSlotsPerSet = 10;
+constexpr uint32_t kSlotsPerSet = 12;
 constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                                         VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
                                         VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
@@ -216,6 +216,7 @@ void Commands::dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buff
                     " workgroups, more than maxComputeWorkGroupCount; use a smaller frame");
   prepare(kernel, buffers, push);
   vkCmdDispatch(buffer_, groups, items.y, items.z);
+  if (stage_every_dispatch_) stage(kernel->name());
 }
 
 void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
@@ -225,6 +226,7 @@ void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const Buffer
   kept_.push_back(arguments);
   prepare(kernel, buffers, push);
   vkCmdDispatchIndirect(buffer_, arguments->handle(), offset);
+  if (stage_every_dispatch_) stage(kernel->name());
 }
 
 void Commands::begin_when(const BufferPtr& condition, uint64_t offset) {

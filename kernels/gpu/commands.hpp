@@ -96,6 +96,9 @@ class Commands {
   /// timed.
   void stage(const char* name);
   static constexpr uint32_t kMaxStages = 127;
+  /// Whether every dispatch is a stage of its own, named as its kernel: for benchmarks, as every
+  /// mark waits.
+  void stage_every_dispatch(bool every) { stage_every_dispatch_ = every; }
 
   /// Hands the recorded work to the device.
   void submit();
@@ -148,6 +151,7 @@ class Commands {
   bool in_when_ = false;
   bool in_flight_ = false;
   bool timed_out_ = false;
+  bool stage_every_dispatch_ = false;
 };
 
 /// How many frames an element may have in flight: who keeps something for each needs so many.

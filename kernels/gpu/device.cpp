@@ -300,6 +300,7 @@ void Device::read_properties() {
                           (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
+  variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
   variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
   if (variant_.conditional) {
     begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(

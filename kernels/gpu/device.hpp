@@ -31,6 +31,9 @@ struct Variant {
   /// Invocations per workgroup along x (specialization constant 0), a multiple of 8.
   /// `INVERSE_WORKGROUP=N`.
   uint32_t workgroup = 64;
+  /// A table of sums for every invocation, added up afterwards, instead of one that all share
+  /// through atomics: what a CPU prefers. `INVERSE_OWN_TABLES=0|1`.
+  bool own_tables = false;
   /// Invocations of a kernel that is one workgroup and works in steps with a barrier between: few
   /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
   /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.

@@ -11,7 +11,7 @@ PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);  // s'
 PLANE_IN(3, far);
-PLANE_IN(4, means);
+SCALAR_IN(4, means);
 PLANE_OUT(5, system);  // of stride 4
 PLANE_OUT(6, wanted);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
@@ -26,7 +26,8 @@ void main() {
     uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
     vec2 fraction;
     uvec2 bin = bin_of(FETCH(cells, int(CELL_STRIDE * cell)).yz, fraction);
-    vec4 four = FETCH(means, int(bin.y * uint(kBins) + bin.x));
+    int from = int(bin.y) * kBins + int(bin.x);
+    vec4 four = vec4(FETCH1(means, from), FETCH1(means, from + 1), FETCH1(means, from + kBins), FETCH1(means, from + kBins + 1));
     bvec4 known = lessThan(four, vec4(kEmptyBin));
     vec4 hat = mix(vec4(0.0), hats(fraction), known);
     float sum = dot(hat, vec4(1.0)), r = dot(hat, mix(vec4(0.0), four, known)) / max(sum, 1e-20);

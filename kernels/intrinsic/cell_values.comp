@@ -35,10 +35,10 @@ void main() {
     f[0] = 2.0 * p.w - 0.7;
     f[1] = clamp((p.x - mean) / 1.5, -2.0, 2.0);
     f[2] = clamp(0.5 * (p.x + 4.0), -1.0, 2.0);
-    f[3] = cue(activity.x, 2.5);
-    f[4] = cue(activity.y, 2.5);
+    f[3] = cue(activity.x);
+    f[4] = cue(activity.y);
     f[5] = clamp(around.x + around.w, -2.0, 2.0);
-    f[6] = cue(length(around.yz), 2.0);
+    f[6] = cue(length(around.yz));
     vec4 sums[CELL_VECTORS];
     CELL_BIASES(sums);
     vec3 result = cell_net(f, sums);

@@ -14,6 +14,8 @@ namespace inverse {
 namespace {
 
 constexpr uint32_t kBins = 48 * 48;  // as in bins.glsl
+constexpr uint32_t kTables = 16;     // tables of bins where invocations have their own
+constexpr uint32_t kTableLanes = 8;  // invocations that one processor advances together
 
 struct SplatPush {
   uint32_t width, height;
@@ -24,15 +26,22 @@ struct SplatPush {
 
 ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : cells_(cells),
-      weigh_(device->kernel(shaders::intrinsic_bin_splat, {1})),
-      splat_(device->kernel(shaders::intrinsic_bin_splat, {0})),
-      mean_(device->kernel(shaders::intrinsic_bin_means)),
+      tables_(device->variant().own_tables ? kTables : 1),
+      weigh_(device->kernel(shaders::intrinsic_bin_splat, {1, tables_},
+                            tables_ > 1 ? kTableLanes : 0)),
+      splat_(device->kernel(shaders::intrinsic_bin_splat, {0, tables_},
+                            tables_ > 1 ? kTableLanes : 0)),
+      mean_(device->kernel(shaders::intrinsic_bin_means, {tables_})),
       slice_(device->kernel(shaders::intrinsic_bin_slice)),
       force_(device->kernel(shaders::intrinsic_force)),
-      weights_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
-      totals_(gpu::Buffer::create(device, gpu::Element::word, kBins)),
-      means_(gpu::Buffer::create(device, gpu::Element::vec4, kBins)),
+      weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
+      totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
+      means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
       wanted_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(cells))) {}
+
+gpu::Items ChromaBins::splat_items() const {
+  return line_of(tables_ > 1 ? tables_ : quads_of(cells_));
+}
 
 void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
                                 const gpu::BufferPtr& terms, float most_weight) {
@@ -40,13 +49,13 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
   scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * most_weight, 1e-20F);
   commands.fill(weights_);
   commands.dispatch(weigh_, {guide.cells(), terms, terms, terms, weights_},
-                    SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
+                    SplatPush{cells_.width, cells_.height, scale_}, splat_items());
 }
 
 void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State& state) const {
   commands.fill(totals_);
   commands.dispatch(splat_, {guide.cells(), state.terms, state.means, state.correction, totals_},
-                    SplatPush{cells_.width, cells_.height, scale_}, line_of(quads_of(cells_)));
+                    SplatPush{cells_.width, cells_.height, scale_}, splat_items());
   commands.dispatch(mean_, {weights_, totals_, means_}, {kBins});
   const std::array<uint32_t, 2> size{cells_.width, cells_.height};
   commands.dispatch(

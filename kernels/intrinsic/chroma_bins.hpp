@@ -28,7 +28,10 @@ class ChromaBins {
   void record_force(gpu::Commands& commands, const State& state) const;
 
  private:
+  gpu::Items splat_items() const;
+
   Extent cells_;
+  uint32_t tables_;
   float scale_ = 1;
   gpu::KernelPtr weigh_, splat_, mean_, slice_, force_;
   gpu::BufferPtr weights_, totals_, means_, wanted_;

@@ -29,8 +29,10 @@ struct Push {
 
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : fold_(device->kernel(shaders::intrinsic_fold)),
-      edges_(device->kernel(shaders::intrinsic_edges, {0})),
-      listed_edges_(device->kernel(shaders::intrinsic_edges, {1})),
+      edges_{device->kernel(shaders::intrinsic_edges, {0, 0}),
+             device->kernel(shaders::intrinsic_edges, {1, 0})},
+      listed_edges_{device->kernel(shaders::intrinsic_edges, {0, 1}),
+                    device->kernel(shaders::intrinsic_edges, {1, 1})},
       values_(device->kernel(shaders::intrinsic_cell_values)),
       change_(device->kernel(shaders::intrinsic_change)),
       launch_(device->kernel(shaders::intrinsic_launch)),
@@ -50,12 +52,14 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
       guide.level0(), guide.level1(), guide.cells(), guide.statistics(), biases_,
       control_,       list_,          target.system, target.flux};
   const auto bytes = std::as_bytes(std::span(&push, 1));
-  if (listed)
-    commands.dispatch_indirect(listed_edges_, buffers, bytes, control_, kEdgeArguments);
-  else
-    commands.dispatch(
-        edges_, buffers, bytes,
-        line_of(static_cast<uint64_t>(quads_of(extent.width)) * ((extent.height + 1) / 2)));
+  for (const int direction : {0, 1})
+    if (listed)
+      commands.dispatch_indirect(listed_edges_[direction], buffers, bytes, control_,
+                                 kEdgeArguments);
+    else
+      commands.dispatch(
+          edges_[direction], buffers, bytes,
+          line_of(static_cast<uint64_t>(quads_of(extent.width)) * ((extent.height + 3) / 4)));
 }
 
 void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -88,7 +92,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
   commands.dispatch(change_,
                     {guide.level1(), kept_, guide.statistics(), kept_statistics_, control_, list_},
                     change, line_of(tiles_));
-  const std::array<uint32_t, 2> launch{tiles_, listed_edges_->workgroup()};
+  const std::array<uint32_t, 2> launch{tiles_, listed_edges_[0]->workgroup()};
   commands.dispatch(launch_, {guide.statistics(), control_, kept_statistics_}, launch, {});
   commands.dispatch(fold_, {guide.statistics(), biases_}, {});
   record_edges(commands, guide, target, params, true);

@@ -58,7 +58,9 @@ class EdgePrior {
   void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
                      const Params& params) const;
 
-  gpu::KernelPtr fold_, edges_, listed_edges_, values_, change_, launch_, keep_;
+  gpu::KernelPtr fold_;
+  gpu::KernelPtr edges_[2], listed_edges_[2];  // to the right, down
+  gpu::KernelPtr values_, change_, launch_, keep_;
   uint32_t tiles_;
   gpu::BufferPtr biases_, control_, list_, kept_, kept_statistics_;
   Params known_params_;

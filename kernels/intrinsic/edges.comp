@@ -1,15 +1,19 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 #include "guide.glsl"
 #include "tiles.glsl"
 
 // EdgePrior, pixels: from local cues of the guide, how much of every step is paint (a) and how much is light (b). An
-// invocation has a block of 4 x 2 pixels, edges to the right and down. What edges share is evaluated once: the surroundings
-// on level 2 for up to six edges, those on level 1 for the two edges side by side in the same cells. All loops are rolled, so
-// that the function is compiled once. With kListed, blocks of the tiles on a list only (change.comp).
-layout(constant_id = 1) const bool kListed = false;
+// invocation has a block of 4 x 4 pixels and their edges to the right or, with kDown, down. What edges share is evaluated
+// once: the surroundings on level 2 for up to twelve edges, those on level 1 for the two edges side by side in the same
+// cells, and along a row or column a pixel and a step serve the edges before and after. Only the two edges side by side are
+// unrolled, so that the function is compiled twice and not sixteen times. With kListed, blocks of the tiles on a list only
+// (change.comp).
+layout(constant_id = 1) const bool kDown = false;
+layout(constant_id = 2) const bool kListed = false;
 PLANE_IN(0, level0);
 PLANE_IN(1, level1);
 PLANE_IN(2, cells);
@@ -30,88 +34,119 @@ layout(push_constant) uniform Push {
 // How much more the largest channel steps than the mean does.
 float value_step(vec4 step) { return 5.0 * clamp(abs(step.x + step.w) - abs(step.x), -0.4, 0.4); }
 
+ivec2 last = push.size - 1;
+
+// Level 0 at a place that may lie beyond the border.
+vec4 pixel(ivec2 at) {
+  at = clamp(at, ivec2(0), last);
+  return FETCH(level0, at.y * push.size.x + at.x);
+}
+
 void main() {
   int quads = int(QUADS(uint(push.size.x)));
-  ivec2 block = ivec2(grid_position(uint(quads))) * ivec2(4, 2), last = push.size - 1;
+  ivec2 block = ivec2(grid_position(uint(quads))) * 4;
   if (kListed) {
     int i = int(gl_GlobalInvocationID.x), slot = i / TILE_BLOCKS, columns = (push.size.x + TILE - 1) / TILE;
     if (slot >= int(FETCH1(control, CONTROL_COUNT))) return;
     int tile = int(FETCH1(list, slot));
-    block = ivec2(tile % columns, tile / columns) * TILE + ivec2(i % 4, i % TILE_BLOCKS / 4) * ivec2(4, 2);
+    block = ivec2(tile % columns, tile / columns) * TILE + ivec2(i % 4, i % TILE_BLOCKS / 4) * 4;
     if (block.x > last.x) return;
   }
   if (block.y > last.y) return;
+  const ivec2 d = kDown ? ivec2(0, 1) : ivec2(1, 0);
   ivec2 size1 = (push.size + 1) / 2, size2 = (size1 + 1) / 2;
   float mean = FETCH(statistics, 0).x;
-  for (int direction = 0; direction < 2; ++direction) {
-    ivec2 d = direction == 0 ? ivec2(1, 0) : ivec2(0, 1);
-    int stride = direction == 0 ? 1 : push.size.x;
-    vec4 weights = vec4(0.0), fluxes = vec4(0.0), other_weights = vec4(0.0), other_fluxes = vec4(0.0);  // of both rows
-    for (int part = 0; part < 2; ++part) {
-      // Pairs of edges 0 to 3: to the right columns 0 to 2, then 3, in which both rows share; down rows 0, then 1, two
-      // pairs of columns each. A part shares its place on level 2.
-      int from = part == 0 ? 0 : 3 - direction, to = part == 0 ? 3 - direction : 4;
-      float f[EDGE_CUES];
-      vec4 far[EDGE_VECTORS];
+  float f[EDGE_CUES];
+  // Of the surroundings on level 2, which the first three columns (rows) share; the last has its own.
+  vec4 far[EDGE_VECTORS], last_far[EDGE_VECTORS];
+  for (int part = 0; part < 2; ++part) {
+    far = last_far;
+    ivec2 at = min(block + 3 * part * d, last), p = max(at - 3 * d, ivec2(0)) >> 2, q = min((at + 4 * d) >> 2, size2 - 1);
+    int cell_p = CELL_STRIDE * (p.y * size2.x + p.x), cell_q = CELL_STRIDE * (q.y * size2.x + q.x);
+    vec4 step = FETCH(cells, cell_p) - FETCH(cells, cell_q);
+    vec4 activity = 0.5 * (FETCH(cells, cell_p + 1) + FETCH(cells, cell_q + 1));
+    f[4] = cue(abs(step.x));
+    f[5] = cue(length(step.yz));
+    f[6] = cue(activity.x);
+    f[7] = cue(activity.y);
+    EDGE_BIASES(last_far);
+    edge_stage0(f, last_far);
+  }
+  vec4 weights[4], fluxes[4];  // rows; those to the right are written as soon as two are complete
+  for (int run = 0; run < 2; ++run) {  // two rows or columns side by side
+    ivec2 start = block + 2 * run * d.yx;
+    vec4 p[2], q[2];
+    float before_m[2], before_c[2], here_m[2], here_c[2];  // sizes of the steps into p and from p to q
+    [[unroll]] for (int side = 0; side < 2; ++side) {
+      ivec2 at = start + side * d.yx;
+      p[side] = pixel(at);
+      q[side] = pixel(at + d);
+      vec4 before = pixel(at - d) - p[side], here = p[side] - q[side];
+      before_m[side] = abs(before.x);
+      before_c[side] = length(before.yz);
+      here_m[side] = abs(here.x);
+      here_c[side] = length(here.yz);
+    }
+    for (int pair = 0; pair < 4; ++pair) {
+      ivec2 place = start + pair * d;
+      vec4 sums[EDGE_VECTORS];
+      for (int k = 0; k < EDGE_VECTORS; ++k) sums[k] = pair == 3 ? last_far[k] : far[k];
       {
-        ivec2 at = min(block + (direction == 0 ? ivec2(from, 0) : ivec2(0, part)), last);
-        ivec2 p = max(at - 3 * d, ivec2(0)) >> 2, q = min((at + 4 * d) >> 2, size2 - 1);
-        int cell_p = CELL_STRIDE * (p.y * size2.x + p.x), cell_q = CELL_STRIDE * (q.y * size2.x + q.x);
-        vec4 step = FETCH(cells, cell_p) - FETCH(cells, cell_q);
-        vec4 activity = 0.5 * (FETCH(cells, cell_p + 1) + FETCH(cells, cell_q + 1));
-        f[4] = cue(abs(step.x), 2.0);
-        f[5] = cue(length(step.yz), 2.0);
-        f[6] = cue(activity.x, 2.5);
-        f[7] = cue(activity.y, 2.5);
-        EDGE_BIASES(far);
-        edge_stage0(f, far);
+        ivec2 at = min(place, last), p1 = max(at - d, ivec2(0)) >> 1, q1 = min((at + 2 * d) >> 1, size1 - 1);
+        vec4 step = FETCH(level1, p1.y * size1.x + p1.x) - FETCH(level1, q1.y * size1.x + q1.x);
+        f[2] = cue(abs(step.x));
+        f[3] = cue(length(step.yz));
+        f[11] = value_step(step);
+        edge_stage1(f, sums);
       }
-      for (int pair = from; pair < to; ++pair) {
-        ivec2 place = direction == 0 ? ivec2(pair, 0) : ivec2(2 * (pair & 1), pair >> 1);
-        vec4 sums[EDGE_VECTORS] = far;
-        {
-          ivec2 at = min(block + place, last), p = max(at - d, ivec2(0)) >> 1, q = min((at + 2 * d) >> 1, size1 - 1);
-          vec4 step = FETCH(level1, p.y * size1.x + p.x) - FETCH(level1, q.y * size1.x + q.x);
-          f[2] = cue(abs(step.x), 2.5);
-          f[3] = cue(length(step.yz), 2.5);
-          f[11] = value_step(step);
-          edge_stage1(f, sums);
+      vec2 new_weights, new_fluxes;
+      [[unroll]] for (int side = 0; side < 2; ++side) {
+        ivec2 at = place + side * d.yx;
+        vec4 beyond = pixel(at + 2 * d), step = p[side] - q[side], after = q[side] - beyond;
+        float after_m = abs(after.x), after_c = length(after.yz);
+        f[0] = cue(here_m[side]);
+        f[1] = cue(here_c[side]);
+        f[8] = clamp((0.5 * (p[side].x + q[side].x) - mean) * (1.0 / 1.5), -2.0, 2.0);
+        f[9] = p[side].w + q[side].w - 0.7;
+        f[10] = value_step(step);
+        f[12] = cue(before_m[side] + after_m);
+        f[13] = cue(before_c[side] + after_c);
+        f[14] = clamp(0.5 * (min(p[side].x, q[side].x) + 4.0), -1.0, 2.0);
+        vec2 result = edge_net(f, sums);
+        float on = all(lessThanEqual(at + d, last)) ? 1.0 : 0.0;
+        float a = on * push.reflectance_weight * weight(result.x), b = on * push.shading_weight * weight(result.y);
+        new_weights[side] = a + b;
+        new_fluxes[side] = a * step.x;
+        before_m[side] = here_m[side];
+        before_c[side] = here_c[side];
+        here_m[side] = after_m;
+        here_c[side] = after_c;
+        p[side] = q[side];
+        q[side] = beyond;
+      }
+      if (kDown) {  // one row gets two more, and then it is the next one's turn
+        vec4 row = weights[0], flux_row = fluxes[0];
+        [[unroll]] for (int k = 0; k < 3; ++k) {
+          weights[k] = weights[k + 1];
+          fluxes[k] = fluxes[k + 1];
         }
-        for (int side = 0; side < 2; ++side) {
-          ivec2 pixel = block + place + side * d.yx, at = min(pixel, last);
-          int along = direction == 0 ? at.x : at.y, end = direction == 0 ? last.x : last.y;
-          int here = at.y * push.size.x + at.x, next = here + (along < end ? stride : 0);
-          vec4 p = FETCH(level0, here), q = FETCH(level0, next), step = p - q;
-          vec4 step_before = FETCH(level0, here - (along > 0 ? stride : 0)) - p;
-          vec4 step_after = q - FETCH(level0, next + (along + 1 < end ? stride : 0));
-          f[0] = cue(abs(step.x), 3.0);
-          f[1] = cue(length(step.yz), 3.0);
-          f[8] = clamp((0.5 * (p.x + q.x) - mean) * (1.0 / 1.5), -2.0, 2.0);
-          f[9] = p.w + q.w - 0.7;
-          f[10] = value_step(step);
-          f[12] = cue(abs(step_before.x) + abs(step_after.x), 3.0);
-          f[13] = cue(length(step_before.yz) + length(step_after.yz), 3.0);
-          f[14] = clamp(0.5 * (min(p.x, q.x) + 4.0), -1.0, 2.0);
-          vec2 result = edge_net(f, sums);
-          float on = pixel == at && along < end ? 1.0 : 0.0;
-          float a = on * push.reflectance_weight * weight(result.x), b = on * push.shading_weight * weight(result.y);
-          vec4 new_weights = vec4(weights.yzw, a + b), new_fluxes = vec4(fluxes.yzw, a * step.x);
-          // The next edge belongs to the other row: always to the right, after four edges down.
-          bool turn = direction == 0 || ((pair & 1) == 1 && side == 1);
-          weights = turn ? other_weights : new_weights;
-          fluxes = turn ? other_fluxes : new_fluxes;
-          other_weights = turn ? new_weights : other_weights;
-          other_fluxes = turn ? new_fluxes : other_fluxes;
+        weights[3] = vec4(row.zw, new_weights);
+        fluxes[3] = vec4(flux_row.zw, new_fluxes);
+      } else {  // both rows get one more
+        [[unroll]] for (int side = 0; side < 2; ++side) {
+          weights[side] = vec4(weights[side].yzw, new_weights[side]);
+          fluxes[side] = vec4(fluxes[side].yzw, new_fluxes[side]);
         }
       }
     }
-    uint at = uint(block.y * quads + block.x / 4);
-    STORE(system, 3u * at + uint(direction), weights);
-    STORE(flux, FLUX_STRIDE * at + uint(direction), fluxes);
-    if (block.y < last.y) {
-      at += uint(quads);
-      STORE(system, 3u * at + uint(direction), other_weights);
-      STORE(flux, FLUX_STRIDE * at + uint(direction), other_fluxes);
-    }
+    if (!kDown || run == 1)
+      [[unroll]] for (int k = 0; k < (kDown ? 4 : 2); ++k) {
+        int y = (kDown ? block.y : start.y) + k;
+        uint at = uint(y * quads + block.x / 4);
+        if (y <= last.y) {
+          STORE(system, 3u * at + (kDown ? SYSTEM_DOWN : SYSTEM_RIGHT), weights[k]);
+          STORE(flux, FLUX_STRIDE * at + (kDown ? FLUX_DOWN : FLUX_RIGHT), fluxes[k]);
+        }
+      }
   }
 }

@@ -3,13 +3,14 @@
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here
 //        + sum over cells  v (s' - V)^2                  value prior: pins scale and low frequencies
 //                        + g (m' - s' - r_bin)^2         equal chroma, equal reflectance (soft)
-//        + sum over pixels t (m - s - r_previous)^2      temporal anchor; t is the same all over a cell
+//        + sum over pixels t (s - s_before)^2            temporal anchor; t is the same all over a cell
 //
-// d is the step across an edge, m the mean log intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
+// s_before is what s is if reflectance is what it was in the frame before. d is the step across an edge, m the mean log
+// intensity; cells are 4 x 4 pixels, and m' and s' means over a cell.
 // Reflectance is r = i - s exactly, so that the data and chromaticity terms of Eqs. 3.5 and 3.10 vanish. a, b, v, V, g
 // come from EdgePrior. E is quadratic; setting its gradient to zero,
 //
-//   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t (m_x - r_previous)
+//   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t s_before
 //   cells    screen = v + g                  pull = v V                              (added on multigrid level 2)
 #include "quad.glsl"
 

@@ -3,7 +3,7 @@
 #include "../gpu/common.glsl"
 #include "gauge.glsl"
 
-// One invocation: the quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.
+// One invocation: the mean around a quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.
 //   gauge[0] = ln c, where R c and S / c go out; 1 once a frame had a say, -, -
 WORD_INOUT(0, counts);
 PLANE_IN(1, verdict);  // .y = 0 at a cut (verdict.comp)
@@ -19,11 +19,15 @@ void main() {
   if (gl_GlobalInvocationID.x > 0u) return;
   uint total = 0u;
   for (uint i = 0u; i < kGaugeBins; ++i) total += LOAD(counts, i);
-  float reach = push.quantile * float(total);
-  uint sum = 0u, bin = 0u;
+  // Ranks around the quantile, half of what lies above it wide on either side: a quantile alone jumps where it falls between
+  // two surfaces.
+  float center = push.quantile * float(total), reach = max(0.5 * (float(total) - center), 0.5);
+  float low = clamp(center - reach, 0.0, float(total) - 0.5), high = min(center + reach, float(total));
+  float below = 0.0, sum = 0.0;
   for (uint i = 0u; i < kGaugeBins; ++i) {
-    if (float(sum) < reach) bin = i;
-    sum += LOAD(counts, i);
+    float above = below + float(LOAD(counts, i));
+    sum += max(min(above, high) - max(below, low), 0.0) * gauge_value(i);
+    below = above;
     STORE(counts, i, 0u);
   }
   vec4 before = LOAD(gauge, 0);
@@ -34,6 +38,6 @@ void main() {
     STORE(gauge, 0, known ? before : vec4(0.0));
     return;
   }
-  float wanted = push.log_target - gauge_value(bin);
+  float wanted = push.log_target - sum / (high - low);
   STORE(gauge, 0, vec4(known ? mix(before.x, wanted, push.share) : wanted, 1.0, 0.0, 0.0));
 }

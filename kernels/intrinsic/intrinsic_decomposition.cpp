@@ -10,10 +10,6 @@ INVERSE_SHADER(intrinsic_assemble);
 INVERSE_SHADER(intrinsic_layers);
 
 namespace inverse {
-namespace {
-constexpr uint64_t kStartStride = 2;  // vec4 a quad of cells of `start_` (cell_terms.comp)
-}
-
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
     : device_(std::move(device)),
       extent_(extent),
@@ -28,7 +24,8 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1})),
       assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
       anchored_assemble_(device_->kernel(shaders::intrinsic_assemble, {1})),
-      layers_(device_->kernel(shaders::intrinsic_layers)) {
+      layers_(device_->kernel(shaders::intrinsic_layers, {0})),
+      anchored_layers_(device_->kernel(shaders::intrinsic_layers, {1})) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
   };
@@ -36,26 +33,32 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
   value_ = buffer(cell_quads * EdgePrior::kValueStride);
   terms_ = buffer(cell_quads * Multigrid::kTermsStride);
-  start_ = buffer(cell_quads * kStartStride);
+  start_ = buffer(cell_quads * TemporalAnchor::kStartStride);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
-                                      bool anchored) {
-  if (anchored) anchor_.record(commands, guide_, params);
+                                      bool anchored, bool continues) {
+  if (anchored) anchor_.record(commands, guide_, params, continues);
   const Extent cells = guide_.cell_extent();
   const struct {
     uint32_t width, height;
-    float anchor, still, light;
-  } push{cells.width, cells.height, params.anchor_weight, params.anchor_still,
-         1 / params.anchor_light};
+    float anchor, frames, motion, hold, light;
+  } push{cells.width,
+         cells.height,
+         params.anchor_weight,
+         params.anchor_frames,
+         1 / params.anchor_motion,
+         params.hold,
+         1 / params.hold_light};
   commands.dispatch(anchored ? anchored_terms_kernel_ : terms_kernel_,
                     {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
-                     anchor_.kept(), terms_, start_, multigrid_.cell_force()},
+                     anchor_.kept(), multigrid_.cell_means(), multigrid_.cell_correction(), terms_,
+                     start_, multigrid_.cell_force()},
                     push, line_of(quads_of(cells)));
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(anchored ? anchored_assemble_ : assemble_,
-                    {flux_, start_, guide_.level0(), multigrid_.cell_force(), multigrid_.system(),
-                     multigrid_.field(), anchor_.mean()},
+                    {flux_, start_, guide_.level0(), multigrid_.cell_force(), anchor_.memory(),
+                     multigrid_.field(), multigrid_.system(), multigrid_.field(), anchor_.now()},
                     size, line_of(quads_of(extent_)));
 }
 
@@ -85,6 +88,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
+  const bool continues = stats_.history;  // the frame before had one before it
   stats_ = {};
   stats_.levels = multigrid_.depth();
   stats_.history = history_ && params.anchor.anchor_weight > 0;
@@ -103,7 +107,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   else
     prior_.record(commands, guide_, target, params.prior);
   commands.stage("prior");
-  assemble(commands, params.anchor, stats_.history);
+  assemble(commands, params.anchor, stats_.history, continues);
   commands.stage("assemble");
   solve(commands, params);
 
@@ -114,11 +118,16 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                                            : History::none,
                 params.gauge);
   const PlanePtr intrinsic = planes_.acquire();
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(layers_,
-                    {input->buffer, multigrid_.field(), guide_.cells(), guide_.wide(),
-                     gauge_.value(), intrinsic->buffer, anchor_.kept()},
-                    size, line_of(guide_.cell_extent().pixels()));
+  const struct {
+    uint32_t width, height;
+    float texture;
+  } push{extent_.width, extent_.height, 1 / params.anchor.hold_texture};
+  commands.dispatch(stats_.history ? anchored_layers_ : layers_,
+                    {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_,
+                     anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
+                     multigrid_.field(), anchor_.kept(), intrinsic->buffer},
+                    push, line_of(guide_.cell_extent().pixels()));
+  anchor_.advance();
   record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;

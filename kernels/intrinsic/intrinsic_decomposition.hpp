@@ -90,7 +90,8 @@ class IntrinsicDecomposition {
   };
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   void record_report(gpu::Commands& commands, bool adaptive);
-  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored);
+  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored,
+                bool continues);
   void solve(gpu::Commands& commands, const Params& params);
 
   std::shared_ptr<gpu::Device> device_;
@@ -102,7 +103,8 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputGauge gauge_;
-  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_;
+  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, assemble_, anchored_assemble_, layers_,
+      anchored_layers_;
   gpu::BufferPtr flux_, value_, terms_, start_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;

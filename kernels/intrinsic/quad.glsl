@@ -13,15 +13,16 @@
 #define SHIFT_LEFT(quad, next) vec4((quad).yzw, (next).x)
 #define SHIFT_RIGHT(quad, before) vec4((before).w, (quad).xyz)
 
-// Position of this invocation on a grid of `columns` wide rows that is dispatched as one line, so that no lane is spent on
-// the ends of rows. The float quotient may be off by one; integer division costs more than the two corrections.
-uvec2 grid_position(uint columns) {
-  uint i = gl_GlobalInvocationID.x;
+// Where item i lies on a grid of `columns` wide rows. The float quotient may be off by one; integer division costs more than
+// the two corrections.
+uvec2 grid_place(uint i, uint columns) {
   uint y = uint((float(i) + 0.5) / float(columns));
   if (y * columns > i) --y;
   if (i - y * columns >= columns) ++y;
   return uvec2(i - y * columns, y);
 }
+// Position of this invocation on a grid that is dispatched as one line, so that no lane is spent on the ends of rows.
+uvec2 grid_position(uint columns) { return grid_place(gl_GlobalInvocationID.x, columns); }
 
 // How much every one of up to four pixels counts in a mean over a cell that has `count` of them: 2 x 2 means twice over,
 // with the last row or column of an odd border counted twice.

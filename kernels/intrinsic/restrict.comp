@@ -26,28 +26,16 @@ layout(push_constant) uniform Push {
 
 int quads = int(QUADS(push.size.x));
 
-// The anchors' mass of row y of quad x, on levels 0 and 1.
+// The anchors' mass of quad x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that stands for one of level 0.
 vec4 anchors(int x, int y) {
   int cell_quads = int(QUADS((push.finest.x + 3u) / 4u));
   if (kMeans == 1) return vec4(FETCH(force, FORCE_STRIDE * ((y / 4) * cell_quads + x / 4) + FORCE_ANCHOR)[x & 3]);
-  ivec2 size = ivec2(push.finest);
   vec4 four = FETCH(force, FORCE_STRIDE * ((y / 2) * cell_quads + x / 2) + FORCE_ANCHOR);
-  vec4 counts = vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
+  vec4 counts = vec4(clamp(ivec4(int(push.finest.x) - 8 * x) - ivec4(0, 2, 4, 6), 0, 2));
   return counts * ((x & 1) == 0 ? four.xxyy : four.zzww);
 }
-
-vec4 residual(int x, int y) {
-  int at = y * quads + x, left_quad = x > 0 ? at - 1 : at, right_quad = x + 1 < quads ? at + 1 : at;
-  vec4 u = FETCH(now, at), right = FETCH(system, kStride * at + SYSTEM_RIGHT);
-  vec4 flow = right * (SHIFT_LEFT(u, FETCH(now, right_quad)) - u);
-  float left = (x > 0 ? 1.0 : 0.0) * FETCH(system, kStride * left_quad + SYSTEM_RIGHT).w *
-               (u.x - FETCH(now, left_quad).w);
-  int up = y > 0 ? at - quads : at, down = y + 1 < int(push.size.y) ? at + quads : at;
-  return FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(left)) +
-         (y > 0 ? 1.0 : 0.0) * FETCH(system, kStride * up + SYSTEM_DOWN) * (FETCH(now, up) - u) +
-         FETCH(system, kStride * at + SYSTEM_DOWN) * (FETCH(now, down) - u) -
-         (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : push.mass + anchors(x, y)) * u;
-}
+// How many rows of level 0 a row stands for, as far as `anchors` left it out.
+float rows_of(int y) { return kMeans == 1 ? 1.0 : float(clamp(int(push.finest.y) - 2 * y, 0, 2)); }
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
@@ -55,20 +43,33 @@ void main() {
   ivec2 position = ivec2(grid_position(half_quads));
   if (position.y >= int(half_size.y)) return;
   vec4 sum = vec4(0.0), mean = vec4(0.0);
-  int count = min(int(push.size.y) - 2 * position.y, 2);
+  int top = 2 * position.y, count = min(int(push.size.y) - top, 2);
   for (int part = 0; part < 2; ++part) {
     int x = 2 * position.x + part;
-    if (x < quads)
-      for (int row = 0; row < count; ++row) {
-        int y = 2 * position.y + row;
-        vec4 r = residual(x, y);
-        sum += part == 0 ? vec4(r.xz + r.yw, 0.0, 0.0) : vec4(0.0, 0.0, r.xz + r.yw);
-        if (kMeans > 0) {
-          vec4 s = FETCH(now, y * quads + x);
-          if (kMeans > 1) s += FETCH(finer_means, y * quads + x);
-          mean += part == 0 ? vec4(s.xz + s.yw, 0.0, 0.0) : vec4(0.0, 0.0, s.xz + s.yw);
-        }
-      }
+    if (x >= quads) break;
+    int at = top * quads + x, above = top > 0 ? at - quads : at, low = top + 1 < int(push.size.y) ? at + quads : at;
+    int left = x > 0 ? -1 : 0, right = x + 1 < quads ? 1 : 0;
+    vec4 u = FETCH(now, at), under = FETCH(now, low);
+    // What comes over the edge above a row, and leaves over the edge below it.
+    vec4 fall = (top > 0 ? 1.0 : 0.0) * FETCH(system, kStride * above + SYSTEM_DOWN) * (FETCH(now, above) - u);
+    vec4 anchor = kStride > 3 ? vec4(0.0) : anchors(x, top);
+    vec4 total = vec4(0.0), s = vec4(0.0);
+    for (int row = 0; row < count; ++row) {
+      vec4 w = FETCH(system, kStride * at + SYSTEM_RIGHT);
+      vec4 flow = w * (SHIFT_LEFT(u, FETCH(now, at + right)) - u);
+      float from_left = -float(left) * FETCH(system, kStride * (at + left) + SYSTEM_RIGHT).w *
+                        (u.x - FETCH(now, at + left).w);
+      vec4 next_fall = FETCH(system, kStride * at + SYSTEM_DOWN) * (u - under);
+      total += FETCH(system, kStride * at + SYSTEM_RHS) + flow - SHIFT_RIGHT(flow, vec4(from_left)) + fall - next_fall -
+               (kStride > 3 ? FETCH(system, kStride * at + SYSTEM_MASS) : push.mass + rows_of(top + row) * anchor) * u;
+      s += kMeans > 1 ? u + FETCH(finer_means, at) : u;
+      fall = next_fall;
+      at = low;
+      u = under;
+      under = FETCH(now, top + 2 < int(push.size.y) ? low + quads : low);
+    }
+    sum += part == 0 ? vec4(total.xz + total.yw, 0.0, 0.0) : vec4(0.0, 0.0, total.xz + total.yw);
+    mean += part == 0 ? vec4(s.xz + s.yw, 0.0, 0.0) : vec4(0.0, 0.0, s.xz + s.yw);
   }
   uint to = uint(position.y) * half_quads + uint(position.x);
   STORE(target, push.target_stride * to + push.target_slot, sum);

@@ -34,18 +34,16 @@ layout(push_constant) uniform Push {
 ivec2 push_size = ivec2(push.size);
 int quads = int(QUADS(push.size.x)), coarse_quads = int(QUADS((push.size.x + 1u) / 2u));
 
-vec4 corrected(int x, int y, float share) {
-  vec4 value = FETCH(now, y * quads + x);
-  if (kCorrect) {
-    vec4 pairs = FETCH(coarse, (y >> 1) * coarse_quads + (x >> 1));
-    value += share * ((x & 1) == 0 ? pairs.xxyy : pairs.zzww);
-  }
-  return value;
+// The correction of quad x by the aggregates of row y.
+vec4 lifted(int x, int y) {
+  if (!kCorrect) return vec4(0.0);
+  vec4 pairs = FETCH(coarse, (y >> 1) * coarse_quads + (x >> 1));
+  return (x & 1) == 0 ? pairs.xxyy : pairs.zzww;
 }
 
-// How much the pixels of row y of quad x count in their cells' means, and (slot) what of the cells reaches them.
-vec4 shares(int x, int y) {
-  int row = y % kCellPixels, rows = min(push_size.y - y + row, kCellPixels), columns = min(push_size.x - 4 * x, 4);
+// How much the pixels of row y of quad x, which is row `row` of its cells, count in the cells' means.
+vec4 shares(int x, int y, int row) {
+  int rows = min(push_size.y - y + row, kCellPixels), columns = min(push_size.x - 4 * x, 4);
   if (kCellPixels == 4) return cell_weights(uint(rows))[row] * cell_weights(uint(columns));
   return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
                                     columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
@@ -56,6 +54,7 @@ vec4 counts(int x, int y) {
   ivec2 size = ivec2(push.finest);
   return vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
 }
+// What (slot) of the cells reaches the pixels of row y of quad x.
 vec4 of_cells(int x, int y, int slot) {
   int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
   vec4 four = FETCH(force, FORCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
@@ -72,11 +71,24 @@ void main() {
   int next = min(x + 1, last.x), before = max(x - 1, 0), top = max(first - 1, 0);
   float has_left = x > 0 ? 1.0 : 0.0;
   vec4 u[4], right[4], rhs[4], diagonal[4], fall[5];
-  vec4 above = corrected(x, top, push.around), below = corrected(x, min(first + 4, last.y), push.around);
+  vec4 above = FETCH(now, top * quads + x) + push.around * lifted(x, top);
+  int bottom = min(first + 4, last.y);
+  vec4 below = FETCH(now, bottom * quads + x) + push.around * lifted(x, bottom);
+  vec4 lift, lift_before, lift_next, pull, screen_of_cell, anchor;  // of two rows, or of all where cells have four
   fall[0] = (first > 0 ? 1.0 : 0.0) * FETCH(system, kStride * (top * quads + x) + SYSTEM_DOWN);
   [[unroll]] for (int k = 0; k < 4; ++k) {
     int y = min(first + k, last.y), at = kStride * (y * quads + x);  // rows below the frame repeat the last, unused
-    u[k] = corrected(x, y, 1.0);
+    if (k % 2 == 0) {
+      lift = lifted(x, y);
+      lift_before = push.around * lifted(before, y);
+      lift_next = push.around * lifted(next, y);
+    }
+    if (kCellPixels > 0 && (k == 0 || (k == 2 && kCellPixels == 2))) {
+      pull = of_cells(x, y, FORCE_PULL);
+      screen_of_cell = of_cells(x, y, FORCE_SCREEN);
+      anchor = of_cells(x, y, FORCE_ANCHOR);
+    }
+    u[k] = FETCH(now, y * quads + x) + lift;
     right[k] = FETCH(system, at + SYSTEM_RIGHT);
     fall[k + 1] = FETCH(system, at + SYSTEM_DOWN);
     rhs[k] = FETCH(system, at + SYSTEM_RHS);
@@ -84,12 +96,12 @@ void main() {
     diagonal[k] = (kStride > 3 ? FETCH(system, at + SYSTEM_MASS) : vec4(push.mass)) + right[k] +
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];
     if (kCellPixels > 0) {
-      vec4 share = shares(x, y), screen = share * of_cells(x, y, FORCE_SCREEN);
-      diagonal[k] += screen + counts(x, y) * of_cells(x, y, FORCE_ANCHOR);
-      rhs[k] += share * of_cells(x, y, FORCE_PULL) + screen * u[k];
+      vec4 share = shares(x, first + k, kCellPixels == 4 ? k : k % 2), screen = share * screen_of_cell;
+      diagonal[k] += screen + counts(x, y) * anchor;
+      rhs[k] += share * pull + screen * u[k];
     }
-    rhs[k].x += left * corrected(before, y, push.around).w;
-    rhs[k].w += right[k].w * corrected(next, y, push.around).x;
+    rhs[k].x += left * (FETCH(now, y * quads + before).w + lift_before.w);
+    rhs[k].w += right[k].w * (FETCH(now, y * quads + next).x + lift_next.x);
   }
   SOLVE_ROW(0, above, u[1]);
   SOLVE_ROW(1, u[0], u[2]);

@@ -26,14 +26,16 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       calm_(device->kernel(shaders::intrinsic_calm)),
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
-      mean_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(extent))),
-      mismatch_(gpu::Buffer::create(device, gpu::Element::scalar, cells_.pixels())),
-      tiles_(gpu::Buffer::create(device, gpu::Element::scalar, tiles_of(cells_))),
+      memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
+      now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
+      mismatch_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
+      tiles_(gpu::Buffer::create(device, gpu::Element::vec4, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 gpu::partial_count(*calm_, line_of(tiles_of(cells_))))),
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
-void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params) {
+void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
+                            bool continues) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
   const struct {
@@ -42,15 +44,15 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   } push{extent_.width, extent_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma,
          1 / params.anchor_texture};
   commands.dispatch(compare_,
-                    {guide.cells(), guide.wide(), guide.level0(), kept_, mean_, mismatch_}, push,
+                    {guide.cells(), guide.wide(), guide.level0(), kept_, memory_, mismatch_}, push,
                     line_of(cells_.pixels()));
   const std::array<uint32_t, 2> size{cells_.width, cells_.height};
   commands.dispatch(calm_, {mismatch_, tiles_, sums_}, size, line_of(tiles_of(cells_)));
   const struct {
     uint32_t count;
-    float cells, cut_fraction;
+    float cells, cut_fraction, continues;
   } decide{static_cast<uint32_t>(sums_->count()), static_cast<float>(cells_.pixels()),
-           params.cut_fraction};
+           params.cut_fraction, continues ? 1.0F : 0.0F};
   commands.dispatch(decide_, {sums_, verdict_}, decide, {});
 }
 

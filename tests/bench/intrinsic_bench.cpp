@@ -1,12 +1,14 @@
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
-//   [--adaptive 0|1] [--tolerance T]
+//   [--adaptive 0|1] [--tolerance T] [--kernels 0|1]
 //
 // Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height
 // float RGBA, linear light, any number of such frames one after another) they are its frames in
 // turn, and --out writes the last frame's intrinsic plane (R.rgb, S) in the same form. `cold`
-// frames have no history, `warm` ones continue the frame before.
+// frames have no history, `warm` ones continue the frame before. With --kernels 1 times are those
+// of kernels, all dispatches of one added up, in place of stages; the frame as a whole then takes
+// longer.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -100,9 +102,10 @@ void print(const char* name, Extent extent, const Run& run) {
 
 Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& method,
             const IntrinsicDecomposition::Params& params, const std::vector<PlanePtr>& inputs,
-            int count, bool warm, PlanePtr& last) {
+            int count, bool warm, bool kernels, PlanePtr& last) {
   Run run;
   gpu::Commands commands(device);
+  commands.stage_every_dispatch(kernels);
   for (int i = 0; i < count + 1; ++i) {  // the first one warms up
     const double processor = processor_time();
     const auto start = Clock::now();
@@ -135,6 +138,7 @@ int main(int argc, char** argv) try {
   int count = 15;
   std::vector<Extent> sizes;
   std::string dump, out;
+  bool kernels = false;
   IntrinsicDecomposition::Params params;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i], value = argv[i + 1];
@@ -152,6 +156,8 @@ int main(int argc, char** argv) try {
       params.still_tolerance = static_cast<float>(std::atof(value.c_str()));
     else if (option == "--adaptive")
       params.adaptive = value != "0";
+    else if (option == "--kernels")
+      kernels = value != "0";
     else if (option == "--size") {
       Extent extent;
       if (std::sscanf(value.c_str(), "%ux%u", &extent.width, &extent.height) != 2)
@@ -186,14 +192,14 @@ int main(int argc, char** argv) try {
     const auto start = Clock::now();
     IntrinsicDecomposition method(device, extent);
     PlanePtr last;
-    measure(device, method, params, inputs, 0, false, last);
-    measure(device, method, params, inputs, 0, true, last);
+    measure(device, method, params, inputs, 0, false, kernels, last);
+    measure(device, method, params, inputs, 0, true, kernels, last);
     std::printf("%5ux%-5u first frames %.0f ms, %.0f bytes/pixel\n", extent.width, extent.height,
                 std::chrono::duration<double, std::milli>(Clock::now() - start).count(),
                 static_cast<double>(device->memory_bytes() - before) /
                     static_cast<double>(extent.pixels()));
-    print("warm", extent, measure(device, method, params, inputs, count, true, last));
-    print("cold", extent, measure(device, method, params, inputs, count, false, last));
+    print("warm", extent, measure(device, method, params, inputs, count, true, kernels, last));
+    print("cold", extent, measure(device, method, params, inputs, count, false, kernels, last));
     if (!out.empty()) {
       auto host =
           gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::readback);

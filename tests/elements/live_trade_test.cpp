@@ -146,7 +146,7 @@ TEST(LiveTrade, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
 TEST(LiveTrade, ReturnsAlsoAfterManyFailedTries) {
   LiveTrade trade = trade_for(30);
   Machine machine{
-      [](double time) { return time < 300 ? 25. : 8.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
+      [](double time) { return time < 300 ? 25. : 6.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(trade, machine, 0, 300);
   ASSERT_LT(trade.level(), 3u);
   run(trade, machine, 300, 300 + LiveTrade::kMostPatience + 5 * 3 * LiveTrade::kPatience);

@@ -257,6 +257,26 @@ TEST_F(VulkanMemory, AnImageThatIsNotWhatItsCapsSayIsRefused) {
   }
 }
 
+TEST_F(VulkanMemory, PicturesThatComeAgainGoOutAsImagesButAreNotLookedForInThem) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  const auto picture = random_frame(caps, 1), other = random_frame(caps, 2);
+  const auto kept = [](VideoHarness& harness) {
+    GstStructure* stats = nullptr;
+    guint64 frames = 0;
+    g_object_get(harness.find("intrinsicdecompthesis"), "stats", &stats, nullptr);
+    EXPECT_TRUE(gst_structure_get_uint64(stats, "frames-kept", &frames));
+    gst_structure_free(stats);
+    return frames;
+  };
+  VideoHarness out("intrinsicdecompthesis show=input ! vulkandownload", caps, caps);
+  for (int i = 0; i < 8; ++i) EXPECT_LE(largest_difference(out.process(picture), picture), 1) << i;
+  EXPECT_GT(kept(out), 0u);
+  for (int i = 0; i < 3; ++i) EXPECT_LE(largest_difference(out.process(other), other), 1) << i;
+  VideoHarness in("vulkanupload ! intrinsicdecompthesis show=input", caps, caps);
+  for (int i = 0; i < 8; ++i) EXPECT_LE(largest_difference(in.process(picture), picture), 1) << i;
+  EXPECT_EQ(kept(in), 0u);
+}
+
 TEST_F(VulkanMemory, StatesCycleAndNothingIsLeftBehind) {
   const std::string caps = VideoHarness::caps("RGBA", 61, 43);
   int alive = 0;

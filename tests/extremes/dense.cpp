@@ -190,7 +190,7 @@ double digits_kept(const std::vector<double>& x, const std::vector<double>& exac
   }
   if (!std::isfinite(apart)) return 0;
   if (apart == 0) return 16;
-  return std::clamp(-0.5 * std::log10(apart / size), 0.0, 16.0);
+  return std::clamp(-0.5 * std::log10(apart / size), 0.0, 16.0) + 0.0;  // not −0
 }
 
 }  // namespace inverse::extremes

@@ -27,7 +27,7 @@ TEST_P(Inputs, EveryFaultByItself) {
 }
 
 TEST_P(Inputs, MixturesOfFaultsAndParameters) {
-  const auto failure = first_failure(GetParam(), 1, 40, 64, check_with(lab()));
+  const auto failure = first_failure(GetParam(), 1, 30, 48, check_with(lab()));
   EXPECT_FALSE(failure) << *failure;
 }
 

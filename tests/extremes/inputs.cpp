@@ -133,8 +133,8 @@ IntrinsicDecomposition::Params intrinsic_params_of(const Case& one) {
   if (one.knobs & 32U) {
     params.cycles = less ? 1 : 32;
     params.warm_cycles = less ? 1 : 8;
-    params.anchor.anchor_still = 100;
-    params.anchor.anchor_light = less ? 1e-3F : 10;
+    params.anchor.hold = 0.99F;
+    params.anchor.hold_light = less ? 1e-3F : 10;
     params.gauge.quantile = less ? 0 : 1;
   }
   return params;

@@ -133,8 +133,8 @@ TEST_F(IntrinsicTest, AnchorSteadiesANoisyClip) {
   const Outcome without = watch(loose, 8), with = watch(params, 8);
   std::printf("flicker and jitter: without anchor %.4f %.4f, with it %.4f %.4f\n", without.flicker,
               without.jitter, with.flicker, with.jitter);
-  EXPECT_LT(with.flicker, 0.8 * without.flicker);
-  EXPECT_LT(with.jitter, 0.6 * without.jitter);
+  EXPECT_LT(with.flicker, 0.55 * without.flicker);  // .43 and .27 when this was written
+  EXPECT_LT(with.jitter, 0.4 * without.jitter);
   EXPECT_LT(with.last, 1.02 * without.last);
   // What a frame takes over from the one before must not grow from frame to frame.
   for (const uint32_t cycles : {1U, 2U, 3U, 8U}) {
@@ -144,6 +144,39 @@ TEST_F(IntrinsicTest, AnchorSteadiesANoisyClip) {
                 outcome.last);
     EXPECT_LT(outcome.last, 1.1 * outcome.first) << cycles << " warm cycles";
   }
+}
+
+TEST_F(IntrinsicTest, AnchorLetsGoOfAMovingPicture) {
+  const Truth whole = clip_truth().front();
+  const int width = 64, height = 48;
+  const auto crop = [&](const bench::Image& from, int left, int top) {
+    bench::Image image(width, height, from.channels);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < from.channels; ++c) image.at(x, y, c) = from.at(left + x, top + y, c);
+    return image;
+  };
+  // The window moves over the frame; what was learned elsewhere must not harm.
+  const auto watch = [&](const IntrinsicDecomposition::Params& params) {
+    IntrinsicDecomposition method(device, {width, height});
+    double sum = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Truth truth{crop(whole.input, 2 * k, k), crop(whole.reflectance, 2 * k, k),
+                        crop(whole.shading, 2 * k, k)};
+      sum += lmse(decompose(method, input({width, height}, pixels_of(truth.input)), params, k == 0),
+                  truth) /
+             8;
+    }
+    return sum;
+  };
+  IntrinsicDecomposition::Params loose, blind;
+  loose.anchor.anchor_weight = 0;
+  blind.anchor.anchor_motion = 100;  // knows no motion
+  const double without = watch(loose), with = watch({}), deluded = watch(blind);
+  std::printf("moving picture: LMSE %.4f without anchor, %.4f with it, %.4f if it knew no motion\n",
+              without, with, deluded);
+  EXPECT_LT(with, 1.12 * without);  // 1.07 when this was written: warm frames have half the cycles
+  EXPECT_LT(with, deluded);
 }
 
 }  // namespace inverse::testing

@@ -60,17 +60,26 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   IntrinsicDecomposition method(device, extent);
   IntrinsicDecomposition::Params params;
   params.cycles = params.warm_cycles = 3;
-  params.settled = 0;
+  params.adaptive = false;  // the reference evaluates every edge and all cycles
   reference::IntrinsicParams reference_params;
   reference_params.cycles = 3;
   reference::IntrinsicState state;
+  std::mt19937 random(16);
+  std::uniform_real_distribution<float> noise(0, 1);
   for (int time = 0; time < 4; ++time) {
     Pixels pixels = scene(extent, time < 3 ? 6 : 7);  // the last frame is another scene: a cut
     for (size_t i = 0; i < pixels.size(); ++i)
       if (i % 4 < 3)
-        pixels[i] *= 1 - 0.15F * static_cast<float>(time) *
-                             static_cast<float>((i / 4) % extent.width) /
-                             static_cast<float>(extent.width);
+        pixels[i] *=
+            (1 - 0.15F * static_cast<float>(time) * static_cast<float>((i / 4) % extent.width) /
+                     static_cast<float>(extent.width)) *
+            (0.98F + 0.04F * noise(random));
+    const size_t left = 20 + 7 * static_cast<size_t>(time);  // a checkered patch moves over it
+    for (size_t y = 40; y < 80; ++y)
+      for (size_t x = left; x < left + 40; ++x)
+        for (size_t c = 0; c < 3; ++c)
+          pixels[4 * (y * extent.width + x) + c] =
+              ((x - left) / 5 + y / 5) % 2 == 0 ? 0.1F + 0.1F * static_cast<float>(c) : 0.5F;
     const auto rgb = rgb_of(pixels);
     const auto expected =
         reference::decompose(rgb.data(), static_cast<int>(extent.width),
@@ -88,7 +97,7 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
       const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
       sum += d * d;
     }
-    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << "frame " << time;
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 5e-4) << "frame " << time;
   }
 }
 

@@ -4,9 +4,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <thread>
-
 #include "pipeline_test.hpp"
 
 namespace inverse::testing {
@@ -30,18 +27,7 @@ constexpr const char* kCamera =
 
 class Network : public PipelineTest {
  protected:
-  /// Lets a receiver write `path` until it has grown, then ends it as Ctrl-C does.
-  void receive(Process& receiver, Process& sender, const std::string& path) {
-    for (int i = 0; i < 600; ++i) {
-      std::error_code code;
-      if (std::filesystem::file_size(path, code) > 10 * 160 * 120 && !code) break;
-      ASSERT_TRUE(receiver.running()) << receiver.output();
-      ASSERT_TRUE(sender.running()) << sender.output();
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
-    receiver.interrupt();
-    EXPECT_EQ(receiver.wait(30), 0) << receiver.output();
-  }
+  static constexpr uintmax_t kSomeFrames = 10 * 160 * 120;  // bytes
 };
 
 TEST_F(Network, RtpIn) {
@@ -52,7 +38,7 @@ TEST_F(Network, RtpIn) {
                       " ! vp8enc deadline=1 keyframe-max-dist=5 ! rtpvp8pay ! udpsink "
                       "host=127.0.0.1 port=" +
                       port});
-  receive(receiver, sender, file("in.mkv"));
+  end_when_grown(receiver, file("in.mkv"), kSomeFrames, &sender);
   const Media media = read_media(file("in.mkv"));
   ASSERT_NO_FATAL_FAILURE(expect_video(media, 160, 120, 3));
   expect_mosaic(media.frames.back());
@@ -67,7 +53,7 @@ TEST_F(Network, RtpOut) {
                         " ! application/x-rtp,media=video,encoding-name=VP8,payload=96,"
                         "clock-rate=90000 ! rtpvp8depay ! vp8dec ! " +
                         raw_file(file("out.mkv"))});
-  receive(receiver, sender, file("out.mkv"));
+  end_when_grown(receiver, file("out.mkv"), kSomeFrames, &sender);
   ASSERT_NO_FATAL_FAILURE(expect_video(read_media(file("out.mkv")), 160, 120, 3));
 }
 

@@ -1,6 +1,8 @@
 #include "pipeline_test.hpp"
 
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 namespace inverse::testing {
 
@@ -32,6 +34,19 @@ int PipelineTest::run(const std::string& name, const std::vector<std::string>& w
   output_ = process.output();
   EXPECT_NE(status, -1) << name << " did not end within " << seconds << " s:\n" << output_;
   return status;
+}
+
+void PipelineTest::end_when_grown(Process& line, const std::string& path, uintmax_t bytes,
+                                  Process* peer) {
+  for (int i = 0; i < 1200; ++i) {  // two minutes
+    std::error_code code;
+    if (std::filesystem::file_size(path, code) > bytes && !code) break;
+    ASSERT_TRUE(line.running()) << line.output();
+    ASSERT_TRUE(!peer || peer->running()) << peer->output();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  line.interrupt();
+  EXPECT_EQ(line.wait(30), 0) << line.output();
 }
 
 std::string raw_file(const std::string& path) {

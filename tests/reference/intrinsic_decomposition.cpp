@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "intrinsic_edge_weights.hpp"
 #include "multigrid.hpp"
@@ -47,9 +48,13 @@ GridPoint grid_point(double c0, double c1) {
 
 double square(double v) { return v * v; }
 
+constexpr double kLittleLight = 0.02;      // where chroma says half as much
+constexpr double kLittleStructure = 0.02;  // variance of ln I in a cell that counts half
+constexpr double kFrameStructure = 5;      // beside a neighborhood's, for the whole frame
+
 /// How much the anchor is believed at every cell, and the frame's mean mismatch.
 struct Gate {
-  std::vector<double> value;
+  std::vector<double> value, alike;  // alike: of the cell alone
   double mismatch = 0;
 };
 
@@ -62,48 +67,111 @@ std::vector<double> detail_of(const Guide& guide) {
   return d;
 }
 
-/// How differently the pixels of every cell changed since the frame before: the variance of the
-/// change of m.
-std::vector<double> unrest_of(const Guide& guide, const IntrinsicState& state) {
+double variance(double sum, double squares, double count) {
+  return std::max(0.0, squares / count - square(sum / count));
+}
+
+/// How differently the pixels of every cell changed since the frame before, the variance of the
+/// change of m; and its structure, the variance of m in both frames.
+struct Unrest {
+  std::vector<double> change, structure;
+};
+Unrest unrest_of(const Guide& guide, const IntrinsicState& state) {
   const GuideLevel &fine = guide.level[0], &l = guide.level[kCellLevel];
-  std::vector<double> sum(l.m.size(), 0.0), squares(sum), count(sum);
+  struct Sums {
+    double change = 0, changes = 0, now = 0, nows = 0, then = 0, thens = 0, count = 0;
+  };
+  std::vector<Sums> sums(l.m.size());
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {
-      const std::size_t c = l.index(x >> kCellLevel, y >> kCellLevel), i = fine.index(x, y);
-      const double change = fine.m[i] - state.m[i];
-      sum[c] += change, squares[c] += square(change), count[c] += 1;
+      Sums& s = sums[l.index(x >> kCellLevel, y >> kCellLevel)];
+      const std::size_t i = fine.index(x, y);
+      const double now = fine.m[i], then = state.m[i];
+      s.change += now - then, s.changes += square(now - then);
+      s.now += now, s.nows += square(now);
+      s.then += then, s.thens += square(then);
+      s.count += 1;
     }
-  for (std::size_t c = 0; c < sum.size(); ++c)
-    squares[c] = std::max(0.0, squares[c] / count[c] - square(sum[c] / count[c]));
-  return squares;
+  Unrest unrest;
+  for (const Sums& s : sums) {
+    unrest.change.push_back(variance(s.change, s.changes, s.count));
+    unrest.structure.push_back(variance(s.now, s.nows, s.count) +
+                               variance(s.then, s.thens, s.count));
+  }
+  return unrest;
+}
+
+/// What moved of all the structure of 5 x 5 tiles and, as a little of it, of the whole frame.
+double moved_around(const std::vector<double>& moved, const std::vector<double>& structure,
+                    int width, int height, int tx, int ty) {
+  const double of_all = std::accumulate(structure.begin(), structure.end(), 0.0);
+  const double frame = std::accumulate(moved.begin(), moved.end(), 0.0) / std::max(of_all, 1e-20);
+  double sum = kFrameStructure * frame, all = kFrameStructure;
+  for (int y = std::max(ty - 2, 0); y <= std::min(ty + 2, height - 1); ++y)
+    for (int x = std::max(tx - 2, 0); x <= std::min(tx + 2, width - 1); ++x) {
+      sum += moved[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+      all += structure[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+    }
+  return sum / all;
 }
 
 Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
                    const IntrinsicState& state, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[kCellLevel];
-  const std::vector<double> unrest = unrest_of(guide, state);
+  const Unrest unrest = unrest_of(guide, state);
   Gate gate;
   gate.value.resize(l.m.size());
+  gate.alike.resize(l.m.size());
   const int tw = (l.width + 3) / 4, th = (l.height + 3) / 4;  // tiles of 4 x 4 cells
-  std::vector<double> tile(std::size_t(tw) * th, 0), count(tile.size(), 0);
+  std::vector<double> tile(std::size_t(tw) * th, 0), count(tile), moved(tile), structure(tile);
   const auto tile_of = [&](int x, int y) { return std::size_t(y / 4) * tw + std::size_t(x / 4); };
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x) {
-      const std::size_t i = l.index(x, y);
+      const std::size_t i = l.index(x, y), t = tile_of(x, y);
+      const double light = std::exp(l.m[i]), trust = light / (light + kLittleLight);
       const double q = square((detail[i] - state.detail[i]) / params.anchor_detail) +
-                       (square(l.c0[i] - state.c0[i]) + square(l.c1[i] - state.c1[i])) /
-                           square(params.anchor_chroma) +
-                       unrest[i] / square(params.anchor_texture);
-      gate.value[i] = 1 / (1 + q);
-      tile[tile_of(x, y)] += q / (1 + q);
-      count[tile_of(x, y)] += 1;
+                       (square(l.c0[i] - state.c0[i]) + square(l.c1[i] - state.c1[i])) *
+                           square(trust / params.anchor_chroma) +
+                       unrest.change[i] / square(params.anchor_texture);
+      const double counts = unrest.structure[i] / (unrest.structure[i] + kLittleStructure);
+      gate.value[i] = gate.alike[i] = 1 / (1 + q);
+      tile[t] += q / (1 + q);
+      count[t] += 1;
+      moved[t] += counts * unrest.change[i];
+      structure[t] += counts * unrest.structure[i];
       gate.mismatch += q / (1 + q) / double(l.m.size());
     }
-  for (int y = 0; y < l.height; ++y)
-    for (int x = 0; x < l.width; ++x)
-      gate.value[l.index(x, y)] *=
-          square(std::max(0.0, 1 - 2 * tile[tile_of(x, y)] / count[tile_of(x, y)]));
+  for (int ty = 0; ty < th; ++ty)
+    for (int tx = 0; tx < tw; ++tx) {
+      const double motion = moved_around(moved, structure, tw, th, tx, ty) / params.anchor_motion;
+      const std::size_t t = std::size_t(ty) * tw + std::size_t(tx);
+      const double quiet =
+          square(std::max(0.0, 1 - 2 * tile[t] / count[t])) / (1 + square(square(motion)));
+      for (int y = 4 * ty; y < std::min(l.height, 4 * ty + 4); ++y)
+        for (int x = 4 * tx; x < std::min(l.width, 4 * tx + 4); ++x)
+          gate.value[l.index(x, y)] *= quiet;
+    }
   return gate;
+}
+
+/// ln of the mean channel.
+double brightness(const double* rgb, std::size_t i) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += sanitize_linear(rgb[3 * i + c]);
+  return std::log(sum / 3 + kIntensityFloor);
+}
+
+/// A plane of the cells at a pixel, linear between their centers.
+double between_cells(const std::vector<double>& plane, const GuideLevel& cells, int x, int y) {
+  const double u = (x + 0.5) / 4 - 0.5, v = (y + 0.5) / 4 - 0.5;
+  const int left = int(std::floor(u)), top = int(std::floor(v));
+  const auto at = [&](int cx, int cy) {
+    return plane[cells.index(std::clamp(cx, 0, cells.width - 1),
+                             std::clamp(cy, 0, cells.height - 1))];
+  };
+  const double fu = u - left, fv = v - top;
+  return (1 - fv) * ((1 - fu) * at(left, top) + fu * at(left + 1, top)) +
+         fv * ((1 - fu) * at(left, top + 1) + fu * at(left + 1, top + 1));
 }
 
 }  // namespace
@@ -205,13 +273,15 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
-      const double value = prior.V[c] + l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
+      const bool anchored = result.stats.anchored;
+      const double value =
+          (anchored ? prior.V[c] + gate.alike[c] * (state->coarse[c] - prior.V[c]) : prior.V[c]) +
+          l.m[i] + l.u[i] - cells.m[c] - cells.u[c];
       fine.s[i] = value;
-      if (!result.stats.anchored) continue;
-      const double before = l.m[i] - state->rho[i];
-      const double light = (cells.m[c] - state->mean[c]) / params.anchor_light;
-      const double anchor =
-          params.anchor_weight * gate.value[c] * (1 + params.anchor_still / (1 + square(light)));
+      if (!anchored) continue;
+      const double before = l.m[i] - state->m[i] + state->s[i];
+      const double anchor = gate.value[c] * params.anchor_weight *
+                            std::min(1.0, (state->frames + 1) / params.anchor_frames);
       fine.mass[i] += anchor;
       fine.f[i] += anchor * before;
       fine.s[i] += gate.value[c] * (before - value);
@@ -219,7 +289,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
   std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screen, kCoarseScale);
 
   // What the cells want, at the bins' present means, and the force with which they pull.
-  std::vector<double> wanted(cell_count), rho(cell_count);
+  std::vector<double> wanted(cell_count), rho(cell_count), coarse(cell_count);
   const multigrid::CellTerms cell_terms{
       [&](const std::vector<double>& far, const std::vector<double>& means,
           multigrid::Level& level) {
@@ -233,8 +303,10 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
       },
       [&](const std::vector<double>& means, const multigrid::Level& level) {
         std::vector<double> force(cell_count);
-        for (std::size_t i = 0; i < cell_count; ++i)
-          force[i] = wanted[i] - terms.screen[i] * (means[i] + level.s[i]);
+        for (std::size_t i = 0; i < cell_count; ++i) {
+          coarse[i] = means[i] + level.s[i];
+          force[i] = wanted[i] - terms.screen[i] * coarse[i];
+        }
         return force;
       }};
   std::vector<double> force(cell_count, 0.0);
@@ -251,17 +323,43 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     extrapolation.apply(k, before, levels[0].s);
   }
 
+  // Where all is still, reflectance moves only part of the way from the frame before.
+  std::vector<double>& s = levels[0].s;
+  if (result.stats.anchored) {
+    std::vector<double> hold(cell_count);
+    for (std::size_t c = 0; c < cell_count; ++c)
+      hold[c] = gate.value[c] * params.hold /
+                (1 + square((cells.m[c] - state->mean[c]) / params.hold_light));
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const std::size_t i = l.index(x, y), c = cells.index(x >> kCellLevel, y >> kCellLevel);
+        const double off = l.m[i] - state->m[i] - (cells.m[c] - state->mean[c]);
+        s[i] += between_cells(hold, cells, x, y) / (1 + square(off / params.hold_texture)) *
+                (brightness(rgb, i) - state->rho[i] - s[i]);
+      }
+  }
+
   // Layers and state.
-  const std::vector<double>& s = levels[0].s;
   result.log_shading = s;
   result.reflectance.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < 3; ++c)
       result.reflectance[3 * i + c] = sanitize_linear(rgb[3 * i + c]) * std::exp(-s[i]);
   if (state) {
-    *state = {width, height, detail, cells.c0, cells.c1, cells.m, l.m, std::vector<double>(n),
-              force};
-    for (std::size_t i = 0; i < n; ++i) state->rho[i] = l.m[i] - s[i];
+    const int frames = result.stats.anchored ? state->frames + 1 : 0;
+    *state = {width,
+              height,
+              detail,
+              cells.c0,
+              cells.c1,
+              cells.m,
+              force,
+              coarse,
+              l.m,
+              s,
+              std::vector<double>(n),
+              frames};
+    for (std::size_t i = 0; i < n; ++i) state->rho[i] = brightness(rgb, i) - s[i];
   }
   return result;
 }

@@ -3,7 +3,7 @@
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
 //        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
 //                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
-//        + sum over pixels t (m - s - rho_previous)^2     temporal anchor
+//        + sum over pixels t (s - s_before)^2             temporal anchor
 //
 // over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
 // edge. a, b, v, V and g come from
@@ -24,15 +24,18 @@ struct IntrinsicParams {
   double shading_weight = 1;      ///< Scales b; > 0.
   double value_weight = 1;        ///< Scales v; > 0 (0 leaves the scale free).
   double chroma_weight = 1;       ///< Scales g; >= 0; 0 switches the chroma bins off.
-  double anchor_weight = 1;       ///< t where nothing moves; >= 0; 0 switches the anchor off.
-  double anchor_chroma = 0.2;     ///< Log-chroma change that halves the anchor.
-  double anchor_detail = 1;       ///< Change of local log contrast that halves the anchor.
-  double anchor_texture = 0.3;    ///< Deviation of change inside a cell that halves it.
-  double anchor_still = 5;        ///< How many times t is added where the light does not change.
-  double anchor_light = 0.02;     ///< Change of a cell's log intensity that halves that.
-  double cut_fraction = 0.3;      ///< Mean mismatch in [0, 1] above which the frame is a cut.
-  int cycles = 4;                 ///< Multigrid cycles.
-  double slowest = 0.5;           ///< Error factor up to which cycles are extrapolated; 0: not.
+  double anchor_weight = 1.2;     ///< t where nothing moves; >= 0; 0 switches the anchor off.
+  double anchor_frames = 7;       ///< Frames after a reset or cut until t is that.
+  double anchor_chroma = 0.5;  ///< Log-chroma change that halves the anchor, where there is light.
+  double anchor_detail = 4;    ///< Change of local log contrast that halves the anchor.
+  double anchor_texture = 2;   ///< Deviation of change inside a cell that halves it.
+  double anchor_motion = 0.4;  ///< Share of structure around that halves it when it moves.
+  double hold = 0.8;           ///< Share of the last reflectance that stays where all is still.
+  double hold_light = 0.02;    ///< Change of a cell's log intensity that halves that.
+  double hold_texture = 0.2;   ///< A pixel's change beyond its cell's that halves that.
+  double cut_fraction = 0.3;   ///< Mean mismatch in [0, 1] above which the frame is a cut.
+  int cycles = 4;              ///< Multigrid cycles.
+  double slowest = 0.5;        ///< Error factor up to which cycles are extrapolated; 0: not.
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
 };
 
@@ -57,9 +60,10 @@ EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
 /// Carried from frame to frame.
 struct IntrinsicState {
   int width = 0, height = 0;
-  /// Of the previous frame; empty after a reset: cells, pixels, and the multigrid's force at its
-  /// end.
-  std::vector<double> detail, c0, c1, mean, m, rho, force;
+  /// Of the previous frame; empty after a reset: cells; the multigrid's force and the mean shading
+  /// at its end; and of pixels m, s and the brightness of reflectance.
+  std::vector<double> detail, c0, c1, mean, force, coarse, m, s, rho;
+  int frames = 0;  ///< Anchored since the last reset or cut.
 };
 
 struct IntrinsicStats {

@@ -6,7 +6,6 @@
 namespace inverse::reference {
 namespace {
 
-constexpr double kIntensityFloor = 2e-3;
 constexpr double kChromaFloor = 1e-2;
 // (c0, c1) are axes of one scale in the plane of chroma: a distance there is the same whatever the
 // channels are called.

@@ -35,6 +35,8 @@ struct Guide {
 /// What an input value counts as: NaN and negatives 0, at most 1e4.
 double sanitize_linear(double v);
 
+inline constexpr double kIntensityFloor = 2e-3;  ///< Added to light before its logarithm is taken.
+
 /// Builds the guide of an interleaved linear RGB image (3 x width x height values, any finite or
 /// non-finite value; see sanitize_linear).
 Guide make_guide(const double* rgb, int width, int height);

@@ -35,10 +35,18 @@ double OutputGauge::update(const Guide& guide, const std::vector<double>& log_sh
       brightest.push_back(std::clamp(light - mean[i], -kGaugeReach, kGaugeReach));
   known_ = known_ && carries;
   if (brightest.empty()) return gauge_ = known_ ? gauge_ : 0;
-  const double reach = params_.quantile * static_cast<double>(brightest.size());
-  const auto rank = static_cast<std::ptrdiff_t>(std::max(std::ceil(reach) - 1, 0.0));
-  std::nth_element(brightest.begin(), brightest.begin() + rank, brightest.end());
-  const double wanted = std::log(params_.value) - brightest[static_cast<std::size_t>(rank)];
+  // The mean over ranks around the quantile, half of what lies above it wide on either side.
+  std::sort(brightest.begin(), brightest.end());
+  const auto total = static_cast<double>(brightest.size());
+  const double center = params_.quantile * total, reach = std::max((total - center) / 2, 0.5);
+  const double low = std::clamp(center - reach, 0.0, total - 0.5);
+  const double high = std::min(center + reach, total);
+  double sum = 0;
+  for (std::size_t i = 0; i < brightest.size(); ++i) {
+    const auto rank = static_cast<double>(i);
+    sum += std::max(std::min(rank + 1, high) - std::max(rank, low), 0.0) * brightest[i];
+  }
+  const double wanted = std::log(params_.value) - sum / (high - low);
   gauge_ = known_ ? gauge_ + params_.share * (wanted - gauge_) : wanted;
   known_ = true;
   return gauge_;

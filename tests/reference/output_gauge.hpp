@@ -23,9 +23,10 @@ class OutputGauge {
  public:
   explicit OutputGauge(const GaugeParams& params) : params_(params) {}
 
-  /// ln c of a frame with this guide and log shading (of its pixels): what brings the quantile of
-  /// max_c R over its cells to the value, mixed by `share` with that of the frame before where this
-  /// one `carries` on. Where every cell is dark, that of the frame before, or 0.
+  /// ln c of a frame with this guide and log shading (of its pixels): what brings the mean of
+  /// ln max_c R around its quantile over the cells to the value, mixed by `share` with that of the
+  /// frame before where this one `carries` on. Where every cell is dark, that of the frame before,
+  /// or 0.
   double update(const Guide& guide, const std::vector<double>& log_shading, bool carries);
 
  private:

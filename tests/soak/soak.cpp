@@ -1,8 +1,9 @@
-// soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N]
+// soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
 //
 // Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
-// seeks among them, caps changes, start-stop cycles. Exit status 1 where memory, open files or
-// threads grow, where an element complains, or where nothing moves for a minute.
+// seeks among them, caps changes, start-stop cycles, extreme changes of scene. Exit status 1 where
+// memory, open files or threads grow, where an element complains, or where nothing moves for a
+// minute.
 #include <gst/app/gstappsrc.h>
 #include <gst/gst.h>
 #include <gst/video/video.h>
@@ -18,15 +19,15 @@
 #include <thread>
 
 #include "growth.hpp"
+#include "line.hpp"
+#include "scenes.hpp"
 
 namespace inverse::soak {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 struct Plan {
   std::string decomposer = "intrinsicdecomp";
-  unsigned frames = 10000, caps_changes = 200, cycles = 50;
+  unsigned frames = 10000, caps_changes = 200, cycles = 50, scenes = 1000;
   Slack slack;
 };
 
@@ -34,108 +35,9 @@ constexpr const char* kChain =
     " name=decomposer ! intrinsicrecolor cluster=0 ! intrinsicrecolor key=0xffff0000 ! "
     "intrinsiccompose ! video/x-raw ! fakesink name=sink sync=false signal-handoffs=true";
 
-/// A pipeline that counts the frames at its end.
-class Line {
- public:
-  Line(const Plan& plan, const std::string& source) {
-    const std::string text = source + " ! " + plan.decomposer + kChain;
-    GError* error = nullptr;
-    pipeline_ = gst_parse_launch(text.c_str(), &error);
-    if (error) {
-      const std::string reason = error->message;
-      g_error_free(error);
-      throw std::runtime_error(text + ": " + reason);
-    }
-    decomposer_ = gst_bin_get_by_name(GST_BIN(pipeline_), "decomposer");
-    bus_ = gst_element_get_bus(pipeline_);
-    GstElement* sink = find("sink");
-    g_signal_connect(
-        sink, "handoff",
-        G_CALLBACK(+[](GstElement*, GstBuffer*, GstPad*, Line* self) { ++self->frames_; }), this);
-    gst_object_unref(sink);
-  }
-  Line(const Line&) = delete;
-  Line& operator=(const Line&) = delete;
-  ~Line() {
-    gst_element_set_state(pipeline_, GST_STATE_NULL);
-    gst_object_unref(bus_);
-    gst_object_unref(decomposer_);
-    gst_object_unref(pipeline_);
-  }
-
-  GstElement* find(const char* name) const { return gst_bin_get_by_name(GST_BIN(pipeline_), name); }
-  unsigned frames() const { return frames_; }
-
-  void set_state(GstState state) {
-    if (gst_element_set_state(pipeline_, state) == GST_STATE_CHANGE_FAILURE) {
-      check();
-      throw std::runtime_error(std::string("cannot go to ") + gst_element_state_get_name(state));
-    }
-  }
-  /// Waits until so many frames came through.
-  void wait_for(unsigned frames) {
-    auto moved = Clock::now();
-    for (unsigned seen = frames_; frames_ < frames;) {
-      check();
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-      if (frames_ != seen) {
-        seen = frames_;
-        moved = Clock::now();
-      } else if (Clock::now() - moved > std::chrono::minutes(1)) {
-        throw std::runtime_error("no frame for a minute after frame " + std::to_string(seen));
-      }
-    }
-  }
-  void wait_for_end() {
-    GstMessage* message = gst_bus_timed_pop_filtered(
-        bus_, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-    if (!message) throw std::runtime_error("no end of stream within a minute");
-    const bool failed = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
-    const std::string reason = failed ? complaint(message) : "";
-    gst_message_unref(message);
-    if (failed) throw std::runtime_error(reason);
-  }
-  void seek(GstClockTime time) {
-    if (!gst_element_seek_simple(pipeline_, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
-                                 static_cast<gint64>(time)))
-      throw std::runtime_error("a seek was refused");
-  }
-  uint64_t device_bytes() const {
-    GstStructure* stats = nullptr;
-    g_object_get(decomposer_, "stats", &stats, nullptr);
-    guint64 bytes = 0;
-    const bool told = stats && gst_structure_get_uint64(stats, "device-bytes", &bytes);
-    if (stats) gst_structure_free(stats);
-    if (!told || bytes == 0) throw std::runtime_error("stats tell no device-bytes");
-    return bytes;
-  }
-
- private:
-  static std::string complaint(GstMessage* message) {
-    GError* error = nullptr;
-    gst_message_parse_error(message, &error, nullptr);
-    std::string text =
-        std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " + error->message;
-    g_error_free(error);
-    return text;
-  }
-  void check() {
-    if (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
-      const std::string reason = complaint(message);
-      gst_message_unref(message);
-      throw std::runtime_error(reason);
-    }
-    while (GstMessage* other = gst_bus_pop_filtered(
-               bus_, static_cast<GstMessageType>(GST_MESSAGE_ANY & ~GST_MESSAGE_ERROR &
-                                                 ~GST_MESSAGE_EOS)))
-      gst_message_unref(other);
-  }
-
-  GstElement* pipeline_ = nullptr;
-  GstElement* decomposer_ = nullptr;
-  GstBus* bus_ = nullptr;
-  std::atomic<unsigned> frames_{0};
-};
+std::string line_of(const Plan& plan, const std::string& source) {
+  return source + " ! " + plan.decomposer + kChain;
+}
 
 void progress(const char* phase, unsigned done, unsigned all, const Holding& now) {
   fprintf(stderr,
@@ -146,9 +48,9 @@ void progress(const char* phase, unsigned done, unsigned all, const Holding& now
 /// Frames at one size; two samples to a seek.
 Growth soak_frames(const Plan& plan) {
   Growth growth("frames", plan.slack);
-  Line line(
+  Line line(line_of(
       plan,
-      "videotestsrc pattern=ball ! video/x-raw,format=RGBA,width=96,height=72,framerate=30/1");
+      "videotestsrc pattern=ball ! video/x-raw,format=RGBA,width=96,height=72,framerate=30/1"));
   line.set_state(GST_STATE_PLAYING);
   std::mt19937 random(1);
   constexpr unsigned kSamples = 60;
@@ -170,7 +72,7 @@ Growth soak_caps(const Plan& plan) {
   constexpr Caps kRound[] = {
       {"RGBA", 96, 72}, {"NV12", 64, 48}, {"YUY2", 130, 74}, {"I420", 35, 29}};
   Growth growth("caps", plan.slack);
-  Line line(plan, "appsrc name=source format=time block=true max-buffers=2");
+  Line line(line_of(plan, "appsrc name=source format=time block=true max-buffers=2"));
   GstElement* source = line.find("source");
   line.set_state(GST_STATE_PLAYING);
   std::mt19937 random(2);
@@ -206,11 +108,11 @@ Growth soak_cycles(const Plan& plan) {
   constexpr const char* kSource =
       "videotestsrc num-buffers=6 ! video/x-raw,format=NV12,width=96,height=72,framerate=30/1";
   Growth growth("start-stop", plan.slack);
-  auto line = std::make_unique<Line>(plan, kSource);
+  auto line = std::make_unique<Line>(line_of(plan, kSource));
   for (unsigned cycle = 0; cycle < plan.cycles; ++cycle) {
     if (cycle % 5 == 4) {
       line.reset();
-      line = std::make_unique<Line>(plan, kSource);
+      line = std::make_unique<Line>(line_of(plan, kSource));
     }
     const unsigned before = line->frames();
     line->set_state(GST_STATE_PLAYING);
@@ -242,6 +144,7 @@ Plan parse(int count, char** words) {
       plan.frames = 300;
       plan.caps_changes = 24;
       plan.cycles = 8;
+      plan.scenes = 120;
     } else if (word == "--decomposer" && more) {
       plan.decomposer = words[++i];
     } else if (word == "--frames" && more) {
@@ -250,9 +153,12 @@ Plan parse(int count, char** words) {
       plan.caps_changes = number(words[++i]);
     } else if (word == "--cycles" && more) {
       plan.cycles = number(words[++i]);
+    } else if (word == "--scenes" && more) {
+      plan.scenes = number(words[++i]);
     } else {
       throw std::runtime_error(
-          "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N]");
+          "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] "
+          "[--scenes N]");
     }
   }
   return plan;
@@ -260,13 +166,15 @@ Plan parse(int count, char** words) {
 
 bool run(const Plan& plan) {
   const auto start = Clock::now();
-  const Growth phases[] = {soak_frames(plan), soak_caps(plan), soak_cycles(plan)};
+  const Growth phases[] = {soak_frames(plan), soak_caps(plan), soak_cycles(plan),
+                           soak_scenes(plan.decomposer, plan.scenes, plan.slack)};
   printf("%-12s %-20s %10s %10s %10s %8s\n", "phase", "holds", "warm", "end", "growth", "slack");
   bool good = true;
   for (const Growth& phase : phases) good = phase.judge() && good;
-  printf("%s: %u frames, %u caps changes, %u start-stop cycles of %s in %.0f s\n",
-         good ? "no growth" : "GREW", plan.frames, plan.caps_changes, plan.cycles,
-         plan.decomposer.c_str(), std::chrono::duration<double>(Clock::now() - start).count());
+  printf(
+      "%s: %u frames, %u caps changes, %u start-stop cycles, %u extreme frames of %s in %.0f s\n",
+      good ? "no growth" : "GREW", plan.frames, plan.caps_changes, plan.cycles, plan.scenes,
+      plan.decomposer.c_str(), std::chrono::duration<double>(Clock::now() - start).count());
   return good;
 }
 

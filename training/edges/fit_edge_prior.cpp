@@ -1,14 +1,14 @@
 // Fits the edge prior: stochastic gradient descent through the solve.
 //
-//   fit_edge_prior --out weights.txt [--from weights.txt] [--scenes 200] [--seconds 600] [--rate
-//   0.005]
+//   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 12] [--scenes 200] [--seconds
+//   600] [--rate 0.005]
 //                  [--rendered 0.25 --data DIR --leave scene,scene]
 //
 // Examples are procedural (scenes.hpp); a share of `--rendered` of each batch comes from the
 // rendered sequences of regimes near_constant_value and hard_shadow, without the scenes left out.
 // MIT objects and the diverse-value sequences are never trained on. Objects on black and palettes
-// of diverse value are drawn more often than they occur. training/edges/export_weights.py makes the
-// C++ header.
+// of diverse value are drawn more often than they occur. shrink_edge_prior fits a smaller net to
+// the result, training/edges/export_weights.py makes the C++ header.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -23,16 +23,17 @@
 #include "tests/bench/datasets.hpp"
 #include "training/edges/problem.hpp"
 #include "training/edges/scenes.hpp"
+#include "training/edges/weights.hpp"
 
 namespace inverse::training {
 namespace {
 
-constexpr int kEdgeHidden = 12, kCellHidden = 8, kBatch = 8, kThreads = 2;
+constexpr int kCellHidden = 8, kBatch = 8, kThreads = 2;
 constexpr double kObjectShare = 0.35, kDiverseShare = 0.5, kDecay = 3e-5;
 
 struct Options {
   std::string out, from, data = "../shared/data", leave;
-  int scenes = 200;
+  int scenes = 200, hidden = 12;
   double seconds = 600, rate = 5e-3, rendered = 0;
 };
 
@@ -61,27 +62,6 @@ std::vector<float> initial(const Model& model) {
   p[std::size_t(model.edge.skip(1, 1))] = 1;
   p[std::size_t(model.edge.bias2(0))] = 0.5F, p[std::size_t(model.edge.bias2(1))] = -2;
   p[std::size_t(model.cell.bias2(0))] = -3.5F, p[std::size_t(model.cell.bias2(2))] = -1.9F;
-  return p;
-}
-
-void save(const std::vector<float>& p, const std::string& path) {
-  FILE* f = std::fopen(path.c_str(), "w");
-  if (!f) throw std::runtime_error("cannot write " + path);
-  std::fprintf(f, "%d %d %zu\n", kEdgeHidden, kCellHidden, p.size());
-  for (float v : p) std::fprintf(f, "%.6g\n", double(v));
-  std::fclose(f);
-}
-
-std::vector<float> load(const std::string& path, int count) {
-  FILE* f = std::fopen(path.c_str(), "r");
-  int edge = 0, cell = 0, n = 0;
-  if (!f || std::fscanf(f, "%d %d %d", &edge, &cell, &n) != 3 || edge != kEdgeHidden ||
-      cell != kCellHidden || n != count)
-    throw std::runtime_error(path + " holds no weights of this model");
-  std::vector<float> p(static_cast<std::size_t>(n));
-  for (float& v : p)
-    if (std::fscanf(f, "%f", &v) != 1) throw std::runtime_error(path + " is cut short");
-  std::fclose(f);
   return p;
 }
 
@@ -145,9 +125,15 @@ Corpus make_corpus(const Options& options) {
 }
 
 void fit(const Options& options) {
-  const Model model(kEdgeHidden, kCellHidden);
+  const Weights from =
+      options.from.empty() ? Weights{options.hidden, kCellHidden, {}} : load_weights(options.from);
+  const Model model(from.edge_hidden, from.cell_hidden);
   const std::size_t n = std::size_t(model.count());
-  std::vector<float> p = options.from.empty() ? initial(model) : load(options.from, model.count());
+  std::vector<float> p = options.from.empty() ? initial(model) : from.values;
+  if (p.size() != n) throw std::runtime_error(options.from + " holds no weights of this model");
+  const auto save = [&](const std::vector<float>& values) {
+    save_weights({from.edge_hidden, from.cell_hidden, values}, options.out);
+  };
   const Corpus corpus = make_corpus(options);
   std::vector<Solution> solutions(corpus.examples.size());
   std::vector<float> average = p;
@@ -196,10 +182,10 @@ void fit(const Options& options) {
       std::printf("%5.0f s  step %d  loss %.4f\n", elapsed, step, sum / count);
       std::fflush(stdout);
       reported = elapsed, sum = 0, count = 0;
-      save(average, options.out);
+      save(average);
     }
   }
-  save(average, options.out);
+  save(average);
 }
 
 }  // namespace
@@ -220,6 +206,8 @@ int main(int argc, char** argv) {
         o.leave = v;
       else if (a == "--scenes")
         o.scenes = std::stoi(v);
+      else if (a == "--hidden")
+        o.hidden = std::stoi(v);
       else if (a == "--seconds")
         o.seconds = std::stod(v);
       else if (a == "--rate")

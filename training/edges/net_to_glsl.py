@@ -6,10 +6,14 @@ usage: net_to_glsl.py tests/reference/intrinsic_edge_weights.hpp > kernels/intri
 The last kFrame cues of both nets are equal for all pixels of a frame. Their part of every sum is folded into the biases
 once a frame (fold.comp, by the tables FOLD_*), so a pixel evaluates the other cues only.
 """
+import math
 import re
 import sys
 
 FRAME = 4  # cues that describe the frame
+# Cues (ln(x + 0.01) + center) / 1.5: the kernels give log2(x + 0.01), so that scale and center go into weights and biases.
+CENTERS = {"edge": {0: 3.0, 1: 3.0, 2: 2.5, 3: 2.5, 4: 2.0, 5: 2.0, 6: 2.5, 7: 2.5, 12: 3.0, 13: 3.0},
+           "cell": {3: 2.5, 4: 2.5, 6: 2.0}}
 # Cues that are added up first, because several evaluations share them: those of wide surroundings, then narrower ones,
 # then what is left.
 STAGES = {"edge": [(4, 5, 6, 7), (2, 3, 11), (0, 1, 8, 9, 10, 12, 13, 14)]}
@@ -30,6 +34,16 @@ def parse(text):
             values = values[size:]
         nets.append((name, hidden, outputs, cues, parts))
     return nets
+
+
+def take_logarithms(kind, weights, cues, biases):
+    """Weights (rows of `cues`) and biases for cues that come as log2."""
+    weights, biases = list(weights), list(biases)
+    for row in range(len(biases)):
+        for cue, center in CENTERS.get(kind, {}).items():
+            biases[row] += weights[row * cues + cue] * center / 1.5
+            weights[row * cues + cue] *= math.log(2) / 1.5
+    return weights, biases
 
 
 def number(v):
@@ -61,6 +75,8 @@ def main():
     for name, hidden, outputs, cues, (inner, bias1, outer, skip, bias2) in nets:
         local = cues - FRAME
         kind = name[1:-3].lower()  # kEdgeNet → edge
+        inner, bias1 = take_logarithms(kind, inner, cues, bias1)
+        skip, bias2 = take_logarithms(kind, skip, cues, bias2)
         vectors = (hidden + outputs + 3) // 4
         names = [f"f[{k}]" for k in range(local)]
         lanes = [f"{'xyzw'[i % 4]}" for i in range(hidden + outputs)]

@@ -1,0 +1,76 @@
+// What a stream of extremes leaves behind: a decomposer that went through them decomposes a picture
+// as a fresh one does.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "methods.hpp"
+
+namespace inverse::extremes {
+namespace {
+
+constexpr Extent kExtent{61, 44};
+constexpr uint32_t kFrames = 60;
+
+/// A frame of another mixture of faults each time.
+Pixels extreme(uint32_t frame) {
+  Case one = random_case(Solver::multigrid, frame + 1, 64);
+  one.width = kExtent.width;
+  one.height = kExtent.height;
+  return frame_of(one, frame);
+}
+
+const Case kPicture{Solver::multigrid, kExtent.width, kExtent.height, 1, 5, 0, 0};
+
+TEST(Recovery, ACutLeavesNothingOfWhatWasBefore) {
+  const Lab lab;
+  Method used(lab, Solver::multigrid, kExtent), fresh(lab, Solver::multigrid, kExtent);
+  for (uint32_t frame = 0; frame < kFrames; ++frame) used.decompose(extreme(frame));
+  used.decompose(Pixels(4 * kExtent.pixels(), 0.0F));  // black: whatever follows is a cut
+  const Pixels picture = frame_of(kPicture, 0);
+  IntrinsicDecomposition::Params params;
+  params.warm_cycles = params.cycles;  // a cut is found on the device, after cycles were recorded
+  used.set(params);
+  const Pixels got = used.decompose_in_own_gauge(picture);
+  const Pixels expected = fresh.decompose_in_own_gauge(picture);
+  double worst = 0;
+  for (size_t i = 3; i < got.size(); i += 4)
+    worst = std::max(worst, static_cast<double>(std::abs(std::log(got[i] / expected[i]))));
+  EXPECT_LT(worst, 1e-5);
+}
+
+TEST(Recovery, AResetForgetsEverything) {
+  const Lab lab;
+  for (const Solver solver : {Solver::pcg, Solver::schwarz}) {
+    Method used(lab, solver, kExtent), fresh(lab, solver, kExtent);
+    for (uint32_t frame = 0; frame < kFrames / 4; ++frame) used.decompose(extreme(frame));
+    used.thesis().reset();
+    const Pixels picture = frame_of(kPicture, 0);
+    EXPECT_EQ(used.decompose(picture), fresh.decompose(picture)) << name_of(solver);
+  }
+}
+
+TEST(Recovery, TheThesisMethodForgetsInTime) {
+  // Five keyframes, five frames apart, and a palette that takes a tenth of each frame.
+  const Lab lab;
+  Method used(lab, Solver::pcg, kExtent), fresh(lab, Solver::pcg, kExtent);
+  for (uint32_t frame = 0; frame < kFrames / 4; ++frame) used.decompose(extreme(frame));
+  const Pixels picture = frame_of(kPicture, 0);
+  Pixels got, expected;
+  for (int frame = 0; frame < 31; ++frame) {
+    got = used.decompose(picture);
+    expected = fresh.decompose(picture);
+  }
+  double model = 0, wanted = 0;
+  for (size_t i = 0; i < got.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(got[i]));
+    if (i % 4 == 3) continue;
+    model += std::abs(static_cast<double>(got[i] * got[i | 3] - picture[i]));
+    wanted += std::abs(static_cast<double>(expected[i] * expected[i | 3] - picture[i]));
+  }
+  EXPECT_LT(model, 1.5 * wanted) << "the model explains the picture as well as a fresh one's does";
+}
+
+}  // namespace
+}  // namespace inverse::extremes

@@ -1,0 +1,69 @@
+// The corners of intrinsicdecomp's weights: more cycles come closer to the solution whatever the
+// user's factors make of the system, over twelve decades of their products.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "methods.hpp"
+
+namespace inverse::extremes {
+namespace {
+
+/// Squares of strong colors, a third of their channels nearly black: patches that hold together
+/// firmly and each other hardly.
+Pixels mosaic(Extent extent, uint32_t square) {
+  std::mt19937 random(square);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<float> colors(3 * 4096);
+  for (float& c : colors) c = unit(random) < 0.3F ? 0.01F : unit(random);
+  Pixels pixels(4 * extent.pixels(), 1);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x)
+      for (uint32_t c = 0; c < 3; ++c)
+        pixels[4 * (size_t{y} * extent.width + x) + c] =
+            colors[3 * ((x / square * 131 + y / square * 17) % 4096) + c];
+  return pixels;
+}
+
+double rms_apart(const Pixels& one, const Pixels& other) {
+  double sum = 0;
+  for (size_t i = 3; i < one.size(); i += 4)
+    sum += std::pow(std::log(static_cast<double>(one[i])) - std::log(static_cast<double>(other[i])),
+                    2);
+  return std::sqrt(4 * sum / static_cast<double>(one.size()));
+}
+
+TEST(Weights, MoreCyclesComeCloserAtEveryCorner) {
+  const Lab lab;
+  const Extent extent{83, 70};
+  const uint32_t squares[] = {8, 16, 64};
+  int corner = 0;
+  for (const float a : {1e-3F, 1.0F, 1e3F})
+    for (const float b : {1e-3F, 1.0F, 1e3F})
+      for (const float v : {1e-3F, 1.0F, 1e3F})
+        for (const float g : {0.0F, 1.0F, 1e3F}) {
+          const Pixels frame = mosaic(extent, squares[corner++ % 3]);
+          Pixels results[3];
+          const uint32_t cycles[] = {4, 8, 32};
+          for (size_t k = 0; k < 3; ++k) {
+            IntrinsicDecomposition::Params params;
+            params.prior = {a, b, v, g};
+            params.cycles = cycles[k];
+            params.settled = 0;
+            Method method(lab, Solver::multigrid, extent);
+            method.set(params);
+            results[k] = method.decompose_in_own_gauge(frame);
+          }
+          const double early = rms_apart(results[0], results[2]);
+          const double late = rms_apart(results[1], results[2]);
+          const std::string name = "reflectance " + std::to_string(a) + ", shading " +
+                                   std::to_string(b) + ", value " + std::to_string(v) +
+                                   ", chroma " + std::to_string(g);
+          EXPECT_LT(late, early + 1e-4) << name;
+          EXPECT_LT(early, 2) << name;
+        }
+}
+
+}  // namespace
+}  // namespace inverse::extremes
