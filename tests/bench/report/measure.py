@@ -57,7 +57,7 @@ def import_data(programs, data, folder, full):
     importer = programs / "import-scenes"
     if not importer.exists():
         return f"`{data}` skipped, as OpenCV was not found when this was built"
-    out = subprocess.run([str(importer), str(data), str(folder), "--frames", "0" if full else "1"] +
+    out = subprocess.run([str(importer), str(data), str(folder), "--frames", "2" if full else "1"] +
                          (["--videos"] if full else []), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if out.returncode:
         raise Failed(out.stderr)
