@@ -8,7 +8,7 @@ namespace {
 struct Params : ScaledIntrinsic::Params, DecomposerParams {
   uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
-  float keep_tolerance = 5e-4F;
+  float keep_tolerance = 1e-3F;
 };
 
 Params preset(const Params& set) {
@@ -51,8 +51,11 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   }
 
   uint64_t decompose(FrameWork& frame) override {
+    ScaledIntrinsic::Params in_force = params();
+    // The sooner a picture that stays has settled, the sooner nothing is left to do.
+    if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
     frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], params(), {frame.fresh});
+        method_->record(frame.commands, frame.layers[Role::input], in_force, {frame.fresh});
     return method_->recorded() - 1;
   }
 
@@ -61,7 +64,8 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     using P = Params;
     static const PropertyTable<P> table = [] {
       auto table = shared_properties<P>(
-          "Sets half-resolution and the cycles as a group; what is set explicitly wins");
+          "Sets half-resolution, the cycles and when they have settled as a group; what is set "
+          "explicitly wins");
       const PropertyTable<P> own = own_properties();
       table.insert(table.end(), own.begin(), own.end());
       return table;

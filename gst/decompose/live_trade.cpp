@@ -34,8 +34,8 @@ void LiveTrade::aim(const Goal& goal, size_t top) {
   goal_ = goal;
   top_ = std::min(top, costs_.size() - 1);
   if (starts || !goal.on()) {
-    if (level_ != top_) forget();
     level_ = top_;
+    clear();
     moved_.reset();
     patience_.assign(costs_.size(), kPatience);
     report_ = {};
@@ -50,12 +50,17 @@ void LiveTrade::aim(const Goal& goal, size_t top) {
   report_.budget_ms = goal.on() ? goal.budget_ms() : 0;
 }
 
-void LiveTrade::forget() {
+void LiveTrade::clear() {
   frames_ = 0;
   typical_ = 0;
   late_ = 0;
   climbed_.reset();
   room_since_.reset();
+}
+
+void LiveTrade::forget() {
+  clear();
+  start_ = kStart;
   report_.predicted_ms = 0;
 }
 
@@ -68,6 +73,10 @@ double LiveTrade::took_but(size_t above) const {
 
 void LiveTrade::frame(double now_s, double took_ms, size_t level) {
   if (!goal_.on() || level != level_) return;
+  if (start_ > 0) {
+    --start_;
+    return;
+  }
   took_[frames_++ % kWindow] = took_ms;
   if (frames_ < kFewest) return;
   report_.predicted_ms = typical_ = took_but(std::min(frames_, kWindow) / 2);

@@ -50,19 +50,21 @@ class LiveTrade {
   void frame(double now_s, double took_ms, size_t level);
   /// Whoever shows the frames said that one came so much too late; negative: early.
   void late(double now_s, double by_ms);
-  /// What frames took so far says nothing about the next ones (another size, another device).
+  /// A stream starts: what frames took so far says nothing about the next ones.
   void forget();
 
   static constexpr double kRoom = 0.85;   ///< share of the budget that a level to go to may take
   static constexpr double kPatience = 2;  ///< s that a level above has room before it is tried
   static constexpr double kMostPatience = 32;  ///< s, after it failed again and again
   static constexpr double kTrial = 10;         ///< s that a level has to hold to count as a success
-  static constexpr double kEcho = 0.3;  ///< s after a change in which lateness is an old story
-  static constexpr size_t kWindow = 5;  ///< frames that count
-  static constexpr size_t kFewest = 3;  ///< of them after a change
+  static constexpr double kEcho = 0.3;   ///< s after a change in which lateness is an old story
+  static constexpr size_t kWindow = 5;   ///< frames that count
+  static constexpr unsigned kStart = 3;  ///< first frames of a stream, which pay for its setup
+  static constexpr size_t kFewest = 3;   ///< of them after a change
 
  private:
   double predicted(size_t level) const { return typical_ * costs_[level] / costs_[level_]; }
+  void clear();
   void move(double now_s, size_t to, const std::string& reason);
   /// The value that `above` of the last frames, at most kWindow of them, took longer than.
   double took_but(size_t above) const;
@@ -71,7 +73,8 @@ class LiveTrade {
   Goal goal_;
   size_t level_, top_;
   std::array<double, kWindow> took_{};
-  size_t frames_ = 0;  // at this level
+  unsigned start_ = kStart;  // frames yet to be left out
+  size_t frames_ = 0;        // at this level
   double typical_ = 0;
   unsigned late_ = 0;             // reports in a row
   std::vector<double> patience_;  // s that each level has to have room before it is tried

@@ -6,7 +6,7 @@ namespace inverse {
 
 /// A level: resolution, cycles of the first frame and of those after it, from which change on edges
 /// are decided anew, and below which change of a cycle no further one follows.
-template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled = 0.01F>
+template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
 void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.half_resolution = kHalf;
   params.cycles = kCycles;
@@ -19,16 +19,16 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
 /// resolution, which makes the method forget earlier frames.
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.40, intrinsic_level<true, 3, 1, 0.1F>},
-       {0.46, intrinsic_level<true, 4, 2, 0.1F>},
-       {0.54, intrinsic_level<true, 4, 2, 0.05F>},
-       {0.65, intrinsic_level<true, 8, 4, 0.05F>},
-       {0.83, intrinsic_level<false, 4, 2, 0.1F>},
-       {1.00, intrinsic_level<false, 4, 2, 0.05F>},
-       {1.18, intrinsic_level<false, 6, 3, 0.05F, 0.007F>},
-       {1.36, intrinsic_level<false, 8, 4, 0.05F, 0.005F>},
-       {2.1, intrinsic_level<false, 12, 8, 0.05F, 0.003F>},
-       {4.8, intrinsic_level<false, 24, 24, 0.05F, 0.001F>}},
+      {{0.48, intrinsic_level<true, 3, 1, 0.1F, 0.01F>},
+       {0.55, intrinsic_level<true, 4, 2, 0.1F, 0.01F>},
+       {0.60, intrinsic_level<true, 4, 2, 0.05F, 0.01F>},
+       {0.68, intrinsic_level<true, 8, 4, 0.05F, 0.003F>},
+       {0.90, intrinsic_level<false, 4, 2, 0.1F, 0.01F>},
+       {1.00, intrinsic_level<false, 4, 2, 0.05F, 0.01F>},
+       {1.16, intrinsic_level<false, 8, 4, 0.05F, 0.01F>},
+       {1.24, intrinsic_level<false, 8, 4, 0.05F, 0.003F>},
+       {1.53, intrinsic_level<false, 12, 8, 0.05F, 0.001F>},
+       {2.93, intrinsic_level<false, 24, 24, 0.05F, 1e-4F>}},
       {2, 5, 7, 9}};
   return ladder;
 }

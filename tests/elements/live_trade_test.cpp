@@ -161,8 +161,18 @@ TEST(LiveTrade, SingleSlowFramesMoveNothing) {
   EXPECT_EQ(trade.report().moves, 0u);
 }
 
+TEST(LiveTrade, TheFirstFramesOfAStreamMayTakeLonger) {
+  LiveTrade trade = trade_for(30);
+  for (int stream = 0; stream < 3; ++stream) {
+    trade.forget();
+    for (int i = 0; i < 30; ++i) trade.frame(10 * stream + i / 30., i < 3 ? 400 : 20, kTop);
+  }
+  EXPECT_EQ(trade.report().moves, 0u);
+}
+
 TEST(LiveTrade, FramesOfAnOlderLevelDoNotCount) {
   LiveTrade trade = trade_for(30);
+  for (int i = -3; i < 0; ++i) trade.frame(i * 0.1, 8, kTop);
   for (int i = 0; i < 3; ++i) trade.frame(i * 0.1, 60, kTop);
   const size_t level = trade.level();
   ASSERT_LT(level, kTop);
