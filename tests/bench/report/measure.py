@@ -114,7 +114,7 @@ def run(build, work, data, full, progress, only):
     results["duplicates"] = []
     for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
         out = work / "elements.json"
-        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "24", "--rounds", "1", "--json", out,
+        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "80", "--rounds", "1", "--json", out,
                 line], progress, GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
         results["duplicates"] += json.loads(out.read_text())
 
