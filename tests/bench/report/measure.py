@@ -57,7 +57,7 @@ def import_data(programs, data, folder, full):
     importer = programs / "import-scenes"
     if not importer.exists():
         return f"`{data}` skipped, as OpenCV was not found when this was built"
-    out = subprocess.run([str(importer), str(data), str(folder), "--frames", "0" if full else "1"] +
+    out = subprocess.run([str(importer), str(data), str(folder), "--frames", "2" if full else "1"] +
                          (["--videos"] if full else []), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if out.returncode:
         raise Failed(out.stderr)
@@ -114,7 +114,7 @@ def run(build, work, data, full, progress, only):
     results["duplicates"] = []
     for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
         out = work / "elements.json"
-        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "24", "--rounds", "1", "--json", out,
+        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "80", "--rounds", "1", "--json", out,
                 line], progress, GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
         results["duplicates"] += json.loads(out.read_text())
 
