@@ -1,5 +1,6 @@
 #include "report.hpp"
 
+#include <map>
 #include <string>
 
 namespace inverse {
@@ -17,9 +18,10 @@ GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double
                         device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
                         G_TYPE_UINT64, device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
                         device.memory_peak_bytes(), nullptr);
-  for (const auto& stage : commands.stages())
-    gst_structure_set(stats, (std::string(stage.name) + "-ms").c_str(), G_TYPE_DOUBLE,
-                      stage.milliseconds, nullptr);
+  std::map<std::string, double> stages;  // some come more than once, as cycles do
+  for (const auto& stage : commands.stages()) stages[stage.name] += stage.milliseconds;
+  for (const auto& [name, milliseconds] : stages)
+    gst_structure_set(stats, (name + "-ms").c_str(), G_TYPE_DOUBLE, milliseconds, nullptr);
   gst_structure_set(stats, "device-ms", G_TYPE_DOUBLE, device_ms(commands), nullptr);
   return stats;
 }

@@ -70,6 +70,15 @@ TEST(Stream, StatsTellOfCompletedFramesWhereLayersGoOut) {
       EXPECT_LE(evaluated, tiles);
       EXPECT_TRUE(change >= 0 && change < 10) << change;
       EXPECT_GT(device, 0);
+      // Stages that come in every cycle are told as their sum.
+      gdouble stages = 0;
+      for (const char* stage : {"unpack-ms", "guide-ms", "prior-ms", "assemble-ms", "operators-ms",
+                                "descend-ms", "cells-ms", "ascend-ms", "layers-ms"}) {
+        gdouble milliseconds = 0;
+        EXPECT_TRUE(gst_structure_get_double(stats, stage, &milliseconds)) << stage;
+        stages += milliseconds;
+      }
+      EXPECT_NEAR(stages, device, 1e-6);
     }
     gst_structure_free(stats);
   }
