@@ -32,7 +32,8 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     commands_.submit();
     commands_.wait();
   });
-  if (!commands_.stages().empty()) {
+  // Where there were more stages than are timed, the device's time is not known.
+  if (!commands_.stages().empty() && commands_.stages().size() < gpu::Commands::kMaxStages) {
     cost.device = 0;
     for (const gpu::StageTime& stage : commands_.stages()) {
       cost.device += stage.milliseconds;

@@ -102,7 +102,8 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    const bool dear = irls == 16, odd = iterations == 4 || irls == 3 || (dear && !*preset);
+    const bool dear = irls == 16,
+               odd = iterations == 4 || irls == 3 || (!pcg && irls == 1) || (dear && !*preset);
     const bool brief = (*preset && !dear) || irls == base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,
@@ -144,7 +145,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                              .video = true,
                              .effort = pcg ? Effort::usual : Effort::full});
   ThesisParams converged = base;
-  converged.irls_iterations = pcg ? 24 : 48;
+  converged.irls_iterations = pcg ? 24 : 32;
   converged.pcg_iterations = pcg ? 16 : 8;
   method.converged = make(converged);
   return method;

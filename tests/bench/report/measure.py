@@ -101,9 +101,9 @@ def run(build, work, data, full, progress, only):
 
     progress.begin("elements")
     results["elements"] = []
-    more = ",1280x720,1920x1080"
-    for element, sizes in (("intrinsicdecomp", "320x240,640x480" + more),
-                           ("intrinsicdecompthesis", "320x240,640x480" + (more if full else ""))):
+    more = ",1920x1080"
+    for element, sizes in (("intrinsicdecomp", "320x240,640x480,1280x720" + (more if full else "")),
+                           ("intrinsicdecompthesis", "320x240,640x480" + (",1280x720" + more if full else ""))):
         out = work / "elements.json"
         follow([programs / "element-bench", "--sizes", sizes, "--frames", "40" if full else "12", "--rounds",
                 "3" if full else "1", "--json", out, element], progress,

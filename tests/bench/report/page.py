@@ -189,7 +189,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "default is 4.\n")
     if has["convergence"]:
         out.append("![Convergence](convergence.png)\n\n"
-                   "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 48×8 iterations) in "
+                   "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 32×8 iterations) in "
                    "natural log units: 0.01 is one percent. The processor's solvers minimize `intrinsicdecomp`'s energy "
                    "independently, in double precision, and are measured against the device's converged solution: where "
                    "their curve ends is how well the two agree.*\n")
@@ -236,7 +236,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes about a minute, `./dev bench --full` a quarter of an hour: all frames of the given data and every
+`./dev bench` takes a minute and a half on two cores, `./dev bench --full` a quarter of an hour: all frames of the given data and every
 setting. `--data DIR` names another folder of ground truth, `--against FILE` prints what got better or worse since an
 earlier `results.json`, `--add FILE` adds what `bench-methods` measured on another machine (it needs no more than libvulkan
 and `scenes`: see `tests/bench/methods_main.cpp`).
