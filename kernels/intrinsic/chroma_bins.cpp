@@ -48,12 +48,12 @@ void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
   // The largest for which a frame of one chroma does not overflow 31 bits.
   scale_ = 2.0e9F / std::max(static_cast<float>(cells_.pixels()) * most_weight, 1e-20F);
   commands.fill(weights_);
+  commands.fill(totals_);
   commands.dispatch(weigh_, {guide.cells(), terms, terms, terms, weights_},
                     SplatPush{cells_.width, cells_.height, scale_}, splat_items());
 }
 
 void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State& state) const {
-  commands.fill(totals_);
   commands.dispatch(splat_, {guide.cells(), state.terms, state.means, state.correction, totals_},
                     SplatPush{cells_.width, cells_.height, scale_}, splat_items());
   commands.dispatch(mean_, {weights_, totals_, means_}, {kBins});

@@ -93,7 +93,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.levels = multigrid_.depth();
   stats_.history = history_ && params.anchor.anchor_weight > 0;
   stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
-  stats_.stops = params.adaptive && params.settled > 0;
+  stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
 
@@ -139,6 +139,15 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   layers[Role::model] = intrinsic;
   layers[Role::intrinsic] = intrinsic;
   return layers;
+}
+
+bool IntrinsicDecomposition::may_settle(const Params& params) const {
+  if (recorded_ < reports_.size()) return true;
+  const uint64_t before = recorded_ - reports_.size();  // done, or this frame could not begin
+  const Findings found = findings(before);
+  if (found.cycles < report(before).stats.cycles) return true;
+  // A cycle changes about a third of what the one before it did.
+  return found.change < params.settled / 3;
 }
 
 void IntrinsicDecomposition::take_gauge(gpu::Commands& commands,

@@ -55,7 +55,7 @@ class IntrinsicDecomposition {
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
   /// layers: input, intrinsic (R.rgb, S) and, the same plane, model. Who edits in place copies
-  /// first what others hold.
+  /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
@@ -88,6 +88,9 @@ class IntrinsicDecomposition {
     bool adaptive = false;
     gpu::BufferPtr found;  // change, verdict, gauge, control
   };
+  /// Whether a look at what cycles change is likely to end them early: it costs a few percent of a
+  /// frame. Judged by the last frame that is sure to be done.
+  bool may_settle(const Params& params) const;
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   void record_report(gpu::Commands& commands, bool adaptive);
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool anchored,
