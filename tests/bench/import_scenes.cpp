@@ -4,15 +4,19 @@
 // Any folder below FROM (three levels) that holds original.png, reflectance.png, shading.png and
 // mask.png is a still in the form of the MIT set; one that holds I8, R, Sdir and Sind a rendered
 // sequence, of which N frames (default 1, 0: all) spread evenly become stills, and with --videos
-// all become a video.
+// all become a video. Where nothing but the light of a sequence changes, --videos adds two more:
+// "slow light" with five steps for every one, and "noise", its first frame eight times under a
+// camera's noise.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <random>
 #include <string>
 
 #include "tests/bench/datasets.hpp"
+#include "tests/bench/metrics.hpp"
 #include "tests/bench/scene.hpp"
 
 namespace inverse::bench {
@@ -37,6 +41,39 @@ std::vector<int> spread(int count, int take) {
   for (int k = 0; k < take; ++k)
     numbers.push_back(take == 1 ? count / 2 : k * (count - 1) / (take - 1));
   return numbers;
+}
+
+/// Whether the true reflectance of every pixel stays what it is.
+bool stands_still(const Scene& video) {
+  std::vector<Image> truth;
+  for (const TruthFrame& frame : video.frames) truth.push_back(frame.reflectance);
+  const Image still = static_pixels(truth);
+  return std::all_of(still.data.begin(), still.data.end(), [](float v) { return v == 1; });
+}
+
+/// The same under light that changes in `parts` times smaller steps: light adds up.
+Scene slow_light(const Scene& video, int parts) {
+  Scene slow{video.set, "slow light", video.regime, true, {}};
+  for (std::size_t k = 0; k + 1 < video.frames.size(); ++k)
+    for (int j = 0; j < parts; ++j) {
+      slow.frames.push_back(video.frames[k]);
+      const float share = float(j) / float(parts);
+      const auto mix = [share](Image& to, const Image& next) {
+        for (std::size_t i = 0; i < to.data.size(); ++i)
+          to.data[i] += share * (next.data[i] - to.data[i]);
+      };
+      mix(slow.frames.back().input, video.frames[k + 1].input);
+      mix(slow.frames.back().shading, video.frames[k + 1].shading);
+    }
+  return slow;
+}
+
+/// The first frame again and again, under noise.
+Scene noise(const Scene& video, std::size_t count) {
+  std::mt19937 random(1);
+  Scene noisy{video.set, "noise", video.regime, true, {count, video.frames.front()}};
+  for (TruthFrame& frame : noisy.frames) frame.input = with_noise(frame.input, random);
+  return noisy;
 }
 
 void run(const std::string& from, const std::string& to, int frames, bool videos) {
@@ -69,6 +106,10 @@ void run(const std::string& from, const std::string& to, int frames, bool videos
         for (int k = 0; k < count; ++k)
           video.frames.push_back(truth_of(load_rendered(folder.string(), k, regime)));
         write_scene(to, video);
+        if (count > 1 && stands_still(video)) {
+          write_scene(to, slow_light(video, 5));
+          write_scene(to, noise(video, 8));
+        }
       }
       ++counts[stills.set];
     }

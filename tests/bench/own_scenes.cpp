@@ -180,13 +180,9 @@ TruthFrame with_ball(TruthFrame frame, float center_x, float center_y) {
   return frame;
 }
 
-/// Shot and read noise.
-TruthFrame with_noise(TruthFrame frame, unsigned seed) {
+TruthFrame noisy(TruthFrame frame, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  for (float& v : frame.input.data)
-    v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(random));
-  frame.input = through_8_bits(frame.input);
+  frame.input = through_8_bits(with_noise(frame.input, random));
   return frame;
 }
 
@@ -206,7 +202,7 @@ void write_all(const std::string& folder) {
   for (int k = 0; k < kFrames; ++k) {
     light.frames.push_back(render(clip::still_life(0.3F + 0.04F * float(k)), kMoving));
     still.frames.push_back(table);
-    noise.frames.push_back(with_noise(table, unsigned(k)));
+    noise.frames.push_back(noisy(table, unsigned(k)));
     ball.frames.push_back(with_ball(table, 60 + 6 * float(k), 60 + 4 * float(k)));
     pan.frames.push_back(crop(table, 4 * k, 2 * k, 256, 192));
   }

@@ -94,4 +94,11 @@ Image through_8_bits(const Image& linear) {
   return out;
 }
 
+Image with_noise(const Image& linear, std::mt19937& random) {
+  Image out = linear;
+  std::normal_distribution<float> normal;
+  for (float& v : out.data) v = std::max(0.0F, v + 0.01F * std::sqrt(v + 0.002F) * normal(random));
+  return out;
+}
+
 }  // namespace inverse::bench

@@ -2,6 +2,7 @@
 // they can be carried to a machine that has no image libraries.
 #pragma once
 
+#include <random>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,9 @@ Image halve(const Image& image, bool is_mask = false);
 
 /// Frames as a camera or a file would deliver them: through 8-bit sRGB and back.
 Image through_8_bits(const Image& linear);
+
+/// Under a camera's shot and read noise: normal, of standard deviation .01 sqrt(v + .002) at the
+/// linear value v; what falls below 0 is 0.
+Image with_noise(const Image& linear, std::mt19937& random);
 
 }  // namespace inverse::bench

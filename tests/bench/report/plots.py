@@ -272,7 +272,7 @@ def adaptivity(entries, clock, folder):
         ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set']}: {e['regime']}"
+    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set'] + ' ' + e['scene']}: {e['regime']}"
                                         for e in entries])
     ax.set_ylim(-0.6, len(entries) - 0.3)
     ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
