@@ -5,6 +5,7 @@ import pathlib
 import sys
 
 import against
+import intervals
 import measure
 import progress as progress_bar
 import summary
@@ -37,6 +38,7 @@ def summarize(results):
     results["summary"] = {
         "own": own,
         "regimes": {n: summary.points(rows, regime=n, device=results["device"]) for n in names},
+        "intervals": intervals.by_regime(rows, results["methods"]),
         "front": [[p["method"], p["curve"], p["setting"]] for p in summary.front(own, "lmse20")],
         "videos": videos,
         "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)]}

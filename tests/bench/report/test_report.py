@@ -7,6 +7,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import against
+import intervals
+import page
 import summary
 
 
@@ -70,6 +72,63 @@ class Summary(unittest.TestCase):
         entry, = summary.adaptivity([off, on])
         self.assertEqual(entry["wall_ratio"][1], 0.5)
         self.assertAlmostEqual(entry["lmse20_added"], 0.1)
+
+
+class Intervals(unittest.TestCase):
+    FAMILIES = {"intrinsicdecomp": {"family": "method"}, "thesis PCG": {"family": "method"}, "filter": {"family": "peer"},
+                "same energy": {"family": "peer"}, "nothing": {"family": "trivial"}}
+
+    def rows(self, method, errors, curve="c", setting="1", preset="", regime="r", **more):
+        return [{**row(setting, [1], e, scene=str(n), **more), "method": method, "curve": curve, "preset": preset, "lmse20": e,
+                 "regime": regime} for n, e in enumerate(errors)]
+
+    def test_mean_and_interval(self):
+        self.assertEqual(intervals.bootstrap_mean([2, 2, 2, 2]), [2, 2, 2])
+        self.assertEqual(intervals.bootstrap_mean([0, 1]), [0, 0.5, 1])  # a quarter of the draws at either end
+        self.assertIsNone(intervals.bootstrap_mean([1]))
+        # Of zeros and ones the mean is binomial: 50 of 100 give a deviation of .05, and 1.96 times that at either side.
+        low, middle, high = intervals.bootstrap_mean([0, 1] * 50)
+        self.assertEqual(middle, 0.5)
+        self.assertAlmostEqual(low, 0.402, delta=0.015)
+        self.assertAlmostEqual(high, 0.598, delta=0.015)
+        self.assertEqual(intervals.bootstrap_mean([0, 1] * 50), [low, middle, high])
+
+    def test_differences_are_paired(self):
+        # Scenes differ by far more than methods do, and yet there is no doubt.
+        ours, theirs = {n: 10.0 * n for n in range(6)}, {n: 10.0 * n + 1 + n / 10 for n in range(6)}
+        d = intervals.differences(ours, theirs)
+        self.assertAlmostEqual(d["mean"], -1.25)
+        self.assertTrue(-1.5 <= d["interval"][0] < d["interval"][1] < d["interval"][2] <= -1)
+        self.assertEqual((d["better"], d["scenes"], d["separated"]), (6, 6, True))
+        self.assertTrue(intervals.differences(theirs, ours)["separated"])
+        self.assertFalse(intervals.differences({0: 1, 1: 3, 2: 1}, {0: 2, 1: 2, 2: 2})["separated"])
+        self.assertIsNone(intervals.differences({0: 1, 1: 1}, {0: 2, 1: 2})["separated"])
+        self.assertIsNone(intervals.differences({0: 1}, {1: 1}))
+
+    def test_by_regime(self):
+        rows = (self.rows("intrinsicdecomp", [0.1, 0.2, 0.3], preset="medium") +
+                self.rows("intrinsicdecomp", [0.0, 0.0, 0.0], setting="2", preset="best") +
+                self.rows("intrinsicdecomp", [9, 9, 9], preset="medium", video=True) +
+                self.rows("thesis PCG", [0.2, 0.3, 0.4], preset="medium") +
+                self.rows("filter", [0.3, 0.3, 0.3]) + self.rows("filter", [0.1, 0.1, 0.1], setting="2") +
+                self.rows("nothing", [0.0, 0.0], setting="") +  # misses a scene
+                self.rows("same energy", [0.0, 0.0, 0.0], curve="tolerance") +
+                self.rows("intrinsicdecomp", [0.5], preset="medium", regime="other"))
+        found = intervals.by_regime(rows, self.FAMILIES)
+        self.assertEqual(list(found), ["r", "other"])
+        entry = found["r"]
+        self.assertAlmostEqual(entry["mean"], 0.2)
+        self.assertAlmostEqual(entry["minus_thesis"]["mean"], -0.1)
+        self.assertTrue(entry["minus_thesis"]["separated"])
+        self.assertEqual((entry["baseline"]["method"], entry["baseline"]["setting"]), ("filter", "2"))
+        self.assertAlmostEqual(entry["minus_baseline"]["mean"], 0.1)
+        self.assertEqual((entry["minus_baseline"]["better"], entry["minus_baseline"]["separated"]), (0, False))
+        self.assertIsNone(found["other"]["interval"])
+        self.assertNotIn("baseline", found["other"])
+        text = page.by_regime_intervals(found)
+        self.assertIn("| r | .2000 [.1000, .3000] | −.1000 [−.1000, −.1000] | 3 of 3 | yes | filter 2: .1000 | "
+                      "+.1000 [0, +.2000] | 0 of 3 | no |", text)
+        self.assertIn("| other | .5000 | – | – | – | – | – | – | – |", text)
 
 
 class Against(unittest.TestCase):
