@@ -53,7 +53,7 @@ bool stands_still(const Scene& video) {
 
 /// The same under light that changes in `parts` times smaller steps: light adds up.
 Scene slow_light(const Scene& video, int parts) {
-  Scene slow{video.set, "slow light", video.regime, true, {}};
+  Scene slow{video.set, "slow light", "everything changes", true, {}};
   for (std::size_t k = 0; k + 1 < video.frames.size(); ++k)
     for (int j = 0; j < parts; ++j) {
       slow.frames.push_back(video.frames[k]);
@@ -71,7 +71,7 @@ Scene slow_light(const Scene& video, int parts) {
 /// The first frame again and again, under noise.
 Scene noise(const Scene& video, std::size_t count) {
   std::mt19937 random(1);
-  Scene noisy{video.set, "noise", video.regime, true, {count, video.frames.front()}};
+  Scene noisy{video.set, "noise", "sensor noise only", true, {count, video.frames.front()}};
   for (TruthFrame& frame : noisy.frames) frame.input = with_noise(frame.input, random);
   return noisy;
 }

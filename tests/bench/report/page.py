@@ -237,6 +237,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "holds (R = I / max_c I on palettes of one value). **Optimistic** for `intrinsicdecomp` are hard shadow and "
                    "near-constant value of the given data, as a quarter of its prior's last fitting came from those sequences "
                    "([accuracy](../measurements-accuracy.md)); the own set was never trained on.\n")
+    if results["summary"]["intervals"]:
         out.append("How sure that is, at `quality=medium`, brackets being 95 % bootstrap intervals over scenes, differences "
                    "paired by scene, and negative ones better:\n\n" + by_regime_intervals(results["summary"]["intervals"]) +
                    "\nOf peers and trivial answers the best in that regime, at its best setting, which flatters it. Separated: zero "
@@ -245,7 +246,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
     out.append(f"Given data: {results['data']}.\n")
     out.append("## Videos\n\n" + videos(rows) +
                "\nFlicker: standard deviation over time of ln reflectance where the truth stands still, one factor a frame "
-               "removed; jitter: the same from frame to frame only." +
+               "removed; jitter: the same from frame to frame only. LMSE is that of every third frame." +
                (" Given sequences under *slow light* have five interpolated steps for every one of theirs, those under *noise* are "
                 "their first frame eight times under shot and read noise; true reflectance stands still in both."
                 if any(r["scene"] == "slow light" for r in rows) else "") + "\n")
