@@ -12,7 +12,6 @@ struct Params : ThesisParams, DecomposerParams {
 
 Params preset(const Params& set) {
   Params params;
-  params.settled = 0.01F;
   params.quality = set.quality;
   thesis_ladder().set(params, set.quality);
   return params;
@@ -23,7 +22,8 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
   ThesisElement() : MethodDecomposer(table(), thesis_ladder(), preset) {}
 
  protected:
-  // It starts every frame from nothing: again is as good as before.
+  // It does not start from the frame before: the same picture again would gain nothing but another
+  // keyframe and another vote of the clusters.
   bool settled(std::optional<uint64_t>) const override { return true; }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
