@@ -148,11 +148,12 @@ std::vector<Choice> Decomposer::show_choices() {
 }
 
 std::vector<Choice> Decomposer::quality_choices() {
-  return {{static_cast<int>(Quality::low), "low",
-           "The least work that still looks like a decomposition"},
-          {static_cast<int>(Quality::medium), "medium", "The best error for its time"},
-          {static_cast<int>(Quality::high), "high", "More iterations, for files"},
-          {static_cast<int>(Quality::best), "best", "Many iterations, for reference"}};
+  return {
+      {static_cast<int>(Quality::low), "low", "The least work without visible loss on most video"},
+      {static_cast<int>(Quality::medium), "medium",
+       "Live video: sharp shadows, small objects and steady colors as well"},
+      {static_cast<int>(Quality::high), "high", "More iterations, for files"},
+      {static_cast<int>(Quality::best), "best", "Many iterations, for reference"}};
 }
 
 }  // namespace inverse

@@ -64,12 +64,11 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
                   "gives the same layers"),
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: a picture that comes again keeps its "
-                "layers, and "
-                "conjugate gradients end when the residual is small"),
+                "layers, and conjugate gradients end where settled says so"),
         number<P>(
             "settled", &P::settled, 0.f, 1.f,
             "Share of the residual of a level's first system, in the preconditioner's norm, at "
-            "which conjugate gradients end; 0 = all iterations run"),
+            "which conjugate gradients end; 0 = all iterations run, as in the thesis"),
         choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                   {{static_cast<int>(P::Solver::pcg), "pcg",
                     "Conjugate gradients with inverse diagonal, whole level"},

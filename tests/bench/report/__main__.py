@@ -14,7 +14,7 @@ import summary
 def options():
     parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
-    parser.add_argument("--full", action="store_true", help="two frames and the video of every given sequence, every setting: a quarter of an hour")
+    parser.add_argument("--full", action="store_true", help="two frames and the video of every given sequence, every setting: many times as long")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
                         help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")
     parser.add_argument("--against", type=pathlib.Path, metavar="FILE",
