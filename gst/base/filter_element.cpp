@@ -160,8 +160,9 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
     frame.layers = take_layers(in);
     return;
   }
-  if (frame.fresh || !filter_->looks_for_repeats()) forget_repeats();
-  if (filter_->looks_for_repeats()) frame.repeated = repeats_.next(input_->fingerprint(in));
+  const bool looks = filter_->looks_for_repeats();
+  if (frame.fresh || !looks) forget_repeats();
+  if (looks) frame.repeated = repeats_.next(input_->fingerprint(in));
   frame.hold = repeats_.going_on();
   frame.layers.extent = planes_->extent();
   PlanePtr& plane = frame.layers[Role::input];

@@ -60,10 +60,11 @@ class Decomposer : public Filter {
 
   void reset() override;
 
-  /// The properties of DecomposerParams. `sets` says which parameters `quality` stands for.
+  /// The properties of DecomposerParams, then the method's own. `sets` says which parameters
+  /// `quality` stands for.
   template <typename P>
-  static PropertyTable<P> shared_properties(const char* sets) {
-    return {
+  static PropertyTable<P> properties(const char* sets, const PropertyTable<P>& own) {
+    PropertyTable<P> table{
         choice<P>("show", &P::show, "GstInverseShow", show_choices(),
                   "What to show where ordinary video goes out; elements that take layers get all "
                   "of them"),
@@ -75,6 +76,8 @@ class Decomposer : public Filter {
                   "Milliseconds that a frame may take in this element, held in the same way; the "
                   "stricter of the two counts. 0 = any time"),
     };
+    table.insert(table.end(), own.begin(), own.end());
+    return table;
   }
 
  private:

@@ -61,15 +61,11 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
 
  private:
   static const PropertyTable<Params>& table() {
-    using P = Params;
-    static const PropertyTable<P> table = [] {
-      auto table = shared_properties<P>(
-          "Sets half-resolution, the cycles and when they have settled as a group; what is set "
-          "explicitly wins");
-      const PropertyTable<P> own = own_properties();
-      table.insert(table.end(), own.begin(), own.end());
-      return table;
-    }();
+    static const PropertyTable<Params> table = properties<Params>(
+        "Sets half-resolution, cycles, warm-cycles, settled and still-tolerance as a group; what "
+        "is "
+        "set explicitly wins",
+        own_properties());
     return table;
   }
   static PropertyTable<Params> own_properties() {

@@ -47,13 +47,8 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
 
  private:
   static const PropertyTable<Params>& table() {
-    using P = Params;
-    static const PropertyTable<P> table = [] {
-      auto table = shared_properties<P>("Sets iterations as a group; what is set explicitly wins");
-      const PropertyTable<P> own = own_properties();
-      table.insert(table.end(), own.begin(), own.end());
-      return table;
-    }();
+    static const PropertyTable<Params> table = properties<Params>(
+        "Sets iterations as a group; what is set explicitly wins", own_properties());
     return table;
   }
   static PropertyTable<Params> own_properties() {

@@ -77,7 +77,6 @@ class Device : public std::enable_shared_from_this<Device> {
   ~Device();
 
   const std::string& name() const { return name_; }
-  bool is_cpu() const { return is_cpu_; }
   /// Whether the device was lost: it stays so, and `open` makes a new one.
   bool lost() const { return lost_.load(); }
   /// Notes that a call found the device lost.

@@ -27,4 +27,13 @@ struct Layers {
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }
 };
 
+/// The layers of a frame that was decomposed and not edited yet: the model is what it is made of.
+inline Layers intrinsic_layers(const PlanePtr& input, const PlanePtr& intrinsic) {
+  Layers layers{input->extent, {}};
+  layers[Role::input] = input;
+  layers[Role::model] = intrinsic;
+  layers[Role::intrinsic] = intrinsic;
+  return layers;
+}
+
 }  // namespace inverse

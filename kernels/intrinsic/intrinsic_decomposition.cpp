@@ -134,11 +134,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   gauge_taken_ = false;
   commands.keep(input);
   commands.keep(intrinsic);
-  Layers layers{extent_, {}};
-  layers[Role::input] = input;
-  layers[Role::model] = intrinsic;
-  layers[Role::intrinsic] = intrinsic;
-  return layers;
+  return intrinsic_layers(input, intrinsic);
 }
 
 bool IntrinsicDecomposition::may_settle(const Params& params) const {

@@ -30,11 +30,7 @@ Layers ScaledIntrinsic::record_half(gpu::Commands& commands, const PlanePtr& inp
   commands.stage("upsample");
   commands.keep(input);
   commands.keep(intrinsic);
-  Layers layers{extent_, {}};
-  layers[Role::input] = input;
-  layers[Role::model] = intrinsic;
-  layers[Role::intrinsic] = intrinsic;
-  return layers;
+  return intrinsic_layers(input, intrinsic);
 }
 
 void ScaledIntrinsic::reset() {

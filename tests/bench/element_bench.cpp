@@ -5,7 +5,6 @@
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
 //                      [--json FILE] [ELEMENT …]
 // With --still one frame of the clip comes again and again.
-#include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 #include <sys/resource.h>
@@ -19,6 +18,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "clip_frames.hpp"
 
 namespace {
 
@@ -59,28 +60,6 @@ struct Size {
 std::string caps_of(Size size, const char* format) {
   return std::string("video/x-raw, format=") + format + ", width=" + std::to_string(size.width) +
          ", height=" + std::to_string(size.height) + ", framerate=25/1";
-}
-
-/// The clip's frames as buffers of this size.
-std::vector<GstBuffer*> load(const std::string& clip, Size size, const char* format, int count) {
-  const std::string line = "filesrc location=\"" + clip +
-                           "\" ! decodebin ! videoconvert ! videoscale ! " + caps_of(size, format) +
-                           ", pixel-aspect-ratio=1/1 ! appsink name=out sync=false";
-  std::vector<GstBuffer*> frames;
-  GstElement* pipeline = gst_parse_launch(line.c_str(), nullptr);
-  if (!pipeline) return frames;
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  while (static_cast<int>(frames.size()) < count) {
-    GstSample* sample = gst_app_sink_pull_sample(GST_APP_SINK(sink));
-    if (!sample) break;
-    frames.push_back(gst_buffer_copy_deep(gst_sample_get_buffer(sample)));
-    gst_sample_unref(sample);
-  }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(sink);
-  gst_object_unref(pipeline);
-  return frames;
 }
 
 struct Figures {
@@ -176,7 +155,8 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "@progress %.3f %dx%d\n",
                  static_cast<double>(&size - sizes.data()) / static_cast<double>(sizes.size()),
                  size.width, size.height);
-    auto video = load(clip, size, "NV12", frames);
+    auto video =
+        inverse::bench::load_clip(clip, caps_of(size, "NV12"), static_cast<size_t>(frames));
     if (still && !video.empty())
       for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
     if (video.size() < 4) {

@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "frames.hpp"
 #include "intrinsic/intrinsic_decomposition.hpp"
 
 namespace {
@@ -29,10 +30,7 @@ namespace {
 using namespace inverse;
 using Clock = std::chrono::steady_clock;
 
-struct Frame {
-  Extent extent;
-  std::vector<float> pixels;
-};
+using bench::Frame;
 
 /// Colored tiles under a wavy light that moves with `time`.
 Frame synthetic(Extent extent, int time) {
@@ -50,20 +48,6 @@ Frame synthetic(Extent extent, int time) {
       p[3] = 1;
     }
   return frame;
-}
-
-std::vector<Frame> read_dump(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<Frame> frames;
-  for (int32_t size[2]; file.read(reinterpret_cast<char*>(size), sizeof size);) {
-    Frame frame{{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])}, {}};
-    frame.pixels.resize(frame.extent.pixels() * 4);
-    file.read(reinterpret_cast<char*>(frame.pixels.data()),
-              static_cast<std::streamsize>(frame.pixels.size() * sizeof(float)));
-    frames.push_back(std::move(frame));
-  }
-  if (frames.empty()) throw std::runtime_error("no frames in " + path);
-  return frames;
 }
 
 double median(std::vector<double> values) {
@@ -171,7 +155,7 @@ int main(int argc, char** argv) try {
   std::printf("%s\n", device->name().c_str());
   std::vector<std::vector<Frame>> sets;
   if (!dump.empty()) {
-    sets.push_back(read_dump(dump));
+    sets.push_back(bench::read_frames(dump));
   } else {
     if (sizes.empty()) sizes = {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
     for (const Extent extent : sizes) {
@@ -209,10 +193,7 @@ int main(int argc, char** argv) try {
       commands.submit();
       commands.wait();
       std::ofstream file(out, std::ios::binary);
-      const int32_t size[2] = {static_cast<int32_t>(extent.width),
-                               static_cast<int32_t>(extent.height)};
-      file.write(reinterpret_cast<const char*>(size), sizeof size);
-      file.write(host->map_as<char>(), static_cast<std::streamsize>(host->bytes()));
+      bench::write_frame(file, extent, host->map_as<float>());
     }
   }
   return 0;

@@ -6,7 +6,6 @@
 // N]
 //                   [--csv FILE] [--svg FILE] [ELEMENT]
 // --fps 0 (the default) takes what leaves frames 1.5 times the time that they take unloaded.
-#include <gst/app/gstappsink.h>
 #include <gst/check/gstharness.h>
 
 #include <algorithm>
@@ -19,31 +18,14 @@
 #include <thread>
 #include <vector>
 
+#include "clip_frames.hpp"
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::vector<GstBuffer*> load(const std::string& clip, const std::string& caps) {
-  const std::string line = "filesrc location=\"" + clip +
-                           "\" ! decodebin ! videoconvert ! videoscale ! " + caps +
-                           ", pixel-aspect-ratio=1/1 ! appsink name=out sync=false";
-  std::vector<GstBuffer*> frames;
-  GstElement* pipeline = gst_parse_launch(line.c_str(), nullptr);
-  if (!pipeline) return frames;
-  GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  while (GstSample* sample = gst_app_sink_pull_sample(GST_APP_SINK(sink))) {
-    frames.push_back(gst_buffer_copy_deep(gst_sample_get_buffer(sample)));
-    gst_sample_unref(sample);
-  }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(sink);
-  gst_object_unref(pipeline);
-  return frames;
 }
 
 /// Threads that do nothing but take time, while they exist.
@@ -223,7 +205,7 @@ int main(int count, char** arguments) {
   if (std::sscanf(size.c_str(), "%dx%d", &width, &height) != 2) return 2;
   setting.caps = "video/x-raw, format=NV12, width=" + std::to_string(width) +
                  ", height=" + std::to_string(height) + ", framerate=25/1";
-  const auto video = load(clip, setting.caps);
+  const auto video = inverse::bench::load_clip(clip, setting.caps);
   if (video.size() < 4) {
     std::fprintf(stderr, "cannot read %s\n", clip.c_str());
     return 1;

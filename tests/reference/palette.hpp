@@ -58,7 +58,6 @@ class Palette {
   void seed_clusters();
   void lloyd();
   void merge();
-  void set_histogram(std::vector<HistogramBin> histogram) { histogram_ = std::move(histogram); }
   void set_clusters(std::vector<Cluster> clusters) { clusters_ = std::move(clusters); }
 
  private:
