@@ -9,12 +9,14 @@
 namespace inverse {
 namespace {
 
-/// The largest channel becomes 1.
+/// The largest channel becomes 1; black, which has no chromaticity, white.
 BaseColors::Rgb scaled(const BaseColors::Rgb& color) {
-  const float largest = std::max({color[0], color[1], color[2], 1e-6f});
+  constexpr float kBlack = 1e-6f;
+  const float largest = std::max({color[0], color[1], color[2], 0.0f});
   BaseColors::Rgb result{};
-  for (size_t c = 0; c < 3; ++c)
-    result[c] = std::clamp(color[c] / largest, BaseColors::kDarkest, 1.0f);
+  for (size_t c = 0; c < 3; ++c) {
+    result[c] = std::clamp((color[c] + kBlack) / (largest + kBlack), BaseColors::kDarkest, 1.0f);
+  }
   return result;
 }
 
@@ -117,7 +119,7 @@ void BaseColors::write_table(float* table) const {
     float* layer = table + 4 * (2 * kMaxColors + std::max(color.layer, 0));
     for (size_t c = 0; c < 3; ++c) {
       center[c] = color.center[c];
-      target[c] = std::log(color.color[c]);
+      target[c] = std::log(color.initial[c]);
       if (color.layer >= 0) layer[c] = color.color[c];
     }
     center[3] = 1;

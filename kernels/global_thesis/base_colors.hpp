@@ -10,6 +10,9 @@ namespace inverse {
 
 /// The base colors b_1 … b_K of a video (thesis, 5.5.1) on the host: found by the palette in
 /// ln chromaticity or given, refined, and each with an indirect layer where it needs one.
+///
+/// Refined colors are those of the light. What the reflectance is drawn to (r_cluster) stays the
+/// color that was estimated: if it followed, each would chase the other and neither come to rest.
 class BaseColors {
  public:
   static constexpr int kMaxColors = static_cast<int>(Palette::kMaxClusters);

@@ -76,15 +76,16 @@ void GlobalThesis::set_params(const Params& params) {
   Params p = params;
   for (float* weight : {&p.lambda_data, &p.lambda_clustering, &p.lambda_r_sparsity,
                         &p.lambda_r_consistency, &p.lambda_monochrome, &p.lambda_i_sparsity,
-                        &p.lambda_smoothness, &p.lambda_non_negativity, &p.lambda_cr}) {
+                        &p.lambda_smoothness, &p.lambda_non_negativity}) {
     *weight = std::clamp(*weight, 0.0f, 1e6f);
   }
+  p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
+  p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
   for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled})
     *share = std::clamp(*share, 0.0f, 1.0f);
   for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
   for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
   for (float* distance : {&p.tau_cc, &p.tau_neutral}) *distance = std::clamp(*distance, 0.0f, 3.0f);
-  p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e6f);
   p.p = std::clamp(p.p, 0.0f, 2.0f);
   p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
   p.clusters = std::clamp(p.clusters, 1, BaseColors::kMaxColors);

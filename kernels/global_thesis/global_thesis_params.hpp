@@ -20,8 +20,10 @@ struct GlobalThesisParams {
   float lambda_i_sparsity = 3.0f;      ///< of few indirect layers a pixel (5.11), 0…1e6
   float lambda_smoothness = 3.0f;      ///< of piecewise constant light (5.12), 0…1e6
   float lambda_non_negativity = 1000.0f;  ///< of light that is not negative (5.13), 0…1e6
-  float lambda_ir = 10.0f;   ///< of small changes of the base colors (5.14), 1e-3…1e6
-  float lambda_cr = 100.0f;  ///< of base colors that keep their chromaticity (5.14), 0…1e6
+  /// Weight of small changes of the base colors (5.14), 1e-3…1e9. The data term sums over pixels
+  /// and these two do not: as printed they bind little at any usual frame size.
+  float lambda_ir = 10.0f;
+  float lambda_cr = 100.0f;  ///< of base colors that keep their chromaticity (5.14), 0…1e9
   float p = 1.0f;            ///< exponent of reflectance sparsity (5.7), 0…2
   float alpha_sr = 50.0f;    ///< rise of w_SR with chromaticity steps, mean 1 (5.10), 0…1e4; 1e4
                              ///< makes nearly every pixel count: without the soft Retinex weight

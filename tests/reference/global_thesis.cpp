@@ -27,10 +27,11 @@ double chromaticity_slope(const Vec3& color, std::size_t row, std::size_t column
 }  // namespace
 
 Vec3 base_color(const Vec3& color) {
-  const double largest = std::max({color[0], color[1], color[2], 1e-6});
+  constexpr double kBlack = 1e-6;
+  const double largest = std::max({color[0], color[1], color[2], 0.0});
   Vec3 result{};
   for (std::size_t c = 0; c < 3; ++c)
-    result[c] = std::clamp(color[c] / largest, kDarkestColor, 1.0);
+    result[c] = std::clamp((color[c] + kBlack) / (largest + kBlack), kDarkestColor, 1.0);
   return result;
 }
 

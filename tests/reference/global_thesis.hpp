@@ -11,7 +11,7 @@
 
 namespace inverse::reference {
 
-/// b_k of a chromaticity or reflectance: its largest channel becomes 1.
+/// b_k of a chromaticity or reflectance: its largest channel becomes 1; black becomes white.
 Vec3 base_color(const Vec3& color);
 
 /// Every pixel's cluster: the nearest of `centers` (ln chromaticity) to ln c(I), written as
