@@ -31,6 +31,7 @@
 // into two planes of `nodes`: (R, λ_monochrome w_SR) and (R ⊙ S, G).
 
 layout(constant_id = 2) const int kGroups = 4;  // planes of indirect layers
+layout(constant_id = 3) const bool kUnitExponent = true;  // p is 1: no powers
 
 layout(push_constant) uniform Push {
   ivec2 size;

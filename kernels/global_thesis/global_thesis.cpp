@@ -16,8 +16,10 @@ INVERSE_SHADER(global_thesis_pack);
 INVERSE_SHADER(global_thesis_sample);
 INVERSE_SHADER(global_thesis_sample_past);
 INVERSE_SHADER(global_thesis_reweight);
-INVERSE_SHADER(global_thesis_direction);
+INVERSE_SHADER(global_thesis_mix);
+INVERSE_SHADER(global_thesis_product);
 INVERSE_SHADER(global_thesis_update);
+INVERSE_SHADER(global_thesis_settle);
 INVERSE_SHADER(global_thesis_scalars);
 INVERSE_SHADER(global_thesis_energy);
 INVERSE_SHADER(global_thesis_energy_pulls);
@@ -44,7 +46,7 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
   };
   for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &pulls_, &constant_pulls_})
     *buffer = planes(1);
-  nodes_ = planes(2);
+  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
   set_params({});
 }
@@ -52,22 +54,32 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
 const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
   std::shared_ptr<Kernels>& held = kernels_.at(static_cast<size_t>(groups));
   if (!held) {
-    const std::vector<uint32_t> constants = {static_cast<uint32_t>(slots_),
-                                             static_cast<uint32_t>(groups)};
+    const std::vector<uint32_t> constants = {
+        static_cast<uint32_t>(slots_), static_cast<uint32_t>(groups), params_.p == 1 ? 1u : 0u};
     const auto kernel = [&](const gpu::KernelSource& source, uint32_t workgroup = 0) {
       return device_->kernel(source, constants, workgroup);
     };
-    held = std::make_shared<Kernels>(Kernels{
-        kernel(shaders::global_thesis_sanitize), kernel(shaders::global_thesis_setup),
-        kernel(shaders::global_thesis_start), kernel(shaders::global_thesis_pack),
-        kernel(shaders::global_thesis_sample), kernel(shaders::global_thesis_sample_past),
-        kernel(shaders::global_thesis_reweight), kernel(shaders::global_thesis_direction),
-        kernel(shaders::global_thesis_update), kernel(shaders::global_thesis_scalars, kOneGroup),
-        kernel(shaders::global_thesis_energy), kernel(shaders::global_thesis_energy_pulls),
-        kernel(shaders::global_thesis_total, kOneGroup), kernel(shaders::global_thesis_layers),
-        kernel(shaders::global_thesis_indirect), kernel(shaders::global_thesis_residual),
-        kernel(shaders::global_thesis_outer), kernel(shaders::global_thesis_outer_total, kOneGroup),
-        kernel(shaders::global_thesis_score)});
+    held = std::make_shared<Kernels>(Kernels{kernel(shaders::global_thesis_sanitize),
+                                             kernel(shaders::global_thesis_setup),
+                                             kernel(shaders::global_thesis_start),
+                                             kernel(shaders::global_thesis_pack),
+                                             kernel(shaders::global_thesis_sample),
+                                             kernel(shaders::global_thesis_sample_past),
+                                             kernel(shaders::global_thesis_reweight),
+                                             kernel(shaders::global_thesis_mix),
+                                             kernel(shaders::global_thesis_product),
+                                             kernel(shaders::global_thesis_update),
+                                             kernel(shaders::global_thesis_settle),
+                                             kernel(shaders::global_thesis_scalars, kOneGroup),
+                                             kernel(shaders::global_thesis_energy),
+                                             kernel(shaders::global_thesis_energy_pulls),
+                                             kernel(shaders::global_thesis_total, kOneGroup),
+                                             kernel(shaders::global_thesis_layers),
+                                             kernel(shaders::global_thesis_indirect),
+                                             kernel(shaders::global_thesis_residual),
+                                             kernel(shaders::global_thesis_outer),
+                                             kernel(shaders::global_thesis_outer_total, kOneGroup),
+                                             kernel(shaders::global_thesis_score)});
   }
   return *held;
 }
@@ -96,6 +108,7 @@ void GlobalThesis::set_params(const Params& params) {
   p.keyframe_spacing = std::clamp(p.keyframe_spacing, 1, 1000);
   p.refine_rounds = std::clamp(p.refine_rounds, 0, 100);
   const bool rebuild = frames_.empty() || p.keyframes != params_.keyframes;
+  if ((p.p == 1) != (params_.p == 1)) kernels_ = {};
   params_ = p;
 
   Palette::Params palette = palette_.params();
@@ -149,16 +162,16 @@ void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
 void GlobalThesis::hold_fields(int groups) {
   if (groups <= held_groups_) return;
   const uint64_t entries = (static_cast<uint64_t>(groups) + 1) * extent_.pixels();
-  for (auto* buffer : {&states_[0], &states_[1], &directions_[0], &directions_[1], &preconditioned_,
-                       &products_, &diagonals_}) {
+  for (auto* buffer :
+       {&states_[0], &states_[1], &directions_, &preconditioned_, &products_, &diagonals_}) {
     *buffer = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
   }
   const Kernels& at = kernels(groups);
-  const uint32_t all_rows = extent_.height * (static_cast<uint32_t>(groups) + 1);
+  const auto planes = static_cast<uint32_t>(groups) + 1;
+  // The tallest dispatch of those that sum up.
   partials_ = gpu::Buffer::create(
       device_, gpu::Element::vec4,
-      gpu::partial_count(*at.reweight,
-                         {extent_.width, std::max(extent_.height, all_rows / 8 + 1)}));
+      gpu::partial_count(*at.reweight, {extent_.width, extent_.height + planes}));
   held_groups_ = groups;
   has_state_ = false;
 }
@@ -348,8 +361,8 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
 
 uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
   const auto fields = static_cast<uint64_t>((layers + 3) / 4 + 1);
-  // Seven fields; image, chroma, targets, features, two pulls, two of nodes; sample frames.
-  return 16 * (7 * fields + 8 + static_cast<uint64_t>(keyframes) + 1);
+  // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
+  return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
 }
 
 }  // namespace inverse

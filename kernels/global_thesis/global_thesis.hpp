@@ -146,10 +146,10 @@ class GlobalThesis {
   const Kernels* at_ = nullptr;                      // of the frame being recorded
   int groups_ = 0;                                   // of it
   int held_groups_ = -1;                             // that the fields have room for
-  gpu::BufferPtr image_, chroma_, targets_, features_, pulls_, constant_pulls_, nodes_;
+  gpu::BufferPtr image_, chroma_, targets_, features_, pulls_, constant_pulls_, nodes_, forces_;
   // Fields.
-  std::array<gpu::BufferPtr, 2> states_, directions_;
-  gpu::BufferPtr preconditioned_, products_, diagonals_;
+  std::array<gpu::BufferPtr, 2> states_;
+  gpu::BufferPtr directions_, preconditioned_, products_, diagonals_;
   size_t current_state_ = 0;
   gpu::BufferPtr scalars_, partials_;
   std::array<gpu::BufferPtr, 3> energy_partials_;

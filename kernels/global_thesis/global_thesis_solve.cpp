@@ -9,7 +9,7 @@ namespace inverse {
 using namespace global_thesis;
 namespace {
 
-constexpr uint32_t kDirectionStrip = 4, kUpdateStrip = 8;  // pixels an invocation
+constexpr uint32_t kStrip = 8;          // pixels an invocation
 constexpr uint32_t kOuterLanes = 2048;  // invocations that the pixels of an outer product share
 
 }  // namespace
@@ -68,28 +68,30 @@ void GlobalThesis::step(gpu::Commands& commands) {
   push.count = static_cast<int32_t>(gpu::partial_count(*at_->reweight, pixels));
   commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
 
-  const gpu::Items strips{extent_.width, (extent_.height - 1) / kDirectionStrip + 1};
-  const uint32_t rows = extent_.height * (static_cast<uint32_t>(groups_) + 1);
-  const gpu::Items tall{extent_.width, (rows - 1) / kUpdateStrip + 1};
+  const auto planes = static_cast<uint32_t>(groups_) + 1;
+  const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1, planes};
+  const gpu::Items tall{extent_.width, (extent_.height * planes - 1) / kStrip + 1};
   for (int k = 0; k < params_.pcg_iterations; ++k) {
-    const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
-    const auto& direction = directions_[static_cast<size_t>(k) % 2];
-    commands.dispatch(at_->direction,
-                      {current_->table, preconditioned_, previous, from, nodes_, diagonals_,
-                       scalars_, direction, products_, partials_},
-                      push, strips);
+    commands.dispatch(
+        at_->mix,
+        {current_->table, preconditioned_, directions_, nodes_, scalars_, directions_, forces_},
+        push, pixels);
+    commands.dispatch(
+        at_->product,
+        {current_->table, directions_, from, forces_, diagonals_, products_, partials_}, push,
+        strips);
     push.mode = 1;
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->direction, strips));
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->product, strips));
     commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
-    push.mode = k + 1 == params_.pcg_iterations ? 1 : 0;
     commands.dispatch(at_->update,
-                      {next, preconditioned_, direction, products_, diagonals_, from, scalars_,
-                       next, preconditioned_, partials_},
+                      {next, preconditioned_, directions_, products_, diagonals_, scalars_, next,
+                       preconditioned_, partials_},
                       push, tall);
     push.mode = 2;
     push.count = static_cast<int32_t>(gpu::partial_count(*at_->update, tall));
     commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
   }
+  commands.dispatch(at_->settle, {from, next, next}, push, {extent_.width, extent_.height, planes});
   current_state_ = 1 - current_state_;
 }
 

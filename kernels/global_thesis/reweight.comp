@@ -22,21 +22,24 @@ int w, plane, n, left, right, above, below;
 bool inside;
 float sum = 0.0;
 
+/// Adds an edge to b and M. A pixel across the border is the pixel itself: it pulls with nothing, but must not count in M.
+void add_edge(int group, int base, vec4 x, int neighbor, inout vec4 b, inout vec4 m) {
+  vec4 d = x - FETCH(state, base + neighbor);
+  vec4 weight = float(neighbor != n) * edge_weight(group, d);
+  m += weight;
+  b -= weight * d;
+}
+
 /// One plane of the field: `b` and `m` without what differences to the neighbors and local weights add.
 void finish(int group, vec4 x, vec4 exists, vec4 b, vec4 m) {
   int base = group * plane;
-  vec4 d[4] = vec4[4](x - FETCH(state, base + left), x - FETCH(state, base + right), x - FETCH(state, base + above),
-                      x - FETCH(state, base + below));
-  // A pixel across the border is the pixel itself: it pulls with nothing, but must not count in the diagonal.
-  vec4 has = vec4(left != n, right != n, above != n, below != n);
   vec4 local = local_weight(group, x, exists);
   m += local;
   b -= local * x;
-  for (int i = 0; i < 4; ++i) {
-    vec4 weight = has[i] * edge_weight(group, d[i]);
-    m += weight;
-    b -= weight * d[i];
-  }
+  add_edge(group, base, x, left, b, m);
+  add_edge(group, base, x, right, b, m);
+  add_edge(group, base, x, above, b, m);
+  add_edge(group, base, x, below, b, m);
   vec4 z = precondition(m, b);
   if (inside) {
     STORE(diagonals, base + n, m);

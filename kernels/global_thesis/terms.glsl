@@ -13,7 +13,7 @@ vec4 root(vec4 squared) { return inversesqrt(squared + push.epsilon * push.epsil
 /// a of the squared difference of two pixels' r.
 float r_weight(vec3 difference) {
   float norm = dot(difference, difference) + push.epsilon_r * push.epsilon_r;
-  float power = push.p == 1.0 ? inversesqrt(norm) : pow(norm, 0.5 * push.p - 1.0);
+  float power = kUnitExponent ? inversesqrt(norm) : pow(norm, 0.5 * push.p - 1.0);
   return 2.0 * push.lambda_r_sparsity * push.irls_r * power;
 }
 

@@ -2,25 +2,21 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
+#include "terms.glsl"
 
-// Second half of a conjugate-gradient iteration: x += α d, z −= α M⁻¹q, with partial sums of zᵀMz. In place: every
-// invocation reads its own pixels before it writes them. All planes of the field are one tall image here. mode 1: the
-// last iteration of a Gauss-Newton step, which moves r by kLargestStep at most and keeps within what single precision
-// can square.
+// A conjugate-gradient iteration ends: x += α d, z −= α M⁻¹q, with partial sums of zᵀMz. In place: every invocation reads
+// its own pixels before it writes them. All planes of the field are one tall image here.
 PLANE_IN(0, next);
 PLANE_IN(1, preconditioned);
 PLANE_IN(2, directions);
 PLANE_IN(3, products);
 PLANE_IN(4, diagonals);
-PLANE_IN(5, state);
-SCALAR_IN(6, scalars);
-PLANE_OUT(7, next_out);
-PLANE_OUT(8, preconditioned_out);
-PLANE_OUT(9, partials);
-#include "terms.glsl"
+SCALAR_IN(5, scalars);
+PLANE_OUT(6, next_out);
+PLANE_OUT(7, preconditioned_out);
+PLANE_OUT(8, partials);
 
 const int kStrip = 8;
-const float kLargestStep = 1.0, kSmallestLog = -12.0, kLargestLog = 6.0, kLargestLight = 65504.0;
 
 void main() {
   int w = push.size.x;
@@ -35,12 +31,6 @@ void main() {
     vec4 m = FETCH(diagonals, n);
     vec4 z = FETCH(preconditioned, n) - alpha * precondition(m, FETCH(products, n));
     vec4 result = FETCH(next, n) + alpha * FETCH(directions, n);
-    if (push.mode == 1) {
-      vec4 light = clamp(result, -kLargestLight, kLargestLight);
-      vec3 from = FETCH(state, n).rgb;
-      vec3 r = clamp(clamp(result.rgb, from - kLargestStep, from + kLargestStep), kSmallestLog, kLargestLog);
-      result = y < push.size.y ? vec4(r, light.w) : light;
-    }
     if (inside && y < h) {
       STORE(next_out, n, result);
       STORE(preconditioned_out, n, z);

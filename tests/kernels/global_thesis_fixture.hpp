@@ -118,7 +118,7 @@ class GlobalThesisTest : public GpuTest {
                                 std::to_string(t);
       EXPECT_LT(worst, tolerance) << where;
       EXPECT_NEAR(energy, reference_energy,
-                  0.01 * reference_energy + 1e-6 * static_cast<double>(extent.pixels()))
+                  0.01 * reference_energy + 1e-5 * static_cast<double>(extent.pixels()))
           << where;
       ASSERT_EQ(stats.energy.size(), 1u);
       EXPECT_NEAR(stats.energy[0].total(), energy, 1e-3 * energy + 1e-3) << where;
