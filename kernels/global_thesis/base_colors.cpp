@@ -112,10 +112,9 @@ std::vector<BaseColors::Rgb> BaseColors::layer_colors(bool initial) const {
 
 void BaseColors::write_table(float* table) const {
   std::memset(table, 0, kTableEntries * 4 * sizeof(float));
-  for (size_t k = 0; k < colors_.size(); ++k) {
-    const Color& color = colors_[k];
-    float* center = table + 4 * k;
-    float* target = table + 4 * (kMaxColors + k);
+  for (const Color& color : colors_) {
+    float* center = table + 4 * color.slot;
+    float* target = table + 4 * (kMaxColors + color.slot);
     float* layer = table + 4 * (2 * kMaxColors + std::max(color.layer, 0));
     for (size_t c = 0; c < 3; ++c) {
       center[c] = color.center[c];

@@ -41,6 +41,8 @@ class BaseColors {
 
   const std::vector<Color>& colors() const { return colors_; }
   int layers() const { return layers_; }
+  /// One more than the highest slot in use.
+  int slots() const { return colors_.empty() ? 0 : colors_.back().slot + 1; }
   bool given() const { return given_; }
   /// The colors of the layers, in their order; `initial`: before refinement.
   std::vector<Rgb> layer_colors(bool initial = false) const;

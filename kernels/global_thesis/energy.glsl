@@ -44,7 +44,7 @@ layout(push_constant) uniform Push {
   int slot;           // slot to write, 0 is the current frame
   uint stream;        // 0
   uint seed;
-  int centers;        // clusters
+  int centers;        // slots of clusters
   int layers;         // K
   float lambda_data, lambda_clustering, lambda_r_sparsity, lambda_r_consistency, lambda_monochrome;
   float lambda_i_sparsity, lambda_smoothness, lambda_non_negativity;

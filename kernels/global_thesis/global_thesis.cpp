@@ -11,6 +11,7 @@
 
 INVERSE_SHADER(global_thesis_sanitize);
 INVERSE_SHADER(global_thesis_setup);
+INVERSE_SHADER(global_thesis_aim);
 INVERSE_SHADER(global_thesis_start);
 INVERSE_SHADER(global_thesis_pack);
 INVERSE_SHADER(global_thesis_sample);
@@ -61,6 +62,7 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
     };
     held = std::make_shared<Kernels>(Kernels{kernel(shaders::global_thesis_sanitize),
                                              kernel(shaders::global_thesis_setup),
+                                             kernel(shaders::global_thesis_aim),
                                              kernel(shaders::global_thesis_start),
                                              kernel(shaders::global_thesis_pack),
                                              kernel(shaders::global_thesis_sample),
@@ -97,7 +99,8 @@ void GlobalThesis::set_params(const Params& params) {
     *share = std::clamp(*share, 0.0f, 1.0f);
   for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
   for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
-  for (float* distance : {&p.tau_cc, &p.tau_neutral}) *distance = std::clamp(*distance, 0.0f, 3.0f);
+  for (float* distance : {&p.tau_cc, &p.tau_merge, &p.tau_neutral})
+    *distance = std::clamp(*distance, 0.0f, 3.0f);
   p.p = std::clamp(p.p, 0.0f, 2.0f);
   p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
   p.clusters = std::clamp(p.clusters, 1, BaseColors::kMaxColors);
@@ -113,7 +116,7 @@ void GlobalThesis::set_params(const Params& params) {
 
   Palette::Params palette = palette_.params();
   palette.clusters = p.clusters;
-  palette.tau_cc = p.tau_cc;
+  palette.tau_cc = p.tau_merge;
   palette.chroma_floor = p.chroma_floor;
   palette.seed = p.seed;
   palette_.set_params(palette);
@@ -186,7 +189,7 @@ GlobalThesis::Push GlobalThesis::push_for() const {
   push.ring_capacity = std::max(p.keyframes, 1);
   push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
   push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
-  push.centers = static_cast<int32_t>(colors_.colors().size());
+  push.centers = colors_.slots();
   push.layers = colors_.layers();
   push.lambda_data = p.lambda_data;
   push.lambda_clustering = p.lambda_clustering;
@@ -268,11 +271,13 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Outpu
   prepare(commands, frame);
   commands.stage("clusters");
   Push push = push_for();
-  push.mode = hints.labels ? 1 : 0;
-  commands.dispatch(
-      at_->setup,
-      {image_, hints.labels ? hints.labels->buffer : image_, current_->table, targets_, features_},
-      push, pixels);
+  commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
+  if (hints.regions) hints.regions->record(commands, {extent_, features_});
+  push.mode = hints.regions ? 1 : 0;
+  commands.dispatch(at_->aim,
+                    {current_->table, features_,
+                     hints.regions ? hints.regions->plane().buffer : features_, targets_},
+                    push, pixels);
   if (!stats.warm) {
     commands.dispatch(at_->start,
                       {current_->table, image_, targets_, features_, states_[current_state_]},
@@ -302,13 +307,13 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Outpu
   commands.stage("steps");
 
   if (refining() && !system_pending_) record_refinement(commands);
-  if (hints.region) {
+  if (hints.regions && hints.scored_region > 0) {
     if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
-    commands.dispatch(at_->score, {solution(), hints.region->buffer, partials_}, push_for(),
+    push.slot = hints.scored_region;
+    commands.dispatch(at_->score, {solution(), hints.regions->plane().buffer, partials_}, push,
                       pixels);
-    Push sum = push_for();
-    sum.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
-    commands.dispatch(at_->outer_total, {partials_, score_}, sum, {kOneGroup});
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
+    commands.dispatch(at_->outer_total, {partials_, score_}, push, {kOneGroup});
     commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
     current_->scored = true;
   }

@@ -9,6 +9,7 @@
 #include "../palette/palette.hpp"
 #include "base_colors.hpp"
 #include "global_thesis_params.hpp"
+#include "marked_regions.hpp"
 
 namespace inverse {
 
@@ -46,7 +47,7 @@ class GlobalThesis {
     bool warm = false;           ///< began where the last frame ended
     bool refining = false;       ///< the frame recorded the system of the base colors
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
-    float score = 0;             ///< Σ_k |T_k| over the region given to `record` (5.5.2.2)
+    float score = 0;             ///< Σ_k |T_k| over the region asked for in `record` (5.5.2.2)
     float region = 0;            ///< its pixels
   };
 
@@ -65,11 +66,10 @@ class GlobalThesis {
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// What `record` may be told about a frame; planes of its size, null: nothing.
+  /// What `record` may be told about a frame.
   struct Hints {
-    const Plane* labels = nullptr;  ///< x: the base color (position in `colors().colors()`) that a
-                                    ///< pixel has whatever it looks like; negative: the nearest
-    const Plane* region = nullptr;  ///< x ≠ 0: pixels whose sparsity is wanted in the stats
+    MarkedRegions* regions = nullptr;  ///< of the same size; takes the frame in
+    int scored_region = 0;             ///< number of one whose sparsity is wanted in the stats
   };
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors

@@ -20,9 +20,9 @@ struct GlobalThesis::Push {
 
 /// Built for a number of planes of indirect layers.
 struct GlobalThesis::Kernels {
-  gpu::KernelPtr sanitize, setup, start, pack, sample, sample_past, reweight, mix, product, update,
-      settle, scalars, energy, energy_pulls, total, layers, indirect, residual, outer, outer_total,
-      score;
+  gpu::KernelPtr sanitize, setup, aim, start, pack, sample, sample_past, reweight, mix, product,
+      update, settle, scalars, energy, energy_pulls, total, layers, indirect, residual, outer,
+      outer_total, score;
 };
 
 namespace global_thesis {

@@ -5,15 +5,12 @@
 #include "terms.glsl"
 #include "../image/packed_chromaticity.glsl"
 
-// What a frame knows before it is solved: targets (r_cluster, λ_clustering; 0 without clusters) by the nearest center in
-// ln c, or by the cluster that a plane of labels demands (mode 1, where its x is not negative), and features (packed
-// chromaticity, 1 − w_intensity (1 − |I|), λ_monochrome w_SR, cluster).
+// What a frame knows before it is solved: features (packed chromaticity, 1 − w_intensity (1 − |I|), λ_monochrome w_SR, slot
+// of the cluster whose center is the nearest in ln c, −1 where there are none).
 PLANE_IN(0, image);
-PLANE_IN(1, labels);
-#define TABLE_SLOT 2
+#define TABLE_SLOT 1
 #include "table.glsl"
-PLANE_OUT(3, targets);
-PLANE_OUT(4, features);
+PLANE_OUT(2, features);
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -32,17 +29,13 @@ void main() {
   int cluster = -1;
   float best = 0.0;
   for (int k = 0; k < push.centers; ++k) {
-    vec3 d = log_c - center(k).rgb;
+    vec4 own = center(k);
+    vec3 d = log_c - own.rgb;
     float distance = dot(d, d);
-    bool nearer = cluster < 0 || distance < best;
+    bool nearer = own.w > 0.0 && (cluster < 0 || distance < best);
     cluster = nearer ? k : cluster;
     best = nearer ? distance : best;
   }
-  if (push.mode == 1) {
-    int demanded = int(FETCH(labels, n).x);
-    cluster = demanded >= 0 && demanded < push.centers ? demanded : cluster;
-  }
-  STORE(targets, n, cluster < 0 ? vec4(0.0) : vec4(center_target(cluster).rgb, push.lambda_clustering));
   STORE(features, n, vec4(pack_chromaticity(c), intensity_weight(here),
                           push.lambda_monochrome * (1.0 - exp(-push.alpha_sr * step)), float(cluster)));
 }

@@ -1,5 +1,5 @@
-// The table of colors at binding TABLE_SLOT: cluster centers (ln c, 1), their targets (ln b, 0) and the base colors of the
-// layers (b, 1), kMaxColors each; zero where there is none. A storage buffer: all invocations read the same entry.
+// The table of colors at binding TABLE_SLOT: cluster centers (ln c, 1) and their targets (ln b, 0) by palette
+// slot, and the base colors of the layers (b, 1), kMaxColors each; zero where there is none. A storage buffer: all invocations read the same entry.
 const int kMaxColors = 16;
 layout(set = 0, binding = TABLE_SLOT, std430) readonly restrict buffer table_block { vec4 table_data[]; };
 
