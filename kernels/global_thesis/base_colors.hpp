@@ -37,6 +37,8 @@ class BaseColors {
   /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1. Returns the largest
   /// change of a channel.
   float refine(std::span<const Rgb> delta);
+  /// Keeps the present colors whatever the palette says, until `reset`.
+  void hold() { given_ = true; }
   void reset();
 
   const std::vector<Color>& colors() const { return colors_; }

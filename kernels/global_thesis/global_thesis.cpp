@@ -161,6 +161,11 @@ void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
   rounds_ = 0;
 }
 
+void GlobalThesis::set_base_colors(const BaseColors& colors) {
+  colors_ = colors;
+  colors_.hold();
+}
+
 /// Fields for so many planes of indirect layers.
 void GlobalThesis::hold_fields(int groups) {
   if (groups <= held_groups_) return;
@@ -273,10 +278,11 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Outpu
   Push push = push_for();
   commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
   if (hints.regions) hints.regions->record(commands, {extent_, features_});
-  push.mode = hints.regions ? 1 : 0;
-  commands.dispatch(at_->aim,
-                    {current_->table, features_,
-                     hints.regions ? hints.regions->plane().buffer : features_, targets_},
+  const gpu::BufferPtr regions = hints.regions         ? hints.regions->plane().buffer
+                                 : hints.fixed_regions ? hints.fixed_regions->buffer
+                                                       : nullptr;
+  push.mode = regions ? 1 : 0;
+  commands.dispatch(at_->aim, {current_->table, features_, regions ? regions : features_, targets_},
                     push, pixels);
   if (!stats.warm) {
     commands.dispatch(at_->start,
@@ -307,11 +313,10 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Outpu
   commands.stage("steps");
 
   if (refining() && !system_pending_) record_refinement(commands);
-  if (hints.regions && hints.scored_region > 0) {
+  if (regions && hints.scored_region > 0) {
     if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
     push.slot = hints.scored_region;
-    commands.dispatch(at_->score, {solution(), hints.regions->plane().buffer, partials_}, push,
-                      pixels);
+    commands.dispatch(at_->score, {solution(), regions, partials_}, push, pixels);
     push.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
     commands.dispatch(at_->outer_total, {partials_, score_}, push, {kOneGroup});
     commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);

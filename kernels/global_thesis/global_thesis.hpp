@@ -69,7 +69,9 @@ class GlobalThesis {
   /// What `record` may be told about a frame.
   struct Hints {
     MarkedRegions* regions = nullptr;  ///< of the same size; takes the frame in
-    int scored_region = 0;             ///< number of one whose sparsity is wanted in the stats
+    /// Instead: the regions as they are, (slot or −1, number or 0) a pixel.
+    const Plane* fixed_regions = nullptr;
+    int scored_region = 0;  ///< number of one whose sparsity is wanted in the stats
   };
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors
@@ -93,6 +95,8 @@ class GlobalThesis {
 
   /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`.
   void set_base_colors(std::span<const Rgb> colors);
+  /// Uses those of another decomposition, slot by slot, until `reset`.
+  void set_base_colors(const BaseColors& colors);
   const BaseColors& colors() const { return colors_; }
 
   /// Refines the base colors again, for at most Params::refine_rounds frames.
@@ -108,6 +112,9 @@ class GlobalThesis {
   /// (r_cluster, λ_clustering) and (packed chromaticity, …) of the last frame.
   const gpu::BufferPtr& targets() const { return targets_; }
   const gpu::BufferPtr& features() const { return features_; }
+  /// The last frame without what is not finite or negative. Valid until the next record.
+  Plane image() const { return {extent_, image_}; }
+  Extent extent() const { return extent_; }
 
   /// Device memory of a pixel with K layers, in bytes.
   static uint64_t bytes_per_pixel(int layers, int keyframes);

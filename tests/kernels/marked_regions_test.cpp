@@ -4,6 +4,7 @@
 #include <map>
 #include <queue>
 
+#include "global_thesis/misclustering_correction.hpp"
 #include "global_thesis_fixture.hpp"
 
 namespace inverse::testing {
@@ -180,20 +181,30 @@ TEST_F(MarkedRegionsTest, BadClicksAndManyAreRefused) {
   for (const int number : numbers(regions, extent, clusters)) ASSERT_EQ(number, 0);
 }
 
-TEST_F(GlobalThesisTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSparsest) {
-  // A strip of the light floor in the shade sees the red wall only, and is taken for red: with the
-  // floor's own color its light is explained by one layer.
-  const Extent extent{48, 36};
-  Pixels pixels = room(extent, 1, 0, 0);
-  std::vector<uint8_t> inside(extent.pixels(), 0);
-  for (size_t n = 0; n < extent.pixels(); ++n) {
-    inside[n] = n % 48 >= 18 && n % 48 < 26 && n / 48 >= 8 && n / 48 < 28;
-    if (!inside[n]) continue;
-    for (size_t c = 0; c < 3; ++c) pixels[4 * n + c] = 0.9f * (0.05f + 0.4f * kRoom[0][c]);
+/// A light floor between a red and a blue wall, with a strip in the shade that sees the red wall
+/// only and is taken for red.
+class MisclusteringTest : public GlobalThesisTest {
+ protected:
+  static constexpr Extent kExtent{48, 36};
+  void SetUp() override {
+    GlobalThesisTest::SetUp();
+    pixels = room(kExtent, 1, 0, 0);
+    inside.assign(kExtent.pixels(), 0);
+    for (size_t n = 0; n < kExtent.pixels(); ++n) {
+      inside[n] = n % 48 >= 18 && n % 48 < 26 && n / 48 >= 8 && n / 48 < 28;
+      if (!inside[n]) continue;
+      for (size_t c = 0; c < 3; ++c) pixels[4 * n + c] = 0.9f * (0.05f + 0.4f * kRoom[0][c]);
+    }
+    params.refine_rounds = 0;
   }
-  const Plane frame = plane(extent, pixels);
+  Pixels pixels;
+  std::vector<uint8_t> inside;
   GlobalThesisParams params;
-  params.refine_rounds = 0;
+};
+
+TEST_F(MisclusteringTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSparsest) {
+  const Extent extent = kExtent;
+  const Plane frame = plane(extent, pixels);
   std::vector<float> scores;
   for (int candidate = 0; candidate < 3; ++candidate) {
     GlobalThesis method(device, extent);
@@ -205,7 +216,7 @@ TEST_F(GlobalThesisTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSpar
     GlobalThesis::Output output;
     uint64_t frame_number = 0;
     run([&](gpu::Commands& commands) {
-      frame_number = method.record(commands, frame, output, {&regions, number});
+      frame_number = method.record(commands, frame, output, {&regions, nullptr, number});
     });
     regions.collect(regions.last());
     ASSERT_EQ(regions.regions().size(), 1u);
@@ -224,10 +235,102 @@ TEST_F(GlobalThesisTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSpar
     EXPECT_EQ(stats.region, 8 * 20);
     scores.push_back(stats.score);
   }
-  // Red paint in white light needs no indirect light at all and would be sparser than the truth: the
-  // color that a region was taken for is no candidate.
+  // Red paint in white light needs no indirect light at all and would be sparser than the truth:
+  // the color that a region was taken for is no candidate.
   EXPECT_LT(scores[0], scores[2]);
   EXPECT_LT(scores[2], 0.5f * scores[1]);
+}
+
+TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
+  // Three frames in flight, once with and once without the correction.
+  std::vector<Pixels> results[2];
+  for (const bool correct : {false, true}) {
+    GlobalThesis method(device, kExtent);
+    method.set_params(params);
+    method.set_base_colors(kRoom);
+    MarkedRegions regions(device, kExtent);
+    MisclusteringCorrection correction(device, kExtent);
+    const int number = regions.click(20, 12);
+    const Plane frame = plane(kExtent, pixels);
+    std::vector<std::unique_ptr<gpu::Commands>> commands;
+    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+      commands.push_back(std::make_unique<gpu::Commands>(device));
+    std::array<std::array<uint64_t, 3>, gpu::kFramesInFlight> numbers{};
+    std::optional<MisclusteringCorrection::Result> result;
+    for (size_t t = 0; t < 20 && !result; ++t) {
+      const size_t slot = t % commands.size();
+      if (t >= commands.size()) {
+        commands[slot]->wait();
+        method.collect(numbers[slot][0]);
+        regions.collect(numbers[slot][1]);
+        if (correct) result = correction.collect(numbers[slot][2], regions);
+      }
+      commands[slot]->begin();
+      GlobalThesis::Output output;
+      GlobalThesis::Hints hints;
+      hints.regions = &regions;
+      numbers[slot][0] = method.record(*commands[slot], frame, output, hints);
+      numbers[slot][1] = regions.last();
+      if (correct) numbers[slot][2] = correction.record(*commands[slot], method, regions);
+      commands[slot]->submit();
+      if (t == 3) {
+        commands[slot]->wait();
+        results[correct].push_back(download(output.intrinsic->buffer));
+      }
+    }
+    for (auto& own : commands) own->wait();
+    if (!correct) continue;
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->number, number);
+    EXPECT_EQ(result->cluster, 0);
+    EXPECT_EQ(result->color, 2);
+    EXPECT_EQ(result->scores.size(), 2u);
+    EXPECT_FALSE(correction.busy());
+    ASSERT_EQ(regions.regions().size(), 1u);
+    EXPECT_EQ(regions.regions()[0].color, 2);
+  }
+  EXPECT_EQ(results[0], results[1]);  // frames are what they are without it
+}
+
+TEST_F(MisclusteringTest, TheCorrectionLeavesWhatIsGone) {
+  GlobalThesis method(device, kExtent);
+  method.set_params(params);
+  method.set_base_colors(kRoom);
+  MarkedRegions regions(device, kExtent);
+  MisclusteringCorrection correction(device, kExtent);
+  const Plane frame = plane(kExtent, pixels);
+  const auto step = [&] {
+    uint64_t number = 0, own = 0;
+    run([&](gpu::Commands& commands) {
+      GlobalThesis::Output output;
+      number = method.record(commands, frame, output, {&regions, nullptr, 0});
+      own = correction.record(commands, method, regions);
+    });
+    method.collect(number);
+    regions.collect(regions.last());
+    return correction.collect(own, regions);
+  };
+  // The region is removed, or the scene cut, in the middle.
+  const int number = regions.click(20, 12);
+  step();
+  EXPECT_FALSE(step());
+  EXPECT_TRUE(correction.busy());
+  regions.remove(number);
+  for (int t = 0; t < 4; ++t) EXPECT_FALSE(step());
+  EXPECT_FALSE(correction.busy());
+  regions.click(20, 12);
+  step();
+  step();
+  correction.reset();
+  regions.reset();
+  for (int t = 0; t < 4; ++t) EXPECT_FALSE(step());
+  EXPECT_FALSE(correction.busy());
+  // One base color leaves no candidate.
+  method.set_base_colors(std::vector<Rgb>{kRoom[0]});
+  regions.click(20, 12);
+  for (int t = 0; t < 4; ++t) EXPECT_FALSE(step());
+  EXPECT_FALSE(correction.busy());
+  EXPECT_EQ(regions.regions().size(), 1u);
 }
 
 }  // namespace inverse::testing
