@@ -74,33 +74,29 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
                     const Inputs& inputs) {
   if (!layers.global() || !layers[Role::model])
     throw Error(ErrorKind::internal, "light that has no layers cannot be edited");
-  if (!layers.bases) return;  // nothing bounced
-  gpu::KernelPtr &choose = choose_[by], &retint = retint_[inputs.matte ? 1 : 0];
+  uint32_t planes = 0;
+  while (planes < kIndirectPlanes && layers[indirect_role(planes)]) ++planes;
+  if (!layers.bases || planes == 0) return;  // nothing bounced
+  gpu::KernelPtr& choose = choose_[by];
   if (!choose)
     choose = device_->kernel(shaders::edit_bases, {by}, device_->variant().lone_workgroup);
-  if (!retint) retint = device_->kernel(shaders::edit_retint, {inputs.matte ? 1U : 0U});
+  const gpu::KernelPtr retint =
+      device_->kernel(shaders::edit_retint, {inputs.matte ? 1U : 0U, planes});
   const gpu::BufferPtr& model = layers[Role::model]->buffer;
   const PlanePtr edited = bases_.acquire();
   commands.dispatch(choose,
                     {layers.bases->buffer, model, inputs.selection ? inputs.selection->buffer : model,
                      inputs.palette ? inputs.palette : model, edited->buffer, change_},
                     push, {});
-  PlanePtr light = std::move(layers[Role::light]);  // that nothing refers to it a second time
-  for (uint32_t n = 0; n < kIndirectPlanes; ++n) {
-    const PlanePtr& shares = layers[indirect_role(n)];
-    if (!shares) continue;
-    PlanePtr to = plane_to_edit(light, planes_);
-    const struct {
-      uint32_t width, height;
-      int32_t first;
-    } place{layers.extent.width, layers.extent.height, static_cast<int32_t>(4 * n)};
-    commands.dispatch(retint,
-                      {light->buffer, shares->buffer, change_,
-                       inputs.matte ? inputs.matte->buffer : light->buffer, to->buffer},
-                      place, {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
-    light = std::move(to);
-  }
-  layers[Role::light] = std::move(light);
+  const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
+  const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };
+  const gpu::BufferPtr& from = layers[Role::light]->buffer;
+  const std::array<uint32_t, 2> size{layers.extent.width, layers.extent.height};
+  commands.dispatch(retint,
+                    {from, share(0), share(1), share(2), share(3), change_,
+                     inputs.matte ? inputs.matte->buffer : from, light->buffer},
+                    size, {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  layers[Role::light] = light;
   if (!inputs.matte) layers.bases = edited;
 }
 

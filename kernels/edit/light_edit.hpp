@@ -58,7 +58,6 @@ class LightEdit {
   PlanePool planes_, bases_;
   gpu::BufferPtr change_;
   std::array<gpu::KernelPtr, 4> choose_;  // by kBy in bases.comp, made when first needed
-  std::array<gpu::KernelPtr, 2> retint_;  // by kMatte
 };
 
 }  // namespace inverse
