@@ -26,7 +26,8 @@ Compose::Compose(const std::shared_ptr<gpu::Device>& device, Extent extent)
 PlanePtr Compose::record(gpu::Commands& commands, const Layers& layers,
                          const ComposeParams& params) {
   const bool wanted = params.strength > 0;
-  if (!wanted || (!layers.edited() && params.residual != Residual::none)) return layers[Role::input];
+  if (!wanted || (!layers.edited() && params.residual != Residual::none))
+    return layers[Role::input];
   return run(commands, static_cast<uint32_t>(params.residual), layers, Role::intrinsic,
              std::min(params.strength, 1.0f));
 }
@@ -46,12 +47,12 @@ PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& laye
   const Role before = light ? Role::model_light : Role::model;
   gpu::KernelPtr& kernel = kernels_[mode][light ? 1 : 0];
   if (!kernel) kernel = device_->kernel(shaders::edit_compose, {mode, light ? 1U : 0U});
-  commands.dispatch(kernel,
-                    {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
-                     layers[before]->buffer, layers[light ? Role::light : Role::model]->buffer,
-                     picture->buffer},
-                    Push{{layers.extent.width, layers.extent.height}, strength},
-                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  commands.dispatch(
+      kernel,
+      {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
+       layers[before]->buffer, layers[light ? Role::light : Role::model]->buffer, picture->buffer},
+      Push{{layers.extent.width, layers.extent.height}, strength},
+      {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   return picture;
 }
 

@@ -34,8 +34,9 @@ class Compose {
  public:
   Compose(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// The frame with its edits. Where nothing was edited (Layers::edited, or strength is 0), this is the input's plane itself and nothing is recorded, unless the
-  /// residual is to be left out. Needs input, model and intrinsic.
+  /// The frame with its edits. Where nothing was edited (Layers::edited, or strength is 0), this is
+  /// the input's plane itself and nothing is recorded, unless the residual is to be left out. Needs
+  /// input, model and intrinsic.
   PlanePtr record(gpu::Commands& commands, const Layers& layers, const ComposeParams& params);
 
   /// What the edits changed: R' S' − R S, halved, on middle gray (linear 0.214); brighter is more

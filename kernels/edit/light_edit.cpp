@@ -12,9 +12,9 @@ INVERSE_SHADER(edit_retint);
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 4;                                   // edit.glsl
+constexpr uint32_t kRows = 4;                                                         // edit.glsl
 constexpr uint32_t kBySurface = 0, kByKey = 1, kByIndex = 2, kByClustersSurface = 3;  // bases.comp
-constexpr float kLargest = 65504.0f;                            // edit.glsl
+constexpr float kLargest = 65504.0f;                                                  // edit.glsl
 constexpr float kHardestEdge = 1e-6f;
 
 /// `value` within [low, high]; `low` where it is not a number.
@@ -76,7 +76,7 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
     throw Error(ErrorKind::internal, "light that has no layers cannot be edited");
   uint32_t planes = 0;
   while (planes < kIndirectPlanes && layers[indirect_role(planes)]) ++planes;
-  if (!layers.bases || planes == 0) return;  // nothing bounced
+  if (!layers[Role::bases] || planes == 0) return;  // nothing bounced
   gpu::KernelPtr& choose = choose_[by];
   if (!choose)
     choose = device_->kernel(shaders::edit_bases, {by}, device_->variant().lone_workgroup);
@@ -84,10 +84,11 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
       device_->kernel(shaders::edit_retint, {inputs.matte ? 1U : 0U, planes});
   const gpu::BufferPtr& model = layers[Role::model]->buffer;
   const PlanePtr edited = bases_.acquire();
-  commands.dispatch(choose,
-                    {layers.bases->buffer, model, inputs.selection ? inputs.selection->buffer : model,
-                     inputs.palette ? inputs.palette : model, edited->buffer, change_},
-                    push, {});
+  commands.dispatch(
+      choose,
+      {layers[Role::bases]->buffer, model, inputs.selection ? inputs.selection->buffer : model,
+       inputs.palette ? inputs.palette : model, edited->buffer, change_},
+      push, {});
   const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };
   const gpu::BufferPtr& from = layers[Role::light]->buffer;
@@ -97,7 +98,7 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
                      inputs.matte ? inputs.matte->buffer : from, light->buffer},
                     size, {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   layers[Role::light] = light;
-  if (!inputs.matte) layers.bases = edited;
+  if (!inputs.matte) layers[Role::bases] = edited;
 }
 
 }  // namespace inverse

@@ -8,15 +8,16 @@ namespace inverse {
 
 /// Changes base colors of bounced light and, with them, the color of light everywhere:
 ///
-///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k − b_k), 0)
+///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
+///   b_k), 0)
 ///
 /// (bases.comp, retint.comp). Reflectance and S stay.
 class LightEdit {
  public:
   /// Surfaces that were repainted.
   struct Surfaces {
-    /// Its x = 0…1 says how much of each surface was repainted: w_k is their share of the light that
-    /// surfaces of base color k send.
+    /// Its x = 0…1 says how much of each surface was repainted: w_k is their share of the light
+    /// that surfaces of base color k send.
     const Plane& selection;
     /// Of what color they were (linear RGB) …
     std::array<float, 3> key{};

@@ -16,13 +16,16 @@ enum class Role : uint8_t {
               ///< input
   mask,       ///< x = matte 0…1 that the next editor may use
   model_light,  ///< light as the decomposer made it
-  light,  ///< of frames with more than one bounce of light: rgb = the light's color, so that
+  light,        ///< of frames with more than one bounce of light: rgb = the light's color, so that
           ///< R·S·rgb ≈ input (mean 1 where nothing was edited), edited along the chain; w = share
           ///< of S that is direct and white, 0…1
   indirect,  ///< the first of kIndirectPlanes: shares of S that bounced off the surfaces of base
              ///< color 4n, 4n + 1, 4n + 2, 4n + 3; what they and the direct share do not explain
              ///< of light.rgb is a remainder without a layer of its own
-  count = indirect + 4
+  bases = indirect + 4,  ///< kMaxBases × 1: the color that light has after bouncing off surfaces of
+                         ///< base color k (linear, largest channel 1, edited along the chain);
+                         ///< w = 1, or 0 where there is no such color
+  count
 };
 
 /// Base colors of a frame at most: a plane of Role::indirect holds four.
@@ -38,10 +41,6 @@ constexpr Role indirect_role(uint32_t n) {
 struct Layers {
   Extent extent;
   std::array<PlanePtr, static_cast<size_t>(Role::count)> planes;
-  /// kMaxBases × 1 where there is light of more than one bounce: the color that light has after
-  /// bouncing off surfaces of base color k (linear, largest channel 1, edited along the chain);
-  /// w = 1, or 0 where there is no such color.
-  PlanePtr bases;
 
   PlanePtr& operator[](Role role) { return planes[static_cast<size_t>(role)]; }
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }

@@ -22,21 +22,19 @@ void LightPicture::record(gpu::Commands& commands, const Layers& layers, What wh
   if (!layers.global() || base >= kMaxBases)
     throw Error(ErrorKind::internal, "no such light to draw");
   const PlanePtr& shares = layers[indirect_role(base / 4)];
-  if (what == What::layer && (!shares || !layers.bases)) {
+  if (what == What::layer && (!shares || !layers[Role::bases])) {
     commands.fill(target.buffer);
     return;
   }
   const PlanePtr& light = layers[Role::light];
   const Extent size = layers.extent;
-  const struct {
-    uint32_t width, height, base;
-  } push{size.width, size.height, base};
+  const struct { uint32_t width, height, base; } push{size.width, size.height, base};
   const bool layer = what == What::layer;
-  commands.dispatch(kernels_[static_cast<size_t>(what)],
-                    {layers[Role::intrinsic]->buffer, light->buffer,
-                     layer ? shares->buffer : light->buffer, layer ? layers.bases->buffer : light->buffer,
-                     target.buffer},
-                    push, {size.width, (size.height - 1) / kRows + 1});
+  commands.dispatch(
+      kernels_[static_cast<size_t>(what)],
+      {layers[Role::intrinsic]->buffer, light->buffer, layer ? shares->buffer : light->buffer,
+       layer ? layers[Role::bases]->buffer : light->buffer, target.buffer},
+      push, {size.width, (size.height - 1) / kRows + 1});
 }
 
 }  // namespace inverse

@@ -23,7 +23,7 @@ Rgba pixel_of(const Pixels& pixels, size_t n) {
 /// Every ninth number is one that breaks careless arithmetic.
 Pixels hostile(Pixels pixels) {
   using Limits = std::numeric_limits<float>;
-  const float evil[] = {0,      -1,     Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(),
+  const float evil[] = {0,      -1,    Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(),
                         1e-30f, 65504, Limits::max(),      Limits::denorm_min()};
   for (size_t i = 0; i < pixels.size(); i += 9) pixels[i] = evil[i / 9 % std::size(evil)];
   return pixels;
@@ -65,13 +65,14 @@ class LightEditTest : public GpuTest {
       made.shares.push_back(random(extent, 0.3f));
       layers[indirect_role(n)] = shared_plane(extent, made.shares.back());
     }
-    layers.bases = shared_plane({kMaxBases, 1}, made.bases);
+    layers[Role::bases] = shared_plane({kMaxBases, 1}, made.bases);
     return made;
   }
   static std::vector<reference::Base> bases_of(const Pixels& pixels) {
     std::vector<reference::Base> bases;
     for (size_t k = 0; k < kMaxBases; ++k)
-      bases.push_back({{pixels[4 * k], pixels[4 * k + 1], pixels[4 * k + 2]}, pixels[4 * k + 3] > 0});
+      bases.push_back(
+          {{pixels[4 * k], pixels[4 * k + 1], pixels[4 * k + 2]}, pixels[4 * k + 3] > 0});
     return bases;
   }
   static std::vector<double> shares_of(const Frame& frame, size_t n) {
@@ -83,7 +84,7 @@ class LightEditTest : public GpuTest {
   /// The light after base colors became `wanted`, and the base colors, against the reference.
   void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte) {
     const auto before = bases_of(frame.bases);
-    const Pixels bases = download(frame.layers.bases->buffer);
+    const Pixels bases = download(frame.layers[Role::bases]->buffer);
     std::vector<Rgb> change(kMaxBases);
     for (size_t k = 0; k < kMaxBases; ++k)
       for (size_t c = 0; c < 3; ++c) {
@@ -124,10 +125,9 @@ TEST_F(LightEditTest, BaseColorsChosenByKeyTurn) {
         std::vector<Rgb> wanted;
         for (const auto& base : bases_of(made.bases))
           wanted.push_back(
-              base.exists
-                  ? reference::changed(base.color, aim,
-                                       0.8 * reference::chosen(base.color, key, 0.5, 0.6))
-                  : base.color);
+              base.exists ? reference::changed(base.color, aim,
+                                               0.8 * reference::chosen(base.color, key, 0.5, 0.6))
+                          : base.color);
         ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, with_matte ? &matte_pixels : nullptr));
       }
 }
@@ -155,7 +155,8 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
     const Plane selection = plane(extent, selected);
     LightEdit edit(device, extent);
     run([&](gpu::Commands& commands) {
-      edit.repaint(commands, made.layers, {selection, {0.5f, 0.1f, 0.1f}}, {0.1f, 0.3f, 0.6f}, 0.9f);
+      edit.repaint(commands, made.layers, {selection, {0.5f, 0.1f, 0.1f}}, {0.1f, 0.3f, 0.6f},
+                   0.9f);
     });
     std::vector<Rgba> model;
     std::vector<double> sel;
@@ -184,7 +185,7 @@ TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
   });
   EXPECT_NE(made.layers[Role::light], before[Role::light]);
   EXPECT_EQ(download(before[Role::light]->buffer), made.light);
-  EXPECT_EQ(download(before.bases->buffer), made.bases);
+  EXPECT_EQ(download(before[Role::bases]->buffer), made.bases);
   // The second edit finds a plane that nobody else holds.
   const Plane* first = made.layers[Role::light].get();
   run([&](gpu::Commands& commands) {
@@ -208,7 +209,8 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
   const float red_base[] = {1, 0.1f, 0.1f, 1}, white_base[] = {1, 1, 1, 1};
   std::copy_n(red_base, 4, &bases[0]);
   std::copy_n(white_base, 4, &bases[4]);
-  Layers layers{extent, {}, shared_plane({kMaxBases, 1}, bases)};
+  Layers layers{extent, {}};
+  layers[Role::bases] = shared_plane({kMaxBases, 1}, bases);
   layers[Role::input] = shared_plane(extent, random_pixels(extent, 2));
   layers[Role::intrinsic] = layers[Role::model] = shared_plane(extent, model);
   layers[Role::light] = layers[Role::model_light] = shared_plane(extent, light);

@@ -55,8 +55,8 @@ std::vector<double> selected_shares(const std::vector<Base>& bases, const std::v
 }
 
 double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness) {
-  const double t = std::clamp(
-      (chroma_distance(base, key) - tolerance) / std::max(softness, 1e-6), 0.0, 1.0);
+  const double t =
+      std::clamp((chroma_distance(base, key) - tolerance) / std::max(softness, 1e-6), 0.0, 1.0);
   return 1 - t * t * (3 - 2 * t);
 }
 

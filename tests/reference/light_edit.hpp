@@ -1,4 +1,5 @@
-// Edits of light that has layers, in double precision: the specification of kernels/edit/light_edit.
+// Edits of light that has layers, in double precision: the specification of
+// kernels/edit/light_edit.
 #pragma once
 #include <cstddef>
 #include <vector>
