@@ -33,6 +33,8 @@
 layout(constant_id = 2) const int kGroups = 4;  // planes of indirect layers
 layout(constant_id = 3) const bool kUnitExponent = true;  // p is 1: no powers
 
+const float kDarkest = 1e-6;  // mean shading below which a pixel has no light
+
 layout(push_constant) uniform Push {
   ivec2 size;
   int count;          // partial sums to add up

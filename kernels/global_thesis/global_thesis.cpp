@@ -41,7 +41,11 @@ constexpr uint64_t kScalars = 3;  // as in scalars.comp
 }  // namespace
 
 GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : device_(device), extent_(extent), palette_(device), pool_(device, extent) {
+    : device_(device),
+      extent_(extent),
+      palette_(device),
+      pool_(device, extent),
+      bases_pool_(device, {kMaxBases, 1}) {
   const auto planes = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count * extent.pixels());
   };
@@ -250,7 +254,7 @@ uint64_t GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame
   return number;
 }
 
-uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Output& output,
+uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
                               const Hints& hints) {
   static_assert(sizeof(Push) <= gpu::Kernel::kPushBytes);
   const gpu::Items pixels{extent_.width, extent_.height};
@@ -322,7 +326,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Outpu
     commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
     current_->scored = true;
   }
-  write_layers(commands, output);
+  write_layers(commands, layers);
   if (!stats.energy.empty()) {
     commands.copy(trace_, current_->buffer, 32 * stats.energy.size(), 0, 16 * kTraceAt);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../gpu/commands.hpp"
+#include "../image/layers.hpp"
 #include "../image/plane.hpp"
 #include "../palette/palette.hpp"
 #include "base_colors.hpp"
@@ -51,14 +52,6 @@ class GlobalThesis {
     float region = 0;            ///< its pixels
   };
 
-  /// What a frame is decomposed into. I ≈ R ⊙ (T_0 + Σ_k b_k T_k).
-  struct Output {
-    PlanePtr intrinsic;              ///< (R.rgb, mean of the shading)
-    PlanePtr direct;                 ///< (T_0, T_0, T_0, 1)
-    std::vector<PlanePtr> indirect;  ///< T_1 … T_4, T_5 … T_8, …; zero beyond K
-    std::vector<Rgb> colors;         ///< b_1 … b_K
-  };
-
   /// Throws Error(limit, out_of_memory).
   GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
@@ -75,11 +68,15 @@ class GlobalThesis {
   };
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors
-  /// known now. Returns the frame's number for `collect` and `stats`. Throws Error(limit,
-  /// out_of_memory) where the device cannot hold a field of that many layers.
-  uint64_t record(gpu::Commands& commands, const Plane& frame, Output& output, const Hints& hints);
-  uint64_t record(gpu::Commands& commands, const Plane& frame, Output& output) {
-    return record(commands, frame, output, Hints{});
+  /// known now, into Role::intrinsic = (R, S), S the mean of the shading; Role::light = the color
+  /// of the light Σ_k b_k T_k / S and T_0 / S; the roles of indirect light = T_k / S, four layers a
+  /// plane, as many planes as there are layers; Role::bases = b_1 … b_K; and the same as model. R
+  /// has the scale of the base colors, whose largest channel is 1. Returns the frame's number for
+  /// `collect` and `stats`. Throws Error(limit, out_of_memory) where the device cannot hold a field
+  /// of that many layers.
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers, const Hints& hints);
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
+    return record(commands, frame, layers, Hints{});
   }
   /// Only finds the base colors of `frame`. Returns a number for `collect`.
   uint64_t record_colors(gpu::Commands& commands, const Plane& frame);
@@ -141,13 +138,13 @@ class GlobalThesis {
   void evaluate(gpu::Commands& commands, int step);
   void step(gpu::Commands& commands);
   void record_refinement(gpu::Commands& commands);
-  void write_layers(gpu::Commands& commands, Output& output);
+  void write_layers(gpu::Commands& commands, Layers& layers);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
   Params params_;
   Palette palette_;
-  PlanePool pool_;
+  PlanePool pool_, bases_pool_;
   BaseColors colors_;
   std::array<std::shared_ptr<Kernels>, 5> kernels_;  // by planes of indirect layers
   const Kernels* at_ = nullptr;                      // of the frame being recorded

@@ -132,19 +132,27 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
   commands.stage("refinement");
 }
 
-void GlobalThesis::write_layers(gpu::Commands& commands, Output& output) {
+void GlobalThesis::write_layers(gpu::Commands& commands, Layers& layers) {
+  static_assert(BaseColors::kMaxColors == kMaxBases);
   const gpu::Items pixels{extent_.width, extent_.height};
-  output = {pool_.acquire(), pool_.acquire(), {}, colors_.layer_colors()};
+  const PlanePtr intrinsic = pool_.acquire(), light = pool_.acquire();
+  layers.extent = extent_;
+  layers[Role::intrinsic] = layers[Role::model] = intrinsic;
+  layers[Role::light] = layers[Role::model_light] = light;
   Push push = push_for();
-  commands.dispatch(at_->layers,
-                    {current_->table, solution(), output.intrinsic->buffer, output.direct->buffer},
+  commands.dispatch(at_->layers, {current_->table, solution(), intrinsic->buffer, light->buffer},
                     push, pixels);
-  for (int group = 1; group <= groups_; ++group) {
-    const PlanePtr plane = pool_.acquire();
-    push.slot = group;
-    commands.dispatch(at_->indirect, {solution(), plane->buffer}, push, pixels);
-    output.indirect.push_back(plane);
+  for (uint32_t n = 0; n < kIndirectPlanes; ++n) {
+    PlanePtr& plane = layers[indirect_role(n)];
+    plane = nullptr;
+    if (static_cast<int>(n) >= groups_) continue;
+    plane = pool_.acquire();
+    push.slot = static_cast<int32_t>(n) + 1;
+    commands.dispatch(at_->indirect, {solution(), intrinsic->buffer, plane->buffer}, push, pixels);
   }
+  const PlanePtr bases = bases_pool_.acquire();
+  commands.copy(current_->table, bases->buffer, 16 * kMaxBases, 16 * 2 * BaseColors::kMaxColors);
+  layers[Role::bases] = bases;
 }
 
 }  // namespace inverse

@@ -3,13 +3,16 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 
-// Four indirect layers, T_k as light: what the penalty left below zero is none. slot: the plane of the field.
+// Four indirect layers as shares of S, T_k / S. slot: the plane of the field.
 PLANE_IN(0, state);
-PLANE_OUT(1, indirect);
+PLANE_IN(1, intrinsic);
+PLANE_OUT(2, indirect);
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
-  STORE(indirect, n, max(FETCH(state, push.slot * push.size.x * push.size.y + n), 0.0));
+  float mean = FETCH(intrinsic, n).w;
+  vec4 light = max(FETCH(state, push.slot * push.size.x * push.size.y + n), 0.0);
+  STORE(indirect, n, mean > kDarkest ? light / mean : vec4(0.0));
 }

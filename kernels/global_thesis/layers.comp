@@ -5,10 +5,11 @@
 #define TABLE_SLOT 0
 #include "table.glsl"
 
-// Reflectance with the mean of the shading, (R, |S|), and the direct light, (T_0, T_0, T_0, 1).
+// The layers: (R, S), S the mean of the shading, and the color of the light with the share of S that is direct,
+// (Σ_k b_k T_k / S, T_0 / S). Light that the penalty left below zero is none; where there is no light, it is white.
 PLANE_IN(1, state);
 PLANE_OUT(2, intrinsic);
-PLANE_OUT(3, direct);
+PLANE_OUT(3, light);
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -16,9 +17,10 @@ void main() {
   int plane = push.size.x * push.size.y;
   int n = at.y * push.size.x + at.x;
   vec4 x = FETCH(state, n);
-  float light = max(x.w, 0.0);
-  vec3 s = vec3(light);
+  float direct = max(x.w, 0.0);
+  vec3 s = vec3(direct);
   for (int g = 1; g <= kGroups; ++g) s += (base_colors(g) * max(FETCH(state, g * plane + n), 0.0)).rgb;
-  STORE(intrinsic, n, vec4(exp(x.rgb), (s.r + s.g + s.b) * (1.0 / 3.0)));
-  STORE(direct, n, vec4(vec3(light), 1.0));
+  float mean = (s.r + s.g + s.b) * (1.0 / 3.0);
+  STORE(intrinsic, n, vec4(exp(x.rgb), mean));
+  STORE(light, n, mean > kDarkest ? vec4(s, direct) / mean : vec4(1.0));
 }

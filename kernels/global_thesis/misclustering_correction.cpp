@@ -111,11 +111,11 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
       candidate};
   commands.dispatch(try_, {at.regions.buffer, at.trial.buffer}, push,
                     {at.extent.width, at.extent.height});
-  GlobalThesis::Output output;
+  Layers layers;
   GlobalThesis::Hints hints;
   hints.fixed_regions = &at.trial;
   hints.scored_region = job_->region.number;
-  frame = {true, jobs_, at.method->record(commands, at.image, output, hints), candidate};
+  frame = {true, jobs_, at.method->record(commands, at.image, layers, hints), candidate};
   commands.stage("correction");
   return number;
 }

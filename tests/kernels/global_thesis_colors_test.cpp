@@ -6,7 +6,7 @@ namespace inverse::testing {
 TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
   const Extent extent{96, 72};
   GlobalThesis method(device, extent);
-  const auto decompose = [&](const Pixels& pixels, GlobalThesis::Output& output) {
+  const auto decompose = [&](const Pixels& pixels, Layers& output) {
     const Plane frame = plane(extent, pixels);
     uint64_t number = 0;
     run([&](gpu::Commands& commands) { number = method.record_colors(commands, frame); });
@@ -15,13 +15,13 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
     method.collect(number);
     return method.stats(number);
   };
-  GlobalThesis::Output output;
+  Layers output;
   const auto colored = decompose(room(extent, 1), output);
   EXPECT_GE(colored.layers, 2);
   EXPECT_GE(colored.colors, 3);
   for (const Rgb& wall : {kRoom[0], kRoom[1]}) {
     double nearest = 1;
-    for (const Rgb& color : output.colors) {
+    for (const Rgb& color : method.colors().layer_colors()) {
       double distance = 0;
       for (size_t c = 0; c < 3; ++c)
         distance = std::max<double>(distance, std::abs(color[c] - wall[c]));
@@ -37,7 +37,8 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
   const auto none = decompose(gray, output);
   EXPECT_EQ(none.layers, 0);
   EXPECT_EQ(none.colors, 1);
-  EXPECT_TRUE(output.indirect.empty());
+  EXPECT_EQ(output[Role::indirect], nullptr);
+  for (const float share : download(output[Role::bases]->buffer)) EXPECT_EQ(share, 0.0f);
 }
 
 TEST_F(GlobalThesisTest, TheFirstFrameNeedsNoColors) {
@@ -46,7 +47,7 @@ TEST_F(GlobalThesisTest, TheFirstFrameNeedsNoColors) {
   const Plane frame = plane(extent, room(extent, 1));
   std::vector<int> layers;
   for (int t = 0; t < 3; ++t) {
-    GlobalThesis::Output output;
+    Layers output;
     uint64_t number = 0;
     run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
     layers.push_back(method.stats(number).layers);
@@ -76,7 +77,7 @@ TEST_F(GlobalThesisTest, RefinementAgreesWithReference) {
     for (int round = 0; round < 4; ++round) {
       const std::vector<reference::Vec3> before = to_reference(method.colors().layer_colors());
       EXPECT_EQ(method.refining(), round < 3);
-      GlobalThesis::Output output;
+      Layers output;
       uint64_t number = 0;
       run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
       const reference::GlobalField x = to_field(extent, count, download(method.solution()));
@@ -128,7 +129,7 @@ TEST_F(GlobalThesisTest, RefinementHoldsUpNoFrameAndEnds) {
       method.collect(done);
     }
     own.begin();
-    GlobalThesis::Output output;
+    Layers output;
     numbers.push_back(method.record(own, frame, output));
     own.submit();
   }
@@ -155,7 +156,7 @@ TEST_F(GlobalThesisTest, WarmStartGoesOnWhereTheLastFrameEnded) {
   const Plane frame = plane(extent, room(extent, 1));
   std::vector<double> energies;
   for (int t = 0; t < 12; ++t) {
-    GlobalThesis::Output output;
+    Layers output;
     uint64_t number = 0;
     run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
     EXPECT_EQ(method.stats(number).warm, t > 0);
@@ -164,7 +165,7 @@ TEST_F(GlobalThesisTest, WarmStartGoesOnWhereTheLastFrameEnded) {
   params.warm_start = false;
   params.steps = 12;
   method.set_params(params);
-  GlobalThesis::Output output;
+  Layers output;
   uint64_t number = 0;
   run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
   EXPECT_NEAR(energies.back(), method.stats(number).energy.back().total(), 1e-3 * energies.back());
@@ -176,14 +177,14 @@ TEST_F(GlobalThesisTest, SameSeedGivesTheSameBits) {
   std::vector<Pixels> results;
   for (int repeat = 0; repeat < 2; ++repeat) {
     GlobalThesis method(device, extent);
-    GlobalThesis::Output output;
+    Layers output;
     for (uint32_t t = 0; t < 4; ++t) {
       const Plane frame = plane(extent, room(extent, t, t));
       uint64_t number = 0;
       run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
       method.collect(number);
     }
-    results.push_back(download(output.intrinsic->buffer));
+    results.push_back(download(output[Role::intrinsic]->buffer));
   }
   EXPECT_EQ(results[0], results[1]);
 }
@@ -193,13 +194,13 @@ TEST_F(GlobalThesisTest, ResetForgetsThePast) {
   const Plane first = plane(extent, room(extent, 1)), second = plane(extent, room(extent, 9, 11));
   GlobalThesis fresh(device, extent), used(device, extent);
   const auto twice = [&](GlobalThesis& method, const Plane& frame) {
-    GlobalThesis::Output output;
+    Layers output;
     for (int t = 0; t < 2; ++t) {
       uint64_t number = 0;
       run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
       method.collect(number);
     }
-    return download(output.intrinsic->buffer);
+    return download(output[Role::intrinsic]->buffer);
   };
   const Pixels a = twice(fresh, second);
   twice(used, first);
@@ -218,7 +219,7 @@ TEST_F(GlobalThesisTest, CostFollowsTheLayers) {
     GlobalThesis method(device, extent);
     method.set_base_colors(random_colors(count, 1));
     const Plane frame = plane(extent, room(extent, 1));
-    GlobalThesis::Output output;
+    Layers output;
     run([&](gpu::Commands& commands) { method.record(commands, frame, output); });
     EXPECT_GT(device->memory_bytes() - others, before);
     before = device->memory_bytes() - others;

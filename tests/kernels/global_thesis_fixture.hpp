@@ -90,7 +90,7 @@ class GlobalThesisTest : public GpuTest {
     for (size_t t = 0; t < frames.size(); ++t) {
       const Plane frame = plane(extent, frames[t]);
       uint64_t number = 0;
-      GlobalThesis::Output output;
+      Layers output;
       run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
       method.collect(number);
       const auto stats = method.stats(number);

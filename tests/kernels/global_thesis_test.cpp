@@ -107,13 +107,12 @@ TEST_F(GlobalThesisTest, ExtremeInputStaysFinite) {
           Pixels pixels(extent.pixels() * 4, fill);
           if (hot) pixels[4 * (extent.pixels() / 2)] = 1e4f;
           const Plane frame = plane(extent, pixels);
-          GlobalThesis::Output output;
+          Layers output;
           uint64_t number = 0;
           run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
           method.collect(number);
-          std::vector<PlanePtr> planes = output.indirect;
-          planes.insert(planes.end(), {output.intrinsic, output.direct});
-          for (const PlanePtr& layer : planes) {
+          for (const PlanePtr& layer : output.planes) {
+            if (!layer) continue;
             for (const float value : download(layer->buffer)) {
               ASSERT_TRUE(std::isfinite(value)) << fill << (hot ? " with a hot pixel" : "");
               ASSERT_GE(value, 0.0f);
@@ -145,11 +144,12 @@ TEST_F(GlobalThesisTest, ExtremeParametersStayFinite) {
         params.steps = 4;
         method.set_params(params);
         method.refine();
-        GlobalThesis::Output output;
+        Layers output;
         uint64_t number = 0;
         run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
         method.collect(number);
-        for (const PlanePtr& layer : {output.intrinsic, output.direct, output.indirect[0]}) {
+        for (const PlanePtr& layer :
+             {output[Role::intrinsic], output[Role::light], output[Role::indirect]}) {
           for (const float value : download(layer->buffer))
             ASSERT_TRUE(std::isfinite(value)) << "p " << p << ", weight " << weight;
         }
@@ -166,26 +166,35 @@ TEST_F(GlobalThesisTest, LayersMultiplyToTheInput) {
   const Plane frame = plane(extent, pixels);
   GlobalThesis method(device, extent);
   method.set_base_colors(kRoom);
-  GlobalThesis::Output output;
+  Layers output;
   run([&](gpu::Commands& commands) { method.record(commands, frame, output); });
-  ASSERT_EQ(output.indirect.size(), 1u);
-  ASSERT_EQ(output.colors.size(), 3u);
-  const Pixels intrinsic = download(output.intrinsic->buffer);
-  const Pixels direct = download(output.direct->buffer);
-  const Pixels indirect = download(output.indirect[0]->buffer);
+  ASSERT_NE(output[Role::indirect], nullptr);
+  EXPECT_EQ(output[indirect_role(1)], nullptr);  // three layers
+  EXPECT_TRUE(output.global());
+  EXPECT_FALSE(output.edited());
+  const Pixels intrinsic = download(output[Role::intrinsic]->buffer);
+  const Pixels light = download(output[Role::light]->buffer);
+  const Pixels indirect = download(output[Role::indirect]->buffer);
+  const Pixels bases = download(output[Role::bases]->buffer);
+  const std::vector<Rgb> colors = method.colors().layer_colors();
+  for (size_t k = 0; k < kMaxBases; ++k) {
+    EXPECT_EQ(bases[4 * k + 3], k < 3 ? 1.0f : 0.0f);
+    for (size_t c = 0; k < 3 && c < 3; ++c) EXPECT_EQ(bases[4 * k + c], colors[k][c]);
+  }
   double sum = 0;
   for (size_t n = 0; n < extent.pixels(); ++n) {
     double mean = 0;
     for (size_t c = 0; c < 3; ++c) {
-      double s = static_cast<double>(direct[4 * n + c]);
-      for (size_t k = 0; k < 3; ++k)
-        s += static_cast<double>(output.colors[k][c]) * indirect[4 * n + k];
-      const double e = static_cast<double>(pixels[4 * n + c]) - intrinsic[4 * n + c] * s;
+      double l = static_cast<double>(light[4 * n + 3]);
+      for (size_t k = 0; k < 3; ++k) l += static_cast<double>(colors[k][c]) * indirect[4 * n + k];
+      EXPECT_NEAR(light[4 * n + c], l, 1e-5);
+      const double e = static_cast<double>(pixels[4 * n + c]) -
+                       static_cast<double>(intrinsic[4 * n + c]) * intrinsic[4 * n + 3] * l;
       sum += e * e;
-      mean += s / 3;
+      mean += l / 3;
     }
-    EXPECT_NEAR(intrinsic[4 * n + 3], mean, 1e-5);
-    EXPECT_EQ(indirect[4 * n + 3], 0.0f);  // three layers
+    EXPECT_NEAR(mean, 1, 1e-5);
+    EXPECT_EQ(indirect[4 * n + 3], 0.0f);
   }
   // Below one percent of the range (section 5.8).
   EXPECT_LT(std::sqrt(sum / (3.0 * static_cast<double>(extent.pixels()))), 0.01);

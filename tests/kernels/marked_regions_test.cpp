@@ -213,7 +213,7 @@ TEST_F(MisclusteringTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSpa
     MarkedRegions regions(device, extent);
     const int number = regions.click(20, 12);
     regions.set_color(number, candidate);
-    GlobalThesis::Output output;
+    Layers output;
     uint64_t frame_number = 0;
     run([&](gpu::Commands& commands) {
       frame_number = method.record(commands, frame, output, {&regions, nullptr, number});
@@ -266,7 +266,7 @@ TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
         if (correct) result = correction.collect(numbers[slot][2], regions);
       }
       commands[slot]->begin();
-      GlobalThesis::Output output;
+      Layers output;
       GlobalThesis::Hints hints;
       hints.regions = &regions;
       numbers[slot][0] = method.record(*commands[slot], frame, output, hints);
@@ -275,7 +275,7 @@ TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
       commands[slot]->submit();
       if (t == 3) {
         commands[slot]->wait();
-        results[correct].push_back(download(output.intrinsic->buffer));
+        results[correct].push_back(download(output[Role::intrinsic]->buffer));
       }
     }
     for (auto& own : commands) own->wait();
@@ -302,7 +302,7 @@ TEST_F(MisclusteringTest, TheCorrectionLeavesWhatIsGone) {
   const auto step = [&] {
     uint64_t number = 0, own = 0;
     run([&](gpu::Commands& commands) {
-      GlobalThesis::Output output;
+      Layers output;
       number = method.record(commands, frame, output, {&regions, nullptr, 0});
       own = correction.record(commands, method, regions);
     });
