@@ -22,15 +22,18 @@ BaseColors::Rgb scaled(const BaseColors::Rgb& color) {
 
 float mean(const BaseColors::Rgb& color) { return (color[0] + color[1] + color[2]) / 3; }
 
-/// Distance of the chromaticity, mean 1, from white.
-float colorfulness(const BaseColors::Rgb& color) {
+/// Distance of two chromaticities, mean 1.
+float distance(const BaseColors::Rgb& a, const BaseColors::Rgb& b) {
   float sum = 0;
-  for (const float channel : color) {
-    const float d = channel / mean(color) - 1;
+  for (size_t c = 0; c < 3; ++c) {
+    const float d = a[c] / mean(a) - b[c] / mean(b);
     sum += d * d;
   }
   return std::sqrt(sum);
 }
+
+/// A palette's slot that moves further than this in chromaticity stands for another color.
+constexpr float kSameColor = 0.3f;
 
 }  // namespace
 
@@ -45,18 +48,26 @@ void BaseColors::update(std::span<const Palette::Cluster> clusters, float tau_ne
                               std::exp(cluster.log_color[2])});
     Color now{static_cast<int>(k), cluster.log_color, color, color, false, -1};
     for (const Color& old : before) {
-      if (old.slot != now.slot || !old.refined) continue;
+      if (old.slot != now.slot || !old.fixed) continue;
+      if (distance(old.initial, now.color) > kSameColor) continue;
       now.color = old.color;
       now.initial = old.initial;
-      now.refined = true;
+      now.fixed = true;
     }
     colors_.push_back(now);
   }
   assign_layers(tau_neutral);
-  const auto same = [](const Color& a, const Color& b) {
-    return a.slot == b.slot && a.color == b.color && a.layer == b.layer;
+  const auto placed = [](const Color& a, const Color& b) {
+    return a.slot == b.slot && a.layer == b.layer;
   };
-  if (!std::equal(colors_.begin(), colors_.end(), before.begin(), before.end(), same)) ++version_;
+  const auto same = [&](const Color& a, const Color& b) {
+    return placed(a, b) && a.color == b.color;
+  };
+  const auto equal = [&](auto compare) {
+    return std::equal(colors_.begin(), colors_.end(), before.begin(), before.end(), compare);
+  };
+  if (!equal(placed)) ++order_;
+  if (!equal(same)) ++version_;
 }
 
 void BaseColors::set(std::span<const Rgb> colors) {
@@ -72,12 +83,17 @@ void BaseColors::set(std::span<const Rgb> colors) {
   given_ = true;
   assign_layers(0);
   ++version_;
+  ++order_;
 }
 
 void BaseColors::assign_layers(float tau_neutral) {
   layers_ = 0;
   for (Color& color : colors_)
-    color.layer = colorfulness(color.initial) < tau_neutral ? -1 : layers_++;
+    color.layer = distance(color.initial, {1, 1, 1}) < tau_neutral ? -1 : layers_++;
+}
+
+void BaseColors::fix() {
+  for (Color& color : colors_) color.fixed = true;
 }
 
 float BaseColors::refine(std::span<const Rgb> delta) {
@@ -90,7 +106,7 @@ float BaseColors::refine(std::span<const Rgb> delta) {
       color.color[c] = std::clamp(before + change[c], kDarkest, 1.0f);
       largest = std::max(largest, std::abs(color.color[c] - before));
     }
-    color.refined = true;
+    color.fixed = true;
   }
   ++version_;
   return largest;
@@ -101,6 +117,7 @@ void BaseColors::reset() {
   layers_ = 0;
   given_ = false;
   ++version_;
+  ++order_;
 }
 
 std::vector<BaseColors::Rgb> BaseColors::layer_colors(bool initial) const {

@@ -21,19 +21,21 @@ class BaseColors {
   using Rgb = std::array<float, 3>;
 
   struct Color {
-    int slot;      ///< of the palette; stays from frame to frame
-    Rgb center;    ///< ln chromaticity that pixels are assigned by
-    Rgb color;     ///< b, largest channel 1 before refinement
-    Rgb initial;   ///< b before refinement
-    bool refined;  ///< then a change of the palette leaves it alone
-    int layer;     ///< its indirect layer, from 0, or −1
+    int slot;     ///< of the palette; stays from frame to frame
+    Rgb center;   ///< ln chromaticity that pixels are assigned by
+    Rgb color;    ///< b, largest channel 1 before refinement
+    Rgb initial;  ///< b before refinement
+    bool fixed;   ///< refined or being refined: a change of the palette leaves it alone
+    int layer;    ///< its indirect layer, from 0, or −1
   };
 
   /// Takes a new palette in: colors that it no longer has retire, new ones join, the others follow
-  /// it until they are refined. Does nothing where colors were given.
+  /// it until they are fixed. Does nothing where colors were given.
   void update(std::span<const Palette::Cluster> clusters, float tau_neutral);
   /// Uses these colors (linear, any scale), one layer each, until `reset`. At most kMaxColors.
   void set(std::span<const Rgb> colors);
+  /// The palette moves the present colors no more: their refinement begins.
+  void fix();
   /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1. Returns the largest
   /// change of a channel.
   float refine(std::span<const Rgb> delta);
@@ -50,6 +52,8 @@ class BaseColors {
   std::vector<Rgb> layer_colors(bool initial = false) const;
   /// Another number whenever the layers' colors or their order change.
   uint32_t version() const { return version_; }
+  /// Another number whenever other colors have layers, or in another order.
+  uint32_t order() const { return order_; }
 
   /// Fills the kernels' table (table.glsl): 3 · kMaxColors vec4.
   static constexpr uint64_t kTableEntries = 3 * kMaxColors;
@@ -61,7 +65,7 @@ class BaseColors {
   std::vector<Color> colors_;
   int layers_ = 0;
   bool given_ = false;
-  uint32_t version_ = 0;
+  uint32_t version_ = 0, order_ = 0;
 };
 
 }  // namespace inverse

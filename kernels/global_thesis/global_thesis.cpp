@@ -168,6 +168,7 @@ void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
 void GlobalThesis::set_base_colors(const BaseColors& colors) {
   colors_ = colors;
   colors_.hold();
+  has_state_ = false;
 }
 
 /// Fields for so many planes of indirect layers.
@@ -274,7 +275,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   stats.steps = params_.steps;
   stats.pcg_iterations = params_.pcg_iterations;
   stats.keyframes = std::min(stored_keyframes_, params_.keyframes);
-  stats.warm = params_.warm_start && has_state_ && state_version_ == colors_.version();
+  stats.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
   colors_.write_table(current_->table->map_as<float>());
 
   prepare(commands, frame);
@@ -307,7 +308,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
     if (!last) step(commands);
   }
   has_state_ = true;
-  state_version_ = colors_.version();
+  state_order_ = colors_.order();
   if (params_.keyframes > 0 &&
       since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
     pack(commands, 1 + stored_keyframes_ % params_.keyframes);
@@ -374,7 +375,7 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
 }
 
 uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
-  const auto fields = static_cast<uint64_t>((layers + 3) / 4 + 1);
+  const auto fields = static_cast<uint64_t>(layers + 3) / 4 + 1;
   // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
   return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
 }

@@ -169,7 +169,7 @@ class GlobalThesis {
   int stored_keyframes_ = 0;     // since the last reset
   int rounds_ = 0;               // of refinement
   bool system_pending_ = false;  // a system is under way
-  uint32_t state_version_ = 0;   // of the colors that the solution is for
+  uint32_t state_order_ = 0;     // of the colors that the solution is for
   bool has_state_ = false;
 };
 

@@ -123,6 +123,7 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
   push.count = static_cast<int32_t>(partials / entries);
   commands.dispatch(at_->outer_total, {outer_partials_, system_}, push, {kOneGroup * entries});
   commands.copy(system_, current_->buffer, 16 * static_cast<uint64_t>(entries), 0, 16 * kSystemAt);
+  colors_.fix();
   current_->refining = true;
   current_->stats.refining = true;
   current_->version = colors_.version();

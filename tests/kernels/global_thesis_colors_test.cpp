@@ -142,6 +142,42 @@ TEST_F(GlobalThesisTest, RefinementHoldsUpNoFrameAndEnds) {
   EXPECT_TRUE(method.refining());
 }
 
+TEST_F(GlobalThesisTest, ThePalettesOwnColorsAreRefinedWhileFramesAreInFlight) {
+  // The palette moves with every noisy frame; what is being refined stays where it is.
+  const Extent extent{64, 48};
+  GlobalThesis method(device, extent);
+  GlobalThesisParams params;
+  params.refine_rounds = 3;
+  params.refine_settled = 0;
+  params.warm_start = true;
+  method.set_params(params);
+  std::vector<std::unique_ptr<gpu::Commands>> commands;
+  for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+    commands.push_back(std::make_unique<gpu::Commands>(device));
+  std::vector<uint64_t> numbers;
+  std::vector<Plane> frames;
+  int warm = 0;
+  for (size_t t = 0; t < 24; ++t) {
+    gpu::Commands& own = *commands[t % commands.size()];
+    if (t >= commands.size()) {
+      own.wait();
+      const uint64_t done = numbers[t - commands.size()];
+      warm += method.stats(done).warm;
+      method.collect(done);
+    }
+    own.begin();
+    Layers output;
+    frames.push_back(plane(extent, room(extent, static_cast<unsigned>(t))));
+    numbers.push_back(method.record(own, frames.back(), output));
+    own.submit();
+  }
+  for (auto& own : commands) own->wait();
+  EXPECT_FALSE(method.refining());
+  EXPECT_GE(method.colors().layers(), 2);
+  EXPECT_NE(method.colors().layer_colors(), method.colors().layer_colors(true));
+  EXPECT_GE(warm, 8);
+}
+
 TEST_F(GlobalThesisTest, WarmStartGoesOnWhereTheLastFrameEnded) {
   const Extent extent{64, 48};
   GlobalThesis method(device, extent);
