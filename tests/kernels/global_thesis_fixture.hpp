@@ -50,6 +50,7 @@ inline reference::Vec3 to_reference(const Rgb& color) {
 
 inline std::vector<reference::Vec3> to_reference(const std::vector<Rgb>& colors) {
   std::vector<reference::Vec3> result;
+  result.reserve(colors.size());
   for (const Rgb& color : colors) result.push_back(to_reference(color));
   return result;
 }

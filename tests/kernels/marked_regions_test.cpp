@@ -105,11 +105,14 @@ TEST_F(MarkedRegionsTest, FillsASpiral) {
   const Extent extent{65, 65};
   std::vector<int> clusters(extent.pixels(), 0);
   int x = 0, y = 0, dx = 1, dy = 0;
+  const auto at = [&](int u, int v) -> int& {
+    return clusters[static_cast<size_t>(v) * 65 + static_cast<size_t>(u)];
+  };
   const auto taken = [&](int u, int v) {
-    return u < 0 || v < 0 || u >= 65 || v >= 65 || clusters[static_cast<size_t>(65 * v + u)] == 1;
+    return u < 0 || v < 0 || u >= 65 || v >= 65 || at(u, v) == 1;
   };
   for (int turns = 0; turns < 2;) {
-    clusters[static_cast<size_t>(65 * y + x)] = 1;
+    at(x, y) = 1;
     const bool blocked =
         x + dx < 0 || y + dy < 0 || x + dx >= 65 || y + dy >= 65 || taken(x + dx, y + dy) ||
         (!(x + 2 * dx < 0 || y + 2 * dy < 0 || x + 2 * dx >= 65 || y + 2 * dy >= 65) &&
@@ -136,7 +139,8 @@ TEST_F(MarkedRegionsTest, FollowsAMovingPatch) {
   const auto patch = [&](int left, int cluster) {
     std::vector<int> clusters(extent.pixels(), 0);
     for (int y = 10; y < 25; ++y)
-      for (int x = left; x < left + 12; ++x) clusters[static_cast<size_t>(60 * y + x)] = cluster;
+      for (int x = left; x < left + 12; ++x)
+        clusters[static_cast<size_t>(y) * 60 + static_cast<size_t>(x)] = cluster;
     return clusters;
   };
   MarkedRegions regions(device, extent);
