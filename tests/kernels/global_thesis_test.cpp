@@ -1,6 +1,7 @@
 // The thesis' global decomposition on the device against the double-precision reference.
 #include <limits>
 
+#include "global_thesis/ladder.hpp"
 #include "global_thesis_fixture.hpp"
 
 namespace inverse::testing {
@@ -198,6 +199,29 @@ TEST_F(GlobalThesisTest, LayersMultiplyToTheInput) {
   }
   // Below one percent of the range (section 5.8).
   EXPECT_LT(std::sqrt(sum / (3.0 * static_cast<double>(extent.pixels()))), 0.01);
+}
+
+TEST_F(GlobalThesisTest, BetterQualityReachesLowerEnergy) {
+  const Extent extent{64, 48};
+  const Plane frame = plane(extent, room(extent, 2));
+  std::vector<double> energies;
+  for (const Quality quality : {Quality::low, Quality::medium, Quality::high, Quality::best}) {
+    GlobalThesisParams params;
+    global_thesis_ladder().set(params, quality);
+    params.energy = true;
+    params.refine_rounds = 0;
+    GlobalThesis method(device, extent);
+    method.set_params(params);
+    method.set_base_colors(kRoom);
+    Layers output;
+    uint64_t number = 0;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+    energies.push_back(method.stats(number).energy.back().total());
+    EXPECT_EQ(method.stats(number).steps, params.steps);
+  }
+  printf("  energies %g, %g, %g, %g\n", energies[0], energies[1], energies[2], energies[3]);
+  EXPECT_LT(energies[3], energies[0]);
+  for (const double energy : energies) EXPECT_GT(energy, 0.999 * energies[3]);
 }
 
 }  // namespace inverse::testing
