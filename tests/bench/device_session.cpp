@@ -7,6 +7,18 @@
 
 namespace inverse::bench {
 
+namespace {
+
+Image rgb_of(gpu::Buffer& buffer, Extent extent) {
+  Image out(int(extent.width), int(extent.height), 3);
+  const float* pixel = buffer.map_as<float>();
+  for (std::size_t i = 0; i < extent.pixels(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) out.data[3 * i + c] = pixel[4 * i + c];
+  return out;
+}
+
+}  // namespace
+
 DeviceSession::DeviceSession(const std::string& select)
     : device_(gpu::Device::open(select)), commands_(device_) {}
 
@@ -18,16 +30,27 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     };
     input_ = std::make_shared<Plane>(Plane{extent, create(gpu::Memory::upload)});
     output_ = create(gpu::Memory::readback);
+    direct_ = indirect_ = nullptr;
   }
   float* pixel = input_->buffer->map_as<float>();
   for (std::size_t i = 0; i < extent.pixels(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) pixel[4 * i + c] = frame.data[3 * i + c];
     pixel[4 * i + 3] = 1;
   }
+  bool three = false;
   cost = measure([&] {
     commands_.begin();
-    const PlanePtr layer = record(commands_, input_);
-    commands_.copy(layer->buffer, output_, output_->bytes());
+    const Recorded layers = record(commands_, input_);
+    commands_.copy(layers.intrinsic->buffer, output_, output_->bytes());
+    three = layers.direct && layers.indirect;
+    if (three) {
+      for (auto* to : {&direct_, &indirect_})
+        if (!*to)
+          *to = gpu::Buffer::create(device_, gpu::Element::vec4, extent.pixels(),
+                                    gpu::Memory::readback);
+      commands_.copy(layers.direct->buffer, direct_, direct_->bytes());
+      commands_.copy(layers.indirect->buffer, indirect_, indirect_->bytes());
+    }
     commands_.stage("download");
     commands_.submit();
     commands_.wait();
@@ -45,6 +68,10 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
   for (std::size_t i = 0; i < extent.pixels(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) d.reflectance.data[3 * i + c] = result[4 * i + c];
     d.shading.data[i] = result[4 * i + 3];
+  }
+  if (three) {
+    d.direct = rgb_of(*direct_, extent), d.indirect = rgb_of(*indirect_, extent);
+    d.shading = luminance_of_sum(d.direct, d.indirect);
   }
   return d;
 }
