@@ -6,7 +6,7 @@ FLOORS = {"software": {"processor_ms": 0.08, "wall_ms": 0.25}, "gpu": {"device_m
 ERROR_FLOOR = 0.005   # relative: kernels of one machine give the same bits, those of two nearly so
 LEAST_ERROR = 1e-4    # absolute
 AGREEMENT = 0.75      # share of scenes whose quartiles of time lie apart, all in the same direction
-ERRORS = ["lmse20", "mse", "dssim", "whdr", "to_converged", "flicker", "jitter"]
+ERRORS = ["lmse20", "mse", "dssim", "whdr", "to_converged", "flicker", "jitter", "ind", "dirJ", "indJ", "tint"]
 
 
 def rows_by_key(results):

@@ -1,4 +1,5 @@
 """The report's page, docs/report/README.md."""
+import ablations
 import summary
 
 OURS = ["intrinsicdecomp", "thesis PCG", "thesis Schwarz"]
@@ -80,7 +81,7 @@ def everybody(points, methods):
     rows = []
     for method in dict.fromkeys(p["method"] for p in points):
         some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
-                ("adaptive", "without", "resolution", "levels", "coarse cycles", "cycles")]
+                ("adaptive", "without", "weights", "guess", "resolution", "levels", "coarse cycles", "cycles")]
         some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
         if method not in OURS and len(some) > 1 and "same energy" not in method:
             some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
@@ -181,11 +182,152 @@ def extremes(cases):
 
 
 def elements(entries):
-    rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
+    rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}{'*' if e.get('kept') else ''}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
              f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.0f}", f"{e['first_frame_ms']:.0f}",
              f"{e['device_bytes_per_pixel']:.0f}"] for e in entries]
     return table(["element", "size", "ms a frame", "processor ms", "device ms", "frames a second", "first frame, ms",
                   "device bytes a pixel"], rows)
+
+
+def all_elements(results):
+    """This run's, and those that were kept of an earlier one."""
+    kept = (results.get("kept") or {}).get("elements", [])
+    return sorted(results["elements"] + [{**e, "kept": True} for e in kept], key=lambda e: (e["element"], e["width"]))
+
+
+def signed(value, digits=0):
+    """−12 %, of a ratio."""
+    percent = 100 * (value - 1)
+    return f"{percent:+.{digits}f} %".replace("-", "−") if round(percent, digits) else "0 %"
+
+
+def without(entries):
+    """Errors with one term left out, regime by regime, what that makes of the error, and of the time."""
+    if not entries:
+        return ""
+    whole, rows = entries[0], []
+    for e in entries:
+        cells = [figure(v) + ("" if e is whole or not whole["errors"][n] else f" ({signed(v / whole['errors'][n])})")
+                 for n, v in e["errors"].items()]
+        rows.append([f"without {e['term']}" if e["term"] else "whole"] + cells +
+                    ["" if e is whole or not e["time"] else signed(e["time"])])
+    return table(["LMSE (k = 20)"] + [f"{n} ({c})" for n, c in whole["scenes"].items()] + ["time"], rows)
+
+
+def without_on_videos(entries):
+    rows = []
+    for e in entries:
+        for place, (scene, f) in enumerate(e["figures"].items()):
+            rows.append((place, [scene[1] if scene[0] == "own" else f"{scene[0]}, {scene[1]}",
+                         f"without {e['term']}" if e["term"] else "whole", figure(f["lmse20"]), figure(f["flicker"]), figure(f["jitter"])]))
+    rows.sort(key=lambda r: r[0])
+    return table(["video", "", "LMSE", "flicker", "jitter"], [r for _, r in rows]) if rows else ""
+
+
+def left_out(found):
+    rows = [[f"{n} ({e['scenes']})", figure(e["ships"]), figure(e["left_out"]), figure(e["best"])] for n, e in found["regimes"].items()]
+    return table(["LMSE (k = 20)", "as it ships", "chosen without the scene", "best for the regime itself"], rows)
+
+
+def terms(results):
+    """The section on what each term is worth; empty where nothing was left out."""
+    kept = results.get("kept")
+    rows = results["rows"] + (kept["rows"] if kept else [])
+    clock = summary.steady_time(results["device"])
+    out = ["## What each term is worth\n"]
+    ours = ablations.stills(rows, "intrinsicdecomp", clock)
+    if not ours:
+        return ""
+    out.append("One term left out of `intrinsicdecomp`, everything else as it ships; in brackets the number of scenes, and what that "
+               "makes of the error. The prior was fitted with all terms in place, so that a small loss says the others can stand in, "
+               "and a gain in one regime is paid in another. *Paint* and *light on edges* are the two halves of the edge prior, "
+               "each at a thousandth of its weight; *value* pins the largest channel, *chroma* joins equal colors.\n\n" + without(ours))
+    video = ablations.videos(rows, clock)
+    if video:
+        out.append("\nTerms that only videos have:\n\n" + without_on_videos(video))
+    thesis = ablations.stills(rows, "thesis PCG", clock)
+    if thesis:
+        out.append("\nThe same of the thesis' method:\n\n" + without(thesis))
+    alone = ablations.leave_one_out(rows)
+    if alone:
+        picks = ", ".join(f"`{n.replace(' ', ' ')}` {c} times" for n, c in sorted(alone["picks"].items(), key=lambda i: -i[1]))
+        out.append(f"\n### Weights chosen without the scene\n\nThe weights that are set by hand (b of light, v of value, g of chroma), half, "
+                   f"once and twice each: {alone['settings']} settings. Every scene is scored with the one that is best on all others, regimes "
+                   f"weighing the same; if that is worse than what ships, tuning them says little about new scenes.\n\n" + left_out(alone) +
+                   f"\nChosen: {picks} (`b v g`: as it ships).\n")
+    return "\n".join(out)
+
+
+def layers_beyond_two(rows, methods):
+    """Errors of direct and indirect light, once a method tells them apart; beside it guesses that need no solve."""
+    rows = [r for r in rows if not r["video"] and r.get("ind") is not None]
+    if not any(methods[r["method"]]["family"] == "method" for r in rows):
+        return ""
+    scenes = dict.fromkeys((r["set"], r["scene"]) for r in rows)
+    groups = {}
+    for r in rows:
+        groups.setdefault((r["method"], r["curve"], r["setting"]), {})[r["set"], r["scene"]] = r
+    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or any(
+        r["base"] or r["preset"] for r in of.values())]
+    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0]))
+    def name(key, of):
+        preset = next((r["preset"] for r in of.values() if r["preset"]), "")
+        return f"{key[0]} `{preset}`" if preset else ": ".join(n for n in (key[0], key[2]) if n)
+    out = []
+    for field, title in (("ind", "Indirect light, at its own best scale (`ind`)"), ("indJ", "Indirect light, at the scale of the whole shading (`indJ`)"),
+                         ("dirJ", "Direct light, at that scale (`dirJ`)"), ("tint", "Color of the shading (`tint`), rms of ln chroma")):
+        least = {s: min((of[s][field] for _, of in shown if s in of), default=None) for s in scenes}
+        table_rows = []
+        for key, of in shown:
+            cells = [f"**{figure(of[s][field])}**" if s in of and of[s][field] == least[s] else figure(of[s][field] if s in of else None)
+                     for s in scenes]
+            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()))] + cells)
+        out.append(table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows))
+    return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
+            "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading.\n\n" + "\n".join(out))
+
+
+def by_device(results):
+    """Run times of presets on every device that was measured."""
+    columns = [(results["device"], results["summary"]["own"])] + [(o["device"], o["points"]) for o in results.get("others") or []]
+    if len(columns) < 2:
+        return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
+                "(`tests/bench/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
+    curves = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
+    rows = []
+    for p in columns[0][1]:
+        if p["curve"] != curves.get(p["method"]) or not (p["preset"] or p["base"]) or not p["wall_ms"]:
+            continue
+        cells = []
+        for _, points in columns:
+            q = find(points, p["method"], curve=p["curve"], setting=p["setting"])
+            cells += [time(q["wall_ms"]), time(q["device_ms"]), figure(q["lmse20"])] if q else ["–"] * 3
+        rows.append([p["method"] + (f" `{p['preset']}`" if p["preset"] else f" {p['setting']}")] + cells)
+    heads = [f"{d.split(' (')[0]}: {what}" for d, _ in columns for what in ("ms", "device ms", "LMSE")]
+    return table(["320×240, own stills"] + heads, rows)
+
+
+def ladder_by_regime(panels):
+    """The levels of live trade on all data."""
+    names = [n for n, points in panels.items() if any(p["curve"] == "ladder" for p in points)]
+    levels = {}
+    for n in names:
+        for p in panels[n]:
+            if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder":
+                levels.setdefault((p["order"], p["setting"], p["preset"]), {})[n] = p
+    if len(levels) < 5:
+        return ""
+    rows = [[setting, f"`{preset}`" if preset else ""] + [f"{figure(of[n]['lmse20'])} / {figure(of[n]['dssim'], 3)}" if n in of else "–"
+                                                          for n in names] for (_, setting, preset), of in sorted(levels.items())]
+    return table(["resolution, cycles", "`quality`"] + names, rows)
+
+
+def failures(results):
+    if not results.get("failures"):
+        return ""
+    lines = [f"- {f['part'] if 'part' in f else f['method'] + ' ' + f['curve'] + ' ' + f['setting'] + ', ' + f['set'] + ' ' + f['scene']}: "
+             f"{f['why'].strip().splitlines()[-1]}" for f in results["failures"]]
+    return "## What failed\n\nEverything else was measured nevertheless:\n\n" + "\n".join(lines) + "\n"
 
 
 def write(results, folder, has):
@@ -243,7 +385,16 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "\nOf peers and trivial answers the best in that regime, at its best setting, which flatters it. Separated: zero "
                    "lies outside the interval. Under six scenes even agreement of all of them is weak evidence, and under four "
                    "the interval is merely the range over scenes; under three no verdict is given.\n")
+    levels = ladder_by_regime(results["summary"]["regimes"])
+    if levels:
+        out.append("The levels of live trade, LMSE (k = 20) / DSSIM:\n\n" + levels)
     out.append(f"Given data: {results['data']}.\n")
+    worth = terms(results)
+    if worth:
+        out.append(worth)
+    beyond = layers_beyond_two(rows, results["methods"])
+    if beyond:
+        out.append(beyond)
     out.append("## Videos\n\n" + videos(rows) +
                "\nFlicker: standard deviation over time of ln reflectance where the truth stands still, one factor a frame "
                "removed; jitter: the same from frame to frame only. LMSE is that of every third frame." +
@@ -268,25 +419,32 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    extremes(results["extremes"]["cases"]) + "\n</details>\n")
     else:
         out.append("Not measured in this run: `tests/extremes` was not built.\n")
-    out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
-               "\nFrames of the bundled clip as NV12 from system memory to system memory.\n")
+    out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(all_elements(results)) +
+               "\nFrames of the bundled clip as NV12 from system memory to system memory." +
+               (f" Sizes with an asterisk: from an earlier `--full` run (commit {results['kept']['commit']}).\n"
+                if (results.get("kept") or {}).get("elements") else "\n"))
     out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
-    for other in results.get("others", []):
-        out.append(f"## On {other['device']}\n\n" + exchange(other["points"], "ladder"))
+    out.append("## By device\n\n" + by_device(results))
+    for other in results.get("others") or []:
+        out.append(f"### Each step on {other['device']}\n\n" + exchange(other["points"], "ladder"))
+    failed = failures(results)
+    if failed:
+        out.append(failed)
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes two minutes on two cores, `./dev bench --full` several times that: two frames and the whole video of every
-given sequence, and every setting. `--data DIR` names another folder of ground truth, `--against FILE` prints what got better or worse since an
-earlier `results.json`, `--add FILE` adds what `bench-methods` measured on another machine (it needs no more than libvulkan
-and `scenes`: see `tests/bench/methods_main.cpp`).
+`./dev bench` takes a minute and a quarter on two cores, `./dev bench --full` half an hour: two frames and the whole video of every given
+sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
+`--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
+run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and
+`scenes`: see `tests/bench/methods_main.cpp`).
 
 - Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
 - The machine's load was {machine['load_before']:.1f} before and {machine['load_after']:.1f} after""" +
                (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2 else ".\n") +
-               """- All settings take turns on every frame, and programs take turns, several times; run time is the median. It is that of the
+               """- All settings take turns on every frame""" + (", and programs take turns, twice" if results["full"] else "") + """; run time is the median. It is that of the
   method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
-- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
+""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over all.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
   **the ranking on them depends on how they are lit**: in a first version, of flatter light and without the clay scene, doing
   nothing (constant shading) and Retinex scored best. Nothing was fitted to them.
 - Metrics: `tests/bench/metrics.hpp`; tested against closed forms and scikit-image.

@@ -27,7 +27,7 @@ SPARE = [("#E69F00", "p"), ("#F0E442", "H"), ("#000000", "8")]  # methods to com
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
 MAIN = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
+SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
