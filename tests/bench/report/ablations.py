@@ -45,7 +45,6 @@ def videos(rows, clock):
         return []
     common = set.intersection(*(set(e["rows"]) for e in out))
     return [{"term": e["term"], "time": ratio_of_times(e["rows"], whole, clock),
-             "scenes": {"set" if s[0] == "own" else "given": 0 for s in common},
              "figures": {s: {k: e["rows"][s].get(k) for k in ("lmse20", "flicker", "jitter")} for s in sorted(common)}}
             for e in out]
 

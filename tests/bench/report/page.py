@@ -145,7 +145,8 @@ def given_video(row):
 
 
 def videos(rows):
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and r["method"] not in
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
+            (r["curve"] != "without" or r["setting"] == "temporal anchor") and r["method"] not in
             ("constant reflectance", "R = I / max_c I")]
     out = []
     for r in rows:
@@ -218,6 +219,8 @@ def without_on_videos(entries):
     rows = []
     for e in entries:
         for place, (scene, f) in enumerate(e["figures"].items()):
+            if f["flicker"] is None:
+                continue  # the camera moves
             rows.append((place, [scene[1] if scene[0] == "own" else f"{scene[0]}, {scene[1]}",
                          f"without {e['term']}" if e["term"] else "whole", figure(f["lmse20"]), figure(f["flicker"]), figure(f["jitter"])]))
     rows.sort(key=lambda r: r[0])
@@ -315,9 +318,10 @@ def ladder_by_regime(panels):
         for p in panels[n]:
             if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder":
                 levels.setdefault((p["order"], p["setting"], p["preset"]), {})[n] = p
-    if len(levels) < 5:
+    levels = {level: of for level, of in levels.items() if len(of) == len(names)}
+    if len(levels) < 5:  # presets alone say nothing of the steps between them
         return ""
-    rows = [[setting, f"`{preset}`" if preset else ""] + [f"{figure(of[n]['lmse20'])} / {figure(of[n]['dssim'], 3)}" if n in of else "–"
+    rows = [[setting, f"`{preset}`" if preset else ""] + [f"{figure(of[n]['lmse20'])} / {figure(of[n]['dssim'], 3)}" 
                                                           for n in names] for (_, setting, preset), of in sorted(levels.items())]
     return table(["resolution, cycles", "`quality`"] + names, rows)
 
@@ -408,7 +412,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "\nFrames of both settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
     if results.get("duplicates"):
         off, on = results["duplicates"]
-        out.append(f"A frame that comes again needs nothing once the solve has settled (median of 80 frames): through the element at {off['width']}×"
+        out.append(f"A frame that comes again needs nothing once the solve has settled (medians): through the element at {off['width']}×"
                    f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
                    f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
                    "of the processor).\n")
