@@ -7,6 +7,7 @@
 // sent N times (default 150). Prints LMSE (k = 20), the mean of reflectance and shading, by regime,
 // and in brackets after how many frames, on the average, the bound was reached; a scene that never
 // reaches one counts with its last frame.
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <exception>
@@ -39,36 +40,52 @@ struct Found {
   }
 };
 
-Found send_again(bench::DeviceSession& session, const bench::TruthFrame& truth, int count) {
-  const Extent extent{uint32_t(truth.input.width), uint32_t(truth.input.height)};
-  ScaledIntrinsic method(session.device(), extent);
-  Found found;
-  found.scenes = 1;
-  size_t reached = 0;
+/// The errors of the first frame and of the one with which a picture is kept, as the element does
+/// it: its repetitions settle at `bound` at the latest. 0 keeps none of them.
+struct Kept {
+  double first, last;
+  int frames;
+};
+
+Kept send_again(bench::DeviceSession& session, const bench::TruthFrame& truth, float bound,
+                int count) {
+  ScaledIntrinsic method(session.device(),
+                         {uint32_t(truth.input.width), uint32_t(truth.input.height)});
+  ScaledIntrinsic::Params params;
   bench::Decomposition layers;
-  const auto error = [&] {
-    return bench::score_lmse(layers.reflectance, layers.shading, truth.reflectance, truth.shading,
-                             truth.mask);
-  };
-  for (int k = 0; k <= count; ++k) {
+  const auto send = [&](bool reset) {
     bench::Cost cost;
     layers = session.run(
         truth.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method.record(commands, input, {}, {k == 0})[Role::intrinsic];
+          return method.record(commands, input, params, {reset})[Role::intrinsic];
         },
         cost);
-    if (k == 0) {
-      found.errors.front() = error();
-      continue;
-    }
-    const float change = method.findings(method.recorded() - 1).change;
-    for (; reached < kBounds.size() && (change < kBounds[reached] || k == count); ++reached) {
-      found.errors[reached + 1] = error();
-      found.frames[reached] = k;
-    }
+  };
+  const auto error = [&] {
+    return bench::score_lmse(layers.reflectance, layers.shading, truth.reflectance, truth.shading,
+                             truth.mask);
+  };
+  send(true);
+  Kept kept{error(), 0, 0};
+  params.settled = std::min(params.settled, bound);
+  while (kept.frames < count &&
+         (kept.frames == 0 || bound == 0 || method.findings(method.recorded() - 1).change >= bound))
+    send(false), ++kept.frames;
+  kept.last = error();
+  return kept;
+}
+
+Found measure(bench::DeviceSession& session, const bench::TruthFrame& truth, int count) {
+  Found found;
+  found.scenes = 1;
+  for (size_t k = 0; k < kBounds.size(); ++k) {
+    const Kept kept = send_again(session, truth, kBounds[k], count);
+    found.errors.front() = kept.first;
+    found.errors[k + 1] = kept.last;
+    found.frames[k] = kept.frames;
   }
-  found.errors.back() = error();
+  found.errors.back() = send_again(session, truth, 0, count).last;
   return found;
 }
 
@@ -92,7 +109,7 @@ int main(int argc, char** argv) try {
   for (const bench::Scene& scene : bench::read_scenes(data)) {
     if (scene.video) continue;
     std::fprintf(stderr, "%s %s\n", scene.set.c_str(), scene.name.c_str());
-    regimes[scene.regime].add(send_again(session, scene.frames.front(), frames));
+    regimes[scene.regime].add(measure(session, scene.frames.front(), frames));
   }
   std::printf("| | first frame |");
   for (const float bound : kBounds) std::printf(" %g |", double(bound));
