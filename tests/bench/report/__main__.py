@@ -10,6 +10,7 @@ import measure
 import page
 import progress as progress_bar
 import summary
+import tables
 
 
 def options():
@@ -75,7 +76,7 @@ def draw(results, folder, work):
     plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
     plots.knobs(own, summary.steady_time(results["device"]), folder)
     plots.other_clocks(own, folder)
-    plots.sizes(page.all_elements(results), folder)
+    plots.sizes(tables.all_elements(results), folder)
     if results["extremes"]:
         plots.conditions(results["extremes"]["cases"], folder)
     scene = work / "scenes-own" / "own-still_life.f32"

@@ -4,7 +4,8 @@ import matplotlib.transforms
 # Where a label may stand, in points from what it names: (right, up, horizontal alignment).
 BESIDE = [(8, 0, "left"), (7, 8, "left"), (7, -8, "left"), (-8, 0, "right"), (-7, 8, "right"), (-7, -8, "right"),
           (8, 16, "left"), (8, -16, "left"), (0, 12, "center"), (0, -12, "center"), (8, 26, "left"), (8, -26, "left"),
-          (8, 36, "left"), (8, -36, "left")]
+          (8, 36, "left"), (8, -36, "left"),
+          (0, 24, "center"), (0, -24, "center"), (-8, 26, "right"), (-8, -26, "right"), (0, 40, "center"), (0, -40, "center")]
 BELOW = [(0, -13, "center"), (-9, -11, "right"), (9, -11, "left"), (0, -22, "center"), (0, 13, "center"),
          (-10, 8, "right"), (10, 9, "left"), (0, -31, "center"), (0, 22, "center"), (0, -40, "center")]
 ABOVE = [(0, 8, "center"), (0, -9, "center"), (-6, 6, "right"), (6, 6, "left"), (0, 16, "center"), (0, -17, "center")]

@@ -106,7 +106,7 @@ def name_curves(points, error, time, labels):
         labels.put(end[time][1], end[error], method, style(method)[0])
 
 
-def mark_front(ax, points, error, time):
+def mark_front(ax, points, error, time, labels):
     front = summary.front(points, error, time)
     if not front:
         return
@@ -115,8 +115,7 @@ def mark_front(ax, points, error, time):
         xs += [p[time][1], p[time][1]]
         ys += [ys[-1], p[error]]
     ax.plot(xs + [ax.get_xlim()[1]], ys + [ys[-1]], color=INK, linewidth=5, alpha=0.10, solid_joinstyle="miter", zorder=1)
-    ax.annotate("Pareto front", (ax.get_xlim()[1], ys[-1]), (-4, -8), textcoords="offset points", fontsize=7, color=FAINT,
-                va="center", ha="right")
+    labels.put(ax.get_xlim()[1], ys[-1], "Pareto front", FAINT, [(-4, -8, "right"), (-4, 8, "right"), (-4, -18, "right")], 7)
 
 
 def save(figure, folder, name):
@@ -153,7 +152,7 @@ def draw_work_precision(ax, points, error, time, peers=None):
         draw_curve(ax, sorted((p for p in curves if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
     for p in singles:
         draw_curve(ax, [p], error, time, labels)
-    mark_front(ax, curves + singles, error, time)
+    mark_front(ax, curves + singles, error, time, labels)
     mark_presets(ax, curves, error, time, labels)
     name_curves(curves + singles, error, time, labels)
     return True
