@@ -58,7 +58,7 @@ Kept send_again(bench::DeviceSession& session, const bench::TruthFrame& truth, f
     layers = session.run(
         truth.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method.record(commands, input, params, {reset})[Role::intrinsic];
+          return method.record(commands, input, params, {reset});
         },
         cost);
   };

@@ -62,7 +62,7 @@ class Guess final : public Solver {
     Decomposition d = session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, {}, {!continues})[Role::intrinsic];
+          return method_.record(commands, input, {}, {!continues});
         },
         cost);
     const Cost guess = measure([&] { split(frame, d); });

@@ -24,7 +24,7 @@ class IntrinsicSolver final : public Solver {
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues})[Role::intrinsic];
+          return method_.record(commands, input, params_, {!continues});
         },
         cost);
   }

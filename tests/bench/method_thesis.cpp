@@ -21,7 +21,7 @@ class ThesisSolver final : public Solver {
         [&](gpu::Commands& commands, const PlanePtr& input) {
           Layers layers;
           method_.record(commands, *input, layers);
-          return layers[Role::intrinsic];
+          return layers;
         },
         cost);
   }
