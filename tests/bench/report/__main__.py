@@ -17,7 +17,7 @@ def options():
     parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--full", action="store_true",
-                        help="two frames and the video of every given sequence, every setting, every size: half an hour")
+                        help="two frames and the video of every given sequence, every setting, every size: a quarter of an hour")
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with the same options stopped")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
                         help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")
@@ -109,6 +109,8 @@ def main():
             results = measure.run(given.build, work, given.data, given.full, bar, given.only, given.resume)
         except measure.Failed as failure:
             sys.exit(f"\n{failure}")
+        except KeyboardInterrupt:
+            sys.exit("\ninterrupted; with --resume the same command goes on from here")
     bar.begin("plots and page")
     summarize(results)
     if given.add or not given.plots_only:

@@ -195,9 +195,21 @@ def expected(full):
     return known, parts
 
 
+def compact(value):
+    """Figures to five digits, which is more than any is worth."""
+    if isinstance(value, float):
+        return float(f"{value:.5g}")
+    if isinstance(value, dict):
+        return {k: compact(v) for k, v in value.items()}
+    return [compact(v) for v in value] if isinstance(value, list) else value
+
+
 def write(results, path):
-    """JSON with one row a line, so that differences are readable."""
-    rows = ",\n".join("  " + json.dumps(r, separators=(",", ":")) for r in results["rows"])
-    head = {k: v for k, v in results.items() if k != "rows"}
-    text = json.dumps(head, indent=1)
-    path.write_text(text[:-2] + ',\n "rows": [\n' + rows + "\n ]\n}\n")
+    """JSON with one row a line, so that differences are readable. Points are left out, as they follow from the rows, and so
+    are stages of what is neither default nor preset."""
+    rows = [{k: v for k, v in r.items() if k != "stages_ms" or r["base"] or r["preset"]} for r in results["rows"]]
+    lines = ",\n".join("  " + json.dumps(compact(r), separators=(",", ":")) for r in rows)
+    head = {k: compact(v) for k, v in results.items() if k not in ("rows", "summary")}
+    head["summary"] = {k: compact(v) for k, v in results["summary"].items() if k not in ("own", "regimes", "videos")}
+    text = ",\n".join(f' "{k}": ' + (json.dumps(v, indent=1) if k == "machine" else json.dumps(v)) for k, v in head.items())
+    path.write_text("{\n" + text + ',\n "rows": [\n' + lines + "\n ]\n}\n")

@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 from matplotlib import ticker
 
 import summary
+import tables
 from labels import ABOVE, BELOW, Labels
 
 INK, FAINT = "#222222", "#8a8a8a"
@@ -271,7 +272,7 @@ def adaptivity(entries, clock, folder):
         ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set'] + ' ' + e['scene']}: {e['regime']}"
+    ax.set_yticks(range(len(entries)), [(e["scene"] if e["set"] == "own" else tables.given_video(e)) + f": {e['regime']}"
                                         for e in entries])
     ax.set_ylim(-0.6, len(entries) - 0.3)
     ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
@@ -289,7 +290,7 @@ def sizes(elements, folder):
     finish_axes(ax, [e["width"] * e["height"] for e in elements], [e["wall_ms"] for e in elements], "size of a frame",
                 "milliseconds a frame, memory to memory")
     labels = Labels(ax)
-    methods = {"intrinsicdecompthesis": "thesis PCG"}
+    methods = {"intrinsicdecompthesis": "thesis PCG", "intrinsicdecomp quality=low": "same energy, CPU CG"}
     for rate in (25, 50):
         ax.axhline(1000 / rate, color=FAINT, linewidth=0.8, linestyle="--")
         ax.annotate(f"{rate} frames a second", (ax.get_xlim()[1], 1000 / rate), (-2, 5), textcoords="offset points",

@@ -158,20 +158,26 @@ def given_video(row):
     return row["set"] + ("" if row["scene"] == "video" else f", {row['scene']}")
 
 
+def folded(title, text):
+    return f"\n<details><summary>{title}</summary>\n\n{text}\n</details>\n"
+
+
 def videos(rows):
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
-            (r["curve"] != "without" or r["setting"] == "temporal anchor") and r["method"] not in
-            ("constant reflectance", "R = I / max_c I")]
-    out = []
-    for r in rows:
+    """The project's own, and those that were given, out of sight until they are asked for."""
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and
+            (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
+            (r["curve"] != "without" or r["setting"] == "temporal anchor") and
+            r["method"] not in ("constant reflectance", "R = I / max_c I")]
+    own, given = [], []
+    for r in sorted(rows, key=lambda r: (r["set"], r["scene"])):
         name = r["method"] + ((f", `{r['preset']}`" if r["preset"] else f", {r['curve']} {r['setting']}") if r["method"] in OURS else "")
         if r["method"] == "constant shading":
             name = "the input itself"
-        out.append((r["set"] != "own", r["set"], r["scene"],
-                    [r["scene"] if r["set"] == "own" else given_video(r), name, time(r["wall_ms"]), figure(r["lmse20"]),
-                     figure(r["flicker"]), figure(r["jitter"])]))
-    out.sort(key=lambda o: o[:3])
-    return table(["video", "method", "ms", "LMSE", "flicker", "jitter"], [o[3] for o in out])
+        (own if r["set"] == "own" else given).append(
+            [r["scene"] if r["set"] == "own" else given_video(r), name, time(r["wall_ms"]), figure(r["lmse20"]),
+             figure(r["flicker"]), figure(r["jitter"])])
+    head = ["video", "method", "ms", "LMSE", "flicker", "jitter"]
+    return table(head, own) + (folded("Given sequences", table(head, given)) if given else "")
 
 
 def adaptivity(entries):
@@ -179,7 +185,7 @@ def adaptivity(entries):
     for e in (e for e in entries if e["wall_ratio"]):
         low, middle, high = e["wall_ratio"] or (None,) * 3
         cpu = e["processor_ratio"]
-        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else f"{e['set']} {e['scene']}"),
+        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else given_video(e)),
                      e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
                      if None not in e["wall_ms"] else "–",
                      f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})" if middle else "–",
@@ -230,15 +236,16 @@ def without(entries):
 
 
 def without_on_videos(entries):
-    rows = []
-    for e in entries:
-        for place, (scene, f) in enumerate(e["figures"].items()):
-            if f["flicker"] is None:
-                continue  # the camera moves
-            rows.append((place, [scene[1] if scene[0] == "own" else f"{scene[0]}, {scene[1]}",
-                         f"without {e['term']}" if e["term"] else "whole", figure(f["lmse20"]), figure(f["flicker"]), figure(f["jitter"])]))
-    rows.sort(key=lambda r: r[0])
-    return table(["video", "", "LMSE", "flicker", "jitter"], [r for _, r in rows]) if rows else ""
+    own, given = [], []
+    for scene in entries[0]["figures"]:
+        for e in entries:
+            f = e["figures"][scene]
+            if f["flicker"] is not None:  # else the camera moves
+                name = scene[1] if scene[0] == "own" else given_video({"set": scene[0], "scene": scene[1]})
+                (own if scene[0] == "own" else given).append(
+                    [name, f"without {e['term']}" if e["term"] else "whole", figure(f["lmse20"]), figure(f["flicker"]), figure(f["jitter"])])
+    head = ["video", "", "LMSE", "flicker", "jitter"]
+    return table(head, own) + (folded("Given sequences", table(head, given)) if given else "")
 
 
 def left_out(found):
