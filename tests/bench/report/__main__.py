@@ -4,6 +4,7 @@ import json
 import pathlib
 import sys
 
+import ablations
 import against
 import intervals
 import measure
@@ -59,12 +60,14 @@ def add(results, paths):
             points = summary.points(rows, sets={"own"}, device=given["device"])
             results["others"].append({"device": given["device"], "points": points})
             continue
-        known = {summary.key_of(r) for r in results["rows"]}
+        results["others"] += given.get("others", [])
+        if not given["full"]:
+            results["kept"] = given.get("kept")  # what it had kept itself
+            continue
         sizes = {(e["element"], e["width"]) for e in results["elements"]}
         results["kept"] = {"commit": given["machine"]["commit"], "device": given["device"],
-                           "rows": [r for r in given["rows"] if summary.key_of(r) not in known],
+                           "rows": [r for r in given["rows"] if ablations.wanted(r)],
                            "elements": [e for e in given["elements"] if (e["element"], e["width"]) not in sizes]}
-        results["others"] += given.get("others", [])
 
 
 def draw(results, folder, work):

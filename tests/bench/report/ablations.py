@@ -7,6 +7,11 @@ OURS = "intrinsicdecomp"
 CHOSEN = "b v g"  # of the curve "weights": as it ships
 
 
+def wanted(row):
+    """What this module asks of a run's rows; all must be of one run, as others take other frames of a scene."""
+    return row["base"] or row["curve"] in ("without", "weights") or (row["video"] and row["preset"] == "medium")
+
+
 def ratio_of_times(rows, others, clock):
     """Median over scenes of rows' times over others' (both by scene); None where there are none."""
     pairs = [rows[s][clock][1] / others[s][clock][1] for s in rows.keys() & others.keys()

@@ -8,12 +8,14 @@ from tables import (adaptivity, all_elements, by_device, by_regime, by_regime_in
 def terms(results):
     """The section on what each term is worth; empty where nothing was left out."""
     kept = results.get("kept")
-    rows = results["rows"] + (kept["rows"] if kept else [])
+    rows = kept["rows"] if kept else results["rows"]
     clock = summary.steady_time(results["device"])
     out = ["## What each term is worth\n"]
     ours = ablations.stills(rows, "intrinsicdecomp", clock)
     if not ours:
         return ""
+    if kept:
+        out.append(f"From an earlier `--full` run (commit {kept['commit']}), which has more frames.\n")
     out.append("One term left out of `intrinsicdecomp`, everything else as it ships; in brackets the number of scenes, and what that "
                "makes of the error. The prior was fitted with all terms in place, so that a small loss says the others can stand in, "
                "and a gain in one regime is paid in another. *Paint* and *light on edges* are the two halves of the edge prior, "

@@ -204,7 +204,7 @@ def extremes(cases):
 
 def elements(entries):
     rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}{'*' if e.get('kept') else ''}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
-             f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.0f}", f"{e['first_frame_ms']:.0f}",
+             f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.{0 if e['wall_ms'] < 100 else 1}f}", f"{e['first_frame_ms']:.0f}",
              f"{e['device_bytes_per_pixel']:.0f}"] for e in entries]
     return table(["element", "size", "ms a frame", "processor ms", "device ms", "frames a second", "first frame, ms",
                   "device bytes a pixel"], rows)
