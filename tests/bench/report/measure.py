@@ -177,9 +177,10 @@ def weights(full):
     short = {"data": 1, "bench-methods scenes-own": 38, "bench-peers scenes-own": 9, "bench-methods scenes-given": 11,
              "bench-peers scenes-given": 7, "elements intrinsicdecomp": 6, "elements intrinsicdecompthesis": 4,
              "duplicate frames": 1, "extremes": 8, "plots and page": 7}
-    long = {**short, "data": 4, "bench-methods scenes-own": 120, "bench-peers scenes-own": 15, "bench-methods scenes-given": 240,
-            "bench-peers scenes-given": 40, "bench-methods scenes-videos": 400, "bench-peers scenes-videos": 15,
-            "elements intrinsicdecomp": 30, "elements intrinsicdecompthesis": 80}
+    long = {**short, "data": 4, "bench-methods scenes-own": 80, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
+            "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 210, "bench-peers scenes-given": 45,
+            "bench-methods scenes-videos": 140, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 25,
+            "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 80}
     return long if full else short
 
 
