@@ -169,6 +169,7 @@ def run(build, work, data, full, progress, only, resume=False):
     results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
     results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
     results["machine"]["load_after"] = os.getloadavg()[0]
+    results["machine"]["seconds"] = round(progress.seconds())
     return results
 
 

@@ -148,15 +148,16 @@ Error against run time of every method, its peers and the no-solve answers, on t
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes a minute and a quarter on two cores, `./dev bench --full` a quarter of an hour: two frames and the whole video of every given
+`./dev bench` takes some one and a half minutes on two idle cores, `./dev bench --full` a quarter of an hour: two frames and the whole video of every given
 sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
 `--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
 run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and
 `scenes`: see `tests/bench/methods_main.cpp`).
 
 - Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
+""" + (f"- Measuring took {machine['seconds'] / 60:.1f} minutes.\n" if machine.get("seconds") else "") + f"""\
 - The machine's load was {machine['load_before']:.1f} before and {machine['load_after']:.1f} after""" +
-               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2 else ".\n") +
+               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2.5 else ".\n") +
                """- All settings take turns on every frame""" + (", and programs take turns, twice" if results["full"] else "") + """; run time is the median. It is that of the
   method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
 """ + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over all.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and

@@ -18,6 +18,9 @@ class Progress:
         known = [name for name in self.weights if part.startswith(name)]
         return self.weights[max(known, key=len)] if known else 1
 
+    def seconds(self):
+        return time.monotonic() - self.start
+
     def begin(self, part):
         if self.part is not None:
             self.done += self.weight(self.part)
@@ -27,7 +30,7 @@ class Progress:
     def update(self, share, text):
         """Shows that `share` (0..1) of the present part is done."""
         reached = min(1.0, (self.done + share * self.weight(self.part)) / self.total)
-        seconds = time.monotonic() - self.start
+        seconds = self.seconds()
         line = f"{self.part}{': ' + text if text else ''}"
         if sys.stderr.isatty():
             width = 30
@@ -41,4 +44,4 @@ class Progress:
     def end(self):
         if sys.stderr.isatty():
             print("\r" + " " * 125 + "\r", end="", file=sys.stderr)
-        print(f"took {time.monotonic() - self.start:.0f} s", file=sys.stderr)
+        print(f"took {self.seconds():.0f} s", file=sys.stderr)
