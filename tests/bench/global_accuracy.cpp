@@ -230,7 +230,31 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& task
   if (error) std::rethrow_exception(error);
 }
 
-void run_scene(const Options& options, const std::string& scene) {
+/// Per model: geometric mean over scenes of every column, and of the amount the root mean square
+/// of the logarithm of its ratio to the true one.
+class Summary {
+ public:
+  explicit Summary(std::size_t models) : logs_(models, Row{}) {}
+  void add(std::size_t model, const Row& row) {
+    for (std::size_t c = 0; c < kCount; ++c) logs_[model][c] += std::log(std::max(row[c], 1e-9));
+    const double off = std::log(std::max(row[kAmount], 1e-9) / std::max(row[kTrue], 1e-9));
+    logs_[model][kAmount] += off * off - std::log(std::max(row[kAmount], 1e-9));
+    if (model == 0) ++scenes_;
+  }
+  Row of(std::size_t model) const {
+    Row row = logs_[model];
+    for (std::size_t c = 0; c < kCount; ++c)
+      row[c] = c == kAmount ? std::sqrt(row[c] / scenes_) : std::exp(row[c] / scenes_);
+    return row;
+  }
+
+ private:
+  static constexpr std::size_t kAmount = 11, kTrue = 12;
+  std::vector<Row> logs_;
+  int scenes_ = 0;
+};
+
+void run_scene(const Options& options, const std::string& scene, Summary& summary) {
   const std::string folder = options.data + "/" + scene;
   const int count = count_frames(folder);
   const int take = options.frames <= 0 ? count : std::min(options.frames, count);
@@ -262,6 +286,7 @@ void run_scene(const Options& options, const std::string& scene) {
       for (std::size_t c = 0; c < kCount; ++c) mean[c] += rows[m][k][c] / double(frames.size());
     }
     print_row(scene, options.models[m].name, mean);
+    summary.add(m, mean);
   }
 }
 
@@ -299,11 +324,14 @@ void run(const Options& options) {
   std::printf("%-18s %-34s", "scene", "model");
   for (const char* column : kColumns) std::printf(" %6s", column);
   std::printf("\n");
+  Summary summary(options.models.size());
   for (const std::string& scene : options.scenes)
     if (scene == "mit")
       run_mit(options);
     else
-      run_scene(options, scene);
+      run_scene(options, scene, summary);
+  for (std::size_t m = 0; m < options.models.size(); ++m)
+    print_row("(geometric mean)", options.models[m].name, summary.of(m));
 }
 
 }  // namespace

@@ -8,11 +8,11 @@ namespace inverse::reference::global {
 
 struct AmountParams {
   double manual = 0;         ///< Above 0: this amount, nothing is measured.
-  double neutral = 1.5;      ///< Weight of neutrality beside sharpness; >= 0.
+  double neutral = 1;     ///< Weight of neutrality beside sharpness; >= 0.
   double neutral_width = 0.2;  ///< Log chroma that still counts as neutral.
-  double typical = 0.4;      ///< Where the prior has its least cost.
-  double prior = 0.03;       ///< Its weight, for the tint.
-  double prior_split = 0.1;  ///< Its weight, for the split into direct and indirect.
+  double typical = 0.5;      ///< Where the prior has its least cost.
+  double prior = 0.15;       ///< Its weight, for the tint.
+  double prior_split = 0.15;  ///< Its weight, for the split into direct and indirect.
   double renew = 0.2;        ///< Share of a frame in the cost that is carried on, 0 ... 1.
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 #include <cstdio>
 
 namespace inverse::reference {
@@ -156,10 +157,12 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const Scene scene = look_at(rgb, shading, width, height, params, warm ? state : nullptr, gathered);
   const Gather& gather = gathered.back();
   if (getenv("DBG")) {
-    double e = 0, sm = 0, im = 0; 
-    for (std::size_t i = 0; i < scene.grid.size(); ++i) e += mean(scene.received[i]), sm += scene.grid.shading[i], im += mean(scene.grid.color[i]);
-    fprintf(stderr, "E0 %.3f S %.3f I %.3f  kt %.3f ks %.3f full %.3f gate %.3f |", e/scene.grid.size(), sm/scene.grid.size(), im/scene.grid.size(), scene.amount.tint, scene.amount.split, scene.statistics.full, scene.statistics.gate);
-    for (double c : scene.cost) fprintf(stderr, " %.2f", c);
+    std::vector<double> q;
+    for (std::size_t i = 0; i < scene.grid.size(); ++i) q.push_back(scene.grid.shading[i] / (mean(scene.received[i])+1e-6));
+    std::sort(q.begin(), q.end());
+    std::string line; char t[64];
+    for (double f : {.005,.01,.02,.05,.1,.2,.3,.5,.8}) { snprintf(t, 64, " %.2f", q[std::size_t(f * q.size())]); line += t; }
+    fprintf(stderr, "kt %.2f S/E0 at .5 1 2 5 10 20 30 50 80 %%: %s", scene.amount.tint, line.c_str());
     fprintf(stderr, "\n");
   }
   const bool gray = one_color(scene.colors);
