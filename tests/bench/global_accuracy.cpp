@@ -49,6 +49,8 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"typical", [](GlobalParams& p, double v) { p.amount.typical = v; }},
       {"prior", [](GlobalParams& p, double v) { p.amount.prior = v; }},
       {"prior-split", [](GlobalParams& p, double v) { p.amount.prior_split = v; }},
+      {"time", [](GlobalParams& p, double v) { p.amount.time = v; }},
+      {"noise", [](GlobalParams& p, double v) { p.amount.noise = v; }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
       {"merge", [](GlobalParams& p, double v) { p.merge = v != 0; }},

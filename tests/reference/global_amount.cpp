@@ -46,8 +46,38 @@ std::array<double, kCandidates> amount_cost(const Grid& grid, const std::vector<
   return cost;
 }
 
-Amount amount_of(const std::array<double, kCandidates>& cost, const AmountParams& params) {
+ChangeLeft change_left(const Grid& grid, const std::vector<Vec3>& received,
+                       const LightBefore& before) {
+  constexpr double kMost = 0.15;
+  ChangeLeft left{};
+  double all = 1e-9;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const double w = std::min(grid.weight[i], before.weight[i]);
+    all += w;
+    if (w <= 0) continue;
+    const Chroma change = grid.chroma[i] - before.chroma[i];
+    for (std::size_t k = 0; k <= kCandidates; ++k) {
+      Chroma rest = change;
+      if (k < kCandidates) {
+        Vec3 now = received[i], then = before.received[i];
+        for (std::size_t c = 0; c < 3; ++c)
+          now[c] *= candidate(double(k)), then[c] *= candidate(double(k));
+        rest = change - (tint_of(grid.shading[i], now) - tint_of(before.shading[i], then));
+      }
+      left[k] += w * std::min(norm2(rest), kMost * kMost);
+    }
+  }
+  for (double& v : left) v /= all;
+  return left;
+}
+
+Amount amount_of(const std::array<double, kCandidates>& from, const ChangeLeft& change,
+                 const AmountParams& params) {
   if (params.manual > 0) return {params.manual, params.manual};
+  std::array<double, kCandidates> cost = from;
+  const double noise = params.noise * params.noise;
+  for (std::size_t k = 0; k < kCandidates; ++k)
+    cost[k] += params.time * std::log((change[k] + noise) / (change[kCandidates] + noise));
   return {least(cost, params, params.prior), least(cost, params, params.prior_split)};
 }
 

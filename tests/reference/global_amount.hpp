@@ -13,11 +13,28 @@ struct AmountParams {
   double typical = 0.5;      ///< Where the prior has its least cost.
   double prior = 0.15;       ///< Its weight, for the tint.
   double prior_split = 0.15;  ///< Its weight, for the split into direct and indirect.
+  double time = 0.5;         ///< Weight of what changes in time beside sharpness; >= 0.
+  double noise = 0.02;       ///< Change of chroma that means nothing.
   double renew = 0.2;        ///< Share of a frame in the cost that is carried on, 0 ... 1.
 };
 
 inline constexpr int kCandidates = 16;
 inline constexpr double kLeastAmount = 0.06, kAmountRatio = 1.24;  ///< Up to 1.5.
+
+/// What the points of the grid were in the frame before, for what changes in time.
+struct LightBefore {
+  std::vector<Chroma> chroma;
+  std::vector<double> shading, weight;
+  std::vector<Vec3> received;
+};
+
+/// Squared change of chroma that is left when the change of tint by every candidate is taken away,
+/// and (last) when nothing is: weighted means, carried on from frame to frame.
+using ChangeLeft = std::array<double, kCandidates + 1>;
+
+/// Of one frame after another; changes beyond 0.15 count as that (something else is in view).
+ChangeLeft change_left(const Grid& grid, const std::vector<Vec3>& received,
+                       const LightBefore& before);
 
 struct Amount {
   double tint = 0;   ///< kappa.
@@ -29,6 +46,7 @@ std::array<double, kCandidates> amount_cost(const Grid& grid, const std::vector<
                                             const AmountParams& params);
 
 /// The amounts of least cost.
-Amount amount_of(const std::array<double, kCandidates>& cost, const AmountParams& params);
+Amount amount_of(const std::array<double, kCandidates>& cost, const ChangeLeft& change,
+                 const AmountParams& params);
 
 }  // namespace inverse::reference::global

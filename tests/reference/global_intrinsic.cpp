@@ -21,6 +21,7 @@ struct Scene {
   std::vector<Chroma> tint;
   std::vector<double> fraction, weight;
   std::array<double, kCandidates> cost{};
+  ChangeLeft change{};
   Amount amount;
   ChromaHistogram histogram;
   BaseColors colors;
@@ -101,7 +102,13 @@ Scene look_at(const std::vector<double>& rgb, const std::vector<double>& shading
       for (std::size_t k = 0; k < kCandidates; ++k)
         scene.cost[k] = params.amount.renew * scene.cost[k] +
                         (1 - params.amount.renew) * state->cost[k];
-    scene.amount = amount_of(scene.cost, params.amount);
+    if (warm) {
+      const ChangeLeft now = change_left(scene.grid, scene.received, state->light);
+      for (std::size_t k = 0; k < now.size(); ++k)
+        scene.change[k] =
+            params.amount.renew * now[k] + (1 - params.amount.renew) * state->change[k];
+    }
+    scene.amount = amount_of(scene.cost, scene.change, params.amount);
     find_tint(scene, params);
     find_colors(scene, warm ? state->histogram : std::vector<double>(), params);
   }
@@ -162,7 +169,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
     std::sort(q.begin(), q.end());
     std::string line; char t[64];
     for (double f : {.005,.01,.02,.05,.1,.2,.3,.5,.8}) { snprintf(t, 64, " %.2f", q[std::size_t(f * q.size())]); line += t; }
-    fprintf(stderr, "kt %.2f S/E0 at .5 1 2 5 10 20 30 50 80 %%: %s", scene.amount.tint, line.c_str());
+    fprintf(stderr, "kt %.2f dz0 %.4f |", scene.amount.tint, std::sqrt(scene.change[kCandidates]));
+    for (double c : scene.change) fprintf(stderr, " %.2f", std::log((c+4e-4) / (scene.change[kCandidates]+4e-4)));
     fprintf(stderr, "\n");
   }
   const bool gray = one_color(scene.colors);
@@ -245,6 +253,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   if (state) {
     state->histogram = scene.histogram.values();
     state->cost = scene.cost;
+    state->change = scene.change;
+    state->light = {scene.grid.chroma, scene.grid.shading, scene.grid.weight, scene.received};
     state->colors = scene.colors;
     state->tint = scene.tint;
     state->full = scene.statistics.full;

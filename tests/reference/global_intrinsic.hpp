@@ -33,6 +33,8 @@ struct GlobalState {
   double log_scale = 0;  ///< ln of the factor from the solver's R to the layer's.
   std::vector<double> histogram;
   std::array<double, global::kCandidates> cost{};
+  global::LightBefore light;
+  global::ChangeLeft change{};
   global::BaseColors colors;
   std::vector<global::Chroma> tint;  ///< At the points of the grid.
   double full = 0;                   ///< TintStatistics::full.
