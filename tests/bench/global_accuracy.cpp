@@ -47,10 +47,9 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"amount", [](GlobalParams& p, double v) { p.amount.manual = v; }},
       {"neutral", [](GlobalParams& p, double v) { p.amount.neutral = v; }},
       {"typical", [](GlobalParams& p, double v) { p.amount.typical = v; }},
-      {"prior", [](GlobalParams& p, double v) { p.amount.prior = v; }},
-      {"prior-split", [](GlobalParams& p, double v) { p.amount.prior_split = v; }},
-      {"time", [](GlobalParams& p, double v) { p.amount.time = v; }},
-      {"noise", [](GlobalParams& p, double v) { p.amount.noise = v; }},
+      {"spread", [](GlobalParams& p, double v) { p.amount.spread = v; }},
+      {"trust", [](GlobalParams& p, double v) { p.amount.trust = v; }},
+      {"renew", [](GlobalParams& p, double v) { p.amount.renew = p.palette.renew = v; }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
       {"merge", [](GlobalParams& p, double v) { p.merge = v != 0; }},
@@ -171,12 +170,12 @@ double true_amount(const Estimate& e, const LightLayers& truth) {
     a += e.layers.indirect.data[i], b += total.data[i];
     ta += truth.indirect.data[i], tb += true_total.data[i];
   }
-  return (ta / tb) / (a / b) * e.detail.amount.split;
+  return (ta / tb) / (a / b) * e.detail.amount.value;
 }
 
 constexpr const char* kColumns[] = {"Rl",   "Rlc", "Rm",  "Sl",   "Sm",   "dirl",
                                     "dirJ", "ind", "indJ", "tint", "pal", "amount",
-                                    "true", "colors"};
+                                    "true", "sure", "colors"};
 constexpr std::size_t kCount = std::size(kColumns);
 using Row = std::array<double, kCount>;
 
@@ -193,8 +192,9 @@ Row measure(const Estimate& e, const LightLayers& truth) {
           indirect_error_jointly(e.layers, truth),
           tint_error(e.layers, truth),
           palette_error(e.detail, truth.reflectance),
-          e.detail.amount.split,
+          e.detail.amount.value,
           true_amount(e, truth),
+          e.detail.amount.confidence,
           double(e.detail.colors.used())};
 }
 

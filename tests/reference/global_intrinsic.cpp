@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <string>
-#include <cstdio>
+#include <utility>
 
 namespace inverse::reference {
 namespace {
@@ -20,8 +18,7 @@ struct Scene {
   std::vector<Vec3> received;  // E0
   std::vector<Chroma> tint;
   std::vector<double> fraction, weight;
-  std::array<double, kCandidates> cost{};
-  ChangeLeft change{};
+  AmountCost cost{};
   Amount amount;
   ChromaHistogram histogram;
   BaseColors colors;
@@ -58,7 +55,7 @@ void find_tint(Scene& scene, const GlobalParams& params) {
   double mean_weight = 1e-9;
   for (const double w : scene.grid.weight) mean_weight += w / double(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 light = scaled(scene.amount.tint, scene.received[i]);
+    const Vec3 light = scaled(scene.amount.value, scene.received[i]);
     scene.tint[i] = tint_of(scene.grid.shading[i], light);
     scene.fraction[i] = split(scene.grid.shading[i], light).fraction;
     const double trust = 1 + 9 * scene.fraction[i] * scene.fraction[i];
@@ -102,13 +99,7 @@ Scene look_at(const std::vector<double>& rgb, const std::vector<double>& shading
       for (std::size_t k = 0; k < kCandidates; ++k)
         scene.cost[k] = params.amount.renew * scene.cost[k] +
                         (1 - params.amount.renew) * state->cost[k];
-    if (warm) {
-      const ChangeLeft now = change_left(scene.grid, scene.received, state->light);
-      for (std::size_t k = 0; k < now.size(); ++k)
-        scene.change[k] =
-            params.amount.renew * now[k] + (1 - params.amount.renew) * state->change[k];
-    }
-    scene.amount = amount_of(scene.cost, scene.change, params.amount);
+    scene.amount = amount_of(scene.cost, params.amount);
     find_tint(scene, params);
     find_colors(scene, warm ? state->histogram : std::vector<double>(), params);
   }
@@ -163,16 +154,6 @@ GlobalResult decompose_global(const double* input, int width, int height,
   std::vector<Gather> gathered;
   const Scene scene = look_at(rgb, shading, width, height, params, warm ? state : nullptr, gathered);
   const Gather& gather = gathered.back();
-  if (getenv("DBG")) {
-    std::vector<double> q;
-    for (std::size_t i = 0; i < scene.grid.size(); ++i) q.push_back(scene.grid.shading[i] / (mean(scene.received[i])+1e-6));
-    std::sort(q.begin(), q.end());
-    std::string line; char t[64];
-    for (double f : {.005,.01,.02,.05,.1,.2,.3,.5,.8}) { snprintf(t, 64, " %.2f", q[std::size_t(f * q.size())]); line += t; }
-    fprintf(stderr, "kt %.2f dz0 %.4f |", scene.amount.tint, std::sqrt(scene.change[kCandidates]));
-    for (double c : scene.change) fprintf(stderr, " %.2f", std::log((c+4e-4) / (scene.change[kCandidates]+4e-4)));
-    fprintf(stderr, "\n");
-  }
   const bool gray = one_color(scene.colors);
 
   // Residual on the grid.
@@ -196,7 +177,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
           scene.colors.label[scene.histogram.nearest(z - blend(scene.tint, scene.grid, x, y))];
       result.label[i] = label;
       Vec3 light =
-          scaled(scene.amount.tint, gather.received(label, x, y, 2 * scene.grid.factor));
+          scaled(scene.amount.value, gather.received(label, x, y, 2 * scene.grid.factor));
       if (gray) light = Vec3{mean(light), mean(light), mean(light)};
       indirect[i] = light;
       if (!gray) {
@@ -233,7 +214,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
     now += std::exp(plain_result.log_shading[i] - log_scale);
     before += shading[i];
   }
-  const double gauge = now / before * scene.amount.split / scene.amount.tint;
+  const double gauge = now / before;
   result.reflectance.resize(3 * n), result.indirect.resize(3 * n), result.direct.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double s = std::exp(plain_result.log_shading[i] - log_scale);
@@ -253,8 +234,6 @@ GlobalResult decompose_global(const double* input, int width, int height,
   if (state) {
     state->histogram = scene.histogram.values();
     state->cost = scene.cost;
-    state->change = scene.change;
-    state->light = {scene.grid.chroma, scene.grid.shading, scene.grid.weight, scene.received};
     state->colors = scene.colors;
     state->tint = scene.tint;
     state->full = scene.statistics.full;

@@ -32,9 +32,7 @@ struct GlobalState {
   OutputGauge gauge{GaugeParams{}};
   double log_scale = 0;  ///< ln of the factor from the solver's R to the layer's.
   std::vector<double> histogram;
-  std::array<double, global::kCandidates> cost{};
-  global::LightBefore light;
-  global::ChangeLeft change{};
+  global::AmountCost cost{};
   global::BaseColors colors;
   std::vector<global::Chroma> tint;  ///< At the points of the grid.
   double full = 0;                   ///< TintStatistics::full.
@@ -47,7 +45,7 @@ struct GlobalResult {
   std::vector<int> label;     ///< Base color of every pixel (slot).
   global::BaseColors colors;
   global::Amount amount;
-  std::array<double, global::kCandidates> cost{};  ///< Before the prior; carried on.
+  global::AmountCost cost{};  ///< Carried on from frame to frame.
   double tint = 0;            ///< Rms tint where all light is indirect, log chroma.
   IntrinsicStats stats;
 };
