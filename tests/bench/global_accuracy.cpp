@@ -49,10 +49,12 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"typical", [](GlobalParams& p, double v) { p.amount.typical = v; }},
       {"spread", [](GlobalParams& p, double v) { p.amount.spread = v; }},
       {"trust", [](GlobalParams& p, double v) { p.amount.trust = v; }},
-      {"renew", [](GlobalParams& p, double v) { p.amount.renew = p.palette.renew = v; }},
+      {"renew", [](GlobalParams& p, double v) { p.renew = v; }},
+      {"white", [](GlobalParams& p, double v) { p.white_balance = v; }},
+      {"guess", [](GlobalParams& p, double v) { p.guess_by_solve = v != 0; }},
+      {"rounds", [](GlobalParams& p, double v) { p.first_rounds = int(v); }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
-      {"merge", [](GlobalParams& p, double v) { p.merge = v != 0; }},
       {"residual", [](GlobalParams& p, double v) { p.tint.residual = v; }},
       {"gate", [](GlobalParams& p, double v) { p.tint.gate = v; }},
       {"cycles", [](GlobalParams& p, double v) { p.solve.cycles = int(v); }},
@@ -85,9 +87,7 @@ Model model_of(const std::string& text) {
   return model;
 }
 
-std::vector<double> doubles(const Image& image) {
-  return {image.data.begin(), image.data.end()};
-}
+std::vector<double> doubles(const Image& image) { return {image.data.begin(), image.data.end()}; }
 
 Image image_of(const std::vector<double>& data, int width, int height) {
   Image out(width, height, int(data.size() / (std::size_t(width) * std::size_t(height))));
@@ -132,7 +132,8 @@ Estimate baseline(const std::string& kind, const Image& input, GlobalState* stat
     for (double& v : light[i]) v *= level / all;
     const auto part = reference::global::split(s, light[i]);
     out.layers.direct.data[i] = float(part.direct);
-    for (std::size_t c = 0; c < 3; ++c) out.layers.indirect.data[3 * i + c] = float(part.indirect[c]);
+    for (std::size_t c = 0; c < 3; ++c)
+      out.layers.indirect.data[3 * i + c] = float(part.indirect[c]);
   }
   return out;
 }
@@ -173,9 +174,8 @@ double true_amount(const Estimate& e, const LightLayers& truth) {
   return (ta / tb) / (a / b) * e.detail.amount.value;
 }
 
-constexpr const char* kColumns[] = {"Rl",   "Rlc", "Rm",  "Sl",   "Sm",   "dirl",
-                                    "dirJ", "ind", "indJ", "tint", "pal", "amount",
-                                    "true", "sure", "colors"};
+constexpr const char* kColumns[] = {"Rl",   "Rlc",  "Rm",  "Sl",     "Sm",   "dirl", "dirJ",  "ind",
+                                    "indJ", "tint", "pal", "amount", "true", "sure", "colors"};
 constexpr std::size_t kCount = std::size(kColumns);
 using Row = std::array<double, kCount>;
 
@@ -205,7 +205,7 @@ struct Options {
   std::vector<Model> models;
   int frames = 2, halvings = 1;
   bool video = false, eight = false, each = false, mit = true;
-  std::string png;
+  std::array<float, 3> cast{1, 1, 1};
 };
 
 void print_row(const std::string& scene, const std::string& model, const Row& row) {
@@ -266,14 +266,15 @@ void run_scene(const Options& options, const std::string& scene, Summary& summar
     numbers.push_back(options.video || take == 1 ? k : k * (count - 1) / (take - 1));
   in_parallel(frames.size(), [&](std::size_t k) {
     frames[k] = load_layers(folder, numbers[k], options.halvings, options.eight);
+    for (std::size_t i = 0; i < frames[k].input.data.size(); ++i)
+      frames[k].input.data[i] *= options.cast[i % 3];
   });
   std::vector<std::vector<Row>> rows(options.models.size(), std::vector<Row>(frames.size()));
   if (options.video)
     in_parallel(options.models.size(), [&](std::size_t m) {
       GlobalState state;
       for (std::size_t k = 0; k < frames.size(); ++k)
-        rows[m][k] =
-            measure(estimate(options.models[m], frames[k].input, &state), frames[k].truth);
+        rows[m][k] = measure(estimate(options.models[m], frames[k].input, &state), frames[k].truth);
     });
   else
     in_parallel(frames.size() * options.models.size(), [&](std::size_t t) {
@@ -355,7 +356,10 @@ int main(int argc, char** argv) try {
       options.halvings = std::stoi(value());
     else if (argument == "--model")
       options.models.push_back(inverse::bench::model_of(value()));
-    else if (argument == "--video")
+    else if (argument == "--cast") {
+      const auto cast = inverse::bench::parts(value(), ',');
+      for (std::size_t c = 0; c < 3; ++c) options.cast[c] = std::stof(cast.at(c));
+    } else if (argument == "--video")
       options.video = true;
     else if (argument == "--eight")
       options.eight = true;

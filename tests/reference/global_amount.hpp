@@ -13,7 +13,6 @@ struct AmountParams {
   double typical = 0.5;        ///< Amount of a scene that says nothing.
   double spread = 0.65;        ///< Standard deviation of ln amount among scenes.
   double trust = 8;            ///< Log-likelihood of a difference of cost of 1.
-  double renew = 0.2;          ///< Share of a frame in the cost that is carried on, 0 ... 1.
 };
 
 inline constexpr int kCandidates = 16;

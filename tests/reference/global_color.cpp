@@ -38,10 +38,19 @@ Split split(double shading, const Vec3& indirect) {
   return out;
 }
 
+PixelLight compose(double exp_s, const Chroma& tint, const Vec3& gathered) {
+  Vec3 light = color_of(tint);
+  for (double& v : light) v *= exp_s;
+  PixelLight out;
+  out.direct =
+      std::min(split(mean(light), gathered).direct, *std::min_element(light.begin(), light.end()));
+  for (std::size_t c = 0; c < 3; ++c) out.indirect[c] = light[c] - out.direct;
+  return out;
+}
+
 Chroma tint_of(double shading, const Vec3& indirect) {
   const Split s = split(shading, indirect);
-  return chroma_of(
-      {s.direct + s.indirect[0], s.direct + s.indirect[1], s.direct + s.indirect[2]});
+  return chroma_of({s.direct + s.indirect[0], s.direct + s.indirect[1], s.direct + s.indirect[2]});
 }
 
 int grid_factor(int width, int height, int most) {
@@ -77,6 +86,16 @@ Grid make_grid(const std::vector<double>& rgb, const std::vector<double>& shadin
     g.chroma.push_back(chroma_of(g.color[j]));
   }
   return g;
+}
+
+Chroma illuminant(const Grid& grid) {
+  constexpr double kPower = 6;
+  Vec3 sum{};
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (grid.weight[i] > 0) sum[c] += std::pow(grid.color[i][c], kPower) / double(grid.size());
+  for (double& v : sum) v = std::pow(v, 1 / kPower);
+  return chroma_of(sum);
 }
 
 Between between(int x, int factor, int count) {

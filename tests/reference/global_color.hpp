@@ -35,17 +35,25 @@ struct Split {
 };
 Split split(double shading, const Vec3& indirect);
 
+/// Light of mean exp(s) mean(color_of(tint)) in two layers whose sum is exp(s) color_of(tint): as
+/// much indirect light as gathered, and more where white direct light cannot explain the color.
+struct PixelLight {
+  double direct = 0;
+  Vec3 indirect{};
+};
+PixelLight compose(double exp_s, const Chroma& tint, const Vec3& gathered);
+
 /// Log chroma of split(shading, indirect).
 Chroma tint_of(double shading, const Vec3& indirect);
 
 /// A grid of box means of a frame, and what every later step looks at there.
 struct Grid {
   int width = 0, height = 0;
-  int factor = 1;                ///< Pixels along the side of one of its points.
-  std::vector<Vec3> color;       ///< Mean I.
-  std::vector<double> shading;   ///< Mean of exp(s_guess).
-  std::vector<Chroma> chroma;    ///< Of the mean I.
-  std::vector<double> weight;    ///< Mean I where its color can be trusted, else 0.
+  int factor = 1;               ///< Pixels along the side of one of its points.
+  std::vector<Vec3> color;      ///< Mean I.
+  std::vector<double> shading;  ///< Mean of exp(s_guess).
+  std::vector<Chroma> chroma;   ///< Of the mean I.
+  std::vector<double> weight;   ///< Mean I where its color can be trusted, else 0.
   std::size_t size() const { return color.size(); }
 };
 
@@ -56,6 +64,10 @@ int grid_factor(int width, int height, int most);
 /// interleaved linear RGB and of `shading`. A mean below 0.01 or a channel above 0.98 has weight 0.
 Grid make_grid(const std::vector<double>& rgb, const std::vector<double>& shading, int width,
                int height, int factor);
+
+/// Log chroma of the light by "shades of gray": the sixth-power mean of the grid's colors
+/// (Finlayson and Trezzi 2004); 0 where none can be trusted.
+Chroma illuminant(const Grid& grid);
 
 /// Bilinear position of the center of fine point x in a grid whose points are `factor` fine ones
 /// wide: lower index, upper index, share of the upper.

@@ -15,9 +15,12 @@ std::vector<T> blur(const std::vector<T>& in, int width, int height, double sigm
   const int reach = int(std::ceil(3 * sigma));
   std::vector<double> tap;
   double sum = 0;
-  for (int d = -reach; d <= reach; ++d) sum += tap.emplace_back(std::exp(-0.5 * d * d / (sigma * sigma)));
+  for (int d = -reach; d <= reach; ++d)
+    sum += tap.emplace_back(std::exp(-0.5 * d * d / (sigma * sigma)));
   std::vector<T> rows(in.size()), out(in.size());
-  const auto at = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
+  const auto at = [&](int x, int y) {
+    return std::size_t(y) * std::size_t(width) + std::size_t(x);
+  };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u)

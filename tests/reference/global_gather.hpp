@@ -24,6 +24,7 @@ class Gather {
   Vec3 received(int label, int x, int y, int factor) const;
   /// The part of it that comes from surfaces of label k.
   Vec3 received_from(int k, int label, int x, int y, int factor) const;
+
  private:
   template <class Value>
   Vec3 blend(const Value& value, int x, int y, int factor) const;

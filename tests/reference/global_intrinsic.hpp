@@ -17,13 +17,26 @@ namespace inverse::reference {
 struct GlobalParams {
   IntrinsicParams solve;
   GaugeParams gauge;
-  int warm_cycles = 2;  ///< Multigrid cycles of a frame that continues the one before.
-  int grid = 80;        ///< Points along the longer side of the grid, at most.
+  int warm_cycles = 2;   ///< Multigrid cycles of a frame that continues the one before.
+  int grid = 80;         ///< Points along the longer side of the grid, at most.
+  double renew = 0.2;    ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
+  int first_rounds = 3;  ///< Looks at the first frame, each from the base colors of the one before.
+  double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is taken out.
   global::GatherParams gather;
   global::AmountParams amount;
   global::PaletteParams palette;
   global::TintParams tint;
-  bool merge = true;    ///< Whether shaded base colors are given to lit ones.
+  bool guess_by_solve = false;
+};
+
+/// What the small grid knows from frame to frame.
+struct GlobalScene {
+  std::vector<double> histogram;  ///< Of chroma without tint, normalized.
+  global::AmountCost cost{};
+  global::BaseColors colors;
+  std::vector<global::Chroma> tint;  ///< At the points of the grid.
+  global::Chroma white{};            ///< Log chroma of the illuminant that was taken out.
+  int frames = 0;                    ///< Looked at since a reset or cut.
 };
 
 /// Carried from frame to frame.
@@ -31,22 +44,17 @@ struct GlobalState {
   IntrinsicState solve;  ///< Of the frame without its tint.
   OutputGauge gauge{GaugeParams{}};
   double log_scale = 0;  ///< ln of the factor from the solver's R to the layer's.
-  std::vector<double> histogram;
-  global::AmountCost cost{};
-  global::BaseColors colors;
-  std::vector<global::Chroma> tint;  ///< At the points of the grid.
-  double full = 0;                   ///< TintStatistics::full.
-  bool known = false;
+  GlobalScene scene;
 };
 
 struct GlobalResult {
-  std::vector<double> reflectance, indirect;  ///< 3 interleaved channels; I = R (direct + indirect).
-  std::vector<double> direct;
-  std::vector<int> label;     ///< Base color of every pixel (slot).
-  global::BaseColors colors;
+  std::vector<double> reflectance, indirect;  ///< 3 interleaved channels.
+  std::vector<double> direct;  ///< White. I = R (direct + indirect) times the illuminant's color.
+  std::vector<int> label;      ///< Base color of every pixel (slot).
+  global::BaseColors colors;   ///< By which the frame was labeled.
   global::Amount amount;
-  global::AmountCost cost{};  ///< Carried on from frame to frame.
-  double tint = 0;            ///< Rms tint where all light is indirect, log chroma.
+  global::Chroma white{};  ///< Log chroma of the illuminant that was taken out.
+  double tint = 0;         ///< Rms tint where all light is indirect, log chroma.
   IntrinsicStats stats;
 };
 

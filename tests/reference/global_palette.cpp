@@ -48,7 +48,8 @@ double ChromaHistogram::entropy() const {
 }
 
 int BaseColors::used() const {
-  return int(std::count_if(color.begin(), color.end(), [](const auto& c) { return c.has_value(); }));
+  return int(
+      std::count_if(color.begin(), color.end(), [](const auto& c) { return c.has_value(); }));
 }
 
 namespace {
@@ -167,43 +168,6 @@ BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before
     out.label.push_back(int(slot[best]));
   }
   return out;
-}
-
-void merge_shaded(BaseColors& colors, const std::vector<int>& labels,
-                  const std::vector<double>& fraction, const std::vector<double>& weight,
-                  double tint, const PaletteParams& params) {
-  const std::size_t slots = colors.color.size();
-  std::vector<double> mass(slots, 1e-9), shade(slots, 0.0);
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    mass[std::size_t(labels[i])] += weight[i];
-    shade[std::size_t(labels[i])] += weight[i] * fraction[i];
-  }
-  std::vector<std::size_t> order;
-  for (std::size_t s = 0; s < slots; ++s) {
-    shade[s] /= mass[s];
-    if (colors.color[s]) order.push_back(s);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return shade[a] > shade[b]; });
-  for (const std::size_t j : order) {
-    if (shade[j] <= params.shaded) break;
-    std::size_t into = slots;
-    double nearest = std::min(params.reach * tint * shade[j], params.farthest);
-    nearest *= nearest;
-    for (std::size_t i = 0; i < slots; ++i) {
-      if (i == j || !colors.color[i] || shade[i] > shade[j]) continue;
-      const double d = distance2(*colors.color[i], *colors.color[j]);
-      if (d < nearest) nearest = d, into = i;
-    }
-    if (into == slots) continue;
-    const double all = mass[into] + mass[j];
-    colors.color[into] =
-        (mass[into] / all) * *colors.color[into] + (mass[j] / all) * *colors.color[j];
-    mass[into] = all;
-    colors.color[j].reset();
-    for (int& label : colors.label)
-      if (label == int(j)) label = int(into);
-  }
 }
 
 }  // namespace inverse::reference::global

@@ -37,10 +37,6 @@ struct PaletteParams {
   double least_share = 0.004;  ///< Of all mass, for a mode to count.
   int most = 16;               ///< Base colors at most, 1 ... 16.
   double same = 0.3;           ///< Log chroma up to which a mode continues one of the frame before.
-  double renew = 0.2;          ///< Share of a frame in the histogram, 0 ... 1.
-  double shaded = 0.75;        ///< Mean indirect fraction above which a color may be another's shade.
-  double reach = 1.8;          ///< Times the tint that such light has: how far away the other may be.
-  double farthest = 0.7;       ///< And at most.
 };
 
 /// Base colors in slots that keep their number over time.
@@ -54,11 +50,5 @@ struct BaseColors {
 /// little mass fall to the nearest center. `before` gives slots to what it already knew.
 BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before,
                       const PaletteParams& params);
-
-/// Gives colors that hardly ever see direct light, and that are near enough to another that does,
-/// to that one. `fraction` is the indirect one per point, `tint` the rms tint where it is 1.
-void merge_shaded(BaseColors& colors, const std::vector<int>& labels,
-                  const std::vector<double>& fraction, const std::vector<double>& weight,
-                  double tint, const PaletteParams& params);
 
 }  // namespace inverse::reference::global

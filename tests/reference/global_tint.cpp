@@ -10,7 +10,9 @@ namespace {
 template <class Value>
 std::vector<double> box(int width, int height, int radius, const Value& value) {
   std::vector<double> rows(std::size_t(width) * std::size_t(height)), out(rows.size());
-  const auto at = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
+  const auto at = [&](int x, int y) {
+    return std::size_t(y) * std::size_t(width) + std::size_t(x);
+  };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int u = std::max(0, x - radius); u <= std::min(width - 1, x + radius); ++u)
@@ -32,8 +34,7 @@ double belief(const Chroma& residual, double fraction, const TintStatistics& sta
   return std::exp(-norm2(residual) / (2 * (params.trust * params.trust + wide * wide)));
 }
 
-TintStatistics tint_statistics(const std::vector<Chroma>& tint,
-                               const std::vector<double>& fraction,
+TintStatistics tint_statistics(const std::vector<Chroma>& tint, const std::vector<double>& fraction,
                                const std::vector<double>& weight, const TintParams& params) {
   double t2 = 0, f2 = 1e-9, weighted = 0, all = 1e-9;
   for (std::size_t i = 0; i < tint.size(); ++i) {

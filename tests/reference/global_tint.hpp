@@ -8,12 +8,12 @@
 namespace inverse::reference::global {
 
 struct TintParams {
-  double trust = 0.35;       ///< Residual that counts less, log chroma.
-  double trust_tint = 0.7;   ///< The same, of the tint that all-indirect light has.
-  double window = 0.05;      ///< Radius of box filters, of the grid's width.
-  double edge = 0.01;        ///< Variance of the residual that counts as an edge (guided filter).
-  double gate = 0.01;        ///< Mean square tint of a scene where half of the residual is taken.
-  double residual = 1;       ///< Share of the residual that is taken; 0: none.
+  double trust = 0.35;      ///< Residual that counts less, log chroma.
+  double trust_tint = 0.7;  ///< The same, of the tint that all-indirect light has.
+  double window = 0.05;     ///< Radius of box filters, of the grid's width.
+  double edge = 0.01;       ///< Variance of the residual that counts as an edge (guided filter).
+  double gate = 0.01;       ///< Mean square tint of a scene where half of the residual is taken.
+  double residual = 1;      ///< Share of the residual that is taken; 0: none.
 };
 
 /// What the whole scene says of its tint.
@@ -32,8 +32,7 @@ struct Residual {
 double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
               const TintParams& params);
 
-TintStatistics tint_statistics(const std::vector<Chroma>& tint,
-                               const std::vector<double>& fraction,
+TintStatistics tint_statistics(const std::vector<Chroma>& tint, const std::vector<double>& fraction,
                                const std::vector<double>& weight, const TintParams& params);
 
 /// Residual at the points of a grid of width x height, of raw residuals and indirect fractions.
