@@ -51,7 +51,6 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"trust", [](GlobalParams& p, double v) { p.amount.trust = v; }},
       {"renew", [](GlobalParams& p, double v) { p.renew = v; }},
       {"white", [](GlobalParams& p, double v) { p.white_balance = v; }},
-      {"guess", [](GlobalParams& p, double v) { p.guess_by_solve = v != 0; }},
       {"rounds", [](GlobalParams& p, double v) { p.first_rounds = int(v); }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
@@ -152,7 +151,7 @@ Estimate estimate(const Model& model, const Image& input, GlobalState* state) {
 
 /// Mean distance of every pixel's base color from its true log chroma.
 double palette_error(const GlobalResult& result, const Image& truth) {
-  if (result.label.empty()) return 0;
+  if (result.label.empty() || result.colors.color.empty()) return 0;
   double sum = 0;
   for (std::size_t i = 0; i < result.label.size(); ++i)
     sum += std::sqrt(reference::global::norm2(
