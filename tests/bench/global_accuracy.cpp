@@ -2,7 +2,8 @@
 // and indirect light is known.
 //
 //   global-accuracy DATA [--scenes a,b,…] [--frames N | --video] [--halve N] [--eight]
-//   [--model NAME[:key=value,…]]… [--each] [--png FOLDER]
+//   [--model NAME[:key=value,…]]… [--each] [--cast R,G,B]
+//   [--png FOLDER]
 //
 // DATA holds a folder for every rendered sequence and `mit`. Models: `house` (intrinsicdecomp with
 // 35 % of its shading as indirect light), `gray` (the same with a constant gray guess of as much
@@ -51,7 +52,6 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"trust", [](GlobalParams& p, double v) { p.amount.trust = v; }},
       {"renew", [](GlobalParams& p, double v) { p.renew = v; }},
       {"white", [](GlobalParams& p, double v) { p.white_balance = v; }},
-      {"guess", [](GlobalParams& p, double v) { p.guess_by_solve = v != 0; }},
       {"rounds", [](GlobalParams& p, double v) { p.first_rounds = int(v); }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
@@ -152,7 +152,7 @@ Estimate estimate(const Model& model, const Image& input, GlobalState* state) {
 
 /// Mean distance of every pixel's base color from its true log chroma.
 double palette_error(const GlobalResult& result, const Image& truth) {
-  if (result.label.empty()) return 0;
+  if (result.label.empty() || result.colors.color.empty()) return 0;
   double sum = 0;
   for (std::size_t i = 0; i < result.label.size(); ++i)
     sum += std::sqrt(reference::global::norm2(
@@ -206,6 +206,7 @@ struct Options {
   int frames = 2, halvings = 1;
   bool video = false, eight = false, each = false, mit = true;
   std::array<float, 3> cast{1, 1, 1};
+  std::string png;
 };
 
 void print_row(const std::string& scene, const std::string& model, const Row& row) {
@@ -243,6 +244,7 @@ class Summary {
     logs_[model][kAmount] += off * off - std::log(std::max(row[kAmount], 1e-9));
     if (model == 0) ++scenes_;
   }
+  int scenes() const { return scenes_; }
   Row of(std::size_t model) const {
     Row row = logs_[model];
     for (std::size_t c = 0; c < kCount; ++c)
@@ -270,16 +272,22 @@ void run_scene(const Options& options, const std::string& scene, Summary& summar
       frames[k].input.data[i] *= options.cast[i % 3];
   });
   std::vector<std::vector<Row>> rows(options.models.size(), std::vector<Row>(frames.size()));
+  const auto run_frame = [&](std::size_t m, std::size_t k, GlobalState* state) {
+    const Estimate e = estimate(options.models[m], frames[k].input, state);
+    rows[m][k] = measure(e, frames[k].truth);
+    if (!options.png.empty())
+      write_picture(options.png + "/" + scene + "-" + std::to_string(numbers[k]) + "-" +
+                        options.models[m].name + ".png",
+                    frames[k], e.layers);
+  };
   if (options.video)
     in_parallel(options.models.size(), [&](std::size_t m) {
       GlobalState state;
-      for (std::size_t k = 0; k < frames.size(); ++k)
-        rows[m][k] = measure(estimate(options.models[m], frames[k].input, &state), frames[k].truth);
+      for (std::size_t k = 0; k < frames.size(); ++k) run_frame(m, k, &state);
     });
   else
     in_parallel(frames.size() * options.models.size(), [&](std::size_t t) {
-      const std::size_t m = t % options.models.size(), k = t / options.models.size();
-      rows[m][k] = measure(estimate(options.models[m], frames[k].input, nullptr), frames[k].truth);
+      run_frame(t % options.models.size(), t / options.models.size(), nullptr);
     });
   for (std::size_t m = 0; m < options.models.size(); ++m) {
     Row mean{};
@@ -333,7 +341,7 @@ void run(const Options& options) {
       run_mit(options);
     else
       run_scene(options, scene, summary);
-  for (std::size_t m = 0; m < options.models.size(); ++m)
+  for (std::size_t m = 0; summary.scenes() > 0 && m < options.models.size(); ++m)
     print_row("(geometric mean)", options.models[m].name, summary.of(m));
 }
 
@@ -363,6 +371,8 @@ int main(int argc, char** argv) try {
       options.video = true;
     else if (argument == "--eight")
       options.eight = true;
+    else if (argument == "--png")
+      options.png = value();
     else if (argument == "--each")
       options.each = true;
     else

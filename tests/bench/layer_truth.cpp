@@ -1,5 +1,6 @@
 #include "tests/bench/layer_truth.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -26,6 +27,22 @@ Image read(const std::string& folder, const char* layer, int index, const char* 
     for (int x = 0; x < f.cols; ++x)
       for (int c = 0; c < 3; ++c) out.at(x, y, c) = f.ptr<float>(y)[x * f.channels() + 2 - c];
   return out;
+}
+
+float to_code(float v) {
+  v = std::min(std::max(v, 0.0F), 1.0F);
+  return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
+}
+
+/// An image of 1 or 3 channels into the tile (column, row) of a picture.
+void paint(cv::Mat& picture, int column, int row, const Image& image, float scale) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      auto& pixel = picture.at<cv::Vec3b>(row * image.height + y, column * image.width + x);
+      for (int c = 0; c < 3; ++c)
+        pixel[2 - c] = static_cast<unsigned char>(
+            255 * to_code(scale * image.at(x, y, image.channels == 3 ? c : 0)) + 0.5F);
+    }
 }
 
 float to_linear(float v) {
@@ -58,6 +75,20 @@ LayerFrame load_layers(const std::string& folder, int index, int halvings, bool 
          {&out.input, &out.truth.reflectance, &out.truth.direct, &out.truth.indirect})
       *image = halve(*image);
   return out;
+}
+
+void write_picture(const std::string& path, const LayerFrame& frame, const LightLayers& estimate) {
+  const Image& input = frame.input;
+  cv::Mat picture(2 * input.height, 5 * input.width, CV_8UC3);
+  for (int row = 0; row < 2; ++row) {
+    const LightLayers& layers = row == 0 ? estimate : frame.truth;
+    paint(picture, 0, row, input, 1);
+    paint(picture, 1, row, layers.reflectance, 1);
+    paint(picture, 2, row, total_light(layers), 0.5F);
+    paint(picture, 3, row, layers.direct, 0.5F);
+    paint(picture, 4, row, layers.indirect, 0.5F);
+  }
+  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace inverse::bench

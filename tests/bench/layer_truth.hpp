@@ -18,4 +18,8 @@ struct LayerFrame {
 /// Throws std::runtime_error naming a missing file.
 LayerFrame load_layers(const std::string& folder, int index, int halvings, bool eight_bits);
 
+/// Writes a PNG: input, reflectance, total, direct and indirect light of the estimate, and below
+/// them the truth's; light is halved. Throws std::runtime_error where it cannot.
+void write_picture(const std::string& path, const LayerFrame& frame, const LightLayers& estimate);
+
 }  // namespace inverse::bench

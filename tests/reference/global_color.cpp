@@ -33,7 +33,7 @@ Split split(double shading, const Vec3& indirect) {
   const double k = all > shading ? shading / all : 1.0;
   Split out;
   for (std::size_t c = 0; c < 3; ++c) out.indirect[c] = k * indirect[c];
-  out.direct = shading - k * all;
+  out.direct = std::max(0.0, shading - k * all);
   out.fraction = std::min(1.0, all / std::max(shading, 1e-6));
   return out;
 }

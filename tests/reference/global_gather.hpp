@@ -17,6 +17,7 @@ struct GatherParams {
 /// up to the scene's amount.
 class Gather {
  public:
+  Gather() = default;
   /// `labels` (0 ... count - 1) of the grid's points.
   Gather(const Grid& grid, const std::vector<int>& labels, int count, const GatherParams& params);
 

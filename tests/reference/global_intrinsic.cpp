@@ -93,17 +93,10 @@ Chroma blend(const std::vector<Chroma>& plane, const Grid& grid, int x, int y) {
 }
 
 /// How bright the light is as far as known before the solve: exp(s) in the scale of the layers.
-std::vector<double> guess_shading(const std::vector<double>& rgb, int width, int height,
-                                  const GlobalParams& params, const GlobalState* state) {
+std::vector<double> guess_shading(const std::vector<double>& rgb, const GlobalParams& params,
+                                  const GlobalState* state) {
   const std::size_t n = rgb.size() / 3;
   std::vector<double> shading(n);
-  if (params.guess_by_solve && !state) {
-    const auto s = decompose(rgb.data(), width, height, params.solve, nullptr).log_shading;
-    const double scale =
-        OutputGauge(params.gauge).update(make_guide(rgb.data(), width, height), s, false);
-    for (std::size_t i = 0; i < n; ++i) shading[i] = std::exp(s[i] - scale);
-    return shading;
-  }
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_at(rgb, i);
     if (!state) {  // every albedo's largest channel alike
@@ -188,8 +181,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   }
   result.white = scene.white;
 
-  const std::vector<double> shading =
-      guess_shading(rgb, width, height, params, warm ? state : nullptr);
+  const std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
   const Grid grid = make_grid(rgb, shading, width, height, factor);
   for (int round = warm ? params.first_rounds : 1; round < params.first_rounds; ++round)
     look(grid, params, 1, scene);
@@ -226,6 +218,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   }
   result.label = light.label;
   result.colors = seen.colors;
+  result.gather = seen.gather;
+  result.gather_factor = 2 * factor;
   result.amount = seen.amount;
   result.tint = seen.statistics.full;
   return result;

@@ -20,13 +20,12 @@ struct GlobalParams {
   int warm_cycles = 2;   ///< Multigrid cycles of a frame that continues the one before.
   int grid = 80;         ///< Points along the longer side of the grid, at most.
   double renew = 0.2;    ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
-  int first_rounds = 3;  ///< Looks at the first frame, each from the base colors of the one before.
+  int first_rounds = 2;  ///< Looks at the first frame, each from the base colors of the one before.
   double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is taken out.
   global::GatherParams gather;
   global::AmountParams amount;
   global::PaletteParams palette;
   global::TintParams tint;
-  bool guess_by_solve = false;
 };
 
 /// What the small grid knows from frame to frame.
@@ -52,6 +51,8 @@ struct GlobalResult {
   std::vector<double> direct;  ///< White. I = R (direct + indirect) times the illuminant's color.
   std::vector<int> label;      ///< Base color of every pixel (slot).
   global::BaseColors colors;   ///< By which the frame was labeled.
+  global::Gather gather;       ///< What every base color sends where.
+  int gather_factor = 1;       ///< Pixels along the side of one of the gather's points.
   global::Amount amount;
   global::Chroma white{};  ///< Log chroma of the illuminant that was taken out.
   double tint = 0;         ///< Rms tint where all light is indirect, log chroma.

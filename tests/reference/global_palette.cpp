@@ -80,7 +80,7 @@ std::vector<double> smoothed(const ChromaHistogram& h, double sigma) {
   return out;
 }
 
-/// Every bin's peak.
+/// Every bin's peak; of equal neighbors the first.
 std::vector<std::size_t> climb(const std::vector<double>& height, int n) {
   std::vector<std::size_t> up(height.size());
   for (int b = 0; b < n; ++b)
@@ -88,7 +88,9 @@ std::vector<std::size_t> climb(const std::vector<double>& height, int n) {
       auto best = std::size_t(b * n + a);
       for (int v = std::max(b - 1, 0); v <= std::min(b + 1, n - 1); ++v)
         for (int u = std::max(a - 1, 0); u <= std::min(a + 1, n - 1); ++u)
-          if (height[std::size_t(v * n + u)] > height[best]) best = std::size_t(v * n + u);
+          if (const auto at = std::size_t(v * n + u);
+              height[at] > height[best] || (height[at] == height[best] && at < best))
+            best = at;
       up[std::size_t(b * n + a)] = best;
     }
   for (int k = 0; k < 6; ++k) {
