@@ -19,6 +19,7 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.count) return;
   vec4 tint = FETCH(tints, i);
-  vec2 off = FETCH(points, i).xy - tint.xy - FETCH(scene, SCENE_COLORS + int(FETCH1(labels, i))).xy;
+  vec2 off = FETCH(points, i).xy - tint.xy;
+  if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(FETCH1(labels, i))).xy;
   STORE(raw, i, vec4(off, belief(off, tint.z, FETCH(scene, SCENE_TINT).x, push.trust, push.trust_tint), 0.0));
 }

@@ -4,13 +4,11 @@
 #include "model.glsl"
 
 // What share of light is direct and white, T0 / S: what the indirect light leaves of it, at most its weakest channel; and
-// how bright reflectance is, for the next frame. With kRemember, only the latter.
-layout(constant_id = 1) const bool kRemember = false;
+// how bright reflectance is, for the next frame.
 PLANE_IN(0, frame);  // without tint
 PLANE_IN(1, intrinsic);
-PLANE_IN(2, scene);
-PLANE_INOUT(3, light);
-SCALAR_OUT(4, memory);
+PLANE_INOUT(2, light);
+SCALAR_OUT(3, memory);
 layout(push_constant) uniform Push { ivec2 size; } push;
 
 void main() {
@@ -20,9 +18,7 @@ void main() {
   vec3 lit = sanitize(FETCH(frame, n).rgb) + kIntensityFloor;
   float shading = FETCH(intrinsic, n).w;
   STORE(memory, n, log(lit.r * lit.g * lit.b) * (1.0 / 3.0) - log(max(shading, 1e-6)));
-  if (kRemember) return;
   vec4 own = LOAD(light, n);
-  float all = shading * mean3(own.rgb), indirect = own.w * FETCH(scene, SCENE_TINT).w;
-  float direct = min(max(all - indirect, 0.0) / max(shading, 1e-12), min(min(own.r, own.g), own.b));
-  LOAD(light, n).w = direct;
+  float direct = max(shading * mean3(own.rgb) - own.w, 0.0) / max(shading, 1e-12);
+  LOAD(light, n).w = min(direct, min(min(own.r, own.g), own.b));
 }

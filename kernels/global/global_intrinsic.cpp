@@ -15,10 +15,8 @@ INVERSE_SHADER(global_direct);
 INVERSE_SHADER(global_emit);
 INVERSE_SHADER(global_fit);
 INVERSE_SHADER(global_grid);
-INVERSE_SHADER(global_merge);
 INVERSE_SHADER(global_modes);
 INVERSE_SHADER(global_received);
-INVERSE_SHADER(global_rescale);
 INVERSE_SHADER(global_statistics);
 INVERSE_SHADER(global_summary);
 INVERSE_SHADER(global_tint);
@@ -36,10 +34,9 @@ constexpr uint32_t kMostPoints = 80;                       // along the longer s
 // Of candidate amounts: the least, and each to the one before.
 constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
 constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
-// When colors that hardly see direct light are another's shade (merge.comp).
-constexpr float kShaded = 0.75F, kShadeReach = 1.8F, kFarthestShade = 0.7F;
 // How residuals of chroma are believed (residual.glsl), and smoothed (fit.comp).
 constexpr float kTrust = 0.35F, kTrustTint = 0.7F, kEdge = 0.01F, kWindow = 0.05F;
+constexpr int kFirstLooks = 3;  // at the first frame, each from the base colors of the one before
 constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
 
 Extent reduced(Extent extent, uint32_t factor) {
@@ -70,23 +67,20 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   grid_ = reduced(extent_, factor_);
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
-  grid_kernel_ = device_->kernel(shaders::global_grid);
+  tint_ = device_->kernel(shaders::global_tint);
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
   received_kernel_ = device_->kernel(shaders::global_received);
   amount_ = device_->kernel(shaders::global_amount);
   statistics_ = device_->kernel(shaders::global_statistics, {}, lanes);
-  merge_ = device_->kernel(shaders::global_merge, {}, lanes);
   believe_ = device_->kernel(shaders::global_believe);
-  untint_ = device_->kernel(shaders::global_untint);
-  rescale_ = device_->kernel(shaders::global_rescale, {}, lanes);
-  direct_ = device_->kernel(shaders::global_direct, {0});
-  remember_ = device_->kernel(shaders::global_direct, {1});
+  direct_ = device_->kernel(shaders::global_direct);
+  weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
+  modes_ = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
     emit_[k] = device_->kernel(shaders::global_emit, {k});
     blur_[k] = device_->kernel(shaders::global_blur, {k});
-    weigh_[k] = device_->kernel(shaders::global_weigh, {k}, lanes);
-    tint_[k] = device_->kernel(shaders::global_tint, {k});
-    modes_[k] = device_->kernel(shaders::global_modes, {k}, lanes);
+    grid_kernel_[k] = device_->kernel(shaders::global_grid, {k});
+    untint_[k] = device_->kernel(shaders::global_untint, {k});
   }
   for (const uint32_t pass : {0U, 1U, 2U}) fit_[pass] = device_->kernel(shaders::global_fit, {pass});
 
@@ -103,21 +97,19 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   for (gpu::BufferPtr* plane : {&emitted_, &blurred_, &received_})
     *plane = buffer(Element::vec4, coarse * kSlots);
   means_ = buffer(Element::vec4, kSlots);
-  taps_ = Buffer::create(device_, Element::scalar, std::max(coarse_.width, coarse_.height),
-                         gpu::Memory::upload);
   candidates_ = buffer(Element::word, kCandidates * (kBinCount + 2));
   counts_ = buffer(Element::word, kBinCount);
   histogram_ = buffer(Element::scalar, kBinCount);
   heights_ = buffer(Element::scalar, uint64_t{2} * kBinCount);
   work_ = buffer(Element::word, kWorkWords);
   slots_ = buffer(Element::word, kBinCount);
-  sums_ = buffer(Element::vec4, gpu::partial_count(*tint_[0], line_of(points)));
+  sums_ = buffer(Element::vec4, gpu::partial_count(*tint_, line_of(points)));
   scene_ = buffer(Element::vec4, kSceneSize);
 }
 
 void GlobalIntrinsic::reset() {
   solve_.reset();
-  history_ = false;
+  frames_ = 0;
 }
 
 GlobalIntrinsic::Place GlobalIntrinsic::place() const {
@@ -132,7 +124,7 @@ void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool
   const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
   commands.dispatch(emit_[first ? 1 : 0], {colors_, points_, tints_, slots_, labels_, emitted_},
                     here, coarse);
-  commands.dispatch(summary_, {colors_, points_, labels_, means_, scene_}, here, {});
+  commands.dispatch(summary_, {colors_, labels_, means_, scene_}, here, {});
   const struct {
     Place place;
     uint32_t reach;
@@ -146,7 +138,7 @@ void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool
   commands.dispatch(received_kernel_, {emitted_, means_, received_}, received, all);
 }
 
-void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params, bool first) {
+void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params, float renew) {
   commands.fill(candidates_);
   const struct {
     Place place;
@@ -156,15 +148,15 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                     line_of(grid_.pixels()));
   const struct {
     float ln_least, ln_ratio, neutral, ln_typical, spread, trust, renew, manual;
-  } weigh{std::log(kLeastAmount), std::log(kAmountRatio),  params.neutral,
+  } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
           std::log(params.typical), params.spread,          params.trust,
-          params.amount_share,      params.amount};
-  commands.dispatch(weigh_[first ? 1 : 0], {candidates_, scene_}, weigh, {});
+          renew,                    params.amount};
+  commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
 }
 
-void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params, bool count) {
-  if (count) commands.fill(counts_);
-  commands.dispatch(tint_[count ? 1 : 0],
+void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
+  commands.fill(counts_);
+  commands.dispatch(tint_,
                     {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_}, place(),
                     line_of(grid_.pixels()));
   const struct {
@@ -174,14 +166,35 @@ void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params, b
   commands.dispatch(statistics_, {sums_, scene_}, statistics, {});
 }
 
-void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params, bool first) {
+void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params, float renew) {
   const struct {
     float renew, smoothing, least_share, same;
     int32_t most;
-  } modes{params.color_share, params.smoothing, params.least_share, params.same_color,
-          params.base_colors};
-  commands.dispatch(modes_[first ? 1 : 0],
-                    {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
+  } modes{renew, params.smoothing, params.least_share, params.same_color, params.base_colors};
+  commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
+}
+
+void GlobalIntrinsic::look(gpu::Commands& commands, const Params& params, float renew, bool first) {
+  gather(commands, params, first);
+  measure_amount(commands, params, renew);
+  find_tint(commands, params);
+}
+
+void GlobalIntrinsic::make_taps(const Params& params) {
+  const float sigma = params.reach * static_cast<float>(coarse_.width);
+  const auto reach = static_cast<size_t>(std::ceil(3 * sigma));
+  const auto tap = [&](size_t d) {
+    const auto distance = static_cast<float>(d);
+    return std::exp(-0.5F * distance * distance / (sigma * sigma));
+  };
+  float all = 1;
+  for (size_t d = 1; d <= reach; ++d) all += 2 * tap(d);
+  // A new one: what is in flight still reads the old.
+  taps_ = gpu::Buffer::create(device_, gpu::Element::scalar,
+                              std::max(coarse_.width, coarse_.height), gpu::Memory::upload);
+  for (size_t d = 0; d < taps_->count(); ++d)
+    taps_->map_as<float>()[d] = d > reach ? 0 : tap(d) / all;
+  reach_ = params.reach;
 }
 
 void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
@@ -207,94 +220,55 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
 Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                                const FrameInfo& info) {
   if (info.reset) reset();
-  if (!cleared_) {
-    for (const auto& cleared : {sums_, tints_, scene_}) commands.fill(cleared);
-    cleared_ = true;
-  }
-  const bool first = !history_;
-  if (reach_ != params.reach) {
-    // Written by the host: what is in flight may still read it.
-    std::vector<float> taps(taps_->count());
-    const float sigma = params.reach * static_cast<float>(coarse_.width);
-    for (size_t d = 0; d < taps.size(); ++d) {
-      const auto distance = static_cast<float>(d);
-      taps[d] = distance > std::ceil(3 * sigma) ? 0 : std::exp(-0.5F * distance * distance / (sigma * sigma));
-    }
-    float all = -taps[0];
-    const auto reach = static_cast<int>(std::ceil(3 * sigma));
-    for (int d = 0; d <= reach; ++d)
-      all += 2 * std::exp(-0.5F * static_cast<float>(d * d) / (sigma * sigma));
-    for (float& tap : taps) tap /= all;
-    taps_ = gpu::Buffer::create(device_, gpu::Element::scalar, taps.size(), gpu::Memory::upload);
-    std::copy(taps.begin(), taps.end(), taps_->map_as<float>());
-    reach_ = params.reach;
-  }
+  const bool first = frames_ == 0;
+  if (first)
+    for (const auto& cleared : {sums_, tints_, scene_, histogram_}) commands.fill(cleared);
+  if (reach_ != params.reach) make_taps(params);
+  const float renew = std::max(params.renew, 1 / static_cast<float>(frames_ + 1));
   const Place here = place();
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  if (first) {
-    // How bright reflectance is, without looking at color.
-    FrameInfo alone = info;
-    alone.reset = true;
-    alone.counts = false;
-    const Layers guess = solve_.record(commands, input, params, alone);
-    commands.dispatch(remember_,
-                      {input->buffer, guess[Role::intrinsic]->buffer, scene_,
-                       guess[Role::intrinsic]->buffer, memory_},
-                      size, pixels_of(extent_));
-    solve_.reset();
-    commands.fill(tints_);
-    commands.stage("first-guess");
-  }
-  commands.dispatch(grid_kernel_, {input->buffer, memory_, colors_, points_}, here,
+  const struct {
+    Place place;
+    float gauge;
+  } grid{here, params.gauge.value};
+  commands.dispatch(grid_kernel_[first ? 1 : 0], {input->buffer, memory_, colors_, points_}, grid,
                     line_of(grid_.pixels()));
   commands.stage("grid");
-  for (int round = first ? 0 : 1; round < 2; ++round) {
-    gather(commands, params, round == 0);
-    measure_amount(commands, params, first);
-    find_tint(commands, params, true);
-    find_colors(commands, params, first);
+  for (int round = 1; first && round < kFirstLooks; ++round) {
+    look(commands, params, 1, round == 1);
+    find_colors(commands, params, 1);
   }
-  if (params.merge) {
-    const struct {
-      int32_t count;
-      float shaded, reach, farthest;
-    } merge{static_cast<int32_t>(grid_.pixels()), kShaded, kShadeReach, kFarthestShade};
-    commands.dispatch(merge_, {points_, tints_, scene_, slots_}, merge, {});
-  }
-  gather(commands, params, false);
-  find_tint(commands, params, false);
+  look(commands, params, renew, false);
   find_residual(commands);
-  commands.stage("scene");
 
   const PlanePtr plain = planes_.acquire(), light = planes_.acquire();
   const struct {
     Place place;
-    float trust, trust_tint;
-  } untint{here, kTrust, kTrustTint};
-  commands.dispatch(untint_,
+    float gauge, trust, trust_tint;
+  } untint{here, params.gauge.value, kTrust, kTrustTint};
+  commands.dispatch(untint_[first ? 1 : 0],
                     {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
                      plain->buffer, light->buffer},
                     untint, pixels_of(extent_));
-  commands.stage("untint");
+  Report& report = reports_[recorded_++ % reports_.size()];
+  if (!report.found)
+    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::readback);
+  commands.copy(scene_, report.found, report.found->bytes());
+  find_colors(commands, params, renew);  // for the next frame
+  commands.stage("scene");
+
   Layers layers = solve_.record(commands, plain, params, {false});
   const PlanePtr& intrinsic = layers[Role::intrinsic];
-  commands.dispatch(rescale_, {intrinsic->buffer, scene_}, size, {});
-  commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, scene_, light->buffer, memory_}, size,
-                    pixels_of(extent_));
+  commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, light->buffer, memory_},
+                    std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(extent_));
   commands.stage("direct");
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
   commands.keep(input);
   commands.keep(plain);
   commands.keep(light);
-
-  Report& report = reports_[recorded_++ % reports_.size()];
-  report.stats = {solve_.stats(solve_.recorded() - 1), first};
   report.solve = solve_.recorded() - 1;
-  if (!report.found)
-    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::readback);
-  commands.copy(scene_, report.found, report.found->bytes());
-  history_ = true;
+  report.stats = {solve_.stats(report.solve), first};
+  ++frames_;
   return layers;
 }
 

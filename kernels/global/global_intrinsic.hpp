@@ -28,16 +28,16 @@ class GlobalIntrinsic {
     float amount = 0;
     /// Of the measurement: weight of neutrality beside sharpness of chroma; the amount of a scene
     /// that says nothing, and how much scenes differ (standard deviation of its ln); how much a
-    /// difference says; share of the newest frame.
-    float neutral = 1, typical = 0.5F, spread = 0.65F, trust = 8, amount_share = 0.2F;
+    /// difference says.
+    float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8;
     /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up to
-    /// which one continues a color of the frame before; share of the newest frame.
+    /// which one continues a color of the frame before.
     int base_colors = 16;
-    float least_share = 0.004F, same_color = 0.3F, color_share = 0.2F;
+    float least_share = 0.004F, same_color = 0.3F;
+    /// Share of the newest frame in what is measured of the scene, 0.01…1.
+    float renew = 0.2F;
     /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
     float smoothing = 1.2F;
-    /// Gives base colors that hardly ever see direct light to those whose shade they are.
-    bool merge = true;
     /// Share of the slowly varying rest of chroma that is taken for light in tinted scenes, 0…1.
     float residual = 1;
     bool operator==(const Params&) const = default;
@@ -84,19 +84,21 @@ class GlobalIntrinsic {
   Place place() const;
   /// Light that surfaces of every base color receive, from labels that the base colors give.
   void gather(gpu::Commands& commands, const Params& params, bool first);
-  void measure_amount(gpu::Commands& commands, const Params& params, bool first);
-  void find_tint(gpu::Commands& commands, const Params& params, bool count);
-  void find_colors(gpu::Commands& commands, const Params& params, bool first);
+  void measure_amount(gpu::Commands& commands, const Params& params, float renew);
+  void find_tint(gpu::Commands& commands, const Params& params);
+  void find_colors(gpu::Commands& commands, const Params& params, float renew);
+  /// The first three of them.
+  void look(gpu::Commands& commands, const Params& params, float renew, bool first);
   void find_residual(gpu::Commands& commands);
+  void make_taps(const Params& params);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, grid_, coarse_;
   uint32_t factor_ = 1;
   IntrinsicDecomposition solve_;
   PlanePool planes_;
-  gpu::KernelPtr grid_kernel_, emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_[2],
-      tint_[2], statistics_, modes_[2], merge_, believe_, fit_[3], untint_, rescale_, direct_,
-      remember_;
+  gpu::KernelPtr grid_kernel_[2], emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
+      tint_, statistics_, modes_, believe_, fit_[3], untint_[2], direct_;
   gpu::BufferPtr memory_;  // pixels
   gpu::BufferPtr colors_, points_, labels_, tints_, raw_, fits_[3];        // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_;              // the coarse grid
@@ -105,7 +107,7 @@ class GlobalIntrinsic {
   float reach_ = 0;  // that taps_ are of
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
-  bool history_ = false, cleared_ = false;
+  uint64_t frames_ = 0;  // since a reset
 };
 
 }  // namespace inverse

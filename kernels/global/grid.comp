@@ -3,13 +3,17 @@
 #include "../gpu/common.glsl"
 #include "model.glsl"
 
-// The points of the grid: mean color and how much it counts, its log chroma, and the mean shading of its pixels if
-// reflectance is as bright as it was. One point an invocation.
+// The points of the grid: mean color and how much it counts, its log chroma, and what the mean shading of its pixels seems
+// to be. One point an invocation.
+layout(constant_id = 1) const bool kFirst = false;
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);  // mean ln R
 PLANE_OUT(2, colors);  // rgb; weight
 PLANE_OUT(3, points);  // chroma, shading
-layout(push_constant) uniform Push { SIZES } push;
+layout(push_constant) uniform Push {
+  SIZES
+  float gauge;
+} push;
 
 const float kDark = 0.01, kBright = 0.98;  // what has a color to trust
 
@@ -21,8 +25,8 @@ void main() {
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       int n = y * push.size.x + x;
-      vec3 rgb = sanitize(FETCH(frame, n).rgb), light = rgb + kIntensityFloor;
-      sum += vec4(rgb, exp(log(light.r * light.g * light.b) * (1.0 / 3.0) - FETCH1(memory, n)));
+      vec3 rgb = sanitize(FETCH(frame, n).rgb);
+      sum += vec4(rgb, GUESSED(rgb, memory, n, push.gauge));
     }
   sum /= float((last.x - first.x) * (last.y - first.y));
   float mean = mean3(sum.rgb);

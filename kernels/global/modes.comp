@@ -8,7 +8,6 @@
 // One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
 // lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues.
 // Reads what it wrote itself, and so uses storage buffers.
-layout(constant_id = 1) const bool kFirst = false;  // nothing was before
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
 WORD_OUT(2, slots);  // of bins
@@ -83,7 +82,7 @@ void choose() {
   for (int m = 0; m < mode_count; ++m) {
     float nearest = push.same * push.same;
     int slot = -1;
-    for (int s = 0; s < push.most && !kFirst; ++s) {
+    for (int s = 0; s < push.most; ++s) {
       vec4 color = LOAD(scene, SCENE_COLORS + s);
       if (color.z == 0.0 || (taken & (1u << s)) != 0u) continue;
       vec2 off = color.xy - modes[m].xy;
@@ -113,14 +112,13 @@ void main() {
   sum = vec4(0.0);
   EVERY_BIN(b) {
     float now = scale * float(FETCH1(counts, b)) / kCountUnit;
-    if (!kFirst) now = mix(LOAD(histogram, b), now, push.renew);
+    now = mix(LOAD(histogram, b), now, push.renew);
     LOAD(histogram, b) = now;
     LOAD(work, kMass + b) = LOAD(work, kMoment + 2 * b) = LOAD(work, kMoment + 2 * b + 1) = 0;
     sum.x += now;
   }
   if (gl_LocalInvocationID.x == 0u) LOAD(work, kList) = 0;
-  scale = 1.0 / max(workgroup_sum(sum).x, 1e-9);
-  EVERY_BIN(b) LOAD(histogram, b) *= scale;
+  float all = workgroup_sum(sum).x;
   SYNC;
   EVERY_BIN(b) LOAD(heights, b) = smoothed(b, -1, 1, b & (kBins - 1));
   SYNC;
@@ -159,7 +157,7 @@ void main() {
   SYNC;
   EVERY_BIN(b) {
     float mass = float(LOAD(work, kMass + b)) / kMassUnit;
-    if (mass > 0.0 && mass >= push.least_share) {
+    if (mass > 0.0 && mass >= push.least_share * all) {
       int place = atomicAdd(LOAD(work, kList), 1);
       if (place < kMostListed) LOAD(work, kListed + place) = b;
     }

@@ -5,12 +5,11 @@
 #include "model.glsl"
 
 // One workgroup: every base color's part of the frame's mean color, and its share of the points; what the frame's points
-// count on the average, and their mean shading.
+// count on the average.
 PLANE_IN(0, colors);
-PLANE_IN(1, points);
-WORD_IN(2, labels);
-PLANE_OUT(3, means);  // kSlots
-PLANE_INOUT(4, scene);
+WORD_IN(1, labels);
+PLANE_OUT(2, means);  // kSlots
+PLANE_INOUT(3, scene);
 layout(push_constant) uniform Push { SIZES } push;
 
 void main() {
@@ -22,16 +21,12 @@ void main() {
     int label = int(FETCH1(labels, i));
     for (int k = 0; k < kSlots; ++k)
       if (k == label) part[k] += vec4(color.rgb, 1.0);
-    ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
-    float pixels = float((last.x - first.x) * (last.y - first.y));
-    all += vec4(color.w, pixels * FETCH(points, i).z, 0.0, 0.0);
+    all.x += color.w;
   }
   all = workgroup_sum(all);
   for (int k = 0; k < kSlots; ++k) {
     vec4 sum = workgroup_sum(part[k]) / float(count);
     if (gl_LocalInvocationID.x == 0u) STORE(means, k, sum);
   }
-  if (gl_LocalInvocationID.x > 0u) return;
-  LOAD(scene, SCENE_AMOUNT).z = all.x / float(count) + 1e-9;
-  LOAD(scene, SCENE_TINT).z = all.y / (float(push.size.x) * float(push.size.y));
+  if (gl_LocalInvocationID.x == 0u) LOAD(scene, SCENE_AMOUNT).z = all.x / float(count) + 1e-9;
 }

@@ -5,8 +5,7 @@
 #include "counts.glsl"
 
 // The tint of light at the points of the grid, what share of it is indirect, how much a point says of its base color (more
-// where light is direct), and sums for the scene. With kCount, the histogram of the chroma that the tint leaves.
-layout(constant_id = 1) const bool kCount = false;
+// where light is direct), and sums for the scene. And the histogram of the chroma that the tint leaves.
 PLANE_IN(0, colors);
 PLANE_IN(1, points);
 WORD_IN(2, labels);
@@ -29,7 +28,7 @@ void main() {
     float f = fraction_of(point.z, light);
     float weight = (0.5 + 0.5 * FETCH(colors, i).w / known.z) / (1.0 + 9.0 * f * f);
     STORE(tints, i, vec4(tint, f, weight));
-    if (kCount) COUNT(counts, 0, point.xy - tint, weight)
+    COUNT(counts, 0, point.xy - tint, weight)
     float size2 = dot(tint, tint);
     sum = vec4(size2, f * f, weight * size2, weight);
   }

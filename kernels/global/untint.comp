@@ -5,7 +5,8 @@
 #include "residual.glsl"
 
 // The frame without the tint of its light, I / tau, which intrinsicdecomp's energy then takes apart; and the light's color
-// tau with the mean of its indirect part, up to the solve's scale. One pixel an invocation.
+// tau with the mean of the indirect light that was gathered. One pixel an invocation.
+layout(constant_id = 1) const bool kFirst = false;
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);
 PLANE_IN(2, tints);
@@ -18,7 +19,7 @@ PLANE_OUT(8, plain);
 PLANE_OUT(9, light);
 layout(push_constant) uniform Push {
   SIZES
-  float trust, trust_tint;
+  float gauge, trust, trust_tint;
 } push;
 
 void main() {
@@ -26,8 +27,8 @@ void main() {
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
   vec4 pixel = FETCH(frame, n);
-  vec3 rgb = sanitize(pixel.rgb), lit = rgb + kIntensityFloor;
-  float shading = exp(log(lit.r * lit.g * lit.b) * (1.0 / 3.0) - FETCH1(memory, n));
+  vec3 rgb = sanitize(pixel.rgb);
+  float shading = GUESSED(rgb, memory, n, push.gauge);
   vec2 u = between(at.x, float(push.factor), push.grid.x), v = between(at.y, float(push.factor), push.grid.y);
   ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
   ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));

@@ -8,7 +8,6 @@
 // One workgroup: what every candidate amount costs, the entropy of its histogram less the share that is neutral, mixed with
 // what it cost before; and the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, with
 // how much narrower it is than the prior.
-layout(constant_id = 1) const bool kFirst = false;  // nothing was before
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
 layout(push_constant) uniform Push {
@@ -39,7 +38,7 @@ void main() {
   float least = 3e38;
   for (int k = 0; k < kCandidates; ++k) {
     float before = LOAD(scene, SCENE_COSTS + k / 4)[k % 4];
-    if (!kFirst) cost[k] = mix(before, cost[k], push.renew);
+    cost[k] = mix(before, cost[k], push.renew);
     LOAD(scene, SCENE_COSTS + k / 4)[k % 4] = cost[k];
     float off = (push.ln_least + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
     least = min(least, push.trust * cost[k] + 0.5 * off * off);

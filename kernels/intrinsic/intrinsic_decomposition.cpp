@@ -128,7 +128,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                      multigrid_.field(), anchor_.kept(), intrinsic->buffer},
                     push, line_of(guide_.cell_extent().pixels()));
   anchor_.advance();
-  if (info.counts) record_report(commands, params.adaptive);
+  record_report(commands, params.adaptive);
   commands.stage("layers");
   history_ = true;
   gauge_taken_ = false;

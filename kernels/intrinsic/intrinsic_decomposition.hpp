@@ -40,7 +40,6 @@ class IntrinsicDecomposition {
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
-    bool counts = true;  ///< one of the frames that `recorded`, `stats` and `findings` speak of
   };
   struct Stats {
     uint32_t cycles = 0;               ///< multigrid cycles at most
