@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
@@ -13,10 +13,12 @@ INVERSE_SHADER(global_believe);
 INVERSE_SHADER(global_blur);
 INVERSE_SHADER(global_direct);
 INVERSE_SHADER(global_emit);
+INVERSE_SHADER(global_fields);
 INVERSE_SHADER(global_fit);
 INVERSE_SHADER(global_grid);
 INVERSE_SHADER(global_modes);
 INVERSE_SHADER(global_received);
+INVERSE_SHADER(global_shares);
 INVERSE_SHADER(global_statistics);
 INVERSE_SHADER(global_summary);
 INVERSE_SHADER(global_tint);
@@ -27,7 +29,7 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneSize = 22;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 6, kSceneSize = 22;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 80;                       // along the longer side of the grid
 
@@ -63,7 +65,8 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
       extent_(extent),
       factor_(factor_for(extent)),
       solve_(device_, extent),
-      planes_(device_, extent) {
+      planes_(device_, extent),
+      bases_(device_, {kMaxBases, 1}) {
   grid_ = reduced(extent_, factor_);
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
@@ -72,6 +75,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   received_kernel_ = device_->kernel(shaders::global_received);
   amount_ = device_->kernel(shaders::global_amount);
   statistics_ = device_->kernel(shaders::global_statistics, {}, lanes);
+  fields_kernel_ = device_->kernel(shaders::global_fields);
   believe_ = device_->kernel(shaders::global_believe);
   direct_ = device_->kernel(shaders::global_direct);
   weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
@@ -103,6 +107,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   heights_ = buffer(Element::scalar, uint64_t{2} * kBinCount);
   work_ = buffer(Element::word, kWorkWords);
   slots_ = buffer(Element::word, kBinCount);
+  next_slots_ = buffer(Element::word, kBinCount);
   sums_ = buffer(Element::vec4, gpu::partial_count(*tint_, line_of(points)));
   scene_ = buffer(Element::vec4, kSceneSize);
 }
@@ -217,6 +222,33 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
                       points);
 }
 
+uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
+  uint32_t slots = static_cast<uint32_t>(params.base_colors);
+  // Colors keep their slots, and new ones take the lowest: what the last frame that is sure to be
+  // done had says what this one needs. Light of a color beyond stays in the remainder for so long.
+  if (frames_ >= reports_.size() + kFirstLooks) slots = report(recorded_ - reports_.size()).slots();
+  return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
+}
+
+uint32_t GlobalIntrinsic::Report::slots() const {
+  const float* colors = found->map_as<float>() + 4 * size_t{kSceneColors};
+  uint32_t slots = 0;
+  for (uint32_t k = 0; k < kSlots; ++k)
+    if (colors[4 * k + 2] > 0) slots = k + 1;
+  return slots;
+}
+
+void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_t count) {
+  for (uint32_t n = 0; n < count; ++n) layers[indirect_role(n)] = planes_.acquire();
+  const auto share = [&](uint32_t n) { return layers[indirect_role(n < count ? n : 0)]->buffer; };
+  commands.dispatch(
+      device_->kernel(shaders::global_shares, {count}),
+      {layers[Role::input]->buffer, tints_, slots_, fields_, layers[Role::bases]->buffer,
+       layers[Role::light]->buffer, share(0), share(1), share(2), share(3)},
+      place(), pixels_of(extent_));
+  commands.stage("shares");
+}
+
 Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                                const FrameInfo& info) {
   if (info.reset) reset();
@@ -249,11 +281,26 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                     {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
                      plain->buffer, light->buffer},
                     untint, pixels_of(extent_));
+  const PlanePtr bases = bases_.acquire();
+  if (info.shares) {
+    if (!fields_)
+      fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
+    const struct {
+      Place place;
+      float near, own;
+    } push{here, params.near, params.own};
+    commands.dispatch(fields_kernel_, {emitted_, means_, received_, scene_, fields_, bases->buffer},
+                      push, line_of(coarse_.pixels() * kSlots));
+  }
+  const uint32_t shares = info.shares ? planes_needed(params) : 0;
   Report& report = reports_[recorded_++ % reports_.size()];
   if (!report.found)
-    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 2, gpu::Memory::readback);
+    report.found =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
   commands.copy(scene_, report.found, report.found->bytes());
+  std::swap(slots_, next_slots_);
   find_colors(commands, params, renew);  // for the next frame
+  std::swap(slots_, next_slots_);
   commands.stage("scene");
 
   Layers layers = solve_.record(commands, plain, params, {false});
@@ -263,6 +310,11 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   commands.stage("direct");
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
+  if (shares > 0) {
+    layers[Role::bases] = bases;
+    share_out(commands, layers, shares);
+  }
+  std::swap(slots_, next_slots_);
   commands.keep(input);
   commands.keep(plain);
   commands.keep(light);

@@ -5,19 +5,19 @@
 #include <vector>
 
 #include "../image/layers.hpp"
-#include "../intrinsic/intrinsic_decomposition.hpp"
+#include "../intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 
 /// Reflectance, direct and indirect light of every frame of a video (docs/method-globalintrinsic.md):
 /// what light is indirect, and of what color, the image itself predicts, as its surfaces are the
 /// emitters; one amount for the scene and its base colors are measured; the tint that follows is
-/// divided out, and IntrinsicDecomposition decides how bright reflectance and light are. Takes the
-/// place of chapter 5's energy (IntrinsicDecomposition takes that of chapter 3's). For one size on
+/// divided out, and ScaledIntrinsic decides how bright reflectance and light are. Takes the
+/// place of chapter 5's energy (that takes the place of chapter 3's). For one size on
 /// one device. Not thread-safe.
 class GlobalIntrinsic {
  public:
-  struct Params : IntrinsicDecomposition::Params {
+  struct Params : ScaledIntrinsic::Params {
     /// Standard deviation of how far surfaces light each other, 0.02…2 of the frame's width.
     float reach = 0.4F;
     /// Share of that beside light that comes from all over the frame, 0…1.
@@ -42,13 +42,16 @@ class GlobalIntrinsic {
     float residual = 1;
     bool operator==(const Params&) const = default;
   };
-  using FrameInfo = IntrinsicDecomposition::FrameInfo;
+  struct FrameInfo {
+    bool reset = false;   ///< no relation to the frame before (discontinuity)
+    bool shares = false;  ///< somebody needs indirect light as one layer for each base color
+  };
   struct Stats {
-    IntrinsicDecomposition::Stats solve;
+    ScaledIntrinsic::Stats solve;
     bool first = false;  ///< nothing of an earlier frame was known
   };
   struct Findings {
-    IntrinsicDecomposition::Findings solve;
+    ScaledIntrinsic::Findings solve;
     float amount = 0;      ///< of indirect light
     float confidence = 0;  ///< of the amount: 0 the image says nothing, 1 it leaves no doubt
     uint32_t colors = 0;   ///< base colors
@@ -60,10 +63,12 @@ class GlobalIntrinsic {
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
   /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light; direct
-  /// share). Who edits in place copies first what others hold. The frame kFramesInFlight before this
+  /// share), and where they are asked for base colors and their shares. Who edits in place copies first what others hold. The frame kFramesInFlight before this
   /// one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
+  /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
+  void prepare(bool half_resolution) { solve_.prepare(half_resolution); }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   /// Frames recorded since construction.
@@ -78,7 +83,8 @@ class GlobalIntrinsic {
   struct Report {
     Stats stats;
     uint64_t solve = 0;  // its number there
-    gpu::BufferPtr found;
+    gpu::BufferPtr found;  // the scene's buffer
+    uint32_t slots() const;  // up to the last base color
   };
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   Place place() const;
@@ -91,18 +97,20 @@ class GlobalIntrinsic {
   void look(gpu::Commands& commands, const Params& params, float renew, bool first);
   void find_residual(gpu::Commands& commands);
   void make_taps(const Params& params);
+  uint32_t planes_needed(const Params& params) const;
+  void share_out(gpu::Commands& commands, Layers& layers, uint32_t count);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, grid_, coarse_;
   uint32_t factor_ = 1;
-  IntrinsicDecomposition solve_;
-  PlanePool planes_;
+  ScaledIntrinsic solve_;
+  PlanePool planes_, bases_;
   gpu::KernelPtr grid_kernel_[2], emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
-      tint_, statistics_, modes_, believe_, fit_[3], untint_[2], direct_;
+      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_[2], direct_;
   gpu::BufferPtr memory_;  // pixels
   gpu::BufferPtr colors_, points_, labels_, tints_, raw_, fits_[3];        // the grid
-  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_;              // the coarse grid
-  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;  // chroma
+  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;              // the coarse grid
+  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_, next_slots_;  // chroma
   gpu::BufferPtr sums_, scene_;
   float reach_ = 0;  // that taps_ are of
   std::array<Report, gpu::kFramesInFlight> reports_;
