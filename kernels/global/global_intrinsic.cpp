@@ -38,7 +38,7 @@ constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
 constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
 // How residuals of chroma are believed (residual.glsl), and smoothed (fit.comp).
 constexpr float kTrust = 0.35F, kTrustTint = 0.7F, kEdge = 0.01F, kWindow = 0.05F;
-constexpr int kFirstLooks = 3;  // at the first frame, each from the base colors of the one before
+constexpr int kFirstLooks = 2;  // at the first frame, each from the base colors of the one before
 constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
 
 Extent reduced(Extent extent, uint32_t factor) {

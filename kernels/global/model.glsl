@@ -39,13 +39,14 @@ vec3 light_of(float shading, vec3 indirect) {
 }
 float fraction_of(float shading, vec3 indirect) { return min(1.0, mean3(indirect) / max(shading, 1e-6)); }
 
-// Where a chroma lies in a histogram, in bins; and the bin whose center is nearest.
-vec2 place_of(vec2 chroma) { return chroma * (1.0 / kBinWidth) + 0.5 * float(kBins - 1); }
+// Where a chroma lies in a histogram, in bins (gray is a bin's center, or it would be the corner of four); and the bin whose
+// center is nearest.
+vec2 place_of(vec2 chroma) { return chroma * (1.0 / kBinWidth) + 0.5 * float(kBins); }
 int bin_of(vec2 chroma) {
   ivec2 at = ivec2(clamp(floor(place_of(chroma) + 0.5), 0.0, float(kBins - 1)));
   return at.y * kBins + at.x;
 }
-vec2 bin_center(int bin) { return kBinWidth * (vec2(bin & (kBins - 1), bin / kBins) - 0.5 * float(kBins - 1)); }
+vec2 bin_center(int bin) { return kBinWidth * (vec2(bin & (kBins - 1), bin / kBins) - 0.5 * float(kBins)); }
 
 // Between which points of a coarser grid of `count` the center of point x lies, `factor` of which make one: lower index and
 // share of the next.

@@ -11,7 +11,7 @@ ChromaHistogram::ChromaHistogram(int bins, double width)
 
 void ChromaHistogram::add(const Chroma& c, double weight) {
   const auto place = [&](double v) {
-    return std::clamp(v / width_ + 0.5 * (bins_ - 1), 0.0, bins_ - 1.001);
+    return std::clamp(v / width_ + 0.5 * bins_, 0.0, bins_ - 1.001);
   };
   const double u = place(c[0]), v = place(c[1]);
   const auto a = std::size_t(u), b = std::size_t(v), at = b * std::size_t(bins_) + a;
@@ -24,13 +24,12 @@ void ChromaHistogram::add(const Chroma& c, double weight) {
 
 Chroma ChromaHistogram::center(std::size_t bin) const {
   const auto n = std::size_t(bins_);
-  return {width_ * (double(bin % n) - 0.5 * (bins_ - 1)),
-          width_ * (double(bin / n) - 0.5 * (bins_ - 1))};
+  return {width_ * (double(bin % n) - 0.5 * bins_), width_ * (double(bin / n) - 0.5 * bins_)};
 }
 
 std::size_t ChromaHistogram::nearest(const Chroma& c) const {
   const auto place = [&](double v) {
-    return std::size_t(std::clamp(std::floor(v / width_ + 0.5 * bins_), 0.0, bins_ - 1.0));
+    return std::size_t(std::clamp(std::floor(v / width_ + 0.5 * bins_ + 0.5), 0.0, bins_ - 1.0));
   };
   return place(c[1]) * std::size_t(bins_) + place(c[0]);
 }

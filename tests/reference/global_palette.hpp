@@ -7,7 +7,8 @@
 
 namespace inverse::reference::global {
 
-/// A square histogram over log chroma, with hat functions.
+/// A square histogram over log chroma, with hat functions; gray is a bin's center, or it would be
+/// the corner of four.
 class ChromaHistogram {
  public:
   ChromaHistogram(int bins, double width);
