@@ -92,6 +92,17 @@ Chroma blend(const std::vector<Chroma>& plane, const Grid& grid, int x, int y) {
          v.share * ((1 - u.share) * at(v.high, u.low) + u.share * at(v.high, u.high));
 }
 
+/// How much chroma changed since the frame before where there is light, 0 ... 1.
+double change_of(const Grid& grid, const std::vector<Chroma>& before) {
+  constexpr double kMost = 0.5;
+  double sum = 0, all = 1e-9;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    sum += grid.weight[i] * std::min(std::sqrt(norm2(grid.chroma[i] - before[i])) / kMost, 1.0);
+    all += grid.weight[i];
+  }
+  return sum / all;
+}
+
 /// How bright the light is as far as known before the solve: exp(s) in the scale of the layers.
 std::vector<double> guess_shading(const std::vector<double>& rgb, const GlobalParams& params,
                                   const GlobalState* state) {
@@ -171,19 +182,29 @@ GlobalResult decompose_global(const double* input, int width, int height,
   std::vector<double> rgb(3 * n);
   for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] = sanitize_linear(input[i]);
   const int factor = grid_factor(width, height, params.grid);
-  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
   if (params.white_balance > 0) {
     const Chroma seen =
         illuminant(make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor));
-    scene.white = scene.white + renew * (params.white_balance * seen - scene.white);
+    scene.white = scene.white + std::max(params.renew, 1.0 / (scene.frames + 1)) *
+                                    (params.white_balance * seen - scene.white);
     const Vec3 color = color_of(scene.white);
     for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] /= color[i % 3];
   }
   result.white = scene.white;
 
-  const std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
-  const Grid grid = make_grid(rgb, shading, width, height, factor);
-  for (int round = warm ? params.first_rounds : 1; round < params.first_rounds; ++round)
+  std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
+  Grid grid = make_grid(rgb, shading, width, height, factor);
+  if (warm && change_of(grid, scene.chroma) > params.cut) {
+    result.cut = true;
+    const Chroma white = scene.white;
+    scene = {};
+    scene.white = white;
+    shading = guess_shading(rgb, params, nullptr);
+    grid = make_grid(rgb, shading, width, height, factor);
+  }
+  scene.chroma = grid.chroma;
+  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
+  for (int round = scene.frames > 0 ? params.first_rounds : 1; round < params.first_rounds; ++round)
     look(grid, params, 1, scene);
   const Look seen = look(grid, params, renew, scene);
   ++scene.frames;

@@ -21,6 +21,7 @@ struct GlobalParams {
   int grid = 80;         ///< Points along the longer side of the grid, at most.
   double renew = 0.2;    ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
   int first_rounds = 2;  ///< Looks at the first frame, each from the base colors of the one before.
+  double cut = 0.3;      ///< Mean change of chroma, in halves, from which on a frame is a cut.
   double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is taken out.
   global::GatherParams gather;
   global::AmountParams amount;
@@ -33,9 +34,9 @@ struct GlobalScene {
   std::vector<double> histogram;  ///< Of chroma without tint, normalized.
   global::AmountCost cost{};
   global::BaseColors colors;
-  std::vector<global::Chroma> tint;  ///< At the points of the grid.
-  global::Chroma white{};            ///< Log chroma of the illuminant that was taken out.
-  int frames = 0;                    ///< Looked at since a reset or cut.
+  std::vector<global::Chroma> chroma, tint;  ///< At the points of the grid: of I, of light.
+  global::Chroma white{};                    ///< Log chroma of the illuminant that was taken out.
+  int frames = 0;                            ///< Looked at since a reset or cut.
 };
 
 /// Carried from frame to frame.
@@ -56,6 +57,7 @@ struct GlobalResult {
   global::Amount amount;
   global::Chroma white{};  ///< Log chroma of the illuminant that was taken out.
   double tint = 0;         ///< Rms tint where all light is indirect, log chroma.
+  bool cut = false;        ///< Nothing was taken over from the frame before.
   IntrinsicStats stats;
 };
 
