@@ -26,26 +26,15 @@ struct Look {
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
 
-/// Labels of the grid's points by the chroma that the last known tint leaves; all 0 at first.
-std::vector<int> labels_of(const Grid& grid, const GlobalScene& scene,
-                           const PaletteParams& params) {
-  std::vector<int> labels(grid.size(), 0);
-  if (scene.colors.label.empty()) return labels;
-  const ChromaHistogram bins = empty_histogram(params);
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    labels[i] = scene.colors.label[bins.nearest(grid.chroma[i] - scene.tint[i])];
-  return labels;
-}
-
-/// Gathers the light, weighs its amount, finds its tint and then the base colors for the next look.
-/// Cost and histogram take in the share `renew` of what this look finds.
+/// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
+/// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
+/// what this frame says.
 Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScene& scene) {
   const std::size_t n = grid.size();
-  scene.tint.resize(n, Chroma{});
-  std::vector<int> labels = labels_of(grid, scene, params.palette);
-  Look out{labels, scene.colors, Gather(grid, labels, params.palette.most, params.gather),
-           {},     {},           {},
-           {}};
+  scene.labels.resize(n, 0);
+  std::vector<int>& labels = scene.labels;
+  Look out;
+  out.gather = Gather(grid, labels, params.palette.most, params.gather);
   std::vector<Vec3> received(n);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) {
@@ -72,7 +61,6 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
     now.add(grid.chroma[i] - out.tint[i], weight[i]);
   }
   out.statistics = tint_statistics(out.tint, out.fraction, weight, params.tint);
-  scene.tint = out.tint;
 
   const double all = now.total();
   scene.histogram.resize(now.values().size(), 0.0);
@@ -80,6 +68,10 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
     scene.histogram[b] += renew * (now.values()[b] / all - scene.histogram[b]);
   now.values() = scene.histogram;
   scene.colors = find_modes(now, scene.colors, params.palette);
+  for (std::size_t i = 0; i < n; ++i)
+    labels[i] = scene.colors.label[now.nearest(grid.chroma[i] - out.tint[i])];
+  out.labels = labels;
+  out.colors = scene.colors;
   return out;
 }
 
@@ -147,8 +139,7 @@ Light light_of(const std::vector<double>& rgb, const std::vector<double>& shadin
       const std::size_t i = std::size_t(y) * std::size_t(width) + std::size_t(x);
       const Chroma z = chroma_of(color_at(rgb, i));
       int& label = out.label[i];
-      if (!seen.colors.label.empty())
-        label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
+      label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
       Vec3& light = out.indirect[i];
       light = scaled(seen.amount.value, seen.gather.received(label, x, y, 2 * grid.factor));
       if (gray) {
@@ -204,8 +195,6 @@ GlobalResult decompose_global(const double* input, int width, int height,
   }
   scene.chroma = grid.chroma;
   const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
-  for (int round = scene.frames > 0 ? params.first_rounds : 1; round < params.first_rounds; ++round)
-    look(grid, params, 1, scene);
   const Look seen = look(grid, params, renew, scene);
   ++scene.frames;
   const Light light = light_of(rgb, shading, width, height, grid, seen, params);
