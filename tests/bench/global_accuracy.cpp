@@ -52,7 +52,6 @@ const std::map<std::string, std::function<void(GlobalParams&, double)>>& keys() 
       {"trust", [](GlobalParams& p, double v) { p.amount.trust = v; }},
       {"renew", [](GlobalParams& p, double v) { p.renew = v; }},
       {"white", [](GlobalParams& p, double v) { p.white_balance = v; }},
-      {"rounds", [](GlobalParams& p, double v) { p.first_rounds = int(v); }},
       {"bins", [](GlobalParams& p, double v) { p.palette.bins = int(v); }},
       {"bin-width", [](GlobalParams& p, double v) { p.palette.bin_width = v; }},
       {"residual", [](GlobalParams& p, double v) { p.tint.residual = v; }},

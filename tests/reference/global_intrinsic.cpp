@@ -26,26 +26,15 @@ struct Look {
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
 
-/// Labels of the grid's points by the chroma that the last known tint leaves; all 0 at first.
-std::vector<int> labels_of(const Grid& grid, const GlobalScene& scene,
-                           const PaletteParams& params) {
-  std::vector<int> labels(grid.size(), 0);
-  if (scene.colors.label.empty()) return labels;
-  const ChromaHistogram bins = empty_histogram(params);
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    labels[i] = scene.colors.label[bins.nearest(grid.chroma[i] - scene.tint[i])];
-  return labels;
-}
-
-/// Gathers the light, weighs its amount, finds its tint and then the base colors for the next look.
-/// Cost and histogram take in the share `renew` of what this look finds.
+/// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
+/// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
+/// what this frame says.
 Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScene& scene) {
   const std::size_t n = grid.size();
-  scene.tint.resize(n, Chroma{});
-  std::vector<int> labels = labels_of(grid, scene, params.palette);
-  Look out{labels, scene.colors, Gather(grid, labels, params.palette.most, params.gather),
-           {},     {},           {},
-           {}};
+  scene.labels.resize(n, 0);
+  std::vector<int>& labels = scene.labels;
+  Look out;
+  out.gather = Gather(grid, labels, params.palette.most, params.gather);
   std::vector<Vec3> received(n);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) {
@@ -72,7 +61,6 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
     now.add(grid.chroma[i] - out.tint[i], weight[i]);
   }
   out.statistics = tint_statistics(out.tint, out.fraction, weight, params.tint);
-  scene.tint = out.tint;
 
   const double all = now.total();
   scene.histogram.resize(now.values().size(), 0.0);
@@ -80,6 +68,10 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
     scene.histogram[b] += renew * (now.values()[b] / all - scene.histogram[b]);
   now.values() = scene.histogram;
   scene.colors = find_modes(now, scene.colors, params.palette);
+  for (std::size_t i = 0; i < n; ++i)
+    labels[i] = scene.colors.label[now.nearest(grid.chroma[i] - out.tint[i])];
+  out.labels = labels;
+  out.colors = scene.colors;
   return out;
 }
 
@@ -90,6 +82,17 @@ Chroma blend(const std::vector<Chroma>& plane, const Grid& grid, int x, int y) {
   };
   return (1 - v.share) * ((1 - u.share) * at(v.low, u.low) + u.share * at(v.low, u.high)) +
          v.share * ((1 - u.share) * at(v.high, u.low) + u.share * at(v.high, u.high));
+}
+
+/// How much chroma changed since the frame before where there is light, 0 ... 1.
+double change_of(const Grid& grid, const std::vector<Chroma>& before) {
+  constexpr double kMost = 0.5;
+  double sum = 0, all = 1e-9;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    sum += grid.weight[i] * std::min(std::sqrt(norm2(grid.chroma[i] - before[i])) / kMost, 1.0);
+    all += grid.weight[i];
+  }
+  return sum / all;
 }
 
 /// How bright the light is as far as known before the solve: exp(s) in the scale of the layers.
@@ -136,8 +139,7 @@ Light light_of(const std::vector<double>& rgb, const std::vector<double>& shadin
       const std::size_t i = std::size_t(y) * std::size_t(width) + std::size_t(x);
       const Chroma z = chroma_of(color_at(rgb, i));
       int& label = out.label[i];
-      if (!seen.colors.label.empty())
-        label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
+      label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
       Vec3& light = out.indirect[i];
       light = scaled(seen.amount.value, seen.gather.received(label, x, y, 2 * grid.factor));
       if (gray) {
@@ -171,20 +173,28 @@ GlobalResult decompose_global(const double* input, int width, int height,
   std::vector<double> rgb(3 * n);
   for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] = sanitize_linear(input[i]);
   const int factor = grid_factor(width, height, params.grid);
-  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
   if (params.white_balance > 0) {
     const Chroma seen =
         illuminant(make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor));
-    scene.white = scene.white + renew * (params.white_balance * seen - scene.white);
+    scene.white = scene.white + std::max(params.renew, 1.0 / (scene.frames + 1)) *
+                                    (params.white_balance * seen - scene.white);
     const Vec3 color = color_of(scene.white);
     for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] /= color[i % 3];
   }
   result.white = scene.white;
 
-  const std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
-  const Grid grid = make_grid(rgb, shading, width, height, factor);
-  for (int round = warm ? params.first_rounds : 1; round < params.first_rounds; ++round)
-    look(grid, params, 1, scene);
+  std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
+  Grid grid = make_grid(rgb, shading, width, height, factor);
+  if (warm && change_of(grid, scene.chroma) > params.cut) {
+    result.cut = true;
+    const Chroma white = scene.white;
+    scene = {};
+    scene.white = white;
+    shading = guess_shading(rgb, params, nullptr);
+    grid = make_grid(rgb, shading, width, height, factor);
+  }
+  scene.chroma = grid.chroma;
+  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
   const Look seen = look(grid, params, renew, scene);
   ++scene.frames;
   const Light light = light_of(rgb, shading, width, height, grid, seen, params);

@@ -17,10 +17,10 @@ namespace inverse::reference {
 struct GlobalParams {
   IntrinsicParams solve;
   GaugeParams gauge;
-  int warm_cycles = 2;   ///< Multigrid cycles of a frame that continues the one before.
-  int grid = 80;         ///< Points along the longer side of the grid, at most.
-  double renew = 0.2;    ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
-  int first_rounds = 2;  ///< Looks at the first frame, each from the base colors of the one before.
+  int warm_cycles = 2;       ///< Multigrid cycles of a frame that continues the one before.
+  int grid = 80;             ///< Points along the longer side of the grid, at most.
+  double renew = 0.2;        ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
+  double cut = 0.3;          ///< Mean change of chroma, in halves, from which on a frame is a cut.
   double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is taken out.
   global::GatherParams gather;
   global::AmountParams amount;
@@ -33,9 +33,10 @@ struct GlobalScene {
   std::vector<double> histogram;  ///< Of chroma without tint, normalized.
   global::AmountCost cost{};
   global::BaseColors colors;
-  std::vector<global::Chroma> tint;  ///< At the points of the grid.
-  global::Chroma white{};            ///< Log chroma of the illuminant that was taken out.
-  int frames = 0;                    ///< Looked at since a reset or cut.
+  std::vector<global::Chroma> chroma;  ///< Of the frame, at the points of the grid.
+  std::vector<int> labels;             ///< Base colors of these points; empty: not known.
+  global::Chroma white{};              ///< Log chroma of the illuminant that was taken out.
+  int frames = 0;                      ///< Looked at since a reset or cut.
 };
 
 /// Carried from frame to frame.
@@ -50,12 +51,13 @@ struct GlobalResult {
   std::vector<double> reflectance, indirect;  ///< 3 interleaved channels.
   std::vector<double> direct;  ///< White. I = R (direct + indirect) times the illuminant's color.
   std::vector<int> label;      ///< Base color of every pixel (slot).
-  global::BaseColors colors;   ///< By which the frame was labeled.
+  global::BaseColors colors;   ///< Of the frame and those before.
   global::Gather gather;       ///< What every base color sends where.
   int gather_factor = 1;       ///< Pixels along the side of one of the gather's points.
   global::Amount amount;
   global::Chroma white{};  ///< Log chroma of the illuminant that was taken out.
   double tint = 0;         ///< Rms tint where all light is indirect, log chroma.
+  bool cut = false;        ///< Nothing was taken over from the frame before.
   IntrinsicStats stats;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "global_layers.hpp"
 #include "random.hpp"
@@ -105,6 +106,21 @@ TEST(GlobalIntrinsic, KeepsSlotsAndAmountOverTime) {
     if (!first.colors.color[s] || !last.colors.color[s]) continue;
     EXPECT_LT(norm2(*first.colors.color[s] - *last.colors.color[s]), 0.3 * 0.3);
   }
+}
+
+TEST(GlobalIntrinsic, StartsAnewAtACut) {
+  const Made made = make_frame(0.7);
+  std::vector<double> other = made.image;  // channels exchanged: nothing is the color that it was
+  for (std::size_t i = 0; i < other.size(); i += 3) std::swap(other[i], other[i + 2]);
+  for (std::size_t i = 0; i < other.size(); i += 3) std::swap(other[i + 1], other[i + 2]);
+  GlobalState state;
+  decompose_global(other.data(), kWidth, kHeight, {}, &state);
+  EXPECT_FALSE(decompose_global(other.data(), kWidth, kHeight, {}, &state).cut);
+  const GlobalResult after = decompose_global(made.image.data(), kWidth, kHeight, {}, &state);
+  EXPECT_TRUE(after.cut);
+  const GlobalResult fresh = decompose_global(made.image.data(), kWidth, kHeight, {}, nullptr);
+  EXPECT_EQ(after.amount.value, fresh.amount.value);
+  EXPECT_EQ(after.label, fresh.label);
 }
 
 TEST(GlobalIntrinsic, TakesTheAmountThatItIsGiven) {
