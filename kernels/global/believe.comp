@@ -4,12 +4,14 @@
 #include "model.glsl"
 #include "residual.glsl"
 
-// What the chroma of the grid's points has beyond tint and base color, and how far that is believed to be light.
+// Labels of the grid's points, by the chroma that their tint leaves; what it has beyond their base color, and how far that is
+// believed to be light.
 PLANE_IN(0, points);
 PLANE_IN(1, tints);
-WORD_IN(2, labels);
+WORD_IN(2, slots);  // of bins
 PLANE_IN(3, scene);
-PLANE_OUT(4, raw);  // residual, belief
+WORD_OUT(4, labels);
+PLANE_OUT(5, raw);  // residual, belief
 layout(push_constant) uniform Push {
   int count;
   float trust, trust_tint;
@@ -20,6 +22,8 @@ void main() {
   if (i >= push.count) return;
   vec4 tint = FETCH(tints, i);
   vec2 off = FETCH(points, i).xy - tint.xy;
-  if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(FETCH1(labels, i))).xy;
+  uint label = FETCH1(slots, bin_of(off));
+  STORE(labels, i, label);
+  if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(label)).xy;
   STORE(raw, i, vec4(off, belief(off, tint.z, FETCH(scene, SCENE_TINT).x, push.trust, push.trust_tint), 0.0));
 }

@@ -16,6 +16,7 @@ INVERSE_SHADER(global_emit);
 INVERSE_SHADER(global_fields);
 INVERSE_SHADER(global_fit);
 INVERSE_SHADER(global_grid);
+INVERSE_SHADER(global_look);
 INVERSE_SHADER(global_modes);
 INVERSE_SHADER(global_received);
 INVERSE_SHADER(global_shares);
@@ -29,7 +30,7 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 6, kSceneSize = 22;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 7, kSceneSize = 23;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 80;                       // along the longer side of the grid
 
@@ -38,7 +39,6 @@ constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
 constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
 // How residuals of chroma are believed (residual.glsl), and smoothed (fit.comp).
 constexpr float kTrust = 0.35F, kTrustTint = 0.7F, kEdge = 0.01F, kWindow = 0.05F;
-constexpr int kFirstLooks = 2;  // at the first frame, each from the base colors of the one before
 constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
 
 Extent reduced(Extent extent, uint32_t factor) {
@@ -71,6 +71,10 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
   tint_ = device_->kernel(shaders::global_tint);
+  grid_kernel_ = device_->kernel(shaders::global_grid);
+  look_ = device_->kernel(shaders::global_look, {}, lanes);
+  emit_ = device_->kernel(shaders::global_emit);
+  untint_ = device_->kernel(shaders::global_untint);
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
   received_kernel_ = device_->kernel(shaders::global_received);
   amount_ = device_->kernel(shaders::global_amount);
@@ -81,10 +85,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
   modes_ = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
-    emit_[k] = device_->kernel(shaders::global_emit, {k});
     blur_[k] = device_->kernel(shaders::global_blur, {k});
-    grid_kernel_[k] = device_->kernel(shaders::global_grid, {k});
-    untint_[k] = device_->kernel(shaders::global_untint, {k});
   }
   for (const uint32_t pass : {0U, 1U, 2U}) fit_[pass] = device_->kernel(shaders::global_fit, {pass});
 
@@ -95,7 +96,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     return Buffer::create(device_, element, count);
   };
   memory_ = buffer(Element::scalar, extent_.pixels());
-  for (gpu::BufferPtr* plane : {&colors_, &points_, &tints_, &raw_, &fits_[0], &fits_[1], &fits_[2]})
+  for (gpu::BufferPtr* plane : {&colors_, &points_, &before_, &tints_, &raw_, &fits_[0], &fits_[1], &fits_[2]})
     *plane = buffer(Element::vec4, points);
   labels_ = buffer(Element::word, points);
   for (gpu::BufferPtr* plane : {&emitted_, &blurred_, &received_})
@@ -107,7 +108,6 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   heights_ = buffer(Element::scalar, uint64_t{2} * kBinCount);
   work_ = buffer(Element::word, kWorkWords);
   slots_ = buffer(Element::word, kBinCount);
-  next_slots_ = buffer(Element::word, kBinCount);
   sums_ = buffer(Element::vec4, gpu::partial_count(*tint_, line_of(points)));
   scene_ = buffer(Element::vec4, kSceneSize);
 }
@@ -124,12 +124,11 @@ GlobalIntrinsic::Place GlobalIntrinsic::place() const {
           factor_};
 }
 
-void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool first) {
+void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params) {
   const Place here = place();
   const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
-  commands.dispatch(emit_[first ? 1 : 0], {colors_, points_, tints_, slots_, labels_, emitted_},
-                    here, coarse);
-  commands.dispatch(summary_, {colors_, labels_, means_, scene_}, here, {});
+  commands.dispatch(emit_, {colors_, scene_, labels_, emitted_}, here, coarse);
+  commands.dispatch(summary_, {colors_, labels_, means_}, here, {});
   const struct {
     Place place;
     uint32_t reach;
@@ -143,7 +142,7 @@ void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool
   commands.dispatch(received_kernel_, {emitted_, means_, received_}, received, all);
 }
 
-void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params, float renew) {
+void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params) {
   commands.fill(candidates_);
   const struct {
     Place place;
@@ -152,10 +151,10 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
   commands.dispatch(amount_, {colors_, points_, labels_, received_, candidates_}, amount,
                     line_of(grid_.pixels()));
   const struct {
-    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, renew, manual;
+    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, manual;
   } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
           std::log(params.typical), params.spread,          params.trust,
-          renew,                    params.amount};
+          params.amount};
   commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
 }
 
@@ -171,18 +170,27 @@ void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
   commands.dispatch(statistics_, {sums_, scene_}, statistics, {});
 }
 
-void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params, float renew) {
+void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params) {
   const struct {
-    float renew, smoothing, least_share, same;
+    float smoothing, least_share, same;
     int32_t most;
-  } modes{renew, params.smoothing, params.least_share, params.same_color, params.base_colors};
+  } modes{params.smoothing, params.least_share, params.same_color, params.base_colors};
   commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
 }
 
-void GlobalIntrinsic::look(gpu::Commands& commands, const Params& params, float renew, bool first) {
-  gather(commands, params, first);
-  measure_amount(commands, params, renew);
-  find_tint(commands, params);
+void GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params) {
+  const struct {
+    Place place;
+    float gauge;
+  } grid{place(), params.gauge.value};
+  commands.dispatch(grid_kernel_, {frame->buffer, memory_, colors_, points_}, grid,
+                    line_of(grid_.pixels()));
+  const struct {
+    int32_t count;
+    float cut, renew;
+    uint32_t first;
+  } look{static_cast<int32_t>(grid_.pixels()), params.cut, params.renew, frames_ == 0 ? 1U : 0U};
+  commands.dispatch(look_, {colors_, points_, before_, scene_}, look, {});
 }
 
 void GlobalIntrinsic::make_taps(const Params& params) {
@@ -208,7 +216,7 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
     int32_t count;
     float trust, trust_tint;
   } believe{static_cast<int32_t>(grid_.pixels()), kTrust, kTrustTint};
-  commands.dispatch(believe_, {points_, tints_, labels_, scene_, raw_}, believe, points);
+  commands.dispatch(believe_, {points_, tints_, slots_, scene_, labels_, raw_}, believe, points);
   const struct {
     uint32_t grid[2];
     int32_t radius;
@@ -226,7 +234,7 @@ uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   uint32_t slots = static_cast<uint32_t>(params.base_colors);
   // Colors keep their slots, and new ones take the lowest: what the last frame that is sure to be
   // done had says what this one needs. Light of a color beyond stays in the remainder for so long.
-  if (frames_ >= reports_.size() + kFirstLooks) slots = report(recorded_ - reports_.size()).slots();
+  if (frames_ >= reports_.size()) slots = report(recorded_ - reports_.size()).slots();
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
 }
 
@@ -253,34 +261,30 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& info) {
   if (info.reset) reset();
   const bool first = frames_ == 0;
-  if (first)
-    for (const auto& cleared : {sums_, tints_, scene_, histogram_}) commands.fill(cleared);
+  if (first)  // some of it is read before it is written, though not used
+    for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_})
+      commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
-  const float renew = std::max(params.renew, 1 / static_cast<float>(frames_ + 1));
   const Place here = place();
-  const struct {
-    Place place;
-    float gauge;
-  } grid{here, params.gauge.value};
-  commands.dispatch(grid_kernel_[first ? 1 : 0], {input->buffer, memory_, colors_, points_}, grid,
-                    line_of(grid_.pixels()));
+  look(commands, input, params);
   commands.stage("grid");
-  for (int round = 1; first && round < kFirstLooks; ++round) {
-    look(commands, params, 1, round == 1);
-    find_colors(commands, params, 1);
-  }
-  look(commands, params, renew, false);
+  gather(commands, params);
+  measure_amount(commands, params);
+  find_tint(commands, params);
+  find_colors(commands, params);
   find_residual(commands);
+  commands.stage("scene");
 
   const PlanePtr plain = planes_.acquire(), light = planes_.acquire();
   const struct {
     Place place;
     float gauge, trust, trust_tint;
   } untint{here, params.gauge.value, kTrust, kTrustTint};
-  commands.dispatch(untint_[first ? 1 : 0],
+  commands.dispatch(untint_,
                     {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
                      plain->buffer, light->buffer},
                     untint, pixels_of(extent_));
+  commands.stage("untint");
   const PlanePtr bases = bases_.acquire();
   if (info.shares) {
     if (!fields_)
@@ -298,10 +302,6 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     report.found =
         gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
   commands.copy(scene_, report.found, report.found->bytes());
-  std::swap(slots_, next_slots_);
-  find_colors(commands, params, renew);  // for the next frame
-  std::swap(slots_, next_slots_);
-  commands.stage("scene");
 
   Layers layers = solve_.record(commands, plain, params, {false});
   const PlanePtr& intrinsic = layers[Role::intrinsic];
@@ -314,7 +314,6 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     layers[Role::bases] = bases;
     share_out(commands, layers, shares);
   }
-  std::swap(slots_, next_slots_);
   commands.keep(input);
   commands.keep(plain);
   commands.keep(light);
@@ -327,7 +326,8 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
-  return {solve_.findings(of.solve), found[0], found[1], static_cast<uint32_t>(found[3]), found[4]};
+  return {solve_.findings(of.solve), found[0], found[1], static_cast<uint32_t>(found[3]),
+          found[4], of.stats.first || found[8] > 0};
 }
 
 }  // namespace inverse

@@ -36,6 +36,8 @@ class GlobalIntrinsic {
     float least_share = 0.004F, same_color = 0.3F;
     /// Share of the newest frame in what is measured of the scene, 0.01…1.
     float renew = 0.2F;
+    /// Mean change of chroma, in halves of a log unit, from which on a frame is a cut, 0…1.
+    float cut = 0.3F;
     /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
     float smoothing = 1.2F;
     /// Share of the slowly varying rest of chroma that is taken for light in tinted scenes, 0…1.
@@ -56,6 +58,7 @@ class GlobalIntrinsic {
     float confidence = 0;  ///< of the amount: 0 the image says nothing, 1 it leaves no doubt
     uint32_t colors = 0;   ///< base colors
     float tint = 0;        ///< rms log chroma of light that is all indirect
+    bool cut = false;      ///< of the scene: nothing was taken over from the frame before
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
@@ -88,13 +91,13 @@ class GlobalIntrinsic {
   };
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   Place place() const;
-  /// Light that surfaces of every base color receive, from labels that the base colors give.
-  void gather(gpu::Commands& commands, const Params& params, bool first);
-  void measure_amount(gpu::Commands& commands, const Params& params, float renew);
+  /// Points of the grid, and whether the frame continues the one before.
+  void look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
+  /// Light that surfaces of every base color of the frame before receive.
+  void gather(gpu::Commands& commands, const Params& params);
+  void measure_amount(gpu::Commands& commands, const Params& params);
   void find_tint(gpu::Commands& commands, const Params& params);
-  void find_colors(gpu::Commands& commands, const Params& params, float renew);
-  /// The first three of them.
-  void look(gpu::Commands& commands, const Params& params, float renew, bool first);
+  void find_colors(gpu::Commands& commands, const Params& params);
   void find_residual(gpu::Commands& commands);
   void make_taps(const Params& params);
   uint32_t planes_needed(const Params& params) const;
@@ -105,12 +108,12 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_;
-  gpu::KernelPtr grid_kernel_[2], emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
-      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_[2], direct_;
+  gpu::KernelPtr grid_kernel_, look_, emit_, summary_, blur_[2], received_kernel_, amount_, weigh_,
+      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
   gpu::BufferPtr memory_;  // pixels
-  gpu::BufferPtr colors_, points_, labels_, tints_, raw_, fits_[3];        // the grid
+  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];        // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;              // the coarse grid
-  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_, next_slots_;  // chroma
+  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;  // chroma
   gpu::BufferPtr sums_, scene_;
   float reach_ = 0;  // that taps_ are of
   std::array<Report, gpu::kFramesInFlight> reports_;

@@ -16,9 +16,10 @@ const int kCandidates = 16;  // for the amount of indirect light
 // The scene's buffer.
 #define SCENE_AMOUNT 0  // kappa, its confidence, points' mean weight, base colors in use
 #define SCENE_TINT 1    // rms tint where all light is indirect, share of the residual that is taken
-#define SCENE_COSTS 2   // four vec4: of the candidates
-#define SCENE_COLORS 6  // log chroma, 1 where there is such a color, share of the frame
-#define SCENE_SIZE 22
+#define SCENE_TIME 2    // 1 where nothing is taken over from earlier frames, frames since then, this one's share, change
+#define SCENE_COSTS 3   // four vec4: of the candidates
+#define SCENE_COLORS 7  // log chroma, 1 where there is such a color, share of the frame
+#define SCENE_SIZE 23
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
 
@@ -56,12 +57,13 @@ vec2 between(int x, float factor, int count) {
   return vec2(low, at - low);
 }
 
-// What shading seems to be before the solve: what reflectance as bright as it was leaves of the pixel; at first, what
-// reflectance whose largest channel is the gauge's does.
-#define GUESSED(rgb, memory, n, gauge)                                                                  \
-  (kFirst ? max(max(rgb.r, rgb.g), rgb.b) / (gauge)                                                     \
-          : exp(log((rgb.r + kIntensityFloor) * (rgb.g + kIntensityFloor) * (rgb.b + kIntensityFloor)) * (1.0 / 3.0) - \
-                FETCH1(memory, n)))
+// What shading seems to be before the solve: what reflectance as bright as it was leaves of the pixel; and where nothing is
+// known of it, what reflectance whose largest channel is the gauge's does.
+float shading_before(vec3 rgb, float memory) {
+  vec3 light = rgb + kIntensityFloor;
+  return exp(log(light.r * light.g * light.b) * (1.0 / 3.0) - memory);
+}
+float shading_guessed(vec3 rgb, float gauge) { return max(max(rgb.r, rgb.g), rgb.b) / gauge; }
 
 #define SIZES            \
   ivec2 size;  /* of the frame */ \

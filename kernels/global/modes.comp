@@ -15,7 +15,6 @@ layout(set = 0, binding = 3, std430) coherent restrict buffer histogram_block { 
 layout(set = 0, binding = 4, std430) coherent restrict buffer heights_block { float heights_data[]; };  // 2 kBinCount
 layout(set = 0, binding = 5, std430) coherent restrict buffer work_block { int work_data[]; };
 layout(push_constant) uniform Push {
-  float renew;        // share of this frame
   float smoothing;    // standard deviation, bins
   float least_share;  // of all mass, for a mode to count
   float same;         // chroma up to which a mode continues a color of before
@@ -79,10 +78,11 @@ void choose() {
     mode_count = 1;
   }
   uint taken = 0u;
+  bool cut = LOAD(scene, SCENE_TIME).x > 0.0;
   for (int m = 0; m < mode_count; ++m) {
     float nearest = push.same * push.same;
     int slot = -1;
-    for (int s = 0; s < push.most; ++s) {
+    for (int s = 0; s < push.most && !cut; ++s) {
       vec4 color = LOAD(scene, SCENE_COLORS + s);
       if (color.z == 0.0 || (taken & (1u << s)) != 0u) continue;
       vec2 off = color.xy - modes[m].xy;
@@ -110,9 +110,10 @@ void main() {
   EVERY_BIN(b) sum.x += float(FETCH1(counts, b)) / kCountUnit;
   float scale = 1.0 / max(workgroup_sum(sum).x, 1e-9);
   sum = vec4(0.0);
+  float renew = LOAD(scene, SCENE_TIME).z;
   EVERY_BIN(b) {
     float now = scale * float(FETCH1(counts, b)) / kCountUnit;
-    now = mix(LOAD(histogram, b), now, push.renew);
+    now = mix(LOAD(histogram, b), now, renew);
     LOAD(histogram, b) = now;
     LOAD(work, kMass + b) = LOAD(work, kMoment + 2 * b) = LOAD(work, kMoment + 2 * b + 1) = 0;
     sum.x += now;

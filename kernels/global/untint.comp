@@ -6,7 +6,6 @@
 
 // The frame without the tint of its light, I / tau, which intrinsicdecomp's energy then takes apart; and the light's color
 // tau with the mean of the indirect light that was gathered. One pixel an invocation.
-layout(constant_id = 1) const bool kFirst = false;
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);
 PLANE_IN(2, tints);
@@ -28,7 +27,8 @@ void main() {
   int n = at.y * push.size.x + at.x;
   vec4 pixel = FETCH(frame, n);
   vec3 rgb = sanitize(pixel.rgb);
-  float shading = GUESSED(rgb, memory, n, push.gauge);
+  float shading = FETCH(scene, SCENE_TIME).x > 0.0 ? shading_guessed(rgb, push.gauge)
+                                                   : shading_before(rgb, FETCH1(memory, n));
   vec2 u = between(at.x, float(push.factor), push.grid.x), v = between(at.y, float(push.factor), push.grid.y);
   ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
   ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));

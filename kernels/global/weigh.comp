@@ -15,7 +15,6 @@ layout(push_constant) uniform Push {
   float neutral;             // weight of neutrality
   float ln_typical, spread;  // the prior
   float trust;
-  float renew;   // share of this frame
   float manual;  // above 0: the amount
 } push;
 
@@ -35,10 +34,10 @@ void main() {
               push.neutral * float(FETCH1(counts, sums)) / max(float(FETCH1(counts, sums + 1)), 1e-4);
   }
   if (gl_LocalInvocationID.x > 0u) return;
-  float least = 3e38;
+  float least = 3e38, renew = LOAD(scene, SCENE_TIME).z;
   for (int k = 0; k < kCandidates; ++k) {
     float before = LOAD(scene, SCENE_COSTS + k / 4)[k % 4];
-    cost[k] = mix(before, cost[k], push.renew);
+    cost[k] = mix(before, cost[k], renew);
     LOAD(scene, SCENE_COSTS + k / 4)[k % 4] = cost[k];
     float off = (push.ln_least + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
     least = min(least, push.trust * cost[k] + 0.5 * off * off);

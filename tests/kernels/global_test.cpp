@@ -75,7 +75,7 @@ class GlobalTest : public IntrinsicTest {
   static GlobalIntrinsic::Params to_the_letter() {
     GlobalIntrinsic::Params params;
     params.adaptive = false;
-    params.base_colors = 16;
+
     return params;
   }
   /// Light's color and direct share, base colors and reflectance against the specification.
