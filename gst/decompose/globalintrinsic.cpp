@@ -41,28 +41,38 @@ class GlobalElement final : public MethodDecomposer<GlobalIntrinsic, Params> {
     for (const auto& reason : method.solve.skipped)
       skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(
-        stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount), "confidence",
-        G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors", G_TYPE_UINT, found.colors,
-        "tint", G_TYPE_DOUBLE, static_cast<double>(found.tint), "cycles", G_TYPE_UINT,
-        found.solve.cycles, "levels", G_TYPE_UINT, method.solve.levels, "half-resolution",
-        G_TYPE_BOOLEAN, method.solve.half_resolution, "history", G_TYPE_BOOLEAN,
-        method.solve.history, "cut", G_TYPE_BOOLEAN, found.solve.cut, "mismatch", G_TYPE_DOUBLE,
-        static_cast<double>(found.solve.mismatch), "change", G_TYPE_DOUBLE,
-        static_cast<double>(found.solve.change), "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
+                      "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
+                      G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
+                      static_cast<double>(found.tint), "cycles", G_TYPE_UINT, found.solve.cycles,
+                      "levels", G_TYPE_UINT, method.solve.levels, "half-resolution", G_TYPE_BOOLEAN,
+                      method.solve.half_resolution, "history", G_TYPE_BOOLEAN, method.solve.history,
+                      "cut", G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE,
+                      static_cast<double>(found.solve.mismatch), "change", G_TYPE_DOUBLE,
+                      static_cast<double>(found.solve.change), "skipped", G_TYPE_STRING,
+                      skipped.c_str(), nullptr);
+  }
+
+  Settings next_settings(LiveTrade& trade) override {
+    const bool had_shares = shows_layer_;
+    Settings settings = MethodDecomposer::next_settings(trade);
+    shows_layer_ = settings.show == Show::layer;
+    settings.changed |= shows_layer_ && !had_shares;  // a kept frame may have none
+    return settings;
   }
 
   uint64_t decompose(FrameWork& frame) override {
     GlobalIntrinsic::Params in_force = params();
     // The sooner a picture that stays has settled, the sooner nothing is left to do.
     if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
-    const bool shares = !frame.draw || params().show == Show::layer;
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force,
-                                   {frame.fresh, shares});
+                                   {frame.fresh, !frame.draw || shows_layer_});
     return method_->recorded() - 1;
   }
 
  private:
+  bool shows_layer_ = false;
+
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = properties<Params>(
         "Sets half-resolution, cycles, warm-cycles, settled and still-tolerance as a group; what "
@@ -93,6 +103,9 @@ class GlobalElement final : public MethodDecomposer<GlobalIntrinsic, Params> {
         number<P>("renew", &P::renew, 0.01f, 1.f,
                   "Share of the newest frame in what is measured of the scene: amount and base "
                   "colors; 1 = follows every frame"),
+        number<P>("cut-fraction", &P::cut, 0.f, 1.f,
+                  "Mean change of chroma, in halves of a natural log unit, from which on a frame "
+                  "counts as a cut of the scene"),
         number<P>("settled", &P::settled, 0.f, 1.f,
                   "Change of log shading by a cycle, rms in natural log units, from which on no "
                   "further one follows; 0 = all run"),

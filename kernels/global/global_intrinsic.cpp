@@ -30,7 +30,8 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 7, kSceneSize = 23;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 7,
+                   kSceneSize = 23;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 80;                       // along the longer side of the grid
 
@@ -87,7 +88,8 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   for (const uint32_t k : {0U, 1U}) {
     blur_[k] = device_->kernel(shaders::global_blur, {k});
   }
-  for (const uint32_t pass : {0U, 1U, 2U}) fit_[pass] = device_->kernel(shaders::global_fit, {pass});
+  for (const uint32_t pass : {0U, 1U, 2U})
+    fit_[pass] = device_->kernel(shaders::global_fit, {pass});
 
   using gpu::Buffer;
   using gpu::Element;
@@ -96,7 +98,8 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     return Buffer::create(device_, element, count);
   };
   memory_ = buffer(Element::scalar, extent_.pixels());
-  for (gpu::BufferPtr* plane : {&colors_, &points_, &before_, &tints_, &raw_, &fits_[0], &fits_[1], &fits_[2]})
+  for (gpu::BufferPtr* plane :
+       {&colors_, &points_, &before_, &tints_, &raw_, &fits_[0], &fits_[1], &fits_[2]})
     *plane = buffer(Element::vec4, points);
   labels_ = buffer(Element::word, points);
   for (gpu::BufferPtr* plane : {&emitted_, &blurred_, &received_})
@@ -152,17 +155,15 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                     line_of(grid_.pixels()));
   const struct {
     float ln_least, ln_ratio, neutral, ln_typical, spread, trust, manual;
-  } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
-          std::log(params.typical), params.spread,          params.trust,
-          params.amount};
+  } weigh{std::log(kLeastAmount), std::log(kAmountRatio), params.neutral, std::log(params.typical),
+          params.spread,          params.trust,           params.amount};
   commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
 }
 
 void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
   commands.fill(counts_);
-  commands.dispatch(tint_,
-                    {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_}, place(),
-                    line_of(grid_.pixels()));
+  commands.dispatch(tint_, {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_},
+                    place(), line_of(grid_.pixels()));
   const struct {
     int32_t count;
     float gate, residual;
@@ -222,8 +223,7 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
     int32_t radius;
     float edge;
   } fit{{grid_.width, grid_.height},
-        std::max(1, static_cast<int32_t>(
-                        std::lround(kWindow * static_cast<float>(grid_.width)))),
+        std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width)))),
         kEdge};
   for (size_t pass = 0; pass < 3; ++pass)
     commands.dispatch(fit_[pass], {raw_, pass == 0 ? raw_ : fits_[pass - 1], fits_[pass]}, fit,
@@ -326,8 +326,8 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
-  return {solve_.findings(of.solve), found[0], found[1], static_cast<uint32_t>(found[3]),
-          found[4], of.stats.first || found[8] > 0};
+  return {solve_.findings(of.solve),       found[0], found[1],
+          static_cast<uint32_t>(found[3]), found[4], of.stats.first || found[8] > 0};
 }
 
 }  // namespace inverse

@@ -9,12 +9,12 @@
 
 namespace inverse {
 
-/// Reflectance, direct and indirect light of every frame of a video (docs/method-globalintrinsic.md):
-/// what light is indirect, and of what color, the image itself predicts, as its surfaces are the
-/// emitters; one amount for the scene and its base colors are measured; the tint that follows is
-/// divided out, and ScaledIntrinsic decides how bright reflectance and light are. Takes the
-/// place of chapter 5's energy (that takes the place of chapter 3's). For one size on
-/// one device. Not thread-safe.
+/// Reflectance, direct and indirect light of every frame of a video
+/// (docs/method-globalintrinsic.md): what light is indirect, and of what color, the image itself
+/// predicts, as its surfaces are the emitters; one amount for the scene and its base colors are
+/// measured; the tint that follows is divided out, and ScaledIntrinsic decides how bright
+/// reflectance and light are. Takes the place of chapter 5's energy (that takes the place of
+/// chapter 3's). For one size on one device. Not thread-safe.
 class GlobalIntrinsic {
  public:
   struct Params : ScaledIntrinsic::Params {
@@ -30,8 +30,8 @@ class GlobalIntrinsic {
     /// that says nothing, and how much scenes differ (standard deviation of its ln); how much a
     /// difference says.
     float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8;
-    /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up to
-    /// which one continues a color of the frame before.
+    /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up
+    /// to which one continues a color of the frame before.
     int base_colors = 16;
     float least_share = 0.004F, same_color = 0.3F;
     /// Share of the newest frame in what is measured of the scene, 0.01…1.
@@ -66,8 +66,8 @@ class GlobalIntrinsic {
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
   /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light; direct
-  /// share), and where they are asked for base colors and their shares. Who edits in place copies first what others hold. The frame kFramesInFlight before this
-  /// one must have been waited for.
+  /// share), and where they are asked for base colors and their shares. Who edits in place copies
+  /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
@@ -85,8 +85,8 @@ class GlobalIntrinsic {
   struct Place;  // what every kernel's push constants begin with
   struct Report {
     Stats stats;
-    uint64_t solve = 0;  // its number there
-    gpu::BufferPtr found;  // the scene's buffer
+    uint64_t solve = 0;      // its number there
+    gpu::BufferPtr found;    // the scene's buffer
     uint32_t slots() const;  // up to the last base color
   };
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
@@ -110,10 +110,10 @@ class GlobalIntrinsic {
   PlanePool planes_, bases_;
   gpu::KernelPtr grid_kernel_, look_, emit_, summary_, blur_[2], received_kernel_, amount_, weigh_,
       tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
-  gpu::BufferPtr memory_;  // pixels
-  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];        // the grid
-  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;              // the coarse grid
-  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;  // chroma
+  gpu::BufferPtr memory_;                                                     // pixels
+  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
+  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
+  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;   // chroma
   gpu::BufferPtr sums_, scene_;
   float reach_ = 0;  // that taps_ are of
   std::array<Report, gpu::kFramesInFlight> reports_;

@@ -19,7 +19,8 @@ inline const Ladder<GlobalIntrinsic::Params>& global_ladder() {
         solve.qualities};
     made.levels.resize(solve.levels.size());
     return made;
-  }(std::make_index_sequence<kMostLevels>());
+  }
+  (std::make_index_sequence<kMostLevels>());
   return ladder;
 }
 
