@@ -4,7 +4,9 @@
 #include "model.glsl"
 
 // For every base color of the frame before the light that its surfaces send, on the coarse grid: mean color and number of
-// their points; all have the first where nothing was before. One coarse point, 2 x 2 points, an invocation.
+// their points; all have the first where nothing was before. With kKnown,
+// for those of this frame. One coarse point, 2 x 2 points, an invocation.
+layout(constant_id = 1) const bool kKnown = false;
 PLANE_IN(0, colors);
 PLANE_IN(1, scene);
 WORD_INOUT(2, labels);
@@ -15,7 +17,7 @@ void main() {
   int j = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y;
   if (j >= count) return;
   ivec2 first = 2 * ivec2(j % push.coarse.x, j / push.coarse.x), last = min(first + 2, push.grid);
-  bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
+  bool cut = !kKnown && FETCH(scene, SCENE_TIME).x > 0.0;
   int label[4];
   vec4 color[4];
   for (int k = 0; k < 4; ++k) {

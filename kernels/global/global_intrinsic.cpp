@@ -30,7 +30,7 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneColors = 7,
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2, kSceneColors = 7,
                    kSceneSize = 23;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 80;                       // along the longer side of the grid
@@ -74,7 +74,6 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   tint_ = device_->kernel(shaders::global_tint);
   grid_kernel_ = device_->kernel(shaders::global_grid);
   look_ = device_->kernel(shaders::global_look, {}, lanes);
-  emit_ = device_->kernel(shaders::global_emit);
   untint_ = device_->kernel(shaders::global_untint);
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
   received_kernel_ = device_->kernel(shaders::global_received);
@@ -86,6 +85,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
   modes_ = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
+    emit_[k] = device_->kernel(shaders::global_emit, {k});
     blur_[k] = device_->kernel(shaders::global_blur, {k});
   }
   for (const uint32_t pass : {0U, 1U, 2U})
@@ -127,10 +127,10 @@ GlobalIntrinsic::Place GlobalIntrinsic::place() const {
           factor_};
 }
 
-void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params) {
+void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool known) {
   const Place here = place();
   const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
-  commands.dispatch(emit_, {colors_, scene_, labels_, emitted_}, here, coarse);
+  commands.dispatch(emit_[known ? 1 : 0], {colors_, scene_, labels_, emitted_}, here, coarse);
   commands.dispatch(summary_, {colors_, labels_, means_}, here, {});
   const struct {
     Place place;
@@ -268,7 +268,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   const Place here = place();
   look(commands, input, params);
   commands.stage("grid");
-  gather(commands, params);
+  gather(commands, params, false);
   measure_amount(commands, params);
   find_tint(commands, params);
   find_colors(commands, params);
@@ -289,6 +289,9 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (info.shares) {
     if (!fields_)
       fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
+    // The gather of a first frame does not know its base colors yet.
+    constexpr uint64_t kCut = 16 * uint64_t{kSceneTime};
+    commands.when(scene_, kCut, [&] { gather(commands, params, true); });
     const struct {
       Place place;
       float near, own;

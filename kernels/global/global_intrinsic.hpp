@@ -93,8 +93,9 @@ class GlobalIntrinsic {
   Place place() const;
   /// Points of the grid, and whether the frame continues the one before.
   void look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
-  /// Light that surfaces of every base color of the frame before receive.
-  void gather(gpu::Commands& commands, const Params& params);
+  /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
+  /// this one's.
+  void gather(gpu::Commands& commands, const Params& params, bool known);
   void measure_amount(gpu::Commands& commands, const Params& params);
   void find_tint(gpu::Commands& commands, const Params& params);
   void find_colors(gpu::Commands& commands, const Params& params);
@@ -108,7 +109,7 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_;
-  gpu::KernelPtr grid_kernel_, look_, emit_, summary_, blur_[2], received_kernel_, amount_, weigh_,
+  gpu::KernelPtr grid_kernel_, look_, emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
       tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
   gpu::BufferPtr memory_;                                                     // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
