@@ -8,13 +8,12 @@
 // belongs to whom. Also what the whole scene says of its tint. One workgroup.
 WORD_IN(0, histogram);
 PLANE_IN(1, lit);
-PLANE_IN(2, base_before);     // kSlots: center, 1 if used
-SCALAR_INOUT(3, carried);     // kBins: the mixed histogram, sum 1
-SCALAR_INOUT(4, heights);     // 2 kBins: scratch
-WORD_INOUT(5, words);         // 4 kBins: scratch: who climbs where; mass and moments of basins
-WORD_OUT(6, table);           // kBins: slot of a bin
-PLANE_OUT(7, base);
-PLANE_INOUT(8, scene);
+SCALAR_INOUT(2, carried);     // kBins: the mixed histogram, sum 1
+SCALAR_INOUT(3, heights);     // 2 kBins: scratch
+WORD_INOUT(4, words);         // 4 kBins: scratch: who climbs where; mass and moments of basins
+WORD_OUT(5, table);           // kBins: slot of a bin
+PLANE_INOUT(6, base);         // kSlots: center, 1 if used, mass; and how many are used
+PLANE_INOUT(7, scene);
 layout(push_constant) uniform Push {
   uint count;  // points of the grid
   float least_share;
@@ -93,12 +92,12 @@ void choose() {
     mode_count = 1u;
   }
   uint taken = 0u;
-  bool anew = LOAD(scene, SCENE_STATE).x > 0.0 && LOAD(scene, SCENE_AMOUNT).w == 0.0;
+  bool anew = LOAD(scene, SCENE_STATE).x > 0.0;
   for (uint m = 0u; m < mode_count; ++m) {
     float nearest = push.same * push.same;
     mode_slot[m] = kSlots;
     for (uint s = 0u; s < kSlots; ++s) {
-      vec4 color = FETCH(base_before, int(s));
+      vec4 color = LOAD(base, s);
       vec2 off = color.xy - mode_center[m];
       if (anew || color.z == 0.0 || (taken & (1u << s)) != 0u || dot(off, off) >= nearest) continue;
       nearest = dot(off, off);
@@ -111,10 +110,9 @@ void choose() {
     mode_slot[m] = uint(findLSB(~taken));
     taken |= 1u << mode_slot[m];
   }
-  for (uint s = 0u; s < kSlots; ++s) STORE(base, s, vec4(0.0));
-  for (uint m = 0u; m < mode_count; ++m) STORE(base, mode_slot[m], vec4(mode_center[m], 1.0, mass_of(mode_peak[m]) / kMass));
-  LOAD(scene, SCENE_AMOUNT).z = float(mode_count);
-  LOAD(scene, SCENE_AMOUNT).w = 1.0;
+  for (uint s = 0u; s < kSlots; ++s) LOAD(base, s) = vec4(0.0);
+  for (uint m = 0u; m < mode_count; ++m) LOAD(base, mode_slot[m]) = vec4(mode_center[m], 1.0, mass_of(mode_peak[m]) / kMass);
+  LOAD(base, kSlots) = vec4(mode_count);
 }
 
 void main() {

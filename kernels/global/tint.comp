@@ -22,7 +22,6 @@ PLANE_OUT(12, tints);   // log chroma of the light; base color
 layout(push_constant) uniform Push {
   uvec2 size;
   uint factor;
-  uint blank;  // no base color is known yet
 } push;
 
 void main() {
@@ -50,6 +49,7 @@ void main() {
   e = mix(BLEND(means, around, shares).xy, e, belief(e, tint.z, statistics.x));
   vec4 model = BLEND(models, around, shares);
   vec2 tau = tint.xy + statistics.y * min(1.0, 3.0 * tint.z) * (model.xy * e + model.zw);
+  if (FETCH(base, int(kSlots)).x < 2.0) tau = vec2(0.0);  // one color says nothing
   STORE(plain, pixel, vec4(rgb / max(color_of(tau), 0.02), input_color.a));
   STORE(tints, pixel, vec4(tau, float(label), 0.0));
 }
