@@ -149,9 +149,9 @@ void LightModel::smooth(gpu::Commands& commands, const Params& params) {
   } window{grid_.width, grid_.height,
            std::max(1, static_cast<int>(std::lround(kWindow * static_cast<float>(grid_.width)))),
            params.edge};
-  commands.dispatch(believe_, {residual_, residual_, believed_, means_}, window, line(count));
-  commands.dispatch(fit_, {believed_, residual_, models_, means_}, window, line(count));
-  commands.dispatch(average_, {models_, residual_, averaged_, means_}, window, line(count));
+  commands.dispatch(believe_, {residual_, residual_, lit_, believed_, means_}, window, line(count));
+  commands.dispatch(fit_, {believed_, residual_, lit_, models_, means_}, window, line(count));
+  commands.dispatch(average_, {models_, residual_, lit_, averaged_, means_}, window, line(count));
 }
 
 void LightModel::record(gpu::Commands& commands, const PlanePtr& frame, const Before& before,
@@ -179,8 +179,8 @@ void LightModel::record(gpu::Commands& commands, const PlanePtr& frame, const Be
   smooth(commands, params);
   const struct { uint32_t width, height, factor; } tint{extent_.width, extent_.height, factor_};
   commands.dispatch(tint_,
-                    {frame->buffer, before.memory, before.shading, before.gauge, scene_, lit_,
-                     means_, averaged_, received_, table_, base_, plain->buffer, tints->buffer},
+                    {frame->buffer, before.memory, before.shading, before.gauge, scene_, means_,
+                     averaged_, received_, table_, base_, plain->buffer, tints->buffer},
                     tint, line(extent_.pixels()));
   cues_.swap(cues_before_);
   commands.stage("tint");

@@ -11,14 +11,13 @@ PLANE_IN(1, memory);    // m of the frame before
 PLANE_IN(2, shading);   // and its s
 PLANE_IN(3, gauge);
 PLANE_IN(4, scene);
-PLANE_IN(5, lit);
-PLANE_IN(6, means);     // residuals
-PLANE_IN(7, models);
-PLANE_IN(8, received);
-WORD_IN(9, table);
-PLANE_IN(10, base);
-PLANE_OUT(11, plain);   // I'; w as in the frame
-PLANE_OUT(12, tints);   // log chroma of the light; base color
+PLANE_IN(5, means);     // tint of the light on the grid; residuals there
+PLANE_IN(6, models);
+PLANE_IN(7, received);
+WORD_IN(8, table);
+PLANE_IN(9, base);
+PLANE_OUT(10, plain);   // I'; w as in the frame
+PLANE_OUT(11, tints);   // log chroma of the light; base color
 layout(push_constant) uniform Push {
   uvec2 size;
   uint factor;
@@ -40,13 +39,14 @@ void main() {
   vec4 shares;
   ivec4 around = points_around(at, push.factor, grid, shares);
   vec2 z = chroma_of(rgb);
-  uint label = FETCH1(table, int(bin_at(z - BLEND(lit, around, shares).xy)));
+  vec4 mean = BLEND(means, around, shares);
+  uint label = FETCH1(table, int(bin_at(z - mean.xy)));
   vec4 half_shares;
   ivec4 half_around = points_around(at, 2u * push.factor, half_size, half_shares) + int(label * half_size.x * half_size.y);
   vec3 tint = tint_of(light, amount.x * BLEND(received, half_around, half_shares).rgb);
   vec2 statistics = FETCH(scene, SCENE_STATISTICS).xy;
   vec2 e = z - tint.xy - FETCH(base, int(label)).xy;
-  e = mix(BLEND(means, around, shares).xy, e, belief(e, tint.z, statistics.x));
+  e = mix(mean.zw, e, belief(e, tint.z, statistics.x));
   vec4 model = BLEND(models, around, shares);
   vec2 tau = tint.xy + statistics.y * min(1.0, 3.0 * tint.z) * (model.xy * e + model.zw);
   if (FETCH(base, int(kSlots)).x < 2.0) tau = vec2(0.0);  // one color says nothing

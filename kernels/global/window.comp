@@ -11,8 +11,9 @@
 layout(constant_id = 1) const uint kStep = 0;
 PLANE_IN(0, source);
 PLANE_IN(1, residual);  // .z: belief
-PLANE_OUT(2, target);
-PLANE_OUT(3, means);    // step 0: the mean
+PLANE_IN(2, lit);
+PLANE_OUT(3, target);
+PLANE_OUT(4, means);    // step 0: tint of the light, that mean
 layout(push_constant) uniform Push {
   uvec2 size;
   int radius;
@@ -40,7 +41,7 @@ void main() {
     vec2 mean = sum.xy / (believed + 0.05 * points);
     vec4 here = FETCH(residual, int(i));
     STORE(target, i, vec4(mix(mean, here.xy, here.z), 0.0, 0.0));
-    STORE(means, i, vec4(mean, 0.0, 0.0));
+    STORE(means, i, vec4(FETCH(lit, int(i)).xy, mean));
     return;
   }
   sum /= believed + 1e-6;
