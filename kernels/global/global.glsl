@@ -66,6 +66,8 @@ ivec4 points_around(uvec2 fine, uint factor, uvec2 size, out vec4 shares) {
 }
 #define BLEND(name, at, shares) \
   (shares.x * FETCH(name, at.x) + shares.y * FETCH(name, at.y) + shares.z * FETCH(name, at.z) + shares.w * FETCH(name, at.w))
+#define MIXED(values, shares) \
+  (shares.x * values[0] + shares.y * values[1] + shares.z * values[2] + shares.w * values[3])
 
 uvec2 place_of(uint i, uint columns) { return uvec2(i % columns, i / columns); }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../gpu/shaders.hpp"
+#include "../intrinsic/quads.hpp"
 
 INVERSE_SHADER(global_grid);
 INVERSE_SHADER(global_scene);
@@ -68,7 +69,7 @@ LightModel::LightModel(std::shared_ptr<gpu::Device> device, Extent extent)
   believe_ = device->kernel(shaders::global_window, {0});
   fit_ = device->kernel(shaders::global_window, {1});
   average_ = device->kernel(shaders::global_window, {2});
-  tint_ = device->kernel(shaders::global_tint);
+  tint_ = device->kernel(shaders::global_tint, {factor_ >= 8 ? 1U : 0U});
   split_ = device->kernel(shaders::global_split);
 
   using gpu::Element;
@@ -181,7 +182,7 @@ void LightModel::record(gpu::Commands& commands, const PlanePtr& frame, const Be
   commands.dispatch(tint_,
                     {frame->buffer, before.memory, before.shading, before.gauge, scene_, means_,
                      averaged_, received_, table_, base_, plain->buffer, tints->buffer},
-                    tint, line(extent_.pixels()));
+                    tint, line(quads_of(extent_)));
   cues_.swap(cues_before_);
   commands.stage("tint");
 }
@@ -193,7 +194,7 @@ void LightModel::record_split(gpu::Commands& commands, const PlanePtr& frame,
   commands.dispatch(split_,
                     {frame->buffer, intrinsic->buffer, tints->buffer, received_, base_, scene_,
                      layers->buffer, reflectance->buffer},
-                    push, line(extent_.pixels()));
+                    push, line(quads_of(extent_)));
   commands.stage("split");
 }
 

@@ -65,13 +65,13 @@ Compared compare(const Pixels& frame, const Pixels& tints, const Pixels& reflect
 }
 
 TEST_F(GlobalTest, FollowsTheReferenceOverFrames) {
-  for (const Extent extent : {Extent{160, 120}, Extent{97, 61}}) {
+  for (const Extent extent : {Extent{160, 120}, Extent{97, 61}, Extent{646, 200}}) {
     SCOPED_TRACE(name_of(extent));
     GlobalIntrinsic method(device, extent);
     GlobalIntrinsic::Params params;
     params.solve.adaptive = false;
     reference::GlobalState state;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 3; ++k) {
       SCOPED_TRACE(k);
       const Pixels frame = room(extent, k);
       GlobalIntrinsic::Result result;
@@ -117,7 +117,7 @@ TEST_F(GlobalTest, TakesTheAmountThatItIsGiven) {
 
 TEST_F(GlobalTest, StaysFiniteOnAnything) {
   for (const Extent extent : kOddSizes) {
-    if (extent.pixels() > 100000) continue;
+    if (extent.pixels() > 10000) continue;
     SCOPED_TRACE(name_of(extent));
     GlobalIntrinsic method(device, extent);
     for (const float value : {0.0F, 1.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(),
