@@ -30,7 +30,7 @@ class LightModel {
     bool operator==(const Params&) const = default;
   };
   static constexpr uint32_t kSlots = 16;       ///< base colors at most
-  static constexpr uint32_t kMostPoints = 80;  ///< along a side of the grid
+  static constexpr uint32_t kMostPoints = 40;  ///< along a side of the grid
 
   /// What the solver knew of the frame before, and of its own output's scale.
   struct Before {

@@ -78,8 +78,8 @@ class IntrinsicDecomposition {
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
-  /// What the next frame may start from: m (temporal.glsl) and s of quads of pixels of the last one,
-  /// and ln of the factor from R to the layer's. Undefined before the first frame.
+  /// What the next frame may start from: m (temporal.glsl) and s of quads of pixels of the last
+  /// one, and ln of the factor from R to the layer's. Undefined before the first frame.
   const gpu::BufferPtr& memory() const { return anchor_.memory(); }
   const gpu::BufferPtr& field() const { return multigrid_.field(); }
   const gpu::BufferPtr& gauge() const { return gauge_.value(); }
