@@ -1,5 +1,5 @@
 // Histograms in fixed point, so that the order of additions does not matter. A point's weight is at most 1 or so, and there
-// are at most 80 x 80.
+// are at most 40 x 40.
 const float kCountUnit = 65536.0;
 
 uint counted(float value) { return uint(value * kCountUnit + 0.5); }

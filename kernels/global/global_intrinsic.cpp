@@ -33,7 +33,7 @@ namespace {
 constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2, kSceneColors = 7,
                    kSceneSize = 23;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
-constexpr uint32_t kMostPoints = 80;                       // along the longer side of the grid
+constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
 
 // Of candidate amounts: the least, and each to the one before.
 constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
@@ -74,7 +74,8 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   tint_ = device_->kernel(shaders::global_tint);
   grid_kernel_ = device_->kernel(shaders::global_grid);
   look_ = device_->kernel(shaders::global_look, {}, lanes);
-  untint_ = device_->kernel(shaders::global_untint);
+  // Where points are eight pixels apart, four aligned ones lie between the same.
+  untint_ = device_->kernel(shaders::global_untint, {factor_ >= 8 ? 1U : 0U});
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
   received_kernel_ = device_->kernel(shaders::global_received);
   amount_ = device_->kernel(shaders::global_amount);
@@ -283,7 +284,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   commands.dispatch(untint_,
                     {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
                      plain->buffer, light->buffer},
-                    untint, pixels_of(extent_));
+                    untint, {(extent_.width + 3) / 4, extent_.height});
   commands.stage("untint");
   const PlanePtr bases = bases_.acquire();
   if (info.shares) {

@@ -53,7 +53,7 @@ vec2 bin_center(int bin) { return kBinWidth * (vec2(bin & (kBins - 1), bin / kBi
 // share of the next.
 vec2 between(int x, float factor, int count) {
   float at = clamp((float(x) + 0.5) / factor - 0.5, 0.0, float(count - 1));
-  float low = floor(at);
+  float low = min(floor(at), float(max(count - 2, 0)));
   return vec2(low, at - low);
 }
 

@@ -18,7 +18,7 @@ struct GlobalParams {
   IntrinsicParams solve;
   GaugeParams gauge;
   int warm_cycles = 2;       ///< Multigrid cycles of a frame that continues the one before.
-  int grid = 80;             ///< Points along the longer side of the grid, at most.
+  int grid = 40;             ///< Points along the longer side of the grid, at most.
   double renew = 0.2;        ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
   double cut = 0.3;          ///< Mean change of chroma, in halves, from which on a frame is a cut.
   double white_balance = 0;  ///< Share of the illuminant's estimated log chroma that is taken out.

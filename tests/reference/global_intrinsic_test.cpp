@@ -193,7 +193,9 @@ TEST(GlobalIntrinsic, GrayFramesHaveGrayLight) {
 
 TEST(GlobalIntrinsic, LayersAddUpAndCarryARecoloring) {
   const Made made = make_frame(0.7);
-  const GlobalResult r = decompose_global(made.image.data(), kWidth, kHeight, {}, nullptr);
+  GlobalState state;
+  decompose_global(made.image.data(), kWidth, kHeight, {}, &state);
+  const GlobalResult r = decompose_global(made.image.data(), kWidth, kHeight, {}, &state);
   const IndirectLayers layers = split_indirect(r, kWidth, kHeight);
   double rest = 0, all = 0;
   for (std::size_t i = 0; i < r.indirect.size(); ++i) {

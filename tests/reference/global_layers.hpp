@@ -14,7 +14,9 @@ struct IndirectLayers {
 
 /// Splits the indirect layer of a frame: T_k starts as what the surfaces of base color k send to
 /// the pixel, projected onto b_k, and takes `steps` multiplicative steps of non-negative least
-/// squares (Lee and Seung 2001), T_k <- T_k (b_k . E) / (b_k . sum over l of b_l T_l).
+/// squares (Lee and Seung 2001), T_k <- T_k (b_k . E) / (b_k . sum over l of b_l T_l). Who sends is
+/// known by the base colors of the frame before: on a first frame and after a cut all light counts
+/// as slot 0's, so a still is decomposed twice.
 IndirectLayers split_indirect(const GlobalResult& frame, int width, int height, int steps = 3);
 
 /// Reflectance and indirect light after base color k becomes `color` (linear, any scale): pixels of
