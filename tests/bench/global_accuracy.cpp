@@ -307,7 +307,7 @@ void run_mit(const Options& options) {
   std::vector<std::vector<double>> rl(options.models.size(), std::vector<double>(objects.size()));
   auto sl = rl, rm = rl;
   in_parallel(objects.size(), [&](std::size_t k) {
-    Frame frame = load_mit(objects[k]);
+    LabeledFrame frame = load_mit(objects[k]);
     for (std::size_t m = 0; m < options.models.size(); ++m) {
       const Estimate e = estimate(options.models[m], frame.input, nullptr);
       const Image s = total_light(e.layers);
