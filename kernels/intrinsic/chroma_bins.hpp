@@ -25,7 +25,7 @@ class ChromaBins {
   /// Records the means and the right-hand side for a correction.
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
   /// Records the force that is left after it, and with `look` what `binding` tells.
-  void record_force(gpu::Commands& commands, const State& state, bool look);
+  void record_force(gpu::Commands& commands, const State& state, bool look = false);
   /// One vec4, of the last look: sum of v (F / v)^2 and sum of v over the cells, F the force of the
   /// bins and v the weight of the value prior. The root of their ratio bounds how much cell means
   /// of log shading, rms weighted by v, change without bins (docs/method-intrinsicdecomp.md, 4).

@@ -1,79 +1,259 @@
+// What intrinsicdecomp leaves out by what a scene shows, one by one: the chroma bins, the anchor of
+// pixels, half of the resolution. How much time that saves, how much it changes, and what was known
+// beforehand. And what is seen where the resolution changes.
+//
+//   leave-out-bench terms|half|crossing [--frames N] FOLDER…
+//
+// The folders hold scenes as ./dev bench keeps them (build-bench/tests/bench/scenes; import-scenes)
+// or, named .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are
+// processor time, medians of ratios.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "frames.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "tests/bench/device_session.hpp"
 #include "tests/bench/metrics.hpp"
 #include "tests/bench/scene.hpp"
-#include "tests/bench/device_session.hpp"
 
-using namespace inverse;
-using namespace inverse::bench;
+namespace inverse::bench {
+namespace {
 
-static double rms(const Image& a, const Image& b) {
-  double s = 0, q = 0, n = 0;
+using Params = ScaledIntrinsic::Params;
+
+/// Root mean square of ln(a / b), one factor removed, over pixels weighted as LayerDistance does.
+double distance(const Image& frame, const Image& a, const Image& b) {
+  double weights = 0, sum = 0, squares = 0;
   for (size_t i = 0; i < a.data.size(); ++i) {
-    const double d = std::log(std::max(double(a.data[i]), 1e-6) / std::max(double(b.data[i]), 1e-6));
-    s += d, q += d * d, ++n;
+    const double light = (double(frame.data[3 * i]) + double(frame.data[3 * i + 1]) +
+                          double(frame.data[3 * i + 2])) /
+                         3;
+    const double w = light / (light + 0.02);
+    const double d =
+        std::log(std::max(double(a.data[i]), 1e-20)) - std::log(std::max(double(b.data[i]), 1e-20));
+    weights += w, sum += w * d, squares += w * d * d;
   }
-  return std::sqrt(std::max(q / n - s * s / n / n, 0.0));
+  const double mean = sum / weights;
+  return std::sqrt(std::max(squares / weights - mean * mean, 0.0));
 }
 
-int main(int argc, char** argv) {
-  DeviceSession session("");
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i)
-    for (const auto& e : std::filesystem::directory_iterator(argv[i])) files.push_back(e.path());
-  std::sort(files.begin(), files.end());
-  for (const auto& file : files) {
-    Scene scene;
-    if (file.ends_with(".dump")) {
-      scene.set = "real", scene.name = std::filesystem::path(file).stem(), scene.video = true;
-      for (const auto& f : read_frames(file)) {
-        TruthFrame t;
-        t.input = Image(int(f.extent.width), int(f.extent.height), 3);
-        for (size_t i = 0; i < f.extent.pixels(); ++i)
-          for (size_t c = 0; c < 3; ++c) t.input.data[3 * i + c] = f.pixels[4 * i + c];
-        scene.frames.push_back(t);
-      }
-    } else scene = read_scene(file);
-    if (scene.name == "slow light") continue;
-    const Extent extent{uint32_t(scene.frames[0].input.width), uint32_t(scene.frames[0].input.height)};
-    ScaledIntrinsic full(session.device(), extent), half(session.device(), extent), nobins(session.device(), extent), cold(session.device(), extent);
-    ScaledIntrinsic::Params pf, ph, pb, p;
-    ph.half_resolution = true;
-    pb.prior.chroma_weight = 0;
-    const auto run = [&](ScaledIntrinsic& m, const ScaledIntrinsic::Params& q, const Image& in, bool reset) {
-      Cost cost;
-      return session.run(in, [&](gpu::Commands& c, const PlanePtr& i) { return m.record(c, i, q, {reset})[Role::intrinsic]; }, cost);
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
+Scene load(const std::filesystem::path& path) {
+  if (path.extension() != ".dump") return read_scene(path.string());
+  Scene scene{"dump", path.stem().string(), "", true, {}};
+  for (const Frame& frame : read_frames(path.string())) {
+    TruthFrame truth;
+    truth.input = Image(int(frame.extent.width), int(frame.extent.height), 3);
+    for (size_t i = 0; i < frame.extent.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) truth.input.data[3 * i + c] = frame.pixels[4 * i + c];
+    scene.frames.push_back(std::move(truth));
+  }
+  return scene;
+}
+
+/// One setting on one scene.
+struct Run {
+  ScaledIntrinsic method;
+  Params params;
+  Decomposition now, before;
+  std::vector<double> cost, lmse;
+
+  Run(DeviceSession& session, Extent extent, const Params& with)
+      : method(session.device(), extent), params(with) {}
+  void step(DeviceSession& session, const TruthFrame& frame, bool reset) {
+    Cost spent;
+    before = std::move(now);
+    now = session.run(
+        frame.input,
+        [&](gpu::Commands& commands, const PlanePtr& input) {
+          return method.record(commands, input, params, {reset})[Role::intrinsic];
+        },
+        spent);
+    cost.push_back(spent.processor);
+  }
+  void judge(const TruthFrame& frame) {
+    if (!frame.reflectance.empty())
+      lmse.push_back(
+          score(now.reflectance, now.shading, frame.reflectance, frame.shading, frame.mask).lmse20);
+  }
+  ScaledIntrinsic::Findings found() const { return method.findings(method.recorded() - 1); }
+};
+
+/// Median of b's cost in relation to a's, frame by frame, without the first two.
+double ratio(const Run& a, const Run& b) {
+  std::vector<double> ratios;
+  for (size_t i = 2; i < a.cost.size(); ++i) ratios.push_back(b.cost[i] / a.cost[i]);
+  return median(ratios);
+}
+
+void name(const Scene& scene) {
+  const Image& first = scene.frames.front().input;
+  std::printf("| %s %s, %dx%d | ", scene.set.c_str(), scene.name.c_str(), first.width,
+              first.height);
+}
+
+/// A frame of a scene that goes forth and back for as long as is asked; a still stays.
+const TruthFrame& frame_at(const Scene& scene, size_t k) {
+  if (!scene.video || scene.frames.size() == 1) return scene.frames.front();
+  const size_t period = 2 * scene.frames.size() - 2, at = k % period;
+  return scene.frames[at < scene.frames.size() ? at : period - at];
+}
+
+void terms(DeviceSession& session, const Scene& scene, size_t frames) {
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  Params all, bins, pixels;
+  all.chroma_tolerance = all.hold_tolerance = 0;
+  bins = pixels = all;
+  bins.prior.chroma_weight = 0;  // as where they are left out
+  pixels.hold_tolerance = 1;
+  Run runs[] = {{session, extent, all},
+                {session, extent, bins},
+                {session, extent, pixels},
+                {session, extent, {}}};
+  double binding = 0, gate = 0;
+  std::vector<double> change[4];
+  for (size_t k = 0; k < frames; ++k) {
+    const TruthFrame& frame = frame_at(scene, k);
+    for (Run& run : runs) run.step(session, frame, k == 0);
+    binding = std::max(binding, double(runs[0].found().binding));
+    gate = std::max(gate, double(runs[0].found().gate));
+    if (k < 2) continue;
+    for (size_t i = 1; i < 4; ++i)
+      change[i].push_back(distance(frame.input, runs[0].now.shading, runs[i].now.shading));
+    if (k % 3 == 2)
+      for (Run& run : runs) run.judge(frame);
+  }
+  const auto& last = runs[3].method.stats(runs[3].method.recorded() - 1).skipped;
+  name(scene);
+  std::printf("%.3f | %.3f | %.2f | %.3f | %.4f | %.2f | %.4f | %.2f | ", binding, mean(change[1]),
+              ratio(runs[0], runs[1]), gate, mean(change[2]), ratio(runs[0], runs[2]),
+              mean(change[3]), ratio(runs[0], runs[3]));
+  std::printf("%.4f, %.4f, %.4f, %.4f | ", mean(runs[0].lmse), mean(runs[1].lmse),
+              mean(runs[2].lmse), mean(runs[3].lmse));
+  for (const auto& reason : last) std::printf("%s; ", reason.c_str());
+  std::printf("|\n");
+}
+
+void half(DeviceSession& session, const Scene& scene, size_t frames) {
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  Params full, small, looking, chosen;
+  small.half_resolution = true;
+  looking.half_bound = 1e-6F;  // looks and stays
+  chosen.half_bound = 0.05F;
+  Run runs[] = {{session, extent, full},
+                {session, extent, small},
+                {session, extent, looking},
+                {session, extent, chosen}};
+  std::vector<double> apart, kept;
+  double known = 0;
+  size_t halved = 0;
+  for (size_t k = 0; k < frames; ++k) {
+    const TruthFrame& frame = frame_at(scene, k);
+    for (Run& run : runs) run.step(session, frame, k == 0);
+    if (known == 0) known = double(runs[2].found().half_distance);
+    halved += runs[3].method.stats(runs[3].method.recorded() - 1).halvings;
+    if (k < 2) continue;
+    apart.push_back(distance(frame.input, runs[0].now.shading, runs[1].now.shading));
+    if (k >= 12) kept.push_back(distance(frame.input, runs[0].now.shading, runs[3].now.shading));
+    if (k % 3 == 2)
+      for (Run& run : runs) run.judge(frame);
+  }
+  name(scene);
+  std::printf("%.3f | %.3f | %.2f | %.4f | %.4f | %zu of %zu | %.3f | %.2f | %.4f |\n", known,
+              mean(apart), ratio(runs[0], runs[1]), mean(runs[0].lmse), mean(runs[1].lmse), halved,
+              frames, mean(kept), ratio(runs[0], runs[3]), mean(runs[3].lmse));
+}
+
+/// Change of reflectance from the frame before, the change of a run without crossing taken out.
+void crossing(DeviceSession& session, const Scene& scene, size_t) {
+  if (!scene.video) return;
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  constexpr size_t kDown = 10, kUp = 20, kEnd = 30;
+  Run stays{session, extent, {}}, small{session, extent, {}}, carried{session, extent, {}},
+      forgets{session, extent, {}};
+  small.params.half_resolution = true;
+  const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, gauge removed
+    double sum = 0, squares = 0, count = 0;
+    const auto bright = [](const Image& r, size_t i) {
+      return std::log(double(r.data[3 * i]) + double(r.data[3 * i + 1]) +
+                      double(r.data[3 * i + 2]) + 0.01);
     };
-    const size_t n = std::min<size_t>(scene.frames.size(), 10);
-    double maxbind = 0, maxgate = 0, dv = 0, dc = 0, db = 0, dbc = 0, count = 0, lf = 0, lh = 0, lb = 0, hc = 0;
-    for (size_t k = 0; k < n; ++k) {
-      const Image& in = scene.frames[k].input;
-      const bool reset = !scene.video || k == 0;
-      const auto f = run(full, pf, in, reset), h = run(half, ph, in, reset), b = run(nobins, pb, in, reset);
-      const auto fnd = full.findings(full.recorded() - 1);
-      maxbind = std::max<double>(maxbind, fnd.binding), maxgate = std::max<double>(maxgate, fnd.gate);
-      if (scene.video && k < std::min<size_t>(2, n - 1)) continue;
-      const auto cf = run(cold, pf, in, true), ch = run(cold, ph, in, true), cb = run(cold, pb, in, true);
-      ++count;
-      dv += rms(f.shading, h.shading);
-      dc += rms(cf.shading, ch.shading);
-      hc += rms(f.shading, ch.shading);
-      db += rms(f.shading, b.shading);
-      dbc += rms(cf.shading, cb.shading);
-      if (!scene.frames[k].reflectance.empty()) {
-        const auto l = [&](const Decomposition& d) { return score(d.reflectance, d.shading, scene.frames[k].reflectance, scene.frames[k].shading, scene.frames[k].mask).lmse20; };
-        lf += l(f), lh += l(h), lb += l(b);
-      }
+    for (size_t i = 0; i < run.now.shading.data.size(); ++i) {
+      const double d = bright(run.now.reflectance, i) - bright(run.before.reflectance, i);
+      sum += d, squares += d * d, ++count;
     }
-    const auto fi = full.findings(full.recorded() - 1);
-    std::printf("est %.4f fits %d | binding %.4f gate %.4f | ", 0.0, 0, maxbind, maxgate); (void)fi;
-    std::printf("%-20s %-14s %4ux%-4u half: video %.4f cold %.4f fullvid-coldhalf %.4f | bins: video %.4f cold %.4f | lmse full %.4f half %.4f nobins %.4f\n", scene.set.c_str(), scene.name.c_str(), extent.width, extent.height, dv / count, dc / count, hc / count, db / count, dbc / count, lf / count, lh / count, lb / count);
+    return std::sqrt(std::max(squares / count - sum * sum / count / count, 0.0));
+  };
+  std::vector<double> rows[4];
+  for (size_t k = 0; k < kEnd; ++k) {
+    const TruthFrame& frame = frame_at(scene, k);
+    carried.params.half_resolution = forgets.params.half_resolution = k >= kDown && k < kUp;
+    for (Run* run : {&stays, &small, &carried}) run->step(session, frame, k == 0);
+    forgets.step(session, frame, k == 0 || k == kDown || k == kUp);
+    if (k < kDown - 2) continue;
+    const Run* all[] = {&stays, &small, &carried, &forgets};
+    for (size_t i = 0; i < 4; ++i) rows[i].push_back(step_of(*all[i]));
+  }
+  name(scene);
+  const auto show = [&](const std::vector<double>& row) {
+    const size_t down = 2, up = down + kUp - kDown;
+    std::printf("%.3f, %.3f, %.3f, %.3f; %.3f, %.3f, %.3f, %.3f | ", row[down - 1], row[down],
+                row[down + 1], row[down + 2], row[up - 1], row[up], row[up + 1], row[up + 2]);
+  };
+  for (const auto& row : rows) show(row);
+  std::printf("\n");
+}
+
+void run(int argc, char** argv) {
+  std::string what = argc > 1 ? argv[1] : "";
+  const auto measure = what == "terms"      ? terms
+                       : what == "half"     ? half
+                       : what == "crossing" ? crossing
+                                            : nullptr;
+  std::vector<std::filesystem::path> files;
+  size_t frames = 24;
+  for (int i = 2; i < argc; ++i) {
+    if (std::string(argv[i]) == "--frames" && i + 1 < argc)
+      frames = size_t(std::max(4, std::stoi(argv[++i])));
+    else
+      for (const auto& entry : std::filesystem::directory_iterator(argv[i]))
+        files.push_back(entry.path());
+  }
+  if (!measure || files.empty())
+    throw std::runtime_error("usage: leave-out-bench terms|half|crossing [--frames N] FOLDER…");
+  std::sort(files.begin(), files.end());
+  DeviceSession session("");
+  for (const auto& file : files) {
+    measure(session, load(file), frames);
     std::fflush(stdout);
   }
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) try {
+  inverse::bench::run(argc, argv);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "leave-out-bench: %s\n", error.what());
+  return 1;
 }
