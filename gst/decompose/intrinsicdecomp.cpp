@@ -27,9 +27,8 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     const Params set = parameters_.snapshot();
     method_->prepare(set.halvings());
     // A change of resolution that waits for it would be late itself.
-    const bool trades = set.target_fps > 0 || set.latency_budget > 0;
-    if (trades || (set.adaptive && set.half_bound > 0)) method_->prepare(1);
-    if (trades) method_->prepare(2);
+    if (set.target_fps > 0 || set.latency_budget > 0)
+      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
   }
 
  protected:

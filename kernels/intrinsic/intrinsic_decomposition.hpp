@@ -42,7 +42,7 @@ class IntrinsicDecomposition {
     float chroma_tolerance = 0.005F;
     /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
     /// the frame before; 0: never.
-    float hold_tolerance = 0.02F;
+    float hold_tolerance = 0.06F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {

@@ -16,11 +16,11 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.settled = kSettled;
 }
 
-/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade). Only one step changes the
-/// resolution, which makes the method forget earlier frames.
+/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade).
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.48, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
+      {{0.39, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
+       {0.48, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
        {0.55, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
        {0.60, intrinsic_level<1, 4, 2, 0.05F, 0.01F>},
        {0.68, intrinsic_level<1, 8, 4, 0.05F, 0.003F>},
@@ -30,7 +30,7 @@ inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
        {1.24, intrinsic_level<0, 8, 4, 0.05F, 0.003F>},
        {1.53, intrinsic_level<0, 12, 8, 0.05F, 0.001F>},
        {2.93, intrinsic_level<0, 24, 24, 0.05F, 1e-4F>}},
-      {2, 5, 7, 9}};
+      {3, 6, 8, 10}};
   return ladder;
 }
 

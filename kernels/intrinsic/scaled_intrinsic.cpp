@@ -5,9 +5,9 @@
 namespace inverse {
 
 ScaledIntrinsic::ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
-    : device_(std::move(device)), extent_(extent) {}
+    : device_(std::move(device)), extent_(extent), fade_(device_, extent) {}
 
-void ScaledIntrinsic::prepare(size_t halvings) {
+void ScaledIntrinsic::set_up(size_t halvings) {
   Extent extent = extent_;
   for (size_t k = 0; k < halvings; ++k, extent = half_of(extent))
     if (!steps_[k]) steps_[k].emplace(device_, extent);
@@ -21,6 +21,7 @@ void ScaledIntrinsic::judge(const Params& params) {
   if (method(done.stats.halvings).findings(done.number).cut) {
     compare_at_ = since_reset_ + 1;
     interval_ = kNext;
+    fade_.stop();
   }
   if (!done.stats.compared) return;
   half_distance_ = distance_->value(recorded_);
@@ -30,6 +31,13 @@ void ScaledIntrinsic::judge(const Params& params) {
   const bool far = !fits_ && half_distance_ > 1.5F * params.half_bound;
   interval_ = far && !fitted ? std::min(2 * interval_, kMostNext) : kNext;
   compare_at_ = since_reset_ + interval_;
+  // Half resolution is set up again when it is next looked at.
+  const bool used = std::any_of(taken_.begin(), taken_.end(),
+                                [](const Taken& frame) { return frame.stats.halvings == 1; });
+  if (far && !used && !stays_[1]) {
+    methods_[1].reset();
+    if (!methods_[2]) steps_[0].reset();
+  }
 }
 
 size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
@@ -39,6 +47,7 @@ size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
     interval_ = kNext;
     fits_ = false;
     half_distance_ = 0;
+    fade_.stop();
   }
   const size_t asked = params.halvings();
   if (asked > 0 || !params.adaptive || params.half_bound <= 0) {
@@ -51,7 +60,7 @@ size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
 
 PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                                 const Params& params, const FrameInfo& info) {
-  prepare(halvings);
+  set_up(halvings);
   std::array<PlanePtr, kResolutions> inputs{input};
   for (size_t k = 0; k < halvings; ++k) {
     inputs[k + 1] = steps_[k]->inputs.acquire();
@@ -73,7 +82,7 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
 
 void ScaledIntrinsic::take_over(gpu::Commands& commands, size_t from, size_t to,
                                 PlanePtr intrinsic) {
-  prepare(to);
+  set_up(to);
   for (size_t k = 0; k < to; ++k) {
     const PlanePtr smaller = steps_[k]->inputs.acquire();
     steps_[k]->halve.record(commands, *intrinsic, *smaller);
@@ -87,8 +96,17 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& info) {
   const size_t now = choose(params, info);
   const bool crossed = recorded_ > 0 && now != was_ && !info.reset;
-  if (crossed) take_over(commands, was_, now, solve(commands, was_, input, params, info));
+  PlanePtr shown;
+  if (crossed) {
+    const PlanePtr old = solve(commands, was_, input, params, info);
+    shown = fade_.record(commands, input, old);
+    take_over(commands, was_, now, old);
+  }
   const PlanePtr intrinsic = solve(commands, now, input, params, info);
+  if (crossed)
+    fade_.start(commands, input, shown, intrinsic);
+  else
+    shown = fade_.record(commands, input, intrinsic);
   Taken& taken = taken_[recorded_ % taken_.size()];
   taken = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
            method(now).recorded() - 1,
@@ -107,8 +125,8 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   ++recorded_;
   ++since_reset_;
   commands.keep(input);
-  commands.keep(intrinsic);
-  return intrinsic_layers(input, intrinsic);
+  commands.keep(shown);
+  return intrinsic_layers(input, shown);
 }
 
 void ScaledIntrinsic::reset() {
@@ -117,6 +135,9 @@ void ScaledIntrinsic::reset() {
   since_reset_ = 0;
   compare_at_ = kFirst;
   interval_ = kNext;
+  fits_ = false;
+  half_distance_ = 0;
+  fade_.stop();
 }
 
 ScaledIntrinsic::Findings ScaledIntrinsic::findings(uint64_t frame) const {

@@ -8,13 +8,15 @@
 #include "guided_upsample.hpp"
 #include "intrinsic_decomposition.hpp"
 #include "layer_distance.hpp"
+#include "layer_fade.hpp"
 
 namespace inverse {
 
 /// IntrinsicDecomposition at the frame's resolution or, for less time, on a frame that is halved
 /// once or twice, with guided upsampling of shading. What was found at one resolution carries over
-/// to the next: the frame at which it changes is solved at both. Each resolution is set up when it
-/// is first needed: `prepare` does it beforehand. Not thread-safe.
+/// to the next: the frame at which it changes is solved at both, and the layers that go out fade
+/// from one to the other. Each resolution is set up when it is first needed: `prepare` does it
+/// beforehand. Not thread-safe.
 class ScaledIntrinsic {
  public:
   struct Params : IntrinsicDecomposition::Params {
@@ -23,7 +25,7 @@ class ScaledIntrinsic {
     bool quarter_resolution = false;
     /// Distance of log shading between half and full resolution, rms (LayerDistance), 0…1, below
     /// which half is chosen by itself where `adaptive` is on; 0: never.
-    float half_bound = 0;
+    float half_bound = 0.06F;
     /// How often the frame is halved before it is solved, as far as it is not a matter of
     /// half_bound.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
@@ -42,7 +44,10 @@ class ScaledIntrinsic {
   ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Throws Error(limit) where frames of this size do not fit the device.
-  void prepare(size_t halvings);
+  void prepare(size_t halvings) {
+    set_up(halvings);
+    stays_[halvings] = true;
+  }
   /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
@@ -81,6 +86,7 @@ class ScaledIntrinsic {
   };
   const Taken& taken(uint64_t frame) const { return taken_[frame % taken_.size()]; }
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
+  void set_up(size_t halvings);
   size_t choose(const Params& params, const FrameInfo& info);
   void judge(const Params& params);
   /// The frame's intrinsic plane, solved after `halvings`.
@@ -92,7 +98,9 @@ class ScaledIntrinsic {
   Extent extent_;
   std::array<std::optional<IntrinsicDecomposition>, kResolutions> methods_;
   std::array<std::optional<Step>, kResolutions - 1> steps_;  // [k] from k halvings to k + 1
+  std::array<bool, kResolutions> stays_{};                   // set up for good
   std::optional<LayerDistance> distance_;
+  LayerFade fade_;
   std::array<Taken, gpu::kFramesInFlight> taken_{};
   uint64_t recorded_ = 0;
   size_t was_ = 0;            // halvings of the frame before

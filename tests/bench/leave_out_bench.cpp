@@ -2,7 +2,7 @@
 // pixels, half of the resolution. How much time that saves, how much it changes, and what was known
 // beforehand. And what is seen where the resolution changes.
 //
-//   leave-out-bench terms|half|crossing [--frames N] FOLDER…
+//   leave-out-bench terms|half|crossing|cheap [--frames N] FOLDER…
 //
 // The folders hold scenes as ./dev bench keeps them (build-bench/tests/bench/scenes; import-scenes)
 // or, named .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are
@@ -117,15 +117,16 @@ const TruthFrame& frame_at(const Scene& scene, size_t k) {
 void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
-  Params all, bins, pixels;
-  all.chroma_tolerance = all.hold_tolerance = 0;
+  Params all, bins, pixels, chosen;
+  chosen.half_bound = 0;
+  all.chroma_tolerance = all.hold_tolerance = all.half_bound = 0;
   bins = pixels = all;
   bins.prior.chroma_weight = 0;  // as where they are left out
   pixels.hold_tolerance = 1;
   Run runs[] = {{session, extent, all},
                 {session, extent, bins},
                 {session, extent, pixels},
-                {session, extent, {}}};
+                {session, extent, chosen}};
   double binding = 0, gate = 0;
   std::vector<double> change[4];
   for (size_t k = 0; k < frames; ++k) {
@@ -154,9 +155,9 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
   Params full, small, looking, chosen;
+  full.half_bound = 0;
   small.half_resolution = true;
   looking.half_bound = 1e-6F;  // looks and stays
-  chosen.half_bound = 0.05F;
   Run runs[] = {{session, extent, full},
                 {session, extent, small},
                 {session, extent, looking},
@@ -190,6 +191,7 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   Run stays{session, extent, {}}, small{session, extent, {}}, carried{session, extent, {}},
       forgets{session, extent, {}};
   small.params.half_resolution = true;
+  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.half_bound = 0;
   const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, gauge removed
     double sum = 0, squares = 0, count = 0;
     const auto bright = [](const Image& r, size_t i) {
@@ -222,11 +224,47 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   std::printf("\n");
 }
 
+/// Settings of little work, and the presets that they have to compare with: time in relation to
+/// quality=medium, error.
+void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  struct Candidate {
+    size_t halvings;
+    uint32_t cycles, warm;
+    float tolerance, settled;
+  };
+  constexpr Candidate kCandidates[] = {
+      {0, 4, 2, 0.05F, 0.01F}, {1, 4, 2, 0.05F, 0.01F},  {1, 3, 1, 0.1F, 0.01F},
+      {1, 2, 1, 0.1F, 0.01F},  {2, 8, 4, 0.05F, 0.003F}, {2, 4, 2, 0.1F, 0.01F},
+      {2, 3, 1, 0.1F, 0.01F},  {2, 2, 1, 0.2F, 0.01F},   {2, 1, 1, 0.2F, 0.01F}};
+  std::vector<std::unique_ptr<Run>> runs;
+  for (const Candidate& c : kCandidates) {
+    Params params;
+    params.half_bound = 0, params.half_resolution = c.halvings > 0, params.quarter_resolution = c.halvings > 1;
+    params.cycles = c.cycles, params.warm_cycles = c.warm;
+    params.still_tolerance = c.tolerance, params.settled = c.settled;
+    runs.push_back(std::make_unique<Run>(session, extent, params));
+  }
+  const size_t count = scene.video ? frames : scene.frames.size();
+  for (size_t k = 0; k < count; ++k) {
+    const TruthFrame& frame = scene.video ? frame_at(scene, k) : scene.frames[k];
+    for (auto& run : runs) {
+      run->step(session, frame, k == 0 || !scene.video);
+      if (!scene.video || k % 3 == 2) run->judge(frame);
+    }
+  }
+  name(scene);
+  for (const auto& run : runs) std::printf("%.2f %.4f | ", ratio(*runs[0], *run), mean(run->lmse));
+  std::printf("\n");
+}
+
 void run(int argc, char** argv) {
   std::string what = argc > 1 ? argv[1] : "";
   const auto measure = what == "terms"      ? terms
                        : what == "half"     ? half
                        : what == "crossing" ? crossing
+                       : what == "cheap"    ? cheap
                                             : nullptr;
   std::vector<std::filesystem::path> files;
   size_t frames = 24;
@@ -238,7 +276,8 @@ void run(int argc, char** argv) {
         files.push_back(entry.path());
   }
   if (!measure || files.empty())
-    throw std::runtime_error("usage: leave-out-bench terms|half|crossing [--frames N] FOLDER…");
+    throw std::runtime_error(
+        "usage: leave-out-bench terms|half|crossing|cheap [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   for (const auto& file : files) {
