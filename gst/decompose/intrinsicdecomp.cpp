@@ -41,16 +41,15 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT,
-                      method.levels, "half-resolution", G_TYPE_BOOLEAN, method.halvings > 0,
-                      "halvings", G_TYPE_UINT, static_cast<guint>(method.halvings),
-                      "half-distance", G_TYPE_DOUBLE, static_cast<double>(found.half_distance),
-                      "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
-                      "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
-                      G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
-                      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles,
-                      "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "skipped",
-                      G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(
+        stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT, method.levels,
+        "half-resolution", G_TYPE_BOOLEAN, method.halvings > 0, "halvings", G_TYPE_UINT,
+        static_cast<guint>(method.halvings), "half-distance", G_TYPE_DOUBLE,
+        static_cast<double>(found.half_distance), "history", G_TYPE_BOOLEAN, method.history, "cut",
+        G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch),
+        "change", G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
+        static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated",
+        G_TYPE_UINT, found.tiles_evaluated, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
