@@ -6,6 +6,7 @@ namespace inverse {
 extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
+extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicRecolor;
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 }  // namespace inverse
@@ -16,6 +17,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
            &inverse::kIntrinsicRecolor,
+           &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicCompose,
        })
     if (!inverse::register_filter(plugin, *element)) return FALSE;

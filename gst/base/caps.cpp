@@ -15,10 +15,10 @@ constexpr const char* kGrayFormats = "GRAY8, GRAY16_LE";
 constexpr const char* kGeometry =
     "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
 
-GstCaps* layer_caps() {
+GstCaps* layer_caps(const char* layers) {
   const std::string text = std::string("video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                                       "), format = (string) RGBA, layers = (string) intrinsic, ") +
-                           kGeometry;
+                                       "), format = (string) RGBA, layers = (string) ") +
+                           layers + ", " + kGeometry;
   return gst_caps_from_string(text.c_str());
 }
 
@@ -98,19 +98,19 @@ GstCaps* pixel_caps(Prefer prefer) {
   return gst_caps_from_string(text.c_str());
 }
 
-GstCaps* template_caps(Flow flow) {
+GstCaps* template_caps(Flow flow, const char* layers) {
   switch (flow) {
     case Flow::pixels:
       return with_images(pixel_caps());
     case Flow::layers:
-      return layer_caps();
+      return layer_caps(layers);
     case Flow::pixels_or_layers: {
       GstCaps* caps = pixel_caps();
-      gst_caps_append(caps, layer_caps());
+      gst_caps_append(caps, layer_caps(layers));
       return with_images(caps);
     }
     case Flow::layers_or_pixels: {
-      GstCaps* caps = layer_caps();
+      GstCaps* caps = layer_caps(layers);
       gst_caps_append(caps, pixel_caps());
       return with_images(caps);
     }
@@ -129,18 +129,26 @@ bool carries_images(const GstCaps* caps) {
          gst_caps_features_contains(gst_caps_get_features(caps, 0), kVulkanImageFeature);
 }
 
-GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter) {
-  GstCaps* templates = template_caps(to);
+bool carries_kind(const GstCaps* caps, const char* layers) {
+  return carries_layers(caps) &&
+         g_strcmp0(gst_structure_get_string(gst_caps_get_structure(caps, 0), "layers"), layers) ==
+             0;
+}
+
+GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter) {
   GstCaps* result = gst_caps_new_empty();
   for (guint t = 0; t < gst_caps_get_size(templates); ++t) {
     for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
       // What describes the picture's shape in space and time carries over; how it is coded does
       // not.
       GstStructure* structure = gst_structure_copy(gst_caps_get_structure(caps, i));
-      for (const char* field : {"format", "colorimetry", "chroma-site", "layers"})
+      for (const char* field : {"format", "colorimetry", "chroma-site"})
         gst_structure_remove_field(structure, field);
+      const GstCapsFeatures* to = gst_caps_get_features(templates, t);
+      if (!gst_caps_features_is_equal(gst_caps_get_features(caps, i), to))
+        gst_structure_remove_field(structure, "layers");
       GstCaps* wide = gst_caps_new_full(structure, nullptr);
-      gst_caps_set_features(wide, 0, gst_caps_features_copy(gst_caps_get_features(templates, t)));
+      gst_caps_set_features(wide, 0, gst_caps_features_copy(to));
       GstCaps* one = gst_caps_copy_nth(templates, t);
       // Merged in order: simplifying would sort, and the first is what others prefer.
       result = gst_caps_merge(result, gst_caps_intersect_full(wide, one, GST_CAPS_INTERSECT_FIRST));

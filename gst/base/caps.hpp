@@ -20,8 +20,17 @@ enum class Flow {
 enum class Prefer { color, gray };
 GstCaps* pixel_caps(Prefer prefer = Prefer::color);
 
-/// Template caps for a pad of this kind. New reference.
-GstCaps* template_caps(Flow flow);
+/// Kinds of layers, as caps name them: reflectance and shading; these, and layers of light.
+inline constexpr const char* kIntrinsicLayers = "intrinsic";
+inline constexpr const char* kGlobalLayers = "global";
+/// Both, for who takes either.
+inline constexpr const char* kAnyLayers = "{ intrinsic, global }";
+
+/// Template caps for a pad of this kind; `layers` is one of the kinds above. New reference.
+GstCaps* template_caps(Flow flow, const char* layers);
+
+/// Whether these (fixed) caps carry layers of this kind.
+bool carries_kind(const GstCaps* caps, const char* layers);
 
 /// Whether these (fixed) caps carry layers.
 bool carries_layers(const GstCaps* caps);
@@ -29,10 +38,10 @@ bool carries_layers(const GstCaps* caps);
 /// Whether these (fixed) caps are of images in memory:VulkanImage.
 bool carries_images(const GstCaps* caps);
 
-/// GstBaseTransform::transform_caps for filters: size, frame rate and aspect ratio stay; format and
-/// colorimetry are free, as our own kernels convert. `to` is the kind of flow on the other pad. New
-/// reference.
-GstCaps* transform_caps(GstCaps* caps, Flow to, GstCaps* filter);
+/// GstBaseTransform::transform_caps for filters: size, frame rate, aspect ratio and the kind of
+/// layers stay; format and colorimetry are free, as our own kernels convert. `templates`, which it
+/// takes over, are those of the other pad. New reference.
+GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 
 /// The same caps with layers first. What GstBaseTransform answers puts what passes through
 /// unchanged first, which for an editor's sink is what it will refuse. New reference.

@@ -83,7 +83,8 @@ void set_context(GstElement* element, GstContext* context) {
 GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, GstCaps* caps,
                         GstCaps* filter) {
   const ElementInfo& info = info_of(transform);
-  return inverse::transform_caps(caps, direction == GST_PAD_SINK ? info.src : info.sink, filter);
+  return inverse::transform_caps(
+      caps, direction == GST_PAD_SINK ? info.src_caps() : info.sink_caps(), filter);
 }
 
 GstCaps* fixate_caps(GstBaseTransform*, GstPadDirection, GstCaps* caps, GstCaps* other) {
@@ -255,8 +256,7 @@ void base_class_init(gpointer klass, gpointer) {
 }
 
 void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
-                  inverse::Flow flow) {
-  GstCaps* caps = inverse::template_caps(flow);
+                  GstCaps* caps) {
   gst_element_class_add_pad_template(element,
                                      gst_pad_template_new(name, direction, GST_PAD_ALWAYS, caps));
   gst_caps_unref(caps);
@@ -268,8 +268,8 @@ void element_class_init(gpointer klass, gpointer data) {
   auto* element = GST_ELEMENT_CLASS(klass);
   gst_element_class_set_static_metadata(element, info.long_name, info.klass, info.description,
                                         "the gst-inverse authors");
-  add_template(element, "sink", GST_PAD_SINK, info.sink);
-  add_template(element, "src", GST_PAD_SRC, info.src);
+  add_template(element, "sink", GST_PAD_SINK, info.sink_caps());
+  add_template(element, "src", GST_PAD_SRC, info.src_caps());
   auto* object = G_OBJECT_CLASS(klass);
   object->get_property = get_property;  // GObject does not inherit these two
   object->set_property = set_property;

@@ -62,8 +62,18 @@ struct ElementInfo {
   const char* klass;        ///< "Filter/Effect/Video"
   const char* description;  ///< one sentence
   Flow sink, src;
-  /// What to insert before this element where pixels come to an editor.
+  /// Of a decomposer: the kind of layers that it makes. Of an editor: the kind that it needs, or
+  /// kAnyLayers.
+  const char* layers;
+  /// What to insert before this element where an editor gets what it cannot work on.
   const char* needs;
+
+  /// Caps of its pads. New references. An editor's sink takes all layers, to refuse what is not
+  /// enough for it with a helpful error.
+  GstCaps* sink_caps() const { return template_caps(sink, kAnyLayers); }
+  GstCaps* src_caps() const {
+    return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
+  }
   std::unique_ptr<Filter> (*create)();
 };
 

@@ -96,6 +96,13 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
          in));
     return false;
   }
+  if (in_layers_ && g_strcmp0(info_.layers, kAnyLayers) != 0 && !carries_kind(in, info_.layers)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("%s needs %s layers; put %s in the place of the decomposer before it",
+                       name.c_str(), info_.layers, info_.needs),
+                      ("got %" GST_PTR_FORMAT, in));
+    return false;
+  }
   if (!gst_video_info_from_caps(&in_info_, in) || !gst_video_info_from_caps(&out_info_, out)) {
     GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
                       ("%s cannot make sense of the video format", name.c_str()),

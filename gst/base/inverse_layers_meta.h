@@ -1,9 +1,10 @@
 /* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
  *
  * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
- * carry this meta and no pixels; the layers live on the Vulkan device. This header is all that is
- * needed: no library to link. Layers come to host memory and go back as GBytes of float32 RGBA,
- * width * height * 16 bytes, rows from the top, no padding.
+ * (or `global`, where light has layers of its own) carry this meta and no pixels; the layers live
+ * on the Vulkan device. This header is all that is needed: no library to link. Layers come to host
+ * memory and go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no
+ * padding.
  *
  * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
  */
@@ -21,12 +22,27 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_MODEL: reflectance RGB and shading (w) as the decomposer made them
  * @GST_INVERSE_ROLE_INTRINSIC: reflectance RGB and shading (w), edited along the chain
  * @GST_INVERSE_ROLE_MASK: x = matte 0...1
+ * @GST_INVERSE_ROLE_MODEL_LIGHT: light as the decomposer made it
+ * @GST_INVERSE_ROLE_LIGHT: of `global` frames: the color of light, RGB, so that reflectance times
+ * shading times it is the frame; its mean is 1 where nothing was edited. w = share of the shading
+ * that is direct and white
+ * @GST_INVERSE_ROLE_INDIRECT_0: shares of the shading that bounced off surfaces of base colors
+ * 0...3; the next three planes go on to 15, and are absent where there are no such colors
+ * @GST_INVERSE_ROLE_BASES: the 16 base colors, RGB; w = 1, or 0 where there is no such color. 16
+ * pixels in place of width * height
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
   GST_INVERSE_ROLE_MODEL,
   GST_INVERSE_ROLE_INTRINSIC,
   GST_INVERSE_ROLE_MASK,
+  GST_INVERSE_ROLE_MODEL_LIGHT,
+  GST_INVERSE_ROLE_LIGHT,
+  GST_INVERSE_ROLE_INDIRECT_0,
+  GST_INVERSE_ROLE_INDIRECT_1,
+  GST_INVERSE_ROLE_INDIRECT_2,
+  GST_INVERSE_ROLE_INDIRECT_3,
+  GST_INVERSE_ROLE_BASES,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;

@@ -34,15 +34,16 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   if (!gst_buffer_is_writable(meta->buffer)) return FALSE;  // somebody else's frame, too
   Layers& layers = layers_in(meta);
   if (static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return FALSE;
-  if (!layers[Role::intrinsic] || g_bytes_get_size(data) != layers.extent.pixels() * 16)
-    return FALSE;
+  const Extent extent =
+      static_cast<Role>(role) == Role::bases ? Extent{kMaxBases, 1} : layers.extent;
+  if (!layers[Role::intrinsic] || g_bytes_get_size(data) != extent.pixels() * 16) return FALSE;
   try {
     const auto device = layers[Role::intrinsic]->buffer->device();
-    const auto host = gpu::Buffer::create(device, gpu::Element::vec4, layers.extent.pixels(),
-                                          gpu::Memory::upload);
+    const auto host =
+        gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
     memcpy(host->map(), g_bytes_get_data(data, nullptr), host->bytes());
-    const auto plane = std::make_shared<Plane>(Plane{
-        layers.extent, gpu::Buffer::create(device, gpu::Element::vec4, layers.extent.pixels())});
+    const auto plane = std::make_shared<Plane>(
+        Plane{extent, gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())});
     gpu::Commands commands(device);
     commands.begin();
     commands.copy(host, plane->buffer, host->bytes());

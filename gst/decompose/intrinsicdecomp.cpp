@@ -186,6 +186,7 @@ const ElementInfo kIntrinsicDecomp{"intrinsicdecomp",
                                    "and shading (light without color)",
                                    Flow::pixels,
                                    Flow::pixels_or_layers,
+                                   kIntrinsicLayers,
                                    nullptr,
                                    [] { return std::unique_ptr<Filter>(new IntrinsicElement); }};
 

@@ -138,6 +138,7 @@ const ElementInfo kIntrinsicDecompThesis{
     "faster and more accurate",
     Flow::pixels,
     Flow::pixels_or_layers,
+    kIntrinsicLayers,
     nullptr,
     [] { return std::unique_ptr<Filter>(new ThesisElement); }};
 

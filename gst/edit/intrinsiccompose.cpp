@@ -2,15 +2,27 @@
 #include <optional>
 
 #include "base/filter.hpp"
+#include "base/light_pictures.hpp"
 #include "edit/compose.hpp"
 
 namespace inverse {
 namespace {
 
-enum class Show { composed, reflectance, shading, input, mask, difference };
+enum class Show {
+  composed,
+  reflectance,
+  shading,
+  input,
+  mask,
+  difference,
+  direct,
+  indirect,
+  layer
+};
 
 struct Params : ComposeParams {
   Show show = Show::composed;
+  int layer = 0;  ///< of Show::layer
 };
 
 const PropertyTable<Params>& table() {
@@ -19,12 +31,21 @@ const PropertyTable<Params>& table() {
       choice<P>("show", &P::show, "GstInverseComposeShow",
                 {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
                  {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
-                 {static_cast<int>(Show::shading), "shading", "Shading, edited, as gray"},
+                 {static_cast<int>(Show::shading), "shading",
+                  "Shading, edited: gray, or in color where light has layers"},
                  {static_cast<int>(Show::input), "input", "The frame as it came in"},
                  {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
                  {static_cast<int>(Show::difference), "difference",
-                  "What the edits changed, on middle gray"}},
+                  "What the edits changed, on middle gray"},
+                 {static_cast<int>(Show::direct), "direct",
+                  "Light that comes straight from the lamps (globalintrinsic)"},
+                 {static_cast<int>(Show::indirect), "indirect",
+                  "Light that bounced off surfaces, in color (globalintrinsic)"},
+                 {static_cast<int>(Show::layer), "layer",
+                  "Light that bounced off surfaces of one base color, see layer"}},
                 "What to show"),
+      number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
+                "The base color whose layer show=layer shows"),
       choice<P>(
           "residual", &P::residual, "GstInverseResidual",
           {{static_cast<int>(Residual::add), "add",
@@ -46,7 +67,10 @@ class ComposeElement final : public Filter {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     compose_.emplace(device, extent);
   }
-  void release() override { compose_.reset(); }
+  void release() override {
+    compose_.reset();
+    pictures_ = {};
+  }
 
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
@@ -61,7 +85,7 @@ class ComposeElement final : public Filter {
       case Show::reflectance:
         return {frame.layers[Role::intrinsic]};
       case Show::shading:
-        return {frame.layers[Role::intrinsic], true};
+        return pictures_.shading(frame.commands, frame.layers);
       case Show::input:
         return {frame.layers[Role::input]};
       case Show::mask:
@@ -72,14 +96,26 @@ class ComposeElement final : public Filter {
         return {compose_->record_mask(frame.commands, frame.layers)};
       case Show::difference:
         return {compose_->record_difference(frame.commands, frame.layers)};
+      case Show::direct:
+        return light(frame, LightPicture::What::direct);
+      case Show::indirect:
+        return light(frame, LightPicture::What::indirect);
+      case Show::layer:
+        return light(frame, LightPicture::What::layer, params.layer);
       case Show::composed:
         break;
     }
     return {compose_->record(frame.commands, frame.layers, params)};
   }
 
+  Picture light(FrameWork& frame, LightPicture::What what, int base = 0) {
+    return pictures_.draw(frame.commands, frame.layers, what, "intrinsiccompose",
+                          static_cast<uint32_t>(base));
+  }
+
   Parameters<Params> parameters_{table()};
   std::optional<Compose> compose_;
+  LightPictures pictures_;
 };
 
 }  // namespace
@@ -93,6 +129,7 @@ const ElementInfo kIntrinsicCompose{
     "Puts decomposed video together again, with the edits made to its layers",
     Flow::layers_or_pixels,
     Flow::pixels,
+    kAnyLayers,
     "intrinsicdecomp",
     [] { return std::unique_ptr<Filter>(new ComposeElement); }};
 

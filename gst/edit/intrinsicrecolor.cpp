@@ -122,6 +122,7 @@ const ElementInfo kIntrinsicRecolor{
     "Gives one color of a decomposed scene another, under the light that there is",
     Flow::layers_or_pixels,
     Flow::layers,
+    kAnyLayers,
     "intrinsicdecomp",
     [] { return std::unique_ptr<Filter>(new RecolorElement); }};
 

@@ -1,6 +1,9 @@
 // intrinsicsplit: sends single layers of decomposed video as ordinary video, one request pad each.
 #include <gst/gst.h>
 
+#include <cstring>
+#include <string>
+
 #include "base/caps.hpp"
 #include "split_element.hpp"
 
@@ -54,17 +57,41 @@ gboolean src_query(GstPad* pad, GstObject* parent, GstQuery* query) {
   return split_of(parent).src_query(pad, query);
 }
 
-GstPad* request_new_pad(GstElement* element, GstPadTemplate* pad_template, const gchar*,
+std::string indirect_name(uint32_t base) { return "indirect_" + std::to_string(base); }
+
+/// The base color of a pad "indirect_%u": what its name says, or the first that is free.
+bool base_of(GstElement* element, const gchar* name, uint32_t* base) {
+  if (name && g_str_has_prefix(name, "indirect_")) {
+    guint64 number = 0;
+    if (!g_ascii_string_to_unsigned(name + strlen("indirect_"), 10, 0, inverse::kMaxBases - 1,
+                                    &number, nullptr))
+      return false;
+    *base = static_cast<uint32_t>(number);
+    return true;
+  }
+  for (*base = 0; *base < inverse::kMaxBases; ++*base) {
+    GstPad* pad = gst_element_get_static_pad(element, indirect_name(*base).c_str());
+    if (!pad) return true;
+    gst_object_unref(pad);
+  }
+  return false;
+}
+
+GstPad* request_new_pad(GstElement* element, GstPadTemplate* pad_template, const gchar* wanted,
                         const GstCaps*) {
   for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
     const auto layer = static_cast<SplitLayer>(i);
-    if (g_strcmp0(GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template), SplitBranch::name_of(layer)) != 0)
-      continue;
-    GstPad* pad = gst_pad_new_from_template(pad_template, SplitBranch::name_of(layer));
+    const char* name = SplitBranch::template_of(layer);
+    if (g_strcmp0(GST_PAD_TEMPLATE_NAME_TEMPLATE(pad_template), name) != 0) continue;
+    uint32_t base = 0;
+    const bool numbered = layer == SplitLayer::bounced;
+    if (numbered && !base_of(element, wanted, &base)) return nullptr;
+    GstPad* pad =
+        gst_pad_new_from_template(pad_template, numbered ? indirect_name(base).c_str() : name);
     gst_pad_set_event_function(pad, src_event);
     gst_pad_set_query_function(pad, src_query);
     gst_pad_set_active(pad, TRUE);
-    if (!split_of(element).add(pad, layer)) {
+    if (!split_of(element).add(pad, layer, base)) {
       gst_object_unref(pad);
       return nullptr;
     }
@@ -105,11 +132,11 @@ void class_init(gpointer klass, gpointer) {
                                         "video; what is not asked for is not drawn",
                                         "the gst-inverse authors");
   add_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-               inverse::template_caps(inverse::Flow::layers_or_pixels));
+               inverse::template_caps(inverse::Flow::layers_or_pixels, inverse::kAnyLayers));
   GstCaps* any = gst_caps_new_any();
   for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
     const auto layer = static_cast<SplitLayer>(i);
-    add_template(element, SplitBranch::name_of(layer), GST_PAD_SRC, GST_PAD_REQUEST,
+    add_template(element, SplitBranch::template_of(layer), GST_PAD_SRC, GST_PAD_REQUEST,
                  SplitBranch::caps_for(layer, any));
   }
   gst_caps_unref(any);

@@ -7,10 +7,11 @@
 namespace inverse {
 namespace {
 
-/// Scalar layers first offer gray.
-GstCaps* format_caps(SplitLayer layer) {
-  const bool scalar = layer == SplitLayer::shading || layer == SplitLayer::mask;
-  return pixel_caps(scalar ? Prefer::gray : Prefer::color);
+/// Scalar layers first offer gray, unless shading has color.
+GstCaps* format_caps(SplitLayer layer, bool colored) {
+  const bool scalar =
+      layer == SplitLayer::shading || layer == SplitLayer::mask || layer == SplitLayer::direct;
+  return pixel_caps(scalar && !colored ? Prefer::gray : Prefer::color);
 }
 
 /// Says in the caps which transfer curve the samples have, unless what follows insists on its own.
@@ -48,8 +49,8 @@ gboolean copy_meta(GstBuffer* source, GstMeta** meta, gpointer data) {
 
 }  // namespace
 
-SplitBranch::SplitBranch(GstPad* pad, SplitLayer layer)
-    : pad_(GST_PAD(gst_object_ref(pad))), layer_(layer) {
+SplitBranch::SplitBranch(GstPad* pad, SplitLayer layer, uint32_t base)
+    : pad_(GST_PAD(gst_object_ref(pad))), layer_(layer), base_(base) {
   gst_video_info_init(&info_);
 }
 
@@ -58,13 +59,23 @@ SplitBranch::~SplitBranch() {
   gst_object_unref(pad_);
 }
 
-const char* SplitBranch::name_of(SplitLayer layer) {
-  constexpr const char* kNames[] = {"reflectance", "shading", "mask", "input"};
+const char* SplitBranch::template_of(SplitLayer layer) {
+  constexpr const char* kNames[] = {"reflectance", "shading",  "mask",       "input",
+                                    "direct",      "indirect", "indirect_%u"};
   return kNames[static_cast<size_t>(layer)];
 }
 
+std::string SplitBranch::name() const {
+  gchar* name = gst_pad_get_name(pad_);
+  std::string result = name;
+  g_free(name);
+  return result;
+}
+
 GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
-  GstCaps* formats = format_caps(layer);
+  const bool colored = layer == SplitLayer::shading && !gst_caps_is_any(layers) &&
+                       !gst_caps_is_empty(layers) && carries_kind(layers, kGlobalLayers);
+  GstCaps* formats = format_caps(layer, colored);
   if (gst_caps_is_any(layers)) return formats;
   GstCaps* shapes = gst_caps_new_empty();
   for (guint i = 0; i < gst_caps_get_size(layers); ++i) {
@@ -81,6 +92,11 @@ GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
 
 void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   forget();
+  if (layer_ >= SplitLayer::direct && !carries_kind(layers, kGlobalLayers))
+    throw Error(ErrorKind::unsupported,
+                "these layers do not tell direct light from indirect, as pad " + name() +
+                    " of intrinsicsplit is to send it; put globalintrinsic in the place of the "
+                    "decomposer before it");
   gst_pad_check_reconfigure(pad_);  // this is what it asks for
   GstCaps* ours = caps_for(layer_, layers);
   GstCaps* caps = gst_pad_peer_query_caps(pad_, ours);
@@ -88,7 +104,7 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   if (gst_caps_is_empty(caps)) {
     gst_caps_unref(caps);
     throw Error(ErrorKind::unsupported,
-                std::string("what follows pad ") + name_of(layer_) +
+                std::string("what follows pad ") + name() +
                     " of intrinsicsplit takes none of its formats at this size; insert "
                     "videoconvert, and videoscale where the size differs");
   }
@@ -96,7 +112,7 @@ void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   describe_encoding(caps, params.encoding);
   try {
     if (!gst_video_info_from_caps(&info_, caps))
-      throw Error(ErrorKind::unsupported, std::string("pad ") + name_of(layer_) +
+      throw Error(ErrorKind::unsupported, std::string("pad ") + name() +
                                               " of intrinsicsplit was asked for an impossible "
                                               "video format");
     output_.emplace(info_, params.encoding == SplitParams::Encoding::linear);
@@ -137,7 +153,7 @@ void SplitBranch::choose_pool(GstCaps* caps) {
     pool = nullptr;
   }
   throw Error(ErrorKind::out_of_memory,
-              std::string("no buffers for pad ") + name_of(layer_) + " of intrinsicsplit");
+              std::string("no buffers for pad ") + name() + " of intrinsicsplit");
 }
 
 void SplitBranch::drop_pool() {
@@ -153,7 +169,7 @@ void SplitBranch::forget() {
   output_.reset();
 }
 
-void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Compose* compose,
+void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Tools& tools,
                          const SplitParams& params) {
   if (!readback_ || readback_->device() != commands.device()) {
     output_->configure(commands.device());
@@ -165,15 +181,26 @@ void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Compose*
       picture.gain = params.reflectance_scale;
       break;
     case SplitLayer::shading:
-      picture.scalar = true;
+      picture = tools.light.shading(commands, layers);
       picture.gain = params.shading_scale;
       break;
+    case SplitLayer::direct:
+    case SplitLayer::indirect:
+    case SplitLayer::bounced: {
+      using What = LightPicture::What;
+      const What what = layer_ == SplitLayer::direct     ? What::direct
+                        : layer_ == SplitLayer::indirect ? What::indirect
+                                                         : What::layer;
+      picture = tools.light.draw(commands, layers, what, "intrinsicsplit", base_);
+      picture.gain = params.shading_scale;
+      break;
+    }
     case SplitLayer::mask:
       if (!layers[Role::mask])
         throw Error(ErrorKind::unsupported,
                     "these layers have no mask for pad mask of intrinsicsplit; set "
                     "write-mask=true on an editor before it");
-      picture.plane = compose->record_mask(commands, layers);
+      picture.plane = tools.compose->record_mask(commands, layers);
       break;
     default:
       picture.plane = layers[Role::input];

@@ -3,14 +3,25 @@
 
 #include <atomic>
 #include <optional>
+#include <string>
 
 #include "base/frame_io.hpp"
+#include "base/light_pictures.hpp"
 #include "edit/compose.hpp"
 
 namespace inverse {
 
 /// What a pad of intrinsicsplit sends.
-enum class SplitLayer : uint8_t { reflectance, shading, mask, input, count };
+enum class SplitLayer : uint8_t {
+  reflectance,
+  shading,
+  mask,
+  input,
+  direct,
+  indirect,
+  bounced,  ///< off surfaces of one base color
+  count
+};
 
 /// How layers become video.
 struct SplitParams {
@@ -24,18 +35,21 @@ struct SplitParams {
 /// `released`, everything is the streaming thread's.
 class SplitBranch {
  public:
-  SplitBranch(GstPad* pad, SplitLayer layer);
+  /// `base` is the base color of SplitLayer::bounced.
+  SplitBranch(GstPad* pad, SplitLayer layer, uint32_t base);
   SplitBranch(const SplitBranch&) = delete;
   SplitBranch& operator=(const SplitBranch&) = delete;
   ~SplitBranch();
 
-  /// The name of the pads that send `layer`.
-  static const char* name_of(SplitLayer layer);
+  /// The name of the template of pads that send `layer`.
+  static const char* template_of(SplitLayer layer);
   /// What such a pad can send where layers of these caps come in (template: ANY). New reference.
   static GstCaps* caps_for(SplitLayer layer, const GstCaps* layers);
 
   GstPad* pad() const { return pad_; }
   SplitLayer layer() const { return layer_; }
+  /// The pad's own name.
+  std::string name() const;
 
   /// Agrees with what follows on how to send layers of these caps, sends the caps and takes a
   /// buffer pool. Throws Error(unsupported) where nothing suits.
@@ -44,9 +58,13 @@ class SplitBranch {
   /// Forgets what was agreed on.
   void forget();
 
-  /// Records drawing the layer. `compose` belongs to the layers' device and size and is only needed
-  /// for masks. Throws Error(unsupported) where the frame has no such layer.
-  void record(gpu::Commands& commands, const Layers& layers, Compose* compose,
+  /// What branches draw with; `compose` belongs to the layers' device and size.
+  struct Tools {
+    std::optional<Compose> compose;  // only needed for masks
+    LightPictures light;
+  };
+  /// Records drawing the layer. Throws Error(unsupported) where the frame has no such layer.
+  void record(gpu::Commands& commands, const Layers& layers, Tools& tools,
               const SplitParams& params);
   /// Once the commands are done: the drawn frame as a buffer with the times, flags and descriptions
   /// of `source`. `buffer` is set only where GST_FLOW_OK is returned.
@@ -63,6 +81,7 @@ class SplitBranch {
 
   GstPad* pad_;
   SplitLayer layer_;
+  uint32_t base_;
   GstVideoInfo info_;
   std::optional<FrameOutput> output_;
   gpu::BufferPtr readback_;  // null until the device is known

@@ -47,11 +47,12 @@ std::vector<SplitElement::BranchPtr> SplitElement::branches() const {
   return branches_;
 }
 
-bool SplitElement::add(GstPad* pad, SplitLayer layer) {
+bool SplitElement::add(GstPad* pad, SplitLayer layer, uint32_t base) {
   std::lock_guard lock(mutex_);
+  auto made = std::make_shared<SplitBranch>(pad, layer, base);
   for (const BranchPtr& branch : branches_)
-    if (branch->layer() == layer) return false;
-  branches_.push_back(std::make_shared<SplitBranch>(pad, layer));
+    if (branch->name() == made->name()) return false;
+  branches_.push_back(std::move(made));
   gst_flow_combiner_add_pad(combiner_, pad);
   return true;
 }
@@ -82,7 +83,7 @@ void SplitElement::stop() {
     branch->flow = GST_FLOW_OK;
   }
   commands_.reset();
-  compose_.reset();
+  tools_ = {};
   frames_ = 0;
 }
 
@@ -91,8 +92,7 @@ bool SplitElement::start(SplitBranch& branch) {
   if (branch.stream_started) return true;
   GstEvent* upstream = gst_pad_get_sticky_event(sink_, GST_EVENT_STREAM_START, 0);
   if (!upstream) return true;
-  gchar* id =
-      gst_pad_create_stream_id(branch.pad(), element_, SplitBranch::name_of(branch.layer()));
+  gchar* id = gst_pad_create_stream_id(branch.pad(), element_, branch.name().c_str());
   GstEvent* event = gst_event_new_stream_start(id);
   g_free(id);
   guint group = 0;
@@ -195,11 +195,12 @@ gboolean SplitElement::src_event(GstPad* pad, GstEvent* event) {
 }
 
 GstCaps* SplitElement::sink_caps(GstCaps* filter) {
-  GstCaps* result = template_caps(Flow::layers_or_pixels);
+  GstCaps* result = template_caps(Flow::layers_or_pixels, kAnyLayers);
   for (const BranchPtr& branch : branches()) {
     GstCaps* sends = SplitBranch::caps_for(branch->layer(), result);
     GstCaps* taken = gst_pad_peer_query_caps(branch->pad(), sends);
-    GstCaps* back = transform_caps(taken, Flow::layers_or_pixels, nullptr);
+    GstCaps* back =
+        transform_caps(taken, template_caps(Flow::layers_or_pixels, kAnyLayers), nullptr);
     GstCaps* both = gst_caps_intersect_full(result, back, GST_CAPS_INTERSECT_FIRST);
     // A pad that nothing suits is told by name when it is negotiated.
     if (gst_caps_is_empty(both)) std::swap(both, result);
@@ -224,7 +225,7 @@ GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
   }
   if (!layers) {
     // Pixels, too: pads must link, so that set_caps can say what is missing.
-    GstCaps* ours = template_caps(Flow::layers_or_pixels);
+    GstCaps* ours = template_caps(Flow::layers_or_pixels, kAnyLayers);
     layers = gst_pad_peer_query_caps(sink_, ours);
     gst_caps_unref(ours);
   }
@@ -278,7 +279,7 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
   const auto& device = layers[Role::intrinsic]->buffer->device();
   if (!commands_ || commands_->device() != device || extent_ != layers.extent) {
     commands_ = std::make_unique<gpu::Commands>(device);
-    compose_.reset();
+    tools_ = {};
     extent_ = layers.extent;
   }
   const SplitParams params = parameters_.snapshot();
@@ -289,8 +290,9 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
     if (branch.flow == GST_FLOW_EOS) continue;  // nobody looks at it any more
     branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
     if (branch.flow != GST_FLOW_OK) continue;
-    if (branch.layer() == SplitLayer::mask && !compose_) compose_.emplace(device, layers.extent);
-    branch.record(*commands_, layers, compose_ ? &*compose_ : nullptr, params);
+    if (branch.layer() == SplitLayer::mask && !tools_.compose)
+      tools_.compose.emplace(device, layers.extent);
+    branch.record(*commands_, layers, tools_, params);
     drawn[i] = true;
   }
   commands_->stage("pack");

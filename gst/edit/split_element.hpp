@@ -20,8 +20,8 @@ class SplitElement {
   ~SplitElement();
 
   /// Takes a pad into the flow, from any thread; it must be active. False where there is one for
-  /// this layer already.
-  bool add(GstPad* pad, SplitLayer layer);
+  /// this layer (and base color) already.
+  bool add(GstPad* pad, SplitLayer layer, uint32_t base);
   /// Takes it out again and off the element.
   void remove(GstPad* pad);
   /// PAUSED → READY.
@@ -61,7 +61,7 @@ class SplitElement {
 
   GstCaps* caps_ = nullptr;  // of the layers that come in; under mutex_
   std::unique_ptr<gpu::Commands> commands_;
-  std::optional<Compose> compose_;  // made when a mask is first asked for
+  SplitBranch::Tools tools_;  // made when a mask is first asked for
   Extent extent_;
   uint64_t frames_ = 0;
 

@@ -3,8 +3,10 @@
 #include "../gpu/common.glsl"
 #include "edit.glsl"
 
-// Puts a frame together again from its layers: old = R S as the decomposer made them, new = R' S' as they are now.
+// Puts a frame together again from its layers: old = R S L as the decomposer made them, new = R' S' L' as they are now; L,
+// the color of light, is 1 where the frame has no light of its own.
 layout(constant_id = 1) const uint MODE = 0u;
+layout(constant_id = 2) const bool LIGHT = false;
 const uint kAdd = 0u;         // input + new − old: keeps what the model does not explain
 const uint kRatio = 1u;       // input · (new + ε) / (old + ε): scales it with the edit
 const uint kNone = 2u;        // new: drops it
@@ -14,7 +16,9 @@ const uint kMask = 4u;        // the mask layer as gray
 PLANE_IN(0, frame);  // linear RGB, alpha
 PLANE_IN(1, model);
 PLANE_IN(2, intrinsic);  // kMask: the mask layer
-PLANE_OUT(3, picture);
+PLANE_IN(3, model_light);
+PLANE_IN(4, light);
+PLANE_OUT(5, picture);
 layout(push_constant) uniform Push {
   uvec2 size;
   float strength;  // 0: the input, 1: the edit
@@ -34,6 +38,10 @@ void main() {
     vec4 now = finite(FETCH(intrinsic, n));
     vec3 from = before.rgb * before.w;
     vec3 to = now.rgb * now.w;
+    if (LIGHT) {
+      from *= finite(FETCH(model_light, n)).rgb;
+      to *= finite(FETCH(light, n)).rgb;
+    }
     vec3 edited = MODE == kMask         ? now.xxx
                   : MODE == kDifference ? kMiddleGray + 0.5 * (to - from)
                   : MODE == kNone       ? to

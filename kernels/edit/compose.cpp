@@ -21,16 +21,13 @@ struct Push {
 }  // namespace
 
 Compose::Compose(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : planes_(device, extent) {
-  for (uint32_t mode = 0; mode < kernels_.size(); ++mode)
-    kernels_[mode] = device->kernel(shaders::edit_compose, {mode});
-}
+    : device_(device), planes_(device, extent) {}
 
 PlanePtr Compose::record(gpu::Commands& commands, const Layers& layers,
                          const ComposeParams& params) {
-  const bool edited = layers[Role::intrinsic] != layers[Role::model];
   const bool wanted = params.strength > 0;
-  if (!wanted || (!edited && params.residual != Residual::none)) return layers[Role::input];
+  if (!wanted || (!layers.edited() && params.residual != Residual::none))
+    return layers[Role::input];
   return run(commands, static_cast<uint32_t>(params.residual), layers, Role::intrinsic,
              std::min(params.strength, 1.0f));
 }
@@ -46,11 +43,16 @@ PlanePtr Compose::record_mask(gpu::Commands& commands, const Layers& layers) {
 PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& layers, Role now,
                       float strength) {
   PlanePtr picture = planes_.acquire();
-  commands.dispatch(kernels_[mode],
-                    {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
-                     picture->buffer},
-                    Push{{layers.extent.width, layers.extent.height}, strength},
-                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  const bool light = layers.global() && mode != kMask;
+  const Role before = light ? Role::model_light : Role::model;
+  gpu::KernelPtr& kernel = kernels_[mode][light ? 1 : 0];
+  if (!kernel) kernel = device_->kernel(shaders::edit_compose, {mode, light ? 1U : 0U});
+  commands.dispatch(
+      kernel,
+      {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
+       layers[before]->buffer, layers[light ? Role::light : Role::model]->buffer, picture->buffer},
+      Push{{layers.extent.width, layers.extent.height}, strength},
+      {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   return picture;
 }
 

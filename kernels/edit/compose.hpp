@@ -27,15 +27,16 @@ struct ComposeParams {
   float strength = 1.0f;
 };
 
-/// Makes pictures out of layers. All are linear RGB, finite and not negative, with the input's
+/// Makes pictures out of layers; R S stands for R S L where light has a color L of its own
+/// (Layers::global). All are linear RGB, finite and not negative, with the input's
 /// alpha in w.
 class Compose {
  public:
   Compose(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// The frame with its edits. Where nothing was edited (Role::intrinsic is Role::model's very
-  /// plane, or strength is 0), this is the input's plane itself and nothing is recorded, unless the
-  /// residual is to be left out. Needs input, model and intrinsic.
+  /// The frame with its edits. Where nothing was edited (Layers::edited, or strength is 0), this is
+  /// the input's plane itself and nothing is recorded, unless the residual is to be left out. Needs
+  /// input, model and intrinsic.
   PlanePtr record(gpu::Commands& commands, const Layers& layers, const ComposeParams& params);
 
   /// What the edits changed: R' S' − R S, halved, on middle gray (linear 0.214); brighter is more
@@ -49,8 +50,11 @@ class Compose {
   PlanePtr run(gpu::Commands& commands, uint32_t mode, const Layers& layers, Role now,
                float strength);
 
+  std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  std::array<gpu::KernelPtr, 5> kernels_;  // by MODE in compose.comp
+  static constexpr uint32_t kModes = 5;
+  std::array<std::array<gpu::KernelPtr, 2>, kModes> kernels_;  // by MODE and LIGHT in
+  // compose.comp, made when first needed
 };
 
 }  // namespace inverse

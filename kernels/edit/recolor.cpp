@@ -83,7 +83,8 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
   const bool matte = params.use_mask && layers[Role::mask];
   // Decided before anything here refers to the plane a second time.
   const PlanePtr edited = plane_to_edit(layers[Role::intrinsic], planes_);
-  const PlanePtr mask = params.write_mask ? planes_.acquire() : nullptr;
+  const bool lights = layers.global() && params.strength > 0;
+  const PlanePtr mask = params.write_mask || lights ? planes_.acquire() : nullptr;
   const gpu::BufferPtr from = layers[Role::intrinsic]->buffer;
   const size_t variant = (matte ? 1 : 0) + (mask ? 2 : 0);
   Push push = push_of(params, layers.extent);
@@ -101,7 +102,14 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
                     std::as_bytes(std::span(&push, 1)),
                     {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   layers[Role::intrinsic] = edited;
-  if (mask) layers[Role::mask] = mask;
+  if (lights) {
+    if (!light_) light_.emplace(device_, layers.extent);
+    light_->repaint(commands, layers,
+                    {*mask, params.key, by_cluster ? push.cluster : -1,
+                     by_cluster ? palette_->palette().colors() : nullptr},
+                    params.target, params.strength);
+  }
+  if (params.write_mask) layers[Role::mask] = mask;
 }
 
 }  // namespace inverse

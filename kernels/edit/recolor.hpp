@@ -5,6 +5,7 @@
 #include "../gpu/commands.hpp"
 #include "../image/layers.hpp"
 #include "../palette/scene_palette.hpp"
+#include "light_edit.hpp"
 
 namespace inverse {
 
@@ -44,7 +45,9 @@ struct RecolorParams {
   static constexpr int kByKey = -1;
 };
 
-/// Gives one color of the scene another: R' = R + w (R_target − R). Shading stays.
+/// Gives one color of the scene another: R' = R + w (R_target − R). Shading stays; where light has
+/// layers (Layers::global), so does its amount, and what bounced off the recolored surfaces takes
+/// their new color (LightEdit).
 class Recolor {
  public:
   Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent);
@@ -70,6 +73,7 @@ class Recolor {
   gpu::BufferPtr nothing_;
   std::array<gpu::KernelPtr, 4> by_key_, by_cluster_;  // by MATTE + 2 PUBLISH
   std::optional<ScenePalette> palette_;                // made when a cluster is first asked for
+  std::optional<LightEdit> light_;                     // made when light first has layers
 };
 
 /// The plane to write the edited `plane` to: itself where nobody else holds it, else a fresh one.

@@ -15,8 +15,27 @@ enum class Role : uint8_t {
   intrinsic,  ///< reflectance R.rgb (may exceed 1) and shading S, edited along the chain; R·S ≈
               ///< input
   mask,       ///< x = matte 0…1 that the next editor may use
+  model_light,  ///< light as the decomposer made it
+  light,        ///< of frames with more than one bounce of light: rgb = the light's color, so that
+          ///< R·S·rgb ≈ input (mean 1 where nothing was edited), edited along the chain; w = share
+          ///< of S that is direct and white, 0…1
+  indirect,  ///< the first of kIndirectPlanes: shares of S that bounced off the surfaces of base
+             ///< color 4n, 4n + 1, 4n + 2, 4n + 3; what they and the direct share do not explain
+             ///< of light.rgb is a remainder without a layer of its own
+  bases = indirect + 4,  ///< kMaxBases × 1: the color that light has after bouncing off surfaces of
+                         ///< base color k (linear, largest channel 1, edited along the chain);
+                         ///< w = 1, or 0 where there is no such color
   count
 };
+
+/// Base colors of a frame at most: a plane of Role::indirect holds four.
+constexpr uint32_t kMaxBases = 16;
+constexpr uint32_t kIndirectPlanes = kMaxBases / 4;
+
+/// Role::indirect of the base colors 4n…4n + 3.
+constexpr Role indirect_role(uint32_t n) {
+  return static_cast<Role>(static_cast<uint32_t>(Role::indirect) + n);
+}
 
 /// The layers of one frame; absent roles are null. Copying copies references, not pixels.
 struct Layers {
@@ -25,6 +44,13 @@ struct Layers {
 
   PlanePtr& operator[](Role role) { return planes[static_cast<size_t>(role)]; }
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }
+  /// Whether the light has color and layers of its own.
+  bool global() const { return (*this)[Role::light] != nullptr; }
+  /// Whether an editor has been at it.
+  bool edited() const {
+    return (*this)[Role::intrinsic] != (*this)[Role::model] ||
+           (*this)[Role::light] != (*this)[Role::model_light];
+  }
 };
 
 /// The layers of a frame that was decomposed and not edited yet: the model is what it is made of.

@@ -1,0 +1,96 @@
+// intrinsicdespill: takes light that bounced off surfaces of one color away, or gives it another
+// color.
+#include <optional>
+
+#include "base/filter.hpp"
+#include "color.hpp"
+#include "edit/light_edit.hpp"
+
+namespace inverse {
+namespace {
+
+struct Params {
+  int layer = -1;
+  uint32_t key_color = 0xff20c040;
+  float tolerance = 0.7F;
+  float softness = 0.5F;
+  uint32_t tint_color = 0xffffffff;
+  float keep = 1;
+  float strength = 1;
+  bool use_mask = true;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      number<P>("layer", &P::layer, -1, static_cast<int>(kMaxBases) - 1,
+                "The base color whose light to change, as show=layer of intrinsiccompose numbers "
+                "them; -1 = those near to key"),
+      color<P>("key", &P::key_color,
+               "The color of the surfaces whose light to change (0xAARRGGBB, sRGB; alpha is "
+               "ignored); only its chromaticity counts"),
+      number<P>("tolerance", &P::tolerance, 0, 4.25F,
+                "How far the chromaticity b / mean(b) of a base color may be from the key's: "
+                "Euclidean distance; gray is 2.45 from a pure primary"),
+      number<P>("softness", &P::softness, 0, 3,
+                "Over what distance beyond tolerance the effect falls to nothing; 0 = all or none"),
+      color<P>("tint", &P::tint_color,
+               "The color that the light gets (0xAARRGGBB, sRGB; alpha and brightness are "
+               "ignored); white = no color cast"),
+      number<P>("keep", &P::keep, 0, 1,
+                "How much of the light's brightness stays: 1 = it only changes color, 0 = it is "
+                "taken away"),
+      number<P>("strength", &P::strength, 0, 1,
+                "How far all that goes; 0 = layers pass through untouched"),
+      flag<P>("use-mask", &P::use_mask,
+              "Only change light where the mask layer says so, where the frame has one"),
+  };
+  return table;
+}
+
+class DespillElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    edit_.emplace(device, extent);
+  }
+  void release() override { edit_.reset(); }
+
+  void process(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    if (!(params.strength > 0)) return;
+    std::array<float, 3> aim = linear_color(params.tint_color);
+    const float mean = (aim[0] + aim[1] + aim[2]) / 3;
+    for (float& channel : aim) channel = mean > 0 ? channel * params.keep / mean : params.keep;
+    const PlanePtr& mask = frame.layers[Role::mask];
+    const Plane* matte = params.use_mask && mask ? mask.get() : nullptr;
+    const LightEdit::Key key{linear_color(params.key_color), params.tolerance, params.softness};
+    if (params.layer >= 0)
+      edit_->change(frame.commands, frame.layers, static_cast<uint32_t>(params.layer), aim,
+                    params.strength, matte);
+    else
+      edit_->change(frame.commands, frame.layers, key, aim, params.strength, matte);
+    frame.commands.stage("despill");
+  }
+
+ private:
+  Parameters<Params> parameters_{table()};
+  std::optional<LightEdit> edit_;
+};
+
+}  // namespace
+
+extern const ElementInfo kIntrinsicDespill;
+const ElementInfo kIntrinsicDespill{
+    "intrinsicdespill",
+    "GstIntrinsicDespill",
+    "Intrinsic despill",
+    "Filter/Effect/Video",
+    "Takes light that bounced off surfaces of one color away, or gives it another color",
+    Flow::layers_or_pixels,
+    Flow::layers,
+    kGlobalLayers,
+    "globalintrinsic",
+    [] { return std::unique_ptr<Filter>(new DespillElement); }};
+
+}  // namespace inverse

@@ -1,0 +1,101 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "../image/workgroup_sum.glsl"
+#include "edit.glsl"
+
+// One workgroup: the base colors of light after an edit, and by how much they changed,
+//
+//   b'_k = b_k + strength w_k (s_k a − b_k).
+//
+// Where surfaces were edited (kBySurface), w_k is the share of the light of base color k's own surfaces that the selection
+// holds, Σ sel I / Σ I over a sample of the pixels whose reflectance is nearest to b_k in chromaticity, I = mean R S; and
+// s_k = b_k·key / key·key, so that what was the key's light becomes the target's. Else base colors are chosen themselves, by
+// chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
+layout(constant_id = 1) const uint kBy = 0u;
+const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u;
+const int kMaxBases = 16;
+PLANE_IN(0, bases);
+PLANE_IN(1, model);      // R.rgb, S before any edit
+PLANE_IN(2, selection);  // x = 0…1
+PLANE_IN(3, palette);    // kByClustersSurface: Palette::colors(), whose cluster `index` is the key
+PLANE_OUT(4, edited);
+PLANE_OUT(5, change);  // b' − b
+layout(push_constant) uniform Push {
+  vec4 key;  // linear RGB; w = tolerance
+  vec4 aim;  // a; w = strength
+  uvec2 size;
+  float fall_off;  // 1 / softness
+  int index;
+} push;
+
+const uint kSide = 64u;  // the sample is at most this wide and high
+const float kLightFloor = 1e-6;
+
+float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
+vec3 chroma(vec3 v) { return (v + 1e-3) / (mean3(v) + 1e-3); }
+
+// From 1 to 0 as t goes from 0 to 1.
+float falling(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
+void main() {
+  vec4 held[kMaxBases / 4], all[kMaxBases / 4];
+  for (int q = 0; q < kMaxBases / 4; ++q) held[q] = all[q] = vec4(0.0);
+  const bool by_surface = kBy == kBySurface || kBy == kByClustersSurface;
+  vec3 key = push.key.rgb;
+  if (kBy == kByClustersSurface) {
+    int chosen = int(FETCH(palette, push.index).w);  // what it was merged into; −1: it has no pixels
+    key = chosen < 0 ? vec3(0.0) : exp(FETCH(palette, kMaxBases + chosen).rgb);
+  }
+  if (by_surface) {
+    uvec2 grid = min(push.size, uvec2(kSide));
+    for (uint i = gl_LocalInvocationID.x; i < grid.x * grid.y; i += gl_WorkGroupSize.x) {
+      uvec2 at = uvec2(i % grid.x, i / grid.x) * push.size / grid;
+      int n = int(at.y * push.size.x + at.x);
+      vec4 own = finite(FETCH(model, n));
+      vec3 c = chroma(own.rgb);
+      float light = min(mean3(own.rgb) * own.w, kLargest), least = 3.4e38;
+      int nearest = -1;
+      for (int k = 0; k < kMaxBases; ++k) {
+        vec4 b = finite(FETCH(bases, k));
+        vec3 off = c - chroma(b.rgb);
+        float distance2 = dot(off, off);
+        if (b.w > 0.0 && distance2 < least) {
+          least = distance2;
+          nearest = k;
+        }
+      }
+      float selected = light * min(finite(FETCH(selection, n)).x, 1.0);
+      for (int q = 0; q < kMaxBases / 4; ++q) {
+        vec4 here = vec4(equal(ivec4(4 * q) + ivec4(0, 1, 2, 3), ivec4(nearest)));
+        all[q] += here * light;
+        held[q] += here * selected;
+      }
+    }
+    for (int q = 0; q < kMaxBases / 4; ++q) {
+      all[q] = workgroup_sum(all[q]);
+      held[q] = workgroup_sum(held[q]);
+    }
+  }
+  if (gl_LocalInvocationID.x > 0u) return;
+  for (int k = 0; k < kMaxBases; ++k) {
+    vec4 b = finite(FETCH(bases, k));
+    float w = 0.0, s = mean3(b.rgb);
+    if (by_surface) {
+      w = held[k / 4][k % 4] / (all[k / 4][k % 4] + kLightFloor);
+      s = dot(b.rgb, key) / max(dot(key, key), kLightFloor);
+    } else if (kBy == kByKey) {
+      vec3 off = chroma(b.rgb) - chroma(key);
+      w = falling((sqrt(dot(off, off)) - push.key.w) * push.fall_off);
+    } else {
+      w = k == push.index ? 1.0 : 0.0;
+    }
+    vec3 to = b.w > 0.0 ? min(s * push.aim.rgb, vec3(kLargest)) : b.rgb;
+    vec3 delta = push.aim.w * w * (to - b.rgb);
+    STORE(edited, k, vec4(b.rgb + delta, b.w));
+    STORE(change, k, vec4(delta, 0.0));
+  }
+}

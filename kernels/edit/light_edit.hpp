@@ -1,0 +1,64 @@
+#pragma once
+#include <array>
+
+#include "../gpu/commands.hpp"
+#include "../image/layers.hpp"
+
+namespace inverse {
+
+/// Changes base colors of bounced light and, with them, the color of light everywhere:
+///
+///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
+///   b_k), 0)
+///
+/// (bases.comp, retint.comp). Reflectance and S stay.
+class LightEdit {
+ public:
+  /// Surfaces that were repainted.
+  struct Surfaces {
+    /// Its x = 0…1 says how much of each surface was repainted: w_k is their share of the light
+    /// that surfaces of base color k send.
+    const Plane& selection;
+    /// Of what color they were (linear RGB) …
+    std::array<float, 3> key{};
+    /// … or of which cluster, −1: none, of which Palette::colors().
+    int cluster = -1;
+    gpu::BufferPtr palette = nullptr;
+  };
+  /// Base colors with a chromaticity c = b / mean b near to the key's.
+  struct Key {
+    std::array<float, 3> color;
+    float tolerance = 0.6f, softness = 0.4f;  ///< distances of chromaticity, as in RecolorParams
+  };
+
+  LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records that surfaces now have the color `aim`. `layers` must be global and
+  /// have a model; planes that somebody else holds are left alone.
+  void repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
+               const std::array<float, 3>& aim, float strength);
+  /// Records that base colors become `aim` times their mean: a gray of 1 keeps their brightness and
+  /// takes their color, 0 takes their light away. `matte`, where given, says by its x where; the
+  /// base colors themselves then stay what they are.
+  void change(gpu::Commands& commands, Layers& layers, const Key& key,
+              const std::array<float, 3>& aim, float strength, const Plane* matte);
+  /// The same for one base color, 0…kMaxBases − 1.
+  void change(gpu::Commands& commands, Layers& layers, uint32_t base,
+              const std::array<float, 3>& aim, float strength, const Plane* matte);
+
+ private:
+  struct Push;
+  struct Inputs {
+    const Plane *selection = nullptr, *matte = nullptr;
+    gpu::BufferPtr palette;
+  };
+  void run(gpu::Commands& commands, Layers& layers, uint32_t by, const Push& push,
+           const Inputs& inputs);
+
+  std::shared_ptr<gpu::Device> device_;
+  PlanePool planes_, bases_;
+  gpu::BufferPtr change_;
+  std::array<gpu::KernelPtr, 4> choose_;  // by kBy in bases.comp, made when first needed
+};
+
+}  // namespace inverse

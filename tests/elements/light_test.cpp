@@ -1,0 +1,164 @@
+// Light with layers of its own through the editors: what each shows, changes and refuses. The
+// layers are made by hand, through the installed header.
+#include <array>
+#include <cmath>
+
+#include "base/inverse_layers_meta.h"
+#include "element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 24, kHeight = 10;
+constexpr const char* kIntrinsic =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
+constexpr const char* kGlobal =
+    "video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)global, width=24, height=10, "
+    "framerate=25/1";
+
+using Pixel = std::array<float, 4>;
+
+/// What every pixel of the frame is made of: gray paint under white direct light, and light that
+/// bounced off a green and a red surface.
+constexpr Pixel kPaint{0.5F, 0.5F, 0.5F, 0.8F};
+constexpr Pixel kGreenBase{0.1F, 1, 0.1F, 1}, kRedBase{1, 0.2F, 0.2F, 1};
+constexpr float kDirect = 0.6F, kFromGreen = 0.3F, kFromRed = 0.2F;
+
+Pixel light_of(float green, float red) {
+  Pixel light{};
+  for (size_t c = 0; c < 3; ++c) light[c] = kDirect + green * kGreenBase[c] + red * kRedBase[c];
+  light[3] = kDirect;
+  return light;
+}
+
+int srgb(double linear) {
+  const double v = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return static_cast<int>(std::lround(255 * std::min(v, 1.0)));
+}
+
+void put(GstBuffer* buffer, GstInverseRole role, const std::vector<Pixel>& pixels) {
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  GBytes* bytes = g_bytes_new(pixels.data(), pixels.size() * sizeof(Pixel));
+  ASSERT_TRUE(meta->upload(meta, role, bytes)) << role;
+  g_bytes_unref(bytes);
+}
+
+/// A line of editors that gets the frame above.
+class LightOf : public ::testing::Test {
+ protected:
+  /// The pixel in the middle that comes out of a line (RGBA), or nothing.
+  std::vector<int> through(const std::string& line, GstFlowReturn expected = GST_FLOW_OK) {
+    const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+    VideoHarness source("intrinsicdecomp", caps, kIntrinsic);
+    EXPECT_EQ(source.push(flat_frame(caps, 128)), GST_FLOW_OK);
+    GstBuffer* buffer = gst_buffer_make_writable(gst_harness_pull(source.harness()));
+    const std::vector<Pixel> paint(kWidth * kHeight, kPaint);
+    const std::vector<Pixel> light(kWidth * kHeight, light_of(kFromGreen, kFromRed));
+    Pixel input = light.front();
+    for (size_t c = 0; c < 3; ++c) input[c] *= kPaint[c] * kPaint[3];
+    input[3] = 1;
+    std::vector<Pixel> bases(16, Pixel{});
+    bases[0] = kGreenBase;
+    bases[5] = kRedBase;
+    put(buffer, GST_INVERSE_ROLE_INPUT, std::vector<Pixel>(kWidth * kHeight, input));
+    put(buffer, GST_INVERSE_ROLE_MODEL, paint);
+    put(buffer, GST_INVERSE_ROLE_INTRINSIC, paint);
+    put(buffer, GST_INVERSE_ROLE_MODEL_LIGHT, light);
+    put(buffer, GST_INVERSE_ROLE_LIGHT, light);
+    put(buffer, GST_INVERSE_ROLE_INDIRECT_0,
+        std::vector<Pixel>(kWidth * kHeight, Pixel{kFromGreen, 0, 0, 0}));
+    put(buffer, GST_INVERSE_ROLE_INDIRECT_1,
+        std::vector<Pixel>(kWidth * kHeight, Pixel{0, kFromRed, 0, 0}));
+    put(buffer, GST_INVERSE_ROLE_BASES, bases);
+    VideoHarness editors(line, kGlobal, caps);
+    EXPECT_EQ(gst_harness_push(editors.harness(), buffer), expected);
+    errors_ = editors.errors();
+    if (expected != GST_FLOW_OK) return {};
+    GstBuffer* made = gst_harness_try_pull(editors.harness());
+    if (!made) return {};
+    std::vector<uint8_t> bytes(gst_buffer_get_size(made));
+    gst_buffer_extract(made, 0, bytes.data(), bytes.size());
+    gst_buffer_unref(made);
+    const uint8_t* middle = &bytes[4 * (kWidth * (kHeight / 2) + kWidth / 2)];
+    return {middle[0], middle[1], middle[2]};
+  }
+  /// Linear light, drawn.
+  static std::vector<int> drawn(const Pixel& linear, double gain = 1) {
+    return {srgb(linear[0] * gain), srgb(linear[1] * gain), srgb(linear[2] * gain)};
+  }
+  static void expect_near(const std::vector<int>& got, const std::vector<int>& wanted,
+                          const std::string& what) {
+    ASSERT_EQ(got.size(), 3u) << what;
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 1) << what << ", channel " << c;
+  }
+  std::vector<std::string> errors_;
+};
+
+TEST_F(LightOf, ComposeShowsEveryLayer) {
+  const double s = kPaint[3];
+  expect_near(through("intrinsiccompose"), drawn(light_of(kFromGreen, kFromRed), s * 0.5), "all");
+  expect_near(through("intrinsiccompose residual=none"),
+              drawn(light_of(kFromGreen, kFromRed), s * 0.5), "model");
+  expect_near(through("intrinsiccompose show=shading"), drawn(light_of(kFromGreen, kFromRed), s),
+              "shading");
+  expect_near(through("intrinsiccompose show=direct"), drawn({kDirect, kDirect, kDirect}, s),
+              "direct");
+  Pixel indirect = light_of(kFromGreen, kFromRed);
+  for (size_t c = 0; c < 3; ++c) indirect[c] -= kDirect;
+  expect_near(through("intrinsiccompose show=indirect"), drawn(indirect, s), "indirect");
+  expect_near(through("intrinsiccompose show=layer layer=0"), drawn(kGreenBase, s * kFromGreen),
+              "green");
+  expect_near(through("intrinsiccompose show=layer layer=5"), drawn(kRedBase, s * kFromRed), "red");
+  expect_near(through("intrinsiccompose show=layer layer=9"), {0, 0, 0}, "none");
+}
+
+TEST_F(LightOf, DespillTakesOneColorOfLightAway) {
+  const double s = 0.5 * kPaint[3];
+  expect_near(through("intrinsicdespill key=0xff20ff20 keep=0 ! intrinsiccompose"),
+              drawn(light_of(0, kFromRed), s), "by key");
+  expect_near(through("intrinsicdespill layer=5 keep=0 ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, 0), s), "by layer");
+  expect_near(through("intrinsicdespill layer=5 keep=0 ! intrinsicdespill layer=0 keep=0 ! "
+                      "intrinsiccompose residual=none"),
+              drawn(light_of(0, 0), s), "both");
+  Pixel neutral = light_of(0, kFromRed);
+  for (size_t c = 0; c < 3; ++c) neutral[c] += kFromGreen * 0.4F;  // the mean of the green base
+  expect_near(through("intrinsicdespill key=0xff20ff20 ! intrinsiccompose"), drawn(neutral, s),
+              "made neutral");
+  expect_near(through("intrinsicdespill key=0xff2020ff ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), s), "no such color");
+  expect_near(through("intrinsicdespill strength=0 ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), s), "off");
+}
+
+TEST_F(LightOf, RecolorLeavesLightOfOtherSurfacesAlone) {
+  // No surface of the frame is red: nothing is selected, so no light turns.
+  expect_near(through("intrinsicrecolor key=0xffff4040 target=0xff4040ff ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), 0.5 * kPaint[3]), "nothing selected");
+}
+
+TEST_F(LightOf, SplitSendsEveryLayer) {
+  const auto split = [&](const std::string& pad) {
+    return through("intrinsicsplit name=s shading-scale=1 s." + pad + " ! identity");
+  };
+  expect_near(split("indirect_5"), drawn(kRedBase, kPaint[3] * kFromRed), "indirect_5");
+  expect_near(split("shading"), drawn(light_of(kFromGreen, kFromRed), kPaint[3]), "shading");
+}
+
+TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {
+  for (const auto& [line, element] :
+       {std::pair{"intrinsicdecomp ! intrinsicdespill ! intrinsiccompose", "globalintrinsic"},
+        {"intrinsicdecomp ! intrinsiccompose show=direct", "globalintrinsic"},
+        {"intrinsicdecomp ! intrinsicsplit name=s s.indirect", "globalintrinsic"},
+        {"intrinsicdespill ! intrinsiccompose", "globalintrinsic"}}) {
+    const LineResult result =
+        run_line(std::string("videotestsrc num-buffers=2 ! video/x-raw,width=32,height=24 ! ") +
+                 line + " ! fakesink");
+    ASSERT_FALSE(result.errors.empty()) << line;
+    EXPECT_NE(result.first_error().find(element), std::string::npos)
+        << line << ": " << result.first_error();
+  }
+}
+
+}  // namespace
+}  // namespace inverse::testing

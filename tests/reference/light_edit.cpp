@@ -1,0 +1,91 @@
+#include "light_edit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse::reference {
+namespace {
+
+constexpr double kLightFloor = 1e-6;
+constexpr double kLargest = 65504;
+
+double mean(const Rgb& v) { return (v[0] + v[1] + v[2]) / 3; }
+
+double chroma_distance(const Rgb& a, const Rgb& b) {
+  double sum = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    const double off = (a[c] + 1e-3) / (mean(a) + 1e-3) - (b[c] + 1e-3) / (mean(b) + 1e-3);
+    sum += off * off;
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+std::vector<size_t> light_sample(size_t width, size_t height) {
+  const size_t columns = std::min<size_t>(width, 64), rows = std::min<size_t>(height, 64);
+  std::vector<size_t> sample;
+  for (size_t y = 0; y < rows; ++y)
+    for (size_t x = 0; x < columns; ++x)
+      sample.push_back(y * height / rows * width + x * width / columns);
+  return sample;
+}
+
+std::vector<double> selected_shares(const std::vector<Base>& bases, const std::vector<Rgba>& model,
+                                    const std::vector<double>& selection) {
+  std::vector<double> held(bases.size()), all(bases.size());
+  for (size_t n = 0; n < model.size(); ++n) {
+    const Rgba p = finite(model[n]);
+    const Rgb r{p[0], p[1], p[2]};
+    double least = 1e300;
+    size_t nearest = bases.size();
+    for (size_t k = 0; k < bases.size(); ++k) {
+      const double distance = chroma_distance(r, bases[k].color);
+      if (!bases[k].exists || distance >= least) continue;
+      least = distance;
+      nearest = k;
+    }
+    if (nearest == bases.size()) continue;
+    const double light = std::min(mean(r) * p[3], kLargest);
+    all[nearest] += light;
+    held[nearest] += light * std::min(finite(selection[n]), 1.0);
+  }
+  for (size_t k = 0; k < bases.size(); ++k) held[k] /= all[k] + kLightFloor;
+  return held;
+}
+
+double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness) {
+  const double t =
+      std::clamp((chroma_distance(base, key) - tolerance) / std::max(softness, 1e-6), 0.0, 1.0);
+  return 1 - t * t * (3 - 2 * t);
+}
+
+Rgb repainted(const Rgb& base, const Rgb& key, const Rgb& aim, double w) {
+  double along = 0, length2 = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    along += base[c] * key[c];
+    length2 += key[c] * key[c];
+  }
+  Rgb result = base;
+  for (size_t c = 0; c < 3; ++c)
+    result[c] += w * (along / std::max(length2, kLightFloor) * aim[c] - base[c]);
+  return result;
+}
+
+Rgb changed(const Rgb& base, const Rgb& aim, double w) {
+  Rgb result = base;
+  for (size_t c = 0; c < 3; ++c) result[c] += w * (mean(base) * aim[c] - base[c]);
+  return result;
+}
+
+Rgba retinted(const Rgba& light, const std::vector<double>& shares, const std::vector<Rgb>& change,
+              double matte) {
+  Rgba result = finite(light);
+  for (size_t k = 0; k < shares.size(); ++k)
+    for (size_t c = 0; c < 3; ++c)
+      result[c] += finite(shares[k]) * std::min(finite(matte), 1.0) * change[k][c];
+  for (size_t c = 0; c < 3; ++c) result[c] = finite(result[c]);
+  return result;
+}
+
+}  // namespace inverse::reference
