@@ -19,7 +19,7 @@ void ScaledIntrinsic::judge(const Params& params) {
   const Taken& done = taken(recorded_);  // the last frame that is sure to be done
   // Of another scene nothing is known; at a cut it is looked at as soon as that is noticed.
   if (method(done.stats.halvings).findings(done.number).cut) {
-    compare_at_ = since_reset_ + 1;
+    compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + kAgain : 0);
     interval_ = kNext;
     fade_.stop();
   }
@@ -41,14 +41,7 @@ void ScaledIntrinsic::judge(const Params& params) {
 }
 
 size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
-  if (info.reset || recorded_ == 0) {
-    since_reset_ = 0;
-    compare_at_ = kFirst;
-    interval_ = kNext;
-    fits_ = false;
-    half_distance_ = 0;
-    fade_.stop();
-  }
+  if (info.reset || recorded_ == 0) start_anew();
   const size_t asked = params.halvings();
   if (asked > 0 || !params.adaptive || params.half_bound <= 0) {
     fits_ = false;
@@ -119,6 +112,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
     taken.stats.compared = true;
+    compared_at_ = since_reset_;
     compare_at_ = since_reset_ + kMostNext;  // until its outcome is known
   }
   was_ = now;
@@ -132,8 +126,13 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 void ScaledIntrinsic::reset() {
   for (auto& method : methods_)
     if (method) method->reset();
+  start_anew();
+}
+
+void ScaledIntrinsic::start_anew() {
   since_reset_ = 0;
   compare_at_ = kFirst;
+  compared_at_.reset();
   interval_ = kNext;
   fits_ = false;
   half_distance_ = 0;

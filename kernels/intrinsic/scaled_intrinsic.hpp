@@ -62,8 +62,9 @@ class ScaledIntrinsic {
   /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is
   /// left.
   static constexpr float kEnter = 0.8F;
-  /// Frames after a reset to the first comparison, and from one to the next.
-  static constexpr uint64_t kFirst = 8, kNext = 64, kMostNext = 512;
+  /// Frames after a reset to the first comparison, and from one to the next; at least kAgain, also
+  /// where there is a cut.
+  static constexpr uint64_t kFirst = 8, kNext = 64, kMostNext = 512, kAgain = 16;
 
  private:
   static constexpr size_t kResolutions = 3;
@@ -89,6 +90,7 @@ class ScaledIntrinsic {
   void set_up(size_t halvings);
   size_t choose(const Params& params, const FrameInfo& info);
   void judge(const Params& params);
+  void start_anew();
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                  const Params& params, const FrameInfo& info);
@@ -107,6 +109,7 @@ class ScaledIntrinsic {
   bool fits_ = false;         // half resolution keeps the bound
   uint64_t since_reset_ = 0;  // frames
   uint64_t compare_at_ = kFirst, interval_ = kNext;
+  std::optional<uint64_t> compared_at_;
   float half_distance_ = 0;
 };
 

@@ -101,6 +101,28 @@ double ratio(const Run& a, const Run& b) {
   return median(ratios);
 }
 
+/// Pictures without colors that could be compared, and without any.
+std::vector<Scene> poor_scenes() {
+  std::vector<Scene> scenes;
+  const auto add = [&](const char* name, auto value) {
+    Scene scene{"poor", name, "", true, {}};
+    TruthFrame frame;
+    frame.input = Image(640, 480, 3);
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 640; ++x)
+        for (int c = 0; c < 3; ++c) frame.input.at(x, y, c) = value(x, y);
+    scene.frames.assign(2, frame);
+    scenes.push_back(scene);
+  };
+  add("black", [](int, int) { return 0.0F; });
+  add("one gray", [](int, int) { return 0.4F; });
+  add("gray ramp", [](int x, int y) { return 0.1F + 0.001F * float(x) + 0.0002F * float(y); });
+  add("slide", [](int x, int y) {
+    return y % 60 > 20 && y % 60 < 44 && (x / 7 * 37 + y / 60 * 11) % 5 < 2 ? 0.02F : 0.9F;
+  });
+  return scenes;
+}
+
 void name(const Scene& scene) {
   const Image& first = scene.frames.front().input;
   std::printf("| %s %s, %dx%d | ", scene.set.c_str(), scene.name.c_str(), first.width,
@@ -241,7 +263,8 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   std::vector<std::unique_ptr<Run>> runs;
   for (const Candidate& c : kCandidates) {
     Params params;
-    params.half_bound = 0, params.half_resolution = c.halvings > 0, params.quarter_resolution = c.halvings > 1;
+    params.half_bound = 0, params.half_resolution = c.halvings > 0,
+    params.quarter_resolution = c.halvings > 1;
     params.cycles = c.cycles, params.warm_cycles = c.warm;
     params.still_tolerance = c.tolerance, params.settled = c.settled;
     runs.push_back(std::make_unique<Run>(session, extent, params));
@@ -280,6 +303,8 @@ void run(int argc, char** argv) {
         "usage: leave-out-bench terms|half|crossing|cheap [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
+  if (measure == terms)
+    for (const Scene& scene : poor_scenes()) measure(session, scene, frames);
   for (const auto& file : files) {
     measure(session, load(file), frames);
     std::fflush(stdout);
