@@ -39,7 +39,7 @@ class IntrinsicDecomposition {
     float still_tolerance = 0.05F;
     /// Log shading (rms of cell means, weighted by the value prior) that the chroma bins can move,
     /// 0…1, below which they are left out; 0: never.
-    float chroma_tolerance = 0.005F;
+    float chroma_tolerance = 0.02F;
     /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
     /// the frame before; 0: never.
     float hold_tolerance = 0.06F;

@@ -19,7 +19,7 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
 /// The ladder of intrinsicdecomp (docs/measurements.md, Live trade).
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.39, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
+      {{0.36, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
        {0.48, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
        {0.55, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
        {0.60, intrinsic_level<1, 4, 2, 0.05F, 0.01F>},

@@ -64,7 +64,7 @@ class ScaledIntrinsic {
   static constexpr float kEnter = 0.8F;
   /// Frames after a reset to the first comparison, and from one to the next; at least kAgain, also
   /// where there is a cut.
-  static constexpr uint64_t kFirst = 8, kNext = 64, kMostNext = 512, kAgain = 16;
+  static constexpr uint64_t kFirst = 24, kNext = 64, kMostNext = 512, kAgain = 16;
 
  private:
   static constexpr size_t kResolutions = 3;

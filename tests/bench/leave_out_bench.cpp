@@ -37,6 +37,7 @@ double distance(const Image& frame, const Image& a, const Image& b) {
         std::log(std::max(double(a.data[i]), 1e-20)) - std::log(std::max(double(b.data[i]), 1e-20));
     weights += w, sum += w * d, squares += w * d * d;
   }
+  if (!(weights > 0)) return 0;
   const double mean = sum / weights;
   return std::sqrt(std::max(squares / weights - mean * mean, 0.0));
 }

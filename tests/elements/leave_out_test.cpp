@@ -69,17 +69,17 @@ TEST(LeaveOut, TermsWithoutWeightAreNamed) {
 }
 
 TEST(LeaveOut, HalfResolutionFollowsItsBound) {
-  const Told soft = after("intrinsicdecomp", "intrinsicdecomp", true, 16);
+  const Told soft = after("intrinsicdecomp", "intrinsicdecomp", true, 32);
   EXPECT_TRUE(soft.half);
   EXPECT_EQ(soft.halvings, 1u);
   EXPECT_GT(soft.distance, 0);
   EXPECT_LT(soft.distance, 0.06);
-  const Told sharp = after("intrinsicdecomp", "intrinsicdecomp", false, 16);
+  const Told sharp = after("intrinsicdecomp", "intrinsicdecomp", false, 32);
   EXPECT_FALSE(sharp.half);
   EXPECT_GT(sharp.distance, 0.06);
   for (const char* line :
        {"intrinsicdecomp half-resolution-bound=0", "intrinsicdecomp adaptive=false"}) {
-    const Told never = after(line, "intrinsicdecomp", true, 16);
+    const Told never = after(line, "intrinsicdecomp", true, 32);
     EXPECT_FALSE(never.half) << line;
     EXPECT_EQ(never.distance, 0) << line;
   }
