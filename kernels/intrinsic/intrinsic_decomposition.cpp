@@ -15,8 +15,9 @@ INVERSE_SHADER(intrinsic_total);
 
 namespace inverse {
 namespace {
-constexpr uint64_t kVec4 = 16;      // bytes
-constexpr uint64_t kLookEvery = 4;  // frames from one look at bins and anchor to the next
+constexpr uint64_t kVec4 = 16;  // bytes
+// Frames from one look at bins and anchor to the next, where something is left out and where not.
+constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
 }  // namespace
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -124,7 +125,10 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
-  const bool look = params.adaptive && since_reset_++ % kLookEvery == 0;
+  const bool look =
+      params.adaptive && (since_reset_ == kLookAgain ||  // the first one with a settled history
+                          since_reset_ % (binds_ && holds_ ? kLookEvery : kLookAgain) == 0);
+  ++since_reset_;
   const bool weighs = params.prior.chroma_weight > 0;
   stats_.bins = weighs && (!params.adaptive || binds_ || look);
   if (!stats_.bins)

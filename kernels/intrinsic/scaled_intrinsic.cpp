@@ -19,18 +19,16 @@ void ScaledIntrinsic::judge(const Params& params) {
   const Taken& done = taken(recorded_);  // the last frame that is sure to be done
   // Of another scene nothing is known; at a cut it is looked at as soon as that is noticed.
   if (method(done.stats.halvings).findings(done.number).cut) {
-    compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + kAgain : 0);
-    interval_ = kNext;
+    const uint64_t apart = was_ > 0 ? kAgain : kAgainAtFull;
+    compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + apart : 0);
     fade_.stop();
   }
   if (!done.stats.compared) return;
   half_distance_ = distance_->value(recorded_);
-  const bool fitted = fits_;
   fits_ = half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
   // What is far from changing is looked at ever more rarely.
   const bool far = !fits_ && half_distance_ > 1.5F * params.half_bound;
-  interval_ = far && !fitted ? std::min(2 * interval_, kMostNext) : kNext;
-  compare_at_ = since_reset_ + interval_;
+  compare_at_ = since_reset_ + (far ? kMostNext : kNext);
   // Half resolution is set up again when it is next looked at.
   const bool used = std::any_of(taken_.begin(), taken_.end(),
                                 [](const Taken& frame) { return frame.stats.halvings == 1; });
@@ -133,7 +131,6 @@ void ScaledIntrinsic::start_anew() {
   since_reset_ = 0;
   compare_at_ = kFirst;
   compared_at_.reset();
-  interval_ = kNext;
   fits_ = false;
   half_distance_ = 0;
   fade_.stop();

@@ -62,9 +62,11 @@ class ScaledIntrinsic {
   /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is
   /// left.
   static constexpr float kEnter = 0.8F;
-  /// Frames after a reset to the first comparison, and from one to the next; at least kAgain, also
-  /// where there is a cut.
-  static constexpr uint64_t kFirst = 24, kNext = 64, kMostNext = 512, kAgain = 16;
+  /// Frames after a reset to the first comparison, and from one to the next: kMostNext where half
+  /// is far from its bound. A cut has one at once, if so many frames have passed since the last
+  /// one.
+  static constexpr uint64_t kFirst = 24, kNext = 64, kMostNext = 512, kAgain = 16,
+                            kAgainAtFull = 128;
 
  private:
   static constexpr size_t kResolutions = 3;
@@ -108,7 +110,7 @@ class ScaledIntrinsic {
   size_t was_ = 0;            // halvings of the frame before
   bool fits_ = false;         // half resolution keeps the bound
   uint64_t since_reset_ = 0;  // frames
-  uint64_t compare_at_ = kFirst, interval_ = kNext;
+  uint64_t compare_at_ = kFirst;
   std::optional<uint64_t> compared_at_;
   float half_distance_ = 0;
 };

@@ -2,7 +2,7 @@
 // pixels, half of the resolution. How much time that saves, how much it changes, and what was known
 // beforehand. And what is seen where the resolution changes.
 //
-//   leave-out-bench terms|half|crossing|cheap [--frames N] FOLDER…
+//   leave-out-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…
 //
 // The folders hold scenes as ./dev bench keeps them (build-bench/tests/bench/scenes; import-scenes)
 // or, named .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are
@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -247,6 +248,35 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   std::printf("\n");
 }
 
+/// All that is left out, in relation to doing everything: median of frames in turn, its upper 95 %
+/// bound (bootstrap), and the ratio of sums, comparisons of resolutions included.
+void adaptive(DeviceSession& session, const Scene& scene, size_t frames) {
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  Params off;
+  off.adaptive = false;
+  Run all{session, extent, off}, some{session, extent, {}};
+  std::vector<double> ratios;
+  double costs[2] = {};
+  for (size_t k = 0; k < frames; ++k) {
+    const TruthFrame& frame = frame_at(scene, k);
+    for (Run* run : {k % 2 ? &all : &some, k % 2 ? &some : &all}) run->step(session, frame, k == 0);
+    if (k < 2) continue;
+    ratios.push_back(some.cost.back() / all.cost.back());
+    costs[0] += all.cost.back(), costs[1] += some.cost.back();
+  }
+  std::mt19937 random(1);
+  std::vector<double> medians;
+  for (int i = 0; i < 1000; ++i) {
+    std::vector<double> drawn;
+    for (size_t j = 0; j < ratios.size(); ++j) drawn.push_back(ratios[random() % ratios.size()]);
+    medians.push_back(median(drawn));
+  }
+  std::sort(medians.begin(), medians.end());
+  name(scene);
+  std::printf("%.3f | %.3f | %.3f |\n", median(ratios), medians[950], costs[1] / costs[0]);
+}
+
 /// Settings of little work, and the presets that they have to compare with: time in relation to
 /// quality=medium, error.
 void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
@@ -289,6 +319,7 @@ void run(int argc, char** argv) {
                        : what == "half"     ? half
                        : what == "crossing" ? crossing
                        : what == "cheap"    ? cheap
+                       : what == "adaptive" ? adaptive
                                             : nullptr;
   std::vector<std::filesystem::path> files;
   size_t frames = 24;
@@ -301,7 +332,7 @@ void run(int argc, char** argv) {
   }
   if (!measure || files.empty())
     throw std::runtime_error(
-        "usage: leave-out-bench terms|half|crossing|cheap [--frames N] FOLDER…");
+        "usage: leave-out-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   if (measure == terms)

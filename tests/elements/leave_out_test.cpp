@@ -15,7 +15,7 @@ std::vector<uint8_t> picture(bool soft, int time) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       for (int c = 0; c < 3; ++c) {
-        const double wave = std::sin(0.025 * x + 0.04 * y + 2 * c + 0.05 * time);
+        const double wave = std::sin(0.025 * x + 0.04 * y + 2 * c + 0.015 * time);
         const unsigned paint = static_cast<unsigned>((x / 2) * 7919 + y * 104729 + c * 31) % 97;
         const double light = x + 2 * y > 150 + time ? 0.9 : 0.3;
         const double value = soft ? 0.5 + 0.3 * wave : light * (0.1 + 0.009 * paint);
