@@ -25,9 +25,10 @@ class GlobalElement final : public MethodDecomposer<GlobalIntrinsic, Params> {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
     const Params set = parameters_.snapshot();
-    method_->prepare(set.half_resolution);
-    // A change of level that waits for it would be late itself.
-    if (set.target_fps > 0 || set.latency_budget > 0) method_->prepare(true);
+    method_->prepare(set.halvings());
+    // A change of resolution that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0)
+      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
   }
 
  protected:
@@ -46,7 +47,7 @@ class GlobalElement final : public MethodDecomposer<GlobalIntrinsic, Params> {
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
                       static_cast<double>(found.tint), "cycles", G_TYPE_UINT, found.solve.cycles,
                       "levels", G_TYPE_UINT, method.solve.levels, "half-resolution", G_TYPE_BOOLEAN,
-                      method.solve.half_resolution, "history", G_TYPE_BOOLEAN, method.solve.history,
+                      method.solve.halvings > 0, "history", G_TYPE_BOOLEAN, method.solve.history,
                       "cut", G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE,
                       static_cast<double>(found.solve.mismatch), "change", G_TYPE_DOUBLE,
                       static_cast<double>(found.solve.change), "skipped", G_TYPE_STRING,

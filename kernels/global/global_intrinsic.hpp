@@ -71,7 +71,7 @@ class GlobalIntrinsic {
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
-  void prepare(bool half_resolution) { solve_.prepare(half_resolution); }
+  void prepare(size_t halvings) { solve_.prepare(halvings); }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   /// Frames recorded since construction.

@@ -58,7 +58,7 @@ double mean(const std::vector<double>& values) {
 Scene load(const std::filesystem::path& path) {
   if (path.extension() != ".dump") return read_scene(path.string());
   Scene scene{"dump", path.stem().string(), "", true, {}};
-  for (const Frame& frame : read_frames(path.string())) {
+  for (const auto& frame : read_frames(path.string())) {
     TruthFrame truth;
     truth.input = Image(int(frame.extent.width), int(frame.extent.height), 3);
     for (size_t i = 0; i < frame.extent.pixels(); ++i)
@@ -83,7 +83,7 @@ struct Run {
     now = session.run(
         frame.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method.record(commands, input, params, {reset})[Role::intrinsic];
+          return method.record(commands, input, params, {reset});
         },
         spent);
     cost.push_back(spent.processor);
