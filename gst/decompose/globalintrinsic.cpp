@@ -95,6 +95,9 @@ class GlobalElement final : public MethodDecomposer<GlobalIntrinsic, Params> {
                   "The amount of a scene that says nothing of it, as where nothing has color"),
         number<P>("trust", &P::trust, 0.f, 100.f,
                   "How much the scene's colors count beside typical-amount when it is measured"),
+        number<P>("white-balance", &P::white_balance, 0.f, 1.f,
+                  "Share of the lamps' color, as the frame lets guess it, that is taken out of "
+                  "reflectance first; 0 = lamps are white"),
         number<P>("base-colors", &P::base_colors, 1, static_cast<int>(kMaxBases),
                   "Base colors at most; as many layers of bounced light are made as there are"),
         number<P>("reach", &P::reach, 0.02f, 2.f,
