@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "../gpu/commands.hpp"
@@ -10,6 +11,8 @@
 #include "thesis_params.hpp"
 
 namespace inverse {
+
+struct ThesisPush;
 
 /// The intrinsic video decomposition of the thesis, chapter 3, for frames of one size. The energy
 /// and the systems are in energy.glsl. Keeps keyframes and the palette from frame to frame.
@@ -30,11 +33,13 @@ class ThesisDecomposition {
 
   struct Stats {
     int levels = 0;
-    int irls_iterations = 0;     ///< a level
-    int pcg_iterations = 0;      ///< a reweighting
-    int keyframes = 0;           ///< that samples were drawn from
-    bool clustered = false;      ///< false: a single level, nothing to cluster beforehand
-    float gauge = 0;             ///< ln of the factor from the solver's R to the layer's
+    int irls_iterations = 0;  ///< a level
+    int pcg_iterations = 0;   ///< a reweighting
+    int keyframes = 0;        ///< that samples were drawn from
+    /// False: a single level, with nothing to cluster beforehand, or a weight of 0.
+    bool clustered = false;
+    std::vector<std::string> skipped;  ///< what was left out, and why
+    float gauge = 0;                   ///< ln of the factor from the solver's R to the layer's
     int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
@@ -72,7 +77,6 @@ class ThesisDecomposition {
   const Palette& palette() const { return palette_; }
 
  private:
-  struct Push;
   struct Level {
     Extent extent;
     gpu::BufferPtr image, solution, spare;
@@ -87,7 +91,7 @@ class ThesisDecomposition {
 
   void build_levels();
   void build_readback();
-  Push push_for(size_t level) const;
+  ThesisPush push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
   void solve(gpu::Commands& commands, size_t level, bool clustered);
   void conjugate_gradients(gpu::Commands& commands, size_t level, int step);

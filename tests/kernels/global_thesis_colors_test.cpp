@@ -89,7 +89,7 @@ TEST_F(GlobalThesisTest, RefinementAgreesWithReference) {
         break;
       }
       const reference::GlobalThesisParams p = testing::to_reference(params);
-      const reference::GlobalScene scene(image, reference::Plane(48, 36), before, p);
+      const reference::GlobalThesisScene scene(image, reference::Plane(48, 36), before, p);
       const std::vector<reference::Vec3> expected = reference::refined(
           before, reference::solve_refinement(reference::refinement_system(scene, x, initial, p)));
       double change = 0;

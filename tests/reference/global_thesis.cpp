@@ -63,7 +63,7 @@ Plane cluster_targets(const Plane& linear, const std::vector<Vec3>& centers,
   return targets;
 }
 
-GlobalField global_start(const GlobalScene& scene, const GlobalThesisParams& params) {
+GlobalField global_start(const GlobalThesisScene& scene, const GlobalThesisParams& params) {
   const std::size_t layers = scene.layers();
   GlobalField x(scene.image.width, scene.image.height, layers);
   Vec3 light = {1, 1, 1};  // of T_0 = 1
@@ -138,7 +138,7 @@ void take_step(const GlobalField& delta, GlobalField* x) {
   }
 }
 
-RefinementSystem refinement_system(const GlobalScene& scene, const GlobalField& x,
+RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalField& x,
                                    const std::vector<Vec3>& initial,
                                    const GlobalThesisParams& params) {
   RefinementSystem system;
@@ -180,7 +180,7 @@ RefinementSystem refinement_system(const GlobalScene& scene, const GlobalField& 
   return system;
 }
 
-double refinement_energy(const GlobalScene& scene, const GlobalField& x,
+double refinement_energy(const GlobalThesisScene& scene, const GlobalField& x,
                          const std::vector<Vec3>& initial, const std::vector<Vec3>& delta,
                          const GlobalThesisParams& params) {
   double energy = 0;
@@ -250,7 +250,7 @@ GlobalField GlobalThesis::decompose(const Plane& linear, const Plane& targets,
                                     std::vector<Vec3> colors) {
   scenes_.clear();
   scenes_.emplace_back(linear, targets, std::move(colors), params_);
-  GlobalScene& scene = scenes_.back();
+  GlobalThesisScene& scene = scenes_.back();
   for (std::size_t n = 0; n < chromaticities_.size(); ++n) {
     scene.sampling.packed[n] = chromaticities_.data[n][3];
   }

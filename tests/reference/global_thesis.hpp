@@ -21,7 +21,7 @@ Plane cluster_targets(const Plane& linear, const std::vector<Vec3>& centers,
 
 /// The start of the iterations: r = r_cluster (without clusters: I/max I), indirect layers that
 /// share `indirect_start` of the direct one, and T_0 the least-squares fit of I.
-GlobalField global_start(const GlobalScene& scene, const GlobalThesisParams& params);
+GlobalField global_start(const GlobalThesisScene& scene, const GlobalThesisParams& params);
 
 /// Bounds that keep extreme input from overflowing; a Gauss–Newton step changes r by at most
 /// kLargestStep.
@@ -45,11 +45,11 @@ struct RefinementSystem {
 };
 /// `initial` are the base colors as they were estimated: the chromaticity of b_k + Δb_k is drawn to
 /// theirs. C is linearized at the present b_k.
-RefinementSystem refinement_system(const GlobalScene& scene, const GlobalField& x,
+RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalField& x,
                                    const std::vector<Vec3>& initial,
                                    const GlobalThesisParams& params);
 /// (5.14) with that linearization.
-double refinement_energy(const GlobalScene& scene, const GlobalField& x,
+double refinement_energy(const GlobalThesisScene& scene, const GlobalField& x,
                          const std::vector<Vec3>& initial, const std::vector<Vec3>& delta,
                          const GlobalThesisParams& params);
 /// The solution of a symmetric positive definite system, by Cholesky's method.
@@ -76,7 +76,7 @@ class GlobalThesis {
   /// Energy of any x with the scene and the samples of the last frame.
   GlobalEnergy energy(const GlobalField& x) const;
   /// What the last frame was solved with.
-  const GlobalScene& scene() const { return scenes_.back(); }
+  const GlobalThesisScene& scene() const { return scenes_.back(); }
 
  private:
   GlobalSamples samples(const SampleFrame& current) const;
@@ -87,7 +87,7 @@ class GlobalThesis {
   std::uint32_t frame_ = 0;
   std::deque<SampleFrame> keyframes_;        // newest last
   std::vector<SampleFrame> used_keyframes_;  // those that the last frame was solved with
-  std::vector<GlobalScene> scenes_;          // of the last frame, one
+  std::vector<GlobalThesisScene> scenes_;    // of the last frame, one
 };
 
 }  // namespace inverse::reference

@@ -77,8 +77,9 @@ Vec3 colored(const Vec3& v) {
 
 }  // namespace
 
-GlobalScene::GlobalScene(const Plane& linear, const Plane& clusters, std::vector<Vec3> base_colors,
-                         const GlobalThesisParams& params)
+GlobalThesisScene::GlobalThesisScene(const Plane& linear, const Plane& clusters,
+                                     std::vector<Vec3> base_colors,
+                                     const GlobalThesisParams& params)
     : image(sanitized(linear)),
       sampling(image, sampling_params(params)),
       retinex(linear.size(), 0.0),
@@ -95,7 +96,7 @@ GlobalScene::GlobalScene(const Plane& linear, const Plane& clusters, std::vector
   });
 }
 
-Vec3 shading(const GlobalScene& scene, const double* unknowns) {
+Vec3 shading(const GlobalThesisScene& scene, const double* unknowns) {
   Vec3 s = {unknowns[3], unknowns[3], unknowns[3]};
   for (std::size_t k = 0; k < scene.layers(); ++k) {
     for (int c = 0; c < 3; ++c) s[c] += scene.colors[k][c] * unknowns[4 + k];
@@ -103,7 +104,7 @@ Vec3 shading(const GlobalScene& scene, const double* unknowns) {
   return s;
 }
 
-SampleFrame make_sample_frame(const GlobalScene& scene, const GlobalField& x) {
+SampleFrame make_sample_frame(const GlobalThesisScene& scene, const GlobalField& x) {
   SampleFrame frame(x.width, x.height);
   for (std::size_t n = 0; n < frame.size(); ++n) {
     const double* v = x.at(n);
@@ -112,7 +113,7 @@ SampleFrame make_sample_frame(const GlobalScene& scene, const GlobalField& x) {
   return frame;
 }
 
-GlobalEnergy global_energy(const GlobalScene& scene, const GlobalField& x,
+GlobalEnergy global_energy(const GlobalThesisScene& scene, const GlobalField& x,
                            const GlobalSamples& samples, const GlobalThesisParams& params) {
   GlobalEnergy energy;
   Plane r(x.width, x.height);
@@ -153,8 +154,8 @@ GlobalEnergy global_energy(const GlobalScene& scene, const GlobalField& x,
   return energy;
 }
 
-GlobalSystem assemble(const GlobalScene& scene, const GlobalField& x, const GlobalSamples& samples,
-                      const GlobalThesisParams& params) {
+GlobalSystem assemble(const GlobalThesisScene& scene, const GlobalField& x,
+                      const GlobalSamples& samples, const GlobalThesisParams& params) {
   const std::size_t layers = scene.layers();
   GlobalSystem system;
   system.scene = &scene;
@@ -211,7 +212,7 @@ GlobalSystem assemble(const GlobalScene& scene, const GlobalField& x, const Glob
 }
 
 void apply(const GlobalSystem& system, const GlobalField& v, GlobalField* out) {
-  const GlobalScene& scene = *system.scene;
+  const GlobalThesisScene& scene = *system.scene;
   for (std::size_t n = 0; n < v.pixels(); ++n) {
     const double* d = v.at(n);
     double* q = out->at(n);
@@ -239,7 +240,7 @@ void apply(const GlobalSystem& system, const GlobalField& v, GlobalField* out) {
 }
 
 GlobalField diagonal(const GlobalSystem& system) {
-  const GlobalScene& scene = *system.scene;
+  const GlobalThesisScene& scene = *system.scene;
   GlobalField result = system.local;
   for (std::size_t n = 0; n < result.pixels(); ++n) {
     double* d = result.at(n);

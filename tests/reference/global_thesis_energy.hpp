@@ -66,20 +66,20 @@ struct GlobalField {
 };
 
 /// What is known of a frame before anything is solved.
-struct GlobalScene {
+struct GlobalThesisScene {
   Plane image;                  ///< linear light I, sanitized
   ThesisLevel sampling;         ///< what the samples of section 3.4.3 need of it
   std::vector<double> retinex;  ///< w_SR (5.10)
   Plane targets;                ///< r_cluster, w = 1 where the pixel has a cluster, else 0
   std::vector<Vec3> colors;     ///< b_1 … b_K
 
-  GlobalScene(const Plane& linear, const Plane& clusters, std::vector<Vec3> base_colors,
-              const GlobalThesisParams& params);
+  GlobalThesisScene(const Plane& linear, const Plane& clusters, std::vector<Vec3> base_colors,
+                    const GlobalThesisParams& params);
   std::size_t layers() const { return colors.size(); }
 };
 
 /// S = b_0 T_0 + Σ b_k T_k at a pixel.
-Vec3 shading(const GlobalScene& scene, const double* unknowns);
+Vec3 shading(const GlobalThesisScene& scene, const double* unknowns);
 
 /// The frames that samples are drawn from: `frames[0]` is the current one, the others keyframes.
 struct GlobalSamples {
@@ -88,7 +88,7 @@ struct GlobalSamples {
 };
 
 /// (r, packed chromaticity) of a solution, as samples are drawn from it.
-SampleFrame make_sample_frame(const GlobalScene& scene, const GlobalField& x);
+SampleFrame make_sample_frame(const GlobalThesisScene& scene, const GlobalField& x);
 
 /// Energy per term, summed over pixels.
 struct GlobalEnergy {
@@ -109,13 +109,13 @@ struct GlobalEnergy {
 /// Eq. 5.3 at x. The norms are smooth near zero, so that the consistent weights of the IRLS are
 /// their derivatives: |d|^p → (|d|² + ε²)^(p/2) − ε^p, |T| → √(T² + ε²) − ε and
 /// max(−T, 0) → t − ε ln(1 + t/ε), t = max(−T, 0).
-GlobalEnergy global_energy(const GlobalScene& scene, const GlobalField& x,
+GlobalEnergy global_energy(const GlobalThesisScene& scene, const GlobalField& x,
                            const GlobalSamples& samples, const GlobalThesisParams& params);
 
 /// A δ = b of a Gauss–Newton step at x: A = JᵀJ and b = −JᵀF of the reweighted residuals, that is
 /// half the energy's negative gradient.
 struct GlobalSystem {
-  const GlobalScene* scene = nullptr;
+  const GlobalThesisScene* scene = nullptr;
   double lambda_data = 0;
   std::vector<Vec3> reflectance;   ///< R
   std::vector<Vec3> product;       ///< R ⊙ S
@@ -125,8 +125,8 @@ struct GlobalSystem {
   GlobalField right, down;         ///< weights of an unknown's difference to the next pixel
   GlobalField b;
 };
-GlobalSystem assemble(const GlobalScene& scene, const GlobalField& x, const GlobalSamples& samples,
-                      const GlobalThesisParams& params);
+GlobalSystem assemble(const GlobalThesisScene& scene, const GlobalField& x,
+                      const GlobalSamples& samples, const GlobalThesisParams& params);
 
 /// A v.
 void apply(const GlobalSystem& system, const GlobalField& v, GlobalField* out);

@@ -109,8 +109,8 @@ TEST(GlobalThesisReference, RightHandSideIsHalfTheGradientOfEveryTerm) {
       for (const auto& [name, weight] : kTerms) {
         GlobalThesisParams params = only(weight);
         params.p = p;
-        const GlobalScene scene(random_plane(6, 5, 1, 0, 1), random_targets(6, 5, 2),
-                                random_colors(layers, 3), params);
+        const GlobalThesisScene scene(random_plane(6, 5, 1, 0, 1), random_targets(6, 5, 2),
+                                      random_colors(layers, 3), params);
         const GlobalField x = random_field(6, 5, layers, 4);
         // The samples' targets are held fixed, as the solver sees them within a step.
         const SampleFrame targets = make_sample_frame(scene, random_field(6, 5, layers, 5));
@@ -142,8 +142,8 @@ TEST(GlobalThesisReference, RightHandSideIsHalfTheGradientOfEveryTerm) {
 
 TEST(GlobalThesisReference, OperatorIsTheSquaredJacobianOfTheDataTerm) {
   const GlobalThesisParams params = only(&GlobalThesisParams::lambda_data);
-  const GlobalScene scene(random_plane(4, 3, 1, 0, 1), random_targets(4, 3, 2), random_colors(3, 3),
-                          params);
+  const GlobalThesisScene scene(random_plane(4, 3, 1, 0, 1), random_targets(4, 3, 2),
+                                random_colors(3, 3), params);
   const GlobalField x = random_field(4, 3, 3, 4);
   const GlobalField v = random_field(4, 3, 3, 5);
   const SampleFrame current = make_sample_frame(scene, x);
@@ -175,8 +175,8 @@ TEST(GlobalThesisReference, OperatorIsTheSquaredJacobianOfTheDataTerm) {
 TEST(GlobalThesisReference, OperatorIsSymmetricAndItsDiagonalIsRight) {
   GlobalThesisParams params;
   params.tau_cc = 2;
-  const GlobalScene scene(random_plane(5, 4, 1, 0, 1), random_targets(5, 4, 2), random_colors(4, 3),
-                          params);
+  const GlobalThesisScene scene(random_plane(5, 4, 1, 0, 1), random_targets(5, 4, 2),
+                                random_colors(4, 3), params);
   const GlobalField x = random_field(5, 4, 4, 4);
   const SampleFrame current = make_sample_frame(scene, x);
   const GlobalSystem system = assemble(scene, x, {{&current}, 0}, params);
@@ -198,8 +198,8 @@ TEST(GlobalThesisReference, OperatorIsSymmetricAndItsDiagonalIsRight) {
 
 TEST(GlobalThesisReference, ConjugateGradientsSolveTheSystem) {
   GlobalThesisParams params;
-  const GlobalScene scene(random_plane(9, 7, 1, 0, 1), random_targets(9, 7, 2), random_colors(3, 3),
-                          params);
+  const GlobalThesisScene scene(random_plane(9, 7, 1, 0, 1), random_targets(9, 7, 2),
+                                random_colors(3, 3), params);
   const GlobalField x = random_field(9, 7, 3, 4);
   const SampleFrame current = make_sample_frame(scene, x);
   const GlobalSystem system = assemble(scene, x, {{&current}, 0}, params);
@@ -271,7 +271,8 @@ TEST(GlobalThesisReference, RefinementMinimizesItsEnergy) {
   GlobalThesisParams params;
   const std::vector<Vec3> colors = random_colors(3, 3);
   const std::vector<Vec3> initial = random_colors(3, 8);
-  const GlobalScene scene(random_plane(9, 7, 1, 0, 1), random_targets(9, 7, 2), colors, params);
+  const GlobalThesisScene scene(random_plane(9, 7, 1, 0, 1), random_targets(9, 7, 2), colors,
+                                params);
   const GlobalField x = random_field(9, 7, 3, 4);
   const RefinementSystem system = refinement_system(scene, x, initial, params);
   const std::vector<Vec3> zero(3, Vec3{});
@@ -309,7 +310,7 @@ TEST(GlobalThesisReference, RefinementMovesColorsTowardsThoseThatMadeThePicture)
       picture.data[n][c] = std::exp(v[c]) * (v[3] + truth[0][c] * v[4] + truth[1][c] * v[5]);
     }
   }
-  const GlobalScene scene(picture, Plane(12, 9), estimate, params);
+  const GlobalThesisScene scene(picture, Plane(12, 9), estimate, params);
   const std::vector<Vec3> found =
       refined(estimate, solve_refinement(refinement_system(scene, x, estimate, params)));
   for (std::size_t k = 0; k < 2; ++k) {
