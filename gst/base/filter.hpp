@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "caps.hpp"
 #include "gpu/commands.hpp"
@@ -20,6 +21,8 @@ struct FrameWork {
   uint64_t number;  ///< frames since `configure`, from 0
   bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
   bool draw;   ///< pixels go out: set `picture`
+  /// Out: what there is to tell the application, posted as element messages.
+  std::vector<GstStructure*>& messages;
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte
   bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
   Picture picture;    ///< out: what to draw
@@ -49,6 +52,9 @@ class Filter {
   virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
   /// Who shows the frames said (QoS) that one came so much too late; negative: early.
   virtual void late(double /*milliseconds*/) {}
+  /// Somebody clicked on a pixel of the frame. From any thread, as `refine`.
+  virtual void mark(int /*x*/, int /*y*/) {}
+  virtual void refine() {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
@@ -75,6 +81,8 @@ struct ElementInfo {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }
   std::unique_ptr<Filter> (*create)();
+  /// Whether it takes clicks: navigation events, and the action signals mark and refine.
+  bool marks = false;
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -245,9 +245,12 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_};
+  std::vector<GstStructure*> messages;
+  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   read_input(in, slot, frame);
   filter_->process(frame);
+  for (GstStructure* message : messages)
+    gst_element_post_message(element_, gst_message_new_element(GST_OBJECT(element_), message));
   send(out, slot, frame);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.

@@ -83,6 +83,7 @@ void Decomposer::process(FrameWork& frame) {
 }
 
 void Decomposer::took(uint64_t number, double milliseconds) {
+  if (!past(number).kept) done(past(number).method);
   // What costs nothing says nothing of what other frames will cost.
   if (!past(number).kept) trade_.frame(seconds_now(), milliseconds, past(number).level);
 }
