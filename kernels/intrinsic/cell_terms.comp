@@ -19,6 +19,9 @@ PLANE_IN(7, correction);  // ... and what its last cycle added
 PLANE_OUT(8, terms);
 PLANE_OUT(9, start);
 PLANE_INOUT(10, force);  // the last frame's, a good guess where this one continues it
+#define TILE_CONSTANT 2
+#define TILE_BINDING 11
+#include "tiles.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves
@@ -42,7 +45,7 @@ float moved(ivec2 tile, ivec2 tiles_size, float frame) {
 
 void main() {
   uint quads = QUADS(push.size.x);
-  uvec2 position = grid_position(quads);
+  uvec2 position = tile_position(quads);
   if (position.y >= push.size.y) return;
   int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);

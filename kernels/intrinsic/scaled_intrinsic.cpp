@@ -24,7 +24,7 @@ Layers ScaledIntrinsic::record_half(gpu::Commands& commands, const PlanePtr& inp
   const PlanePtr small = half_->inputs.acquire(), intrinsic = half_->layers.acquire();
   half_->halve.record(commands, *input, *small);
   commands.stage("halve");
-  const Layers found = half_->method.record(commands, small, params, info);
+  const Layers found = half_->method.record(commands, small, params, {info.reset, {}});
   half_->upsample.record(commands, input->buffer, found[Role::intrinsic]->buffer,
                          intrinsic->buffer);
   commands.stage("upsample");

@@ -33,6 +33,8 @@ class ScaledIntrinsic {
   /// the output's scale.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
+  /// As IntrinsicDecomposition::drawn; null at half resolution, where every tile is worked on.
+  const TileList* drawn() const { return !was_half_ && full_ ? full_->drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   uint64_t recorded() const { return recorded_; }
