@@ -76,6 +76,7 @@ void Decomposer::process(FrameWork& frame) {
   // Clusters follow the last frames, also those that are alike.
   const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
   frame.same_picture = kept && steady && drawn_ == settings.show;
+  if (!steady || drawn_ != settings.show) frame.drawn = nullptr;
   drawn_ = settings.show;
 }
 
