@@ -19,18 +19,35 @@ class IntrinsicSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
+    const auto changed = continues ? changed_tiles(frame) : std::vector<std::uint8_t>();
+    before_ = frame;
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues})[Role::intrinsic];
+          return method_.record(commands, input, params_, {!continues, changed})[Role::intrinsic];
         },
         cost);
   }
 
  private:
+  /// Tiles of 16 x 16 pixels that differ from the frame before, as the element finds them in bytes.
+  std::vector<std::uint8_t> changed_tiles(const Image& frame) const {
+    constexpr int kTile = 16;
+    const int columns = (frame.width + kTile - 1) / kTile,
+              rows = (frame.height + kTile - 1) / kTile;
+    std::vector<std::uint8_t> changed(std::size_t(columns) * std::size_t(rows));
+    for (int y = 0; y < frame.height; ++y)
+      for (int x = 0; x < frame.width; ++x)
+        for (int c = 0; c < frame.channels; ++c)
+          if (frame.at(x, y, c) != before_.at(x, y, c))
+            changed[std::size_t(y / kTile) * std::size_t(columns) + std::size_t(x / kTile)] = 1;
+    return changed;
+  }
+
   DeviceSession& session_;
   Params params_;
   ScaledIntrinsic method_;
+  Image before_;
 };
 
 /// The settings of one program run.
@@ -134,7 +151,7 @@ class Settings {
     Params off, tiles, cycles;
     off.adaptive = false;
     tiles.settled = 0;
-    cycles.still_tolerance = 0;
+    cycles.still_tolerance = cycles.tile_tolerance = 0;
     const auto add = [&](const char* name, double order, const Params& params,
                          const char* against) {
       all.push_back({.curve = "adaptive",
