@@ -55,6 +55,10 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     ScaledIntrinsic::Params in_force = params();
     // The sooner a picture that stays has settled, the sooner nothing is left to do.
     if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
+    // One that rests settles everywhere: a tile that was left out may lack what time would have
+    // given.
+    if (frame.repeated && repeated_) in_force.tile_tolerance = 0;
+    repeated_ = frame.repeated;
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force,
                                    {frame.fresh, frame.changed});
     frame.drawn = method_->drawn();
@@ -62,6 +66,8 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   }
 
  private:
+  bool repeated_ = false;  // the last frame that was decomposed
+
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = properties<Params>(
         "Sets half-resolution, cycles, warm-cycles, settled and still-tolerance as a group; what "
