@@ -8,6 +8,7 @@
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
 #include "../image/pyramid.hpp"
+#include "push.hpp"
 
 INVERSE_SHADER(intrinsic_thesis_sanitize);
 INVERSE_SHADER(intrinsic_thesis_downsample);
@@ -65,16 +66,6 @@ gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
 gpu::Items strips_of(Extent extent) { return {extent.width, (extent.height - 1) / kStrip + 1}; }
 
 }  // namespace
-
-/// As in energy.glsl.
-struct ThesisDecomposition::Push {
-  int32_t size[2], other_size[2], shift[2];
-  int32_t count, mode, samples, frames, ring_start, ring_capacity, slot;
-  uint32_t stream, seed;
-  float w_data, w_intensity, w_reflectance, w_shading, w_chromaticity, w_non_local, w_clustering;
-  float w_cs, alpha_cs, alpha_clustering, sample_threshold, log_floor, chroma_floor, p, epsilon2;
-  float irls_factor, settled;
-};
 
 int thesis_levels(Extent extent, int requested) {
   int possible = 1;
@@ -213,9 +204,9 @@ void ThesisDecomposition::reset() {
   stored_keyframes_ = 0;
 }
 
-ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
+ThesisPush ThesisDecomposition::push_for(size_t level) const {
   const Params& p = params_;
-  Push push{};
+  ThesisPush push{};
   push.size[0] = static_cast<int32_t>(levels_[level].extent.width);
   push.size[1] = static_cast<int32_t>(levels_[level].extent.height);
   push.samples = p.w_non_local > 0 ? p.samples : 0;
@@ -253,7 +244,7 @@ std::vector<gpu::BufferPtr> ThesisDecomposition::frame_buffers(size_t level) con
 
 void ThesisDecomposition::pack(gpu::Commands& commands, size_t level, int slot) {
   const Level& at = levels_[level];
-  Push push = push_for(level);
+  ThesisPush push = push_for(level);
   push.slot = slot % at.slots;
   commands.dispatch(pack_, {at.image, at.solution, at.frames[static_cast<size_t>(slot / at.slots)]},
                     push, pixels_of(at.extent));
@@ -267,7 +258,7 @@ Plane ThesisDecomposition::sample_frame(int level) const {
 void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step,
                                    bool clustered) {
   const Level& at = levels_[level];
-  Push push = push_for(level);
+  ThesisPush push = push_for(level);
   push.mode = clustered ? 1 : 0;
   commands.dispatch(energy_, {at.image, at.solution, links_, energy_partials_}, push,
                     pixels_of(at.extent));
@@ -283,7 +274,7 @@ void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int st
 
 void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
-  Push push = push_for(level);
+  ThesisPush push = push_for(level);
   const gpu::Items strips = strips_of(at.extent);
   push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
   const auto reduce = [&](int mode) {
@@ -320,7 +311,7 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
   if (!at.spare) {
     at.spare = gpu::Buffer::create(device_, gpu::Element::vec4, at.extent.pixels());
   }
-  Push push = push_for(level);
+  ThesisPush push = push_for(level);
   push.count = params_.pcg_iterations;
   push.shift[0] = halton(step, 2);
   push.shift[1] = halton(step, 3);
@@ -334,7 +325,7 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
 }
 
 void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clustered) {
-  Push push = push_for(level);
+  ThesisPush push = push_for(level);
   const gpu::Items pixels = pixels_of(levels_[level].extent);
   const auto pull = [&](const gpu::KernelPtr& kernel, const gpu::BufferPtr& in,
                         const gpu::BufferPtr& out) {
@@ -368,7 +359,7 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
 }
 
 uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
-  static_assert(sizeof(Push) <= gpu::Kernel::kPushBytes);
+  static_assert(sizeof(ThesisPush) <= gpu::Kernel::kPushBytes);
   if (frame.extent != extent_) {
     throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
   }
@@ -392,7 +383,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
 
   commands.dispatch(sanitize_, {frame.buffer, levels_[0].image}, push_for(0), pixels_of(extent_));
   for (size_t n = 1; n < levels_.size(); ++n) {
-    Push push = push_for(n);
+    ThesisPush push = push_for(n);
     push.other_size[0] = static_cast<int32_t>(levels_[n - 1].extent.width);
     push.other_size[1] = static_cast<int32_t>(levels_[n - 1].extent.height);
     commands.dispatch(downsample_, {levels_[n - 1].image, levels_[n].image}, push,
@@ -402,7 +393,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
 
   for (size_t n = levels_.size(); n-- > 0;) {
     const Level& at = levels_[n];
-    Push push = push_for(n);
+    ThesisPush push = push_for(n);
     if (n + 1 == levels_.size()) {
       commands.dispatch(start_, {at.image, at.solution}, push, pixels_of(at.extent));
     } else {

@@ -11,6 +11,8 @@
 
 namespace inverse {
 
+struct ThesisPush;
+
 /// The intrinsic video decomposition of the thesis, chapter 3, for frames of one size. The energy
 /// and the systems are in energy.glsl. Keeps keyframes and the palette from frame to frame.
 class ThesisDecomposition {
@@ -72,7 +74,6 @@ class ThesisDecomposition {
   const Palette& palette() const { return palette_; }
 
  private:
-  struct Push;
   struct Level {
     Extent extent;
     gpu::BufferPtr image, solution, spare;
@@ -87,7 +88,7 @@ class ThesisDecomposition {
 
   void build_levels();
   void build_readback();
-  Push push_for(size_t level) const;
+  ThesisPush push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
   void solve(gpu::Commands& commands, size_t level, bool clustered);
   void conjugate_gradients(gpu::Commands& commands, size_t level, int step);

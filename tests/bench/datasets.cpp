@@ -10,8 +10,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "tests/bench/scene.hpp"
-
 namespace inverse::bench {
 namespace {
 
@@ -79,8 +77,8 @@ int count_frames(const std::string& directory) {
   }
 }
 
-Frame load_mit(const std::string& directory) {
-  Frame f;
+LabeledFrame load_mit(const std::string& directory) {
+  LabeledFrame f;
   f.scene = fs::path(directory).filename().string();
   f.regime = Regime::kMit;
   f.input = to_image(read(directory + "/original.png"), 3);
@@ -91,35 +89,31 @@ Frame load_mit(const std::string& directory) {
   return f;
 }
 
-Frame load_rendered(const std::string& directory, int index, Regime regime) {
+LabeledFrame load_rendered(const std::string& directory, int index, Regime regime) {
   char number[16];
   std::snprintf(number, sizeof number, "%03d", index);
   const auto path = [&](const char* folder, const char* extension) {
     return directory + "/" + folder + "/" + number + extension;
   };
-  Frame f;
+  LabeledFrame f;
   f.scene = fs::path(directory).filename().string();
   f.index = index;
   f.regime = regime;
   f.input = to_image(read(path("I8", ".png")), 3);
   for (float& v : f.input.data) v = srgb_to_linear(v);
   f.reflectance = to_image(read(path("R", ".exr")), 3);
-  const Image direct = to_image(read(path("Sdir", ".exr")), 3);
-  const Image indirect = to_image(read(path("Sind", ".exr")), 3);
-  f.shading = Image(direct.width, direct.height, 1);
-  for (int y = 0; y < direct.height; ++y)
-    for (int x = 0; x < direct.width; ++x) {
-      constexpr std::array<float, 3> kLuminance{0.2126F, 0.7152F, 0.0722F};
-      float s = 0;
-      for (int c = 0; c < 3; ++c)
-        s += kLuminance[std::size_t(c)] * (direct.at(x, y, c) + indirect.at(x, y, c));
-      f.shading.at(x, y) = s;
-    }
+  f.direct = to_image(read(path("Sdir", ".exr")), 3);
+  f.indirect = to_image(read(path("Sind", ".exr")), 3);
+  if (fs::exists(path("id", ".png"))) {
+    f.id = to_image(read(path("id", ".png")), 1);
+    for (float& v : f.id.data) v = std::round(v * 255);
+  }
+  f.shading = luminance_of_sum(f.direct, f.indirect);
   return f;
 }
 
-std::vector<Frame> load_all(const std::string& root, int frames_per_scene) {
-  std::vector<Frame> frames;
+std::vector<LabeledFrame> load_all(const std::string& root, int frames_per_scene) {
+  std::vector<LabeledFrame> frames;
   std::vector<std::string> objects;
   if (!fs::exists(root + "/mit")) throw std::runtime_error("no data set at " + root + "/mit");
   for (const auto& entry : fs::directory_iterator(root + "/mit"))
@@ -138,12 +132,14 @@ std::vector<Frame> load_all(const std::string& root, int frames_per_scene) {
   return frames;
 }
 
-Frame half_size(const Frame& frame) {
-  Frame f = frame;
+LabeledFrame half_size(const LabeledFrame& frame) {
+  LabeledFrame f = frame;
   f.input = halve(frame.input);
   f.reflectance = halve(frame.reflectance);
   f.shading = halve(frame.shading);
   if (!frame.mask.empty()) f.mask = halve(frame.mask, true);
+  if (!frame.direct.empty()) f.direct = halve(frame.direct), f.indirect = halve(frame.indirect);
+  f.id = {};
   return f;
 }
 

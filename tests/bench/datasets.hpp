@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "tests/bench/scene.hpp"
 
 namespace inverse::bench {
 
@@ -26,28 +26,26 @@ Regime regime_of(const std::string& scene);
 /// How many frames a rendered sequence has.
 int count_frames(const std::string& directory);
 
-struct Frame {
+/// A frame, its truth, and where it comes from.
+struct LabeledFrame : TruthFrame {
   std::string scene;  ///< Directory name; frames of one scene are left out together when tuning.
   int index = 0;      ///< Frame number inside a sequence, 0 for stills.
   Regime regime = Regime::kMit;
-  Image input;        ///< 3 channels, linear, [0, 1].
-  Image reflectance;  ///< 3 channels, linear; unknown scale.
-  Image shading;      ///< 1 channel, linear; unknown scale.
-  Image mask;         ///< 1 channel, 0 or 1; empty when every pixel counts. For scoring only.
 };
 
 /// Loads one MIT object directory.
-Frame load_mit(const std::string& directory);
+LabeledFrame load_mit(const std::string& directory);
 
 /// Loads frame `index` of a rendered sequence directory.
-Frame load_rendered(const std::string& directory, int index, Regime regime);
+LabeledFrame load_rendered(const std::string& directory, int index, Regime regime);
 
 /// Every MIT object and, of each rendered sequence, `frames_per_scene` frames spread evenly (all of
 /// them when 0). `root` holds one directory per set. Throws std::runtime_error naming a missing
 /// file.
-std::vector<Frame> load_all(const std::string& root, int frames_per_scene);
+std::vector<LabeledFrame> load_all(const std::string& root, int frames_per_scene);
 
-/// Halves the size by 2 x 2 means (masks: all four inside); an odd last row or column is dropped.
-Frame half_size(const Frame& frame);
+/// Halves the size by 2 x 2 means (masks: all four inside; no ids, which have no mean); an odd last
+/// row or column is dropped.
+LabeledFrame half_size(const LabeledFrame& frame);
 
 }  // namespace inverse::bench

@@ -7,6 +7,23 @@
 
 namespace inverse::bench {
 
+namespace {
+
+/// Direct light is the white share of S, indirect light is what the light's color leaves beside it.
+void split_light(const float* intrinsic, const float* light, Decomposition& d) {
+  d.direct = d.indirect = Image(d.shading.width, d.shading.height, 3);
+  for (std::size_t i = 0; i < d.shading.data.size(); ++i) {
+    const float shading = intrinsic[4 * i + 3], share = light[4 * i + 3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      d.direct.data[3 * i + c] = shading * share;
+      d.indirect.data[3 * i + c] = shading * (light[4 * i + c] - share);
+    }
+  }
+  d.shading = luminance_of_sum(d.direct, d.indirect);
+}
+
+}  // namespace
+
 DeviceSession::DeviceSession(const std::string& select)
     : device_(gpu::Device::open(select)), commands_(device_) {}
 
@@ -18,16 +35,25 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     };
     input_ = std::make_shared<Plane>(Plane{extent, create(gpu::Memory::upload)});
     output_ = create(gpu::Memory::readback);
+    light_ = nullptr;
   }
   float* pixel = input_->buffer->map_as<float>();
   for (std::size_t i = 0; i < extent.pixels(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) pixel[4 * i + c] = frame.data[3 * i + c];
     pixel[4 * i + 3] = 1;
   }
+  bool global = false;
   cost = measure([&] {
     commands_.begin();
-    const PlanePtr layer = record(commands_, input_);
-    commands_.copy(layer->buffer, output_, output_->bytes());
+    const Layers layers = record(commands_, input_);
+    commands_.copy(layers[Role::intrinsic]->buffer, output_, output_->bytes());
+    global = layers.global();
+    if (global) {
+      if (!light_)
+        light_ = gpu::Buffer::create(device_, gpu::Element::vec4, extent.pixels(),
+                                     gpu::Memory::readback);
+      commands_.copy(layers[Role::light]->buffer, light_, light_->bytes());
+    }
     commands_.stage("download");
     commands_.submit();
     commands_.wait();
@@ -46,6 +72,7 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     for (std::size_t c = 0; c < 3; ++c) d.reflectance.data[3 * i + c] = result[4 * i + c];
     d.shading.data[i] = result[4 * i + 3];
   }
+  if (global) split_light(result, light_->map_as<float>(), d);
   return d;
 }
 

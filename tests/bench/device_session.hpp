@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "kernels/gpu/commands.hpp"
-#include "kernels/image/plane.hpp"
+#include "kernels/image/layers.hpp"
 #include "tests/bench/method.hpp"
 
 namespace inverse::bench {
@@ -17,17 +17,18 @@ class DeviceSession {
   explicit DeviceSession(const std::string& select);
   const std::shared_ptr<gpu::Device>& device() const { return device_; }
 
-  /// Uploads a frame, records a method's work on it (which returns the plane R.rgb, S), submits,
-  /// waits and downloads. The cost is from the first command recorded to the layers in memory that
-  /// the host can read; to and from the bench's images is not part of it.
-  using Record = std::function<PlanePtr(gpu::Commands&, const PlanePtr&)>;
+  /// Uploads a frame, records a method's work on it, submits, waits and downloads the layers
+  /// Role::intrinsic and, of a method that tells direct from indirect light, Role::light. The cost
+  /// is from the first command recorded to the layers in memory that the host can read; to and from
+  /// the bench's images is not part of it.
+  using Record = std::function<Layers(gpu::Commands&, const PlanePtr&)>;
   Decomposition run(const Image& frame, const Record& record, Cost& cost);
 
  private:
   std::shared_ptr<gpu::Device> device_;
   gpu::Commands commands_;
   PlanePtr input_;
-  gpu::BufferPtr output_;
+  gpu::BufferPtr output_, light_;
 };
 
 /// The same method on a frame halved `times` times: shading is enlarged again (bilinearly, its

@@ -7,10 +7,8 @@
 // With --still one frame of the clip comes again and again; with --ball a small ball moves over it.
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -21,23 +19,14 @@
 #include <vector>
 
 #include "clip_frames.hpp"
+#include "timing.hpp"
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double milliseconds(Clock::duration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
-}
-
-double processor_ms() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto ms = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) / 1e3;
-  };
-  return ms(usage.ru_utime) + ms(usage.ru_stime);
-}
+using inverse::bench::Clock;
+using inverse::bench::median;
+using inverse::bench::milliseconds;
+using inverse::bench::processor_ms;
 
 /// Resident bytes now.
 double resident() {
@@ -45,13 +34,6 @@ double resident() {
   double pages = 0;
   statm >> pages >> pages;
   return pages * 4096;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 struct Size {

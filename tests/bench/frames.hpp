@@ -12,14 +12,14 @@
 namespace inverse::bench {
 
 /// width × height RGBA floats, linear light.
-struct Frame {
+struct RgbaFrame {
   Extent extent;
   std::vector<float> pixels;
 };
 
 /// Colored tiles under a smooth light with a hard shadow; both move with `time`.
-inline Frame synthetic_frame(Extent extent, int time) {
-  Frame frame{extent, std::vector<float>(extent.pixels() * 4, 1.0F)};
+inline RgbaFrame synthetic_frame(Extent extent, int time) {
+  RgbaFrame frame{extent, std::vector<float>(extent.pixels() * 4, 1.0F)};
   for (uint32_t y = 0; y < extent.height; ++y) {
     for (uint32_t x = 0; x < extent.width; ++x) {
       const float u = static_cast<float>(x) / static_cast<float>(extent.width);
@@ -38,12 +38,12 @@ inline Frame synthetic_frame(Extent extent, int time) {
 
 /// Reads frames that lie one after another: int32 width, int32 height, width × height RGBA floats.
 /// Throws std::runtime_error where there are none or the file ends inside one.
-inline std::vector<Frame> read_frames(const std::string& path) {
+inline std::vector<RgbaFrame> read_frames(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::vector<Frame> frames;
+  std::vector<RgbaFrame> frames;
   for (int32_t size[2]; file.read(reinterpret_cast<char*>(size), sizeof size);) {
     if (size[0] < 1 || size[1] < 1) throw std::runtime_error(path + " is not a dump of frames");
-    Frame frame{{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])}, {}};
+    RgbaFrame frame{{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])}, {}};
     frame.pixels.resize(frame.extent.pixels() * 4);
     file.read(reinterpret_cast<char*>(frame.pixels.data()),
               static_cast<std::streamsize>(frame.pixels.size() * sizeof(float)));

@@ -1,9 +1,6 @@
 // How long frames take to planes and back: `image-bench [runs] [filter]`. Needs a Vulkan device and
 // nothing else.
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -14,24 +11,14 @@
 #include "gpu/commands.hpp"
 #include "image/convert.hpp"
 #include "image/mosaic.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace inverse;
 
-double wall_ms() {
-  using namespace std::chrono;
-  return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
-
-double cpu_ms() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto ms = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) / 1e3;
-  };
-  return ms(usage.ru_utime) + ms(usage.ru_stime);
-}
+using bench::Clock;
+using bench::processor_ms;
 
 struct Times {
   double first, median, least, cpu;  ///< first: CPU time, compiling included
@@ -41,22 +28,22 @@ struct Times {
 /// CPU time is the mean over all threads.
 Times measure(gpu::Commands& commands, int runs, const std::function<void()>& record) {
   const auto once = [&] {
-    const double start = wall_ms();
+    const auto start = Clock::now();
     commands.begin();
     record();
     commands.submit();
     commands.wait();
-    return wall_ms() - start;
+    return bench::milliseconds(Clock::now() - start);
   };
   Times times{};
-  const double before = cpu_ms();
+  const double before = processor_ms();
   once();
-  times.first = cpu_ms() - before;
+  times.first = processor_ms() - before;
   for (int i = 0; i < 10; ++i) once();
-  const double cpu = cpu_ms();
+  const double cpu = processor_ms();
   std::vector<double> walls;
   for (int i = 0; i < runs; ++i) walls.push_back(once());
-  times.cpu = (cpu_ms() - cpu) / runs;
+  times.cpu = (processor_ms() - cpu) / runs;
   std::sort(walls.begin(), walls.end());
   times.median = walls[walls.size() / 2];
   times.least = walls.front();

@@ -24,11 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TruthFrame truth_of(Frame frame) {
-  return {std::move(frame.input), std::move(frame.reflectance), std::move(frame.shading),
-          std::move(frame.mask)};
-}
-
 std::string blanks(std::string text) {
   std::replace(text.begin(), text.end(), '_', ' ');
   return text;
@@ -64,6 +59,8 @@ Scene slow_light(const Scene& video, int parts) {
       };
       mix(slow.frames.back().input, video.frames[k + 1].input);
       mix(slow.frames.back().shading, video.frames[k + 1].shading);
+      mix(slow.frames.back().direct, video.frames[k + 1].direct);
+      mix(slow.frames.back().indirect, video.frames[k + 1].indirect);
     }
   return slow;
 }
@@ -89,9 +86,7 @@ void run(const std::string& from, const std::string& to, int frames, bool videos
     const std::string name = blanks(folder.filename().string());
     if (fs::exists(folder / "original.png") && fs::exists(folder / "reflectance.png")) {
       const std::string set = blanks(folder.parent_path().filename().string());
-      write_scene(
-          to,
-          {set, name, regime_title(Regime::kMit), false, {truth_of(load_mit(folder.string()))}});
+      write_scene(to, {set, name, regime_title(Regime::kMit), false, {load_mit(folder.string())}});
       ++counts[set];
     } else if (fs::exists(folder / "I8" / "000.png") && fs::exists(folder / "R") &&
                fs::exists(folder / "Sdir")) {
@@ -99,12 +94,12 @@ void run(const std::string& from, const std::string& to, int frames, bool videos
       const int count = count_frames(folder.string());
       Scene stills{folder.filename().string(), "stills", regime_title(regime), false, {}};
       for (const int k : spread(count, frames))
-        stills.frames.push_back(truth_of(load_rendered(folder.string(), k, regime)));
+        stills.frames.push_back(load_rendered(folder.string(), k, regime));
       write_scene(to, stills);
       if (videos) {
         Scene video{folder.filename().string(), "video", regime_title(regime), true, {}};
         for (int k = 0; k < count; ++k)
-          video.frames.push_back(truth_of(load_rendered(folder.string(), k, regime)));
+          video.frames.push_back(load_rendered(folder.string(), k, regime));
         write_scene(to, video);
         if (count > 1 && stands_still(video)) {
           write_scene(to, slow_light(video, 5));

@@ -9,11 +9,7 @@
 // frames have no history, `warm` ones continue the frame before. With --kernels 1 times are those
 // of kernels, all dispatches of one added up, in place of stages; the frame as a whole then takes
 // longer.
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -24,48 +20,14 @@
 
 #include "frames.hpp"
 #include "intrinsic/intrinsic_decomposition.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace inverse;
-using Clock = std::chrono::steady_clock;
-
-using bench::Frame;
-
-/// Colored tiles under a wavy light that moves with `time`.
-Frame synthetic(Extent extent, int time) {
-  Frame frame{extent, std::vector<float>(extent.pixels() * 4)};
-  for (uint32_t y = 0; y < extent.height; ++y)
-    for (uint32_t x = 0; x < extent.width; ++x) {
-      const float u = static_cast<float>(x) / static_cast<float>(extent.width);
-      const float v = static_cast<float>(y) / static_cast<float>(extent.height);
-      const auto tile = static_cast<unsigned>(u * 12) * 7u + static_cast<unsigned>(v * 9) * 13u;
-      const float light = 0.4F + 0.3F * std::sin(6 * u + 0.2F * static_cast<float>(time)) +
-                          (u + v > 1.1F ? 0.25F : 0.0F);
-      float* p = &frame.pixels[(static_cast<size_t>(y) * extent.width + x) * 4];
-      for (unsigned c = 0; c < 3; ++c)
-        p[c] = light * (0.1F + 0.8F * static_cast<float>((tile * (c + 3) * 37u) % 17u) / 16.0F);
-      p[3] = 1;
-    }
-  return frame;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
-
-/// Processor time of all threads of this process so far, milliseconds: what the shared machine
-/// cannot blur.
-double processor_time() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto milliseconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_usec) * 1e-3;
-  };
-  return milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime);
-}
+using bench::Clock;
+using bench::median;
+using bench::milliseconds;
 
 struct Run {
   std::map<std::string, std::vector<double>> stages;
@@ -91,20 +53,20 @@ Run measure(const std::shared_ptr<gpu::Device>& device, IntrinsicDecomposition& 
   gpu::Commands commands(device);
   commands.stage_every_dispatch(kernels);
   for (int i = 0; i < count + 1; ++i) {  // the first one warms up
-    const double processor = processor_time();
+    const double processor = bench::processor_ms();
     const auto start = Clock::now();
     commands.begin();
     const Layers layers =
         method.record(commands, inputs[static_cast<size_t>(i) % inputs.size()], params, {!warm});
     commands.submit();
     commands.wait();
-    const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    const double wall = milliseconds(Clock::now() - start);
     last = layers[Role::intrinsic];
     run.tiles.push_back(100.0 * method.findings().tiles_evaluated /
                         method.stats(method.recorded() - 1).tiles);
     if (i == 0) continue;
     run.wall.push_back(wall);
-    run.processor.push_back(processor_time() - processor);
+    run.processor.push_back(bench::processor_ms() - processor);
     std::map<std::string, double> sums;
     for (const auto& stage : commands.stages()) {
       if (std::find(run.order.begin(), run.order.end(), stage.name) == run.order.end())
@@ -153,20 +115,20 @@ int main(int argc, char** argv) try {
   }
   const auto device = gpu::Device::open();
   std::printf("%s\n", device->name().c_str());
-  std::vector<std::vector<Frame>> sets;
+  std::vector<std::vector<bench::RgbaFrame>> sets;
   if (!dump.empty()) {
     sets.push_back(bench::read_frames(dump));
   } else {
     if (sizes.empty()) sizes = {{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}};
     for (const Extent extent : sizes) {
       sets.emplace_back();
-      for (int i = 0; i < 4; ++i) sets.back().push_back(synthetic(extent, i));
+      for (int i = 0; i < 4; ++i) sets.back().push_back(bench::synthetic_frame(extent, i));
     }
   }
   for (const auto& frames : sets) {
     const Extent extent = frames[0].extent;
     std::vector<PlanePtr> inputs;
-    for (const Frame& frame : frames) {
+    for (const bench::RgbaFrame& frame : frames) {
       auto buffer =
           gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
       std::memcpy(buffer->map(), frame.pixels.data(), frame.pixels.size() * sizeof(float));
@@ -179,7 +141,7 @@ int main(int argc, char** argv) try {
     measure(device, method, params, inputs, 0, false, kernels, last);
     measure(device, method, params, inputs, 0, true, kernels, last);
     std::printf("%5ux%-5u first frames %.0f ms, %.0f bytes/pixel\n", extent.width, extent.height,
-                std::chrono::duration<double, std::milli>(Clock::now() - start).count(),
+                milliseconds(Clock::now() - start),
                 static_cast<double>(device->memory_bytes() - before) /
                     static_cast<double>(extent.pixels()));
     print("warm", extent, measure(device, method, params, inputs, count, true, kernels, last));

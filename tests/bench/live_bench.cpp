@@ -19,10 +19,12 @@
 #include <vector>
 
 #include "clip_frames.hpp"
+#include "timing.hpp"
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using inverse::bench::Clock;
+using inverse::bench::median;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -96,12 +98,6 @@ std::vector<Frame> run(const Setting& setting, const std::vector<GstBuffer*>& vi
   gst_object_unref(element);
   gst_harness_teardown(harness);
   return frames;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 void summarize(const char* name, const std::vector<Frame>& frames, double budget_ms) {

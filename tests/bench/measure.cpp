@@ -1,33 +1,44 @@
-#include <sys/resource.h>
-
-#include <chrono>
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
+#include <exception>
+#include <mutex>
+#include <thread>
 
 #include "tests/bench/method.hpp"
+#include "tests/bench/timing.hpp"
 
 namespace inverse::bench {
-namespace {
-
-double processor_time() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto milliseconds = [](const timeval& t) {
-    return double(t.tv_sec) * 1e3 + double(t.tv_usec) * 1e-3;
-  };
-  return milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime);
-}
-
-}  // namespace
 
 Cost measure(const std::function<void()>& work) {
-  using Clock = std::chrono::steady_clock;
   Cost cost;
-  const double before = processor_time();
+  const double before = processor_ms();
   const auto start = Clock::now();
   work();
-  cost.wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  cost.processor = processor_time() - before;
+  cost.wall = milliseconds(Clock::now() - start);
+  cost.processor = processor_ms() - before;
   return cost;
+}
+
+void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto run = [&] {
+    for (std::size_t k; (k = next++) < count;) try {
+        work(k);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+      }
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t k = 1; k < std::min<std::size_t>(count, std::thread::hardware_concurrency());
+       ++k)
+    threads.emplace_back(run);
+  run();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
 }
 
 std::string text_of(double value) {

@@ -16,7 +16,10 @@ namespace inverse::bench {
 
 struct Decomposition {
   Image reflectance;  ///< 3 channels, linear
-  Image shading;      ///< 1 channel, linear
+  Image shading;  ///< 1 channel, linear; of a method with more layers the luminance of their sum
+  /// Parts of RGB shading, which is their sum: by light straight from its source, and by light from
+  /// other surfaces. 3 channels, linear; both empty of a method that does not tell them apart.
+  Image direct, indirect;
 };
 
 /// What a frame cost, milliseconds.
@@ -52,6 +55,8 @@ struct Setting {
   bool base = false;   ///< the method's default for stills, a point of all of its curves
   bool stills = true;  ///< is measured on stills
   bool video = false;  ///< is measured on videos
+  /// Is measured only where the truth tells direct from indirect light, and by no other measures.
+  bool layers_only = false;
   enum class Effort : std::uint8_t {
     brief,  ///< in every run, on all data
     usual,  ///< in every run, on the project's own data; with --full on all
@@ -78,6 +83,10 @@ Cost measure(const std::function<void()>& work);
 
 /// What a program measures: `bench-methods --help` tells the options.
 int run_bench(int argc, char** argv, const std::string& device, const std::vector<Method>& methods);
+
+/// Runs work(0) … work(count - 1) on all cores. The first exception is thrown again when all are
+/// done.
+void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work);
 
 /// A setting's parameters as text.
 std::string text_of(double value);

@@ -1,4 +1,6 @@
 // intrinsicdecomp in the benchmark.
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "kernels/intrinsic/ladder.hpp"
@@ -24,7 +26,7 @@ class IntrinsicSolver final : public Solver {
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues, changed})[Role::intrinsic];
+          return method_.record(commands, input, params_, {!continues, changed});
         },
         cost);
   }
@@ -134,42 +136,89 @@ class Settings {
     }
   }
 
-  void add_without_anchor() {
-    Params params;
-    params.anchor.anchor_weight = 0;
-    all.push_back({.curve = "temporal anchor",
-                   .name = "off",
-                   .parameters = {{"temporal-weight", "0"}},
-                   .make = make(params),
-                   .stills = false,
-                   .video = true});
+  /// One term left out. A weight of which the method needs something is a thousandth.
+  void add_ablations() {
+    constexpr float kNearlyNone = 1e-3F;
+    const struct {
+      const char* term;
+      void (*leave_out)(Params&);
+      bool video;
+    } terms[] = {
+        {"chroma", [](Params& p) { p.prior.chroma_weight = 0; }, false},
+        {"paint on edges", [](Params& p) { p.prior.reflectance_weight = kNearlyNone; }, false},
+        {"light on edges", [](Params& p) { p.prior.shading_weight = kNearlyNone; }, false},
+        {"value", [](Params& p) { p.prior.value_weight = kNearlyNone; }, false},
+        {"temporal anchor", [](Params& p) { p.anchor.anchor_weight = 0; }, true},
+        {"holding", [](Params& p) { p.anchor.hold = 0; }, true},
+        {"growing trust", [](Params& p) { p.anchor.anchor_frames = 1; }, true}};
+    double order = 0;
+    for (const auto& [term, leave_out, video] : terms) {
+      Params params;
+      leave_out(params);
+      all.push_back({.curve = "without",
+                     .name = term,
+                     .order = order++,
+                     .parameters = {{"without", term}},
+                     .make = make(params),
+                     .stills = !video,
+                     .video = video});
+    }
   }
 
-  /// What leaving out saves, together and one by one, each against the setting that does all the
-  /// work.
+  /// The weights that were set by hand, half and twice, together: what leaving a scene out of such
+  /// a choice would cost.
+  void add_weights() {
+    const std::pair<const char*, float> factors[] = {{"/2", 0.5F}, {"", 1.0F}, {"·2", 2.0F}};
+    double order = 0;
+    for (const auto& [light, shading] : factors)
+      for (const auto& [value, value_weight] : factors)
+        for (const auto& [chroma, chroma_weight] : factors) {
+          Params params;
+          params.prior.shading_weight *= shading;
+          params.prior.value_weight *= value_weight;
+          params.prior.chroma_weight *= chroma_weight;
+          all.push_back({.curve = "weights",
+                         .name = std::string("b") + light + " v" + value + " g" + chroma,
+                         .order = order++,
+                         .parameters = {{"shading-weight", text_of(double(shading))},
+                                        {"value-weight", text_of(double(value_weight))},
+                                        {"chroma-weight", text_of(double(chroma_weight))}},
+                         .make = make(params),
+                         .effort = Effort::full});
+        }
+  }
+
+  /// What leaving out saves: each mode against the one that does all the work. A new one is a line
+  /// here; `stills` has it measured on single frames, too.
   void add_adaptive() {
-    Params off, tiles, cycles;
-    off.adaptive = false;
-    tiles.settled = 0;
-    cycles.still_tolerance = cycles.tile_tolerance = 0;
-    const auto add = [&](const char* name, double order, const Params& params,
-                         const char* against) {
+    const struct {
+      const char* name;
+      void (*set)(Params&);
+      bool stills;
+    } modes[] = {
+        {"off", [](Params& p) { p.adaptive = false; }, false},
+        {"on", [](Params&) {}, false},
+        {"tiles only", [](Params& p) { p.settled = 0; }, false},
+        {"cycles only", [](Params& p) { p.still_tolerance = p.tile_tolerance = 0; }, false}};
+    const bool any_stills =
+        std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
+    double order = 0;
+    for (const auto& [name, set, stills] : modes) {
+      Params params;
+      set(params);
+      const bool off = !params.adaptive;
       all.push_back({.curve = "adaptive",
                      .name = name,
-                     .order = order,
-                     .parameters = {{"adaptive", params.adaptive ? "true" : "false"},
+                     .order = order++,
+                     .parameters = {{"adaptive", off ? "false" : "true"},
                                     {"settled", text_of(double(params.settled))},
                                     {"still-tolerance", text_of(double(params.still_tolerance))}},
                      .make = make(params),
-                     .stills = false,
+                     .stills = off ? any_stills : stills,
                      .video = true,
                      .effort = Effort::brief,
-                     .against = against});
-    };
-    add("off", 0, off, "");
-    add("on", 1, {}, "adaptive/off");
-    add("tiles only", 2, tiles, "adaptive/off");
-    add("cycles only", 3, cycles, "adaptive/off");
+                     .against = off ? "" : "adaptive/off"});
+    }
   }
 
   std::vector<Setting> all;
@@ -186,7 +235,8 @@ Method intrinsicdecomp(DeviceSession& session) {
   settings.add_cycles();
   settings.add_resolutions();
   settings.add_coarse_cycles();
-  settings.add_without_anchor();
+  settings.add_ablations();
+  settings.add_weights();
   settings.add_adaptive();
   Params converged;
   converged.cycles = 200;

@@ -21,7 +21,7 @@ class ThesisSolver final : public Solver {
         [&](gpu::Commands& commands, const PlanePtr& input) {
           Layers layers;
           method_.record(commands, *input, layers);
-          return layers[Role::intrinsic];
+          return layers;
         },
         cost);
   }
@@ -102,14 +102,14 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    const bool dear = irls == 16,
-               odd = iterations == 4 || irls == 3 || (!pcg && irls == 1) || (dear && !*preset);
-    const bool brief = (*preset && !dear) || irls == base.irls_iterations;
+    // On everybody's data only the default; others take seconds.
+    const bool odd =
+        iterations == 4 || irls == 3 || (!pcg && irls == 1) || (irls == 16 && !*preset);
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,
-        odd     ? Effort::full
-        : brief ? Effort::brief
-                : Effort::usual,
+        odd                            ? Effort::full
+        : irls == base.irls_iterations ? Effort::brief
+                                       : Effort::usual,
         preset);
   }
   for (const int levels : {1, 2, 3, 4, 5}) {

@@ -7,6 +7,7 @@
 #include "kernels/intrinsic_thesis/thesis_params.hpp"
 #include "kernels/ladder.hpp"
 #include "tests/bench/device_session.hpp"
+#include "tests/bench/scene.hpp"
 
 namespace inverse::bench {
 
@@ -18,5 +19,7 @@ inline constexpr std::array<std::pair<Quality, const char*>, 4> kQualities{
 
 Method intrinsicdecomp(DeviceSession& session);
 Method thesis(DeviceSession& session, ThesisParams::Solver solver);
+/// What methods with direct and indirect light must beat.
+Method indirect_guesses(DeviceSession& session);
 
 }  // namespace inverse::bench

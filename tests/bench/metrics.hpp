@@ -120,6 +120,37 @@ inline constexpr std::array<std::pair<const char*, double Scores::*>, 7> kScoreF
 Scores score(const Image& reflectance, const Image& shading, const Image& true_reflectance,
              const Image& true_shading, const Image& mask);
 
+/// The least-squares factor from estimate to truth, one for all channels; 0 where the estimate is.
+double best_scale(const Image& estimate, const Image& truth, const Image& mask);
+
+/// Squared error of scale times the estimate over the squared truth, both summed over pixels and
+/// channels: 0 is perfect, 1 is as bad as black.
+double relative_error(const Image& estimate, const Image& truth, const Image& mask, double scale);
+
+/// Error of the color of RGB shading: root mean square over pixels of the distance of the two
+/// coordinates of ln(S + .003) across the gray axis, natural log units, the estimate brought to the
+/// truth's scale first. Gray shading scores the root mean square of the truth's own tint.
+double tint_error(const Image& shading, const Image& truth, const Image& mask);
+
+/// Of layers beyond two: direct and indirect RGB shading, whose sum is the shading.
+struct LayerScores {
+  double ind = 0;               ///< relative error of the indirect layer at its own best scale
+  double dir_j = 0, ind_j = 0;  ///< of both at the scale that fits their sum best: counts the split
+  double tint = 0;              ///< tint_error of the sum
+};
+inline constexpr std::array<std::pair<const char*, double LayerScores::*>, 4> kLayerScoreFields{
+    {{"ind", &LayerScores::ind},
+     {"dirJ", &LayerScores::dir_j},
+     {"indJ", &LayerScores::ind_j},
+     {"tint", &LayerScores::tint}}};
+LayerScores score_layers(const Image& direct, const Image& indirect, const Image& true_direct,
+                         const Image& true_indirect, const Image& mask);
+
+/// LMSE (k = 20) alone, the mean of reflectance and shading: score() for many frames that are
+/// alike.
+double score_lmse(const Image& reflectance, const Image& shading, const Image& true_reflectance,
+                  const Image& true_shading, const Image& mask);
+
 /// The estimate times one least-squares factor per channel, over the largest true value (`peak`).
 Image fitted(const Image& estimate, const Image& truth, const Image& mask, double* peak = nullptr);
 

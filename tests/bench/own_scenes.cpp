@@ -30,14 +30,21 @@ TruthFrame render(const clip::Scene& scene, clip::Quality quality) {
   const int threads = std::max(1, int(std::thread::hardware_concurrency()));
   clip::Layers layers = clip::render(scene, kWidth, kHeight, quality, threads);
   clip::denoise(layers, kDenoisePasses, threads);
-  TruthFrame frame{
-      Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 1), {}};
+  TruthFrame frame{Image(kWidth, kHeight, 3),
+                   Image(kWidth, kHeight, 3),
+                   Image(kWidth, kHeight, 1),
+                   {},
+                   Image(kWidth, kHeight, 3),
+                   Image(kWidth, kHeight, 3),
+                   {}};
   for (std::size_t i = 0; i < layers.reflectance.size(); ++i) {
     const Vec3 r = layers.reflectance[i], s = layers.lamp[i] + layers.indirect[i];
     constexpr float kLuminance[] = {0.2126F, 0.7152F, 0.0722F};
     for (int c = 0; c < 3; ++c) {
       const float light = s[c] + layers.window[i];
       frame.reflectance.data[3 * i + std::size_t(c)] = r[c];
+      frame.direct.data[3 * i + std::size_t(c)] = layers.lamp[i][c] + layers.window[i];
+      frame.indirect.data[3 * i + std::size_t(c)] = layers.indirect[i][c];
       frame.input.data[3 * i + std::size_t(c)] = r[c] * light;
       frame.shading.data[i] += kLuminance[c] * light;
     }
@@ -157,10 +164,17 @@ TruthFrame crop(const TruthFrame& frame, int x0, int y0, int width, int height) 
         for (int c = 0; c < in.channels; ++c) out.at(x, y, c) = in.at(x0 + x, y0 + y, c);
     return out;
   };
-  return {cut(frame.input), cut(frame.reflectance), cut(frame.shading), {}};
+  return {cut(frame.input),
+          cut(frame.reflectance),
+          cut(frame.shading),
+          {},
+          cut(frame.direct),
+          cut(frame.indirect),
+          {}};
 }
 
-/// A ball of one color, lit from the upper left, before a frame.
+/// A ball of one color, lit from the upper left, before a frame, whose direct and indirect light is
+/// no longer known then.
 TruthFrame with_ball(TruthFrame frame, float center_x, float center_y) {
   constexpr float kRadius = 15;
   constexpr float kColor[] = {0.7F, 0.25F, 0.15F};
@@ -177,6 +191,7 @@ TruthFrame with_ball(TruthFrame frame, float center_x, float center_y) {
       }
     }
   frame.input = through_8_bits(frame.input);
+  frame.direct = frame.indirect = {};
   return frame;
 }
 

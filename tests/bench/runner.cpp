@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/bench/flat_file.hpp"
 #include "tests/bench/json.hpp"
@@ -71,11 +72,14 @@ struct Row {
   std::shared_ptr<Solver> solver;
   std::vector<double> wall, processor, device;
   std::map<std::string, std::vector<double>> stages;
-  std::vector<Scores> scores;
-  std::vector<double> to_converged;
+  std::map<std::string, std::vector<double>> errors;  // by measure, frame by frame
+  std::optional<Decomposition> found;                 // of a frame, until it is judged
+  std::optional<double> flicker, jitter;
+  std::string failure;             // why nothing more was measured
   std::vector<Image> reflectance;  // of a video
   bool warm = false;               // the solver has run
   bool slow = false;               // once a frame is enough
+  bool failed() const { return !failure.empty(); }
 
   void sample(const Cost& cost) {
     wall.push_back(cost.wall);
@@ -89,7 +93,10 @@ Size size_of(const Scene& scene) {
   return {scene.frames.front().input.width, scene.frames.front().input.height};
 }
 
+bool has_layers(const Scene& scene) { return !scene.frames.front().direct.empty(); }
+
 bool wanted(const Setting& setting, const Scene& scene, const Options& options) {
+  if (setting.layers_only && (options.brief || !has_layers(scene))) return false;
   if (!(scene.video ? setting.video : setting.stills)) return false;
   if (options.brief) return setting.effort == Setting::Effort::brief;
   if (options.full) return true;
@@ -132,6 +139,8 @@ class Bench {
                    scenes_[k].set.c_str(), scenes_[k].name.c_str());
       measure_scene(scenes_[k]);
     }
+    out_ << "],\n\"failures\": [";
+    for (std::size_t k = 0; k < failures_.size(); ++k) out_ << (k ? ",\n" : "\n") << failures_[k];
     out_ << "]}\n";
     if (!out_.flush()) throw std::runtime_error("cannot write " + options_.out);
   }
@@ -143,22 +152,28 @@ class Bench {
     return options_.converged + "/" + name;
   }
 
-  /// Every method's converged reflectance of a scene of stills.
-  Converged converge(const Scene& scene) const {
+  /// Every method's converged reflectance of a scene of stills: of all with --full, else of the
+  /// project's first, as some methods take seconds to converge.
+  Converged converge(const Scene& scene) {
     Converged all;
-    if (scene.video || options_.brief || (scene.set != "own" && !options_.full)) return all;
+    if (scene.video || options_.brief) return all;
+    const bool first = scene.set == "own" && !std::exchange(first_still_seen_, true);
+    if (!first && !options_.full) return all;
     for (const Method* m : methods_) {
-      if (m->converged) {
-        const auto solver = m->converged(size_of(scene));
-        for (const TruthFrame& frame : scene.frames) {
-          Cost cost;
-          all[m->name].push_back(solver->run(frame.input, false, cost).reflectance);
+      if (m->converged) try {
+          const auto solver = m->converged(size_of(scene));
+          for (const TruthFrame& frame : scene.frames) {
+            Cost cost;
+            all[m->name].push_back(solver->run(frame.input, false, cost).reflectance);
+          }
+          if (!options_.converged.empty()) {
+            std::filesystem::create_directories(options_.converged);
+            write_flat(converged_path(m->name, scene), {"", all[m->name]});
+          }
+        } catch (const std::exception& error) {
+          all.erase(m->name);
+          fail(*m, "converged", "", scene, error.what());
         }
-        if (!options_.converged.empty()) {
-          std::filesystem::create_directories(options_.converged);
-          write_flat(converged_path(m->name, scene), {"", all[m->name]});
-        }
-      }
       const std::string path = converged_path(m->converges_to, scene);
       if (!m->converges_to.empty() && std::filesystem::exists(path)) {
         const FlatFile file = read_flat(path);
@@ -180,15 +195,47 @@ class Bench {
           rows.emplace_back();
           rows.back().method = m, rows.back().setting = &s, rows.back().scene = &scene;
           rows.back().warm = solver != nullptr;
-          if (!solver) solver = s.make(size_);
-          rows.back().solver = solver;
+          attempt(rows.back(), [&] {
+            if (!solver) solver = s.make(size_);
+            rows.back().solver = solver;
+          });
         }
     // All settings take turns on every frame, so that what disturbs the machine disturbs all alike.
     for (int round = 0; round < options_.rounds; ++round)
-      for (std::size_t k = 0; k < scene.frames.size(); ++k)
+      for (std::size_t k = 0; k < scene.frames.size(); ++k) {
         for (Row& row : rows)
-          if (round == 0 || again(row)) step(row, k, round == 0 && !options_.brief, converged);
+          if (!row.failed() && (round == 0 || again(row)))
+            attempt(row, [&] { step(row, k, round == 0 && !options_.brief); });
+        in_parallel(rows.size(), [&](std::size_t n) { judge(rows[n], k, converged); });
+      }
+    if (scene.video) add_temporal(scene, rows);
     for (Row& row : rows) write(row);
+  }
+
+  /// A setting that fails takes no other with it.
+  void attempt(Row& row, const std::function<void()>& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      row.failure = error.what();
+      row.found.reset();
+      solvers_.erase(row.setting);
+      fail(*row.method, row.setting->curve, row.setting->name, *row.scene, error.what());
+    }
+  }
+
+  void fail(const Method& method, const std::string& curve, const std::string& setting,
+            const Scene& scene, const std::string& why) {
+    std::fprintf(stderr, "%s %s %s, %s %s: %s\n", method.name.c_str(), curve.c_str(),
+                 setting.c_str(), scene.set.c_str(), scene.name.c_str(), why.c_str());
+    failures_.push_back(json::Object()
+                            .add("method", json::text(method.name))
+                            .add("curve", json::text(curve))
+                            .add("setting", json::text(setting))
+                            .add("set", json::text(scene.set))
+                            .add("scene", json::text(scene.name))
+                            .add("why", json::text(why))
+                            .str());
   }
 
   /// Whether a row gets another round: slow ones have enough samples after one, and so have videos'
@@ -197,28 +244,47 @@ class Bench {
     return !row.slow && (!row.scene->video || row.setting->effort == Setting::Effort::brief);
   }
 
-  void step(Row& row, std::size_t k, bool judged, const Converged& converged) {
-    constexpr double kSlow = 100;  // milliseconds
-    const TruthFrame& frame = row.scene->frames[k];
-    const bool continues = row.scene->video && k > 0;
+  void step(Row& row, std::size_t k, bool judged) {
+    constexpr double kSlow = 40;  // milliseconds
+    const bool video = row.scene->video;
     Cost cost;
-    const Decomposition d = row.solver->run(frame.input, continues, cost);
+    Decomposition d = row.solver->run(row.scene->frames[k].input, video && k > 0, cost);
     // The first frame of a solver compiles kernels and touches memory, which hardly matters to slow
     // ones (fast settings of the same kernels ran before); the first frame of a video has no
     // history, and the second finds things that it left.
     row.slow = row.slow || cost.wall > kSlow;
-    if (row.scene->video ? k > 1 : row.warm || row.slow) row.sample(cost);
+    if (video ? k > 1 : row.warm || row.slow) row.sample(cost);
     row.warm = true;
     if (!judged) return;
-    if (row.scene->video) row.reflectance.push_back(d.reflectance);
-    if (row.scene->video && k % 3 != 2) return;  // frames are alike, and scores are dear
-    row.scores.push_back(
-        score(d.reflectance, d.shading, frame.reflectance, frame.shading, frame.mask));
+    if (video) row.reflectance.push_back(d.reflectance);
+    if (video && k % 3 != 2) return;  // frames are alike, and scores are dear
+    row.found = std::move(d);
+  }
+
+  /// Scores what a row found in frame `k`. Runs beside others of its kind, while nothing is timed.
+  void judge(Row& row, std::size_t k, const Converged& converged) const {
+    if (!row.found) return;
+    const Decomposition d = *std::exchange(row.found, std::nullopt);
+    const TruthFrame& truth = row.scene->frames[k];
+    const auto note = [&](const char* name, double value) { row.errors[name].push_back(value); };
+    if (!d.direct.empty() && !truth.direct.empty()) {
+      const LayerScores scores =
+          score_layers(d.direct, d.indirect, truth.direct, truth.indirect, truth.mask);
+      for (const auto& [name, field] : kLayerScoreFields) note(name, scores.*field);
+    }
+    if (row.setting->layers_only) return;
+    if (row.scene->video) {
+      note("lmse20",
+           score_lmse(d.reflectance, d.shading, truth.reflectance, truth.shading, truth.mask));
+      return;
+    }
+    const Scores scores =
+        score(d.reflectance, d.shading, truth.reflectance, truth.shading, truth.mask);
+    for (const auto& [name, field] : kScoreFields) note(name, scores.*field);
     const auto limit = converged.find(row.method->name);
     if (limit != converged.end())
-      row.to_converged.push_back(log_distance(d.reflectance, limit->second[k], frame.mask));
-    if (k == 0 && !options_.layers.empty() && !row.scene->video &&
-        row.setting->effort == Setting::Effort::brief)
+      note("to_converged", log_distance(d.reflectance, limit->second[k], truth.mask));
+    if (k == 0 && !options_.layers.empty() && row.setting->effort == Setting::Effort::brief)
       write_layers(row, d);
   }
 
@@ -233,6 +299,7 @@ class Bench {
   }
 
   void write(const Row& row) {
+    if (row.failed()) return;
     const Scene& scene = *row.scene;
     json::Object parameters, object, stages;
     for (const auto& [name, value] : row.setting->parameters)
@@ -245,7 +312,7 @@ class Bench {
         .add("base", row.setting->base ? "true" : "false")
         .add("against", json::text(row.setting->against))
         .add("parameters", parameters.str())
-        .add("device", json::text(row.method->family == "method" ? device_ : "processor"))
+        .add("device", json::text(device_))
         .add("set", json::text(scene.set))
         .add("scene", json::text(scene.name))
         .add("regime", json::text(scene.regime))
@@ -258,27 +325,27 @@ class Bench {
         .add("device_ms", json::list(row.device));
     for (const auto& [name, times] : row.stages) stages.add(name, json::list(times));
     object.add("stages_ms", stages.str());
-    for (const auto& [name, field] : kScoreFields) {
-      std::vector<double> values;
-      for (const Scores& s : row.scores) values.push_back(s.*field);
-      if (!values.empty()) object.add(name, json::list(values));
-    }
-    if (!row.to_converged.empty()) object.add("to_converged", json::list(row.to_converged));
-    if (row.reflectance.size() > 1) add_temporal(row, object);
+    for (const auto& [name, values] : row.errors) object.add(name, json::list(values));
+    if (row.flicker) object.add("flicker", json::number(*row.flicker));
+    if (row.jitter) object.add("jitter", json::number(*row.jitter));
     out_ << (first_ ? "\n" : ",\n") << object.str();
     first_ = false;
   }
 
-  static void add_temporal(const Row& row, json::Object& object) {
+  static void add_temporal(const Scene& scene, std::vector<Row>& rows) {
     std::vector<Image> truth;
-    for (const TruthFrame& frame : row.scene->frames) truth.push_back(frame.reflectance);
+    for (const TruthFrame& frame : scene.frames) truth.push_back(frame.reflectance);
     const Image still = static_pixels(truth);
     const double share =
         double(std::count(still.data.begin(), still.data.end(), 1.0F)) / double(still.data.size());
     constexpr double kLeastShare = 0.3;  // a camera that moves leaves hardly any
     if (share < kLeastShare) return;
-    object.add("flicker", json::number(flicker(row.reflectance, true, still)))
-        .add("jitter", json::number(jitter(row.reflectance, still)));
+    in_parallel(rows.size(), [&](std::size_t n) {
+      Row& row = rows[n];
+      if (row.reflectance.size() < scene.frames.size() || row.failed()) return;
+      row.flicker = flicker(row.reflectance, true, still);
+      row.jitter = jitter(row.reflectance, still);
+    });
   }
 
   Options options_;
@@ -288,7 +355,9 @@ class Bench {
   std::map<const Setting*, std::shared_ptr<Solver>> solvers_;  // for frames of size_
   Size size_;
   std::ofstream out_;
+  std::vector<std::string> failures_;
   bool first_ = true;
+  bool first_still_seen_ = false;
 };
 
 }  // namespace

@@ -13,7 +13,8 @@
 namespace inverse::bench {
 namespace {
 
-constexpr int kChannels = 8;
+constexpr int kChannels = 8;       // I, R, S, mask
+constexpr int kLayerChannels = 7;  // direct, indirect, id
 
 std::string blanks(std::string text, char from, char to) {
   std::replace(text.begin(), text.end(), from, to);
@@ -31,7 +32,8 @@ Scene read_scene(const std::string& path) {
     if (equals != std::string::npos) words[word.substr(0, equals)] = word.substr(equals + 1);
   }
   if (!words.count("set") || !words.count("scene") || file.frames.empty() ||
-      file.frames.front().channels != kChannels)
+      (file.frames.front().channels != kChannels &&
+       file.frames.front().channels != kChannels + kLayerChannels))
     throw std::runtime_error(path + " is not a scene with truth");
   Scene scene{words["set"],
               blanks(words["scene"], '_', ' '),
@@ -39,8 +41,20 @@ Scene read_scene(const std::string& path) {
               words["video"] == "1",
               {}};
   for (const Image& all : file.frames) {
-    TruthFrame frame{channels(all, 0, 3), channels(all, 3, 3), channels(all, 6, 1),
-                     channels(all, 7, 1)};
+    TruthFrame frame{channels(all, 0, 3),
+                     channels(all, 3, 3),
+                     channels(all, 6, 1),
+                     channels(all, 7, 1),
+                     {},
+                     {},
+                     {}};
+    if (all.channels > kChannels) {
+      frame.direct = channels(all, kChannels, 3);
+      frame.indirect = channels(all, kChannels + 3, 3);
+      frame.id = channels(all, kChannels + 6, 1);
+      if (std::all_of(frame.id.data.begin(), frame.id.data.end(), [](float v) { return v < 0; }))
+        frame.id = {};
+    }
     if (std::all_of(frame.mask.data.begin(), frame.mask.data.end(), [](float v) { return v == 1; }))
       frame.mask = {};
     scene.frames.push_back(std::move(frame));
@@ -54,8 +68,13 @@ void write_scene(const std::string& folder, const Scene& scene) {
                " regime=" + blanks(scene.regime, ' ', '_') + " video=" + (scene.video ? "1" : "0");
   for (const TruthFrame& frame : scene.frames) {
     const Image all(frame.input.width, frame.input.height, 1, 1.0F);
-    file.frames.push_back(stacked({&frame.input, &frame.reflectance, &frame.shading,
-                                   frame.mask.empty() ? &all : &frame.mask}));
+    const Image no_id(frame.input.width, frame.input.height, 1, -1.0F);
+    std::vector<const Image*> parts{&frame.input, &frame.reflectance, &frame.shading,
+                                    frame.mask.empty() ? &all : &frame.mask};
+    if (!frame.direct.empty())
+      parts.insert(parts.end(),
+                   {&frame.direct, &frame.indirect, frame.id.empty() ? &no_id : &frame.id});
+    file.frames.push_back(stacked(parts));
   }
   std::filesystem::create_directories(folder);
   write_flat(folder + "/" + scene.set + "-" + blanks(scene.name, ' ', '_') + ".f32", file);
@@ -81,6 +100,15 @@ Image halve(const Image& image, bool is_mask) {
                      image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c));
         out.at(x, y, c) = is_mask ? (mean > 0.999F ? 1.0F : 0.0F) : mean;
       }
+  return out;
+}
+
+Image luminance_of_sum(const Image& a, const Image& b) {
+  constexpr float kLuminance[] = {0.2126F, 0.7152F, 0.0722F};
+  Image out(a.width, a.height, 1);
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      out.data[i] += kLuminance[c] * (a.data[3 * i + c] + b.data[3 * i + c]);
   return out;
 }
 

@@ -16,6 +16,10 @@ struct TruthFrame {
   Image reflectance;  ///< 3 channels, linear
   Image shading;      ///< 1 channel, linear
   Image mask;         ///< 1 channel, 0 or 1; empty when every pixel counts; for scoring only
+  /// Shading by light that comes straight from its source, and by light from other surfaces: 3
+  /// channels, linear, of one scale. Empty where they are not known.
+  Image direct, indirect;
+  Image id;  ///< 1 channel, the number of the object that is seen; empty where it is not known
 };
 
 struct Scene {
@@ -27,7 +31,8 @@ struct Scene {
 };
 
 /// The words after the numbers of the dump's first line are set=…, scene=…, regime=… and video=0|1
-/// with _ for blanks; the channels are I.rgb, R.rgb, S, mask. Throws std::runtime_error.
+/// with _ for blanks; the channels are I.rgb, R.rgb, S, mask and, where they are known, direct.rgb,
+/// indirect.rgb, id (-1 where only that is unknown). Throws std::runtime_error.
 Scene read_scene(const std::string& path);
 void write_scene(const std::string& folder, const Scene& scene);
 
@@ -37,6 +42,9 @@ std::vector<Scene> read_scenes(const std::string& folder);
 /// Halves the size by 2 x 2 means; an odd last row or column is dropped. A mask stays 1 where all
 /// four are.
 Image halve(const Image& image, bool is_mask = false);
+
+/// Rec.709 luminance of a + b, which have 3 channels: 1 channel.
+Image luminance_of_sum(const Image& a, const Image& b);
 
 /// Frames as a camera or a file would deliver them: through 8-bit sRGB and back.
 Image through_8_bits(const Image& linear);

@@ -7,24 +7,19 @@
 // Without a dump (see frames.hpp) the frames are synthetic; --out writes every frame's intrinsic
 // plane (R.rgb, S). Prints medians over the frames after the first.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <map>
 
 #include "frames.hpp"
 #include "thesis_options.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace inverse;
-using Clock = std::chrono::steady_clock;
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
+using bench::Clock;
+using bench::median;
 
 struct Options {
   ThesisParams params;
@@ -34,7 +29,7 @@ struct Options {
 };
 
 void run(const Options& options) {
-  std::vector<bench::Frame> inputs;
+  std::vector<bench::RgbaFrame> inputs;
   if (!options.dump.empty()) inputs = bench::read_frames(options.dump);
   const Extent extent = inputs.empty() ? options.extent : inputs.front().extent;
   const int count = inputs.empty() ? std::max(options.frames, 1) : static_cast<int>(inputs.size());
@@ -53,7 +48,7 @@ void run(const Options& options) {
   std::vector<std::string> order;
   std::vector<double> wall;
   for (int t = 0; t < count; ++t) {
-    const bench::Frame frame =
+    const bench::RgbaFrame frame =
         inputs.empty() ? bench::synthetic_frame(extent, t) : inputs[static_cast<size_t>(t)];
     if (frame.extent != extent) throw std::runtime_error("the frames of a dump have one size");
     std::memcpy(input->map(), frame.pixels.data(), input->bytes());
@@ -64,15 +59,15 @@ void run(const Options& options) {
     commands.copy(layers[Role::intrinsic]->buffer, output, output->bytes());
     commands.submit();
     commands.wait();
-    const std::chrono::duration<double, std::milli> took = Clock::now() - start;
+    const double took = bench::milliseconds(Clock::now() - start);
     if (out.is_open()) bench::write_frame(out, extent, output->map_as<float>());
     if (t == 0) {
-      const std::chrono::duration<double, std::milli> first = Clock::now() - opened;
-      printf("first frame, pipelines included: %.0f ms, %u dispatches, %d levels\n", first.count(),
+      const double first = bench::milliseconds(Clock::now() - opened);
+      printf("first frame, pipelines included: %.0f ms, %u dispatches, %d levels\n", first,
              commands.dispatches(), method.stats(number).levels);
       continue;
     }
-    wall.push_back(took.count());
+    wall.push_back(took);
     std::map<std::string, double> sums;
     for (const auto& stage : commands.stages()) {
       if (std::find(order.begin(), order.end(), stage.name) == order.end())

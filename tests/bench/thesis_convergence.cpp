@@ -82,7 +82,7 @@ struct Reference {
   Energies energies;
   reference::Plane solution;
 
-  Reference(const bench::Frame& frame, const ThesisParams& params,
+  Reference(const bench::RgbaFrame& frame, const ThesisParams& params,
             const std::vector<reference::Plane>& samples, const reference::Plane& clusters,
             bool converged, bool single = false)
       : method(testing::to_reference(params)) {
@@ -115,7 +115,7 @@ Difference difference(const reference::Plane& got, const reference::Plane& expec
   return {differences[(differences.size() - 1) * 99 / 100], differences.back()};
 }
 
-Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::Frame& frame,
+Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::RgbaFrame& frame,
             const Options& options, ThesisParams::Solver solver) {
   ThesisParams params = options.params;
   params.solver = solver;
@@ -264,7 +264,7 @@ int main(int argc, char** argv) {
   known["--no-converged"] = bench::flag([&] { options.converged = false; });
   if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
   try {
-    const bench::Frame frame =
+    const bench::RgbaFrame frame =
         dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();
     const auto device = gpu::Device::open();
     const std::vector<Curve> curves = {

@@ -4,6 +4,7 @@
 
 #include "gpu/reduce.hpp"
 #include "gpu/shaders.hpp"
+#include "intrinsic_thesis/push.hpp"
 #include "tests/reference/intrinsic_thesis.hpp"
 
 INVERSE_SHADER(intrinsic_thesis_setup);
@@ -26,16 +27,6 @@ Pixels pixels_of(const reference::Plane& plane) {
 }
 
 }  // namespace
-
-/// As in kernels/intrinsic_thesis/energy.glsl.
-struct ThesisLab::Push {
-  int32_t size[2], other_size[2], shift[2];
-  int32_t count, mode, samples, frames, ring_start, ring_capacity, slot;
-  uint32_t stream, seed;
-  float w_data, w_intensity, w_reflectance, w_shading, w_chromaticity, w_non_local, w_clustering;
-  float w_cs, alpha_cs, alpha_clustering, sample_threshold, log_floor, chroma_floor, p, epsilon2;
-  float irls_factor;
-};
 
 ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
                      const reference::ThesisParams& params)
@@ -65,8 +56,8 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
   });
 }
 
-ThesisLab::Push ThesisLab::push() const {
-  Push push{};
+ThesisPush ThesisLab::push() const {
+  ThesisPush push{};
   push.size[0] = static_cast<int32_t>(extent_.width);
   push.size[1] = static_cast<int32_t>(extent_.height);
   push.w_data = static_cast<float>(params_.w_data);
@@ -115,7 +106,7 @@ reference::Plane ThesisLab::solution() const {
 }
 
 void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) const {
-  Push push = this->push();
+  ThesisPush push = this->push();
   const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1};
   push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
   const auto reduce = [&](int mode) {
@@ -141,7 +132,7 @@ void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) con
 
 void ThesisLab::step(bool schwarz, int iterations, int step) {
   lab_.run([&](gpu::Commands& commands) {
-    Push push = this->push();
+    ThesisPush push = this->push();
     commands.dispatch(
         reweight_, {solution_, links_, pulls_, image_, edges_, nodes_, preconditioned_, partials_},
         push, {extent_.width, (extent_.height - 1) / kStrip + 1});

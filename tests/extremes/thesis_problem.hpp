@@ -7,6 +7,10 @@
 #include "problem.hpp"
 #include "tests/reference/intrinsic_thesis_energy.hpp"
 
+namespace inverse {
+struct ThesisPush;
+}
+
 namespace inverse::extremes {
 
 /// The kernels of intrinsicdecompthesis on one level of the pyramid, driven one by one: for frozen
@@ -29,8 +33,7 @@ class ThesisLab {
   void step(bool schwarz, int iterations, int step);
 
  private:
-  struct Push;
-  Push push() const;
+  ThesisPush push() const;
   void conjugate_gradients(gpu::Commands& commands, int iterations) const;
 
   const Lab& lab_;

@@ -20,6 +20,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/bench/command_line.hpp"
 #include "tests/bench/datasets.hpp"
 #include "training/edges/problem.hpp"
 #include "training/edges/scenes.hpp"
@@ -109,11 +110,11 @@ Corpus make_corpus(const Options& options) {
     (is_diverse(e) ? corpus.diverse : corpus.even).push_back(k);
   }
   if (options.rendered <= 0) return corpus;
-  for (const bench::Frame& f : bench::load_all(options.data, 3)) {
+  for (const bench::LabeledFrame& f : bench::load_all(options.data, 3)) {
     if (f.regime == bench::Regime::kMit || f.regime == bench::Regime::kDiverseValue) continue;
     if (("," + options.leave + ",").find("," + f.scene + ",") != std::string::npos) continue;
-    const bench::Frame half = bench::half_size(f);
-    for (const bench::Frame* g : {&half, &f}) {
+    const bench::LabeledFrame half = bench::half_size(f);
+    for (const bench::LabeledFrame* g : {&half, &f}) {
       if (g == &f && f.index % 2 == 1) continue;
       corpus.rendered.push_back(int(corpus.examples.size()));
       corpus.examples.push_back(
@@ -193,30 +194,18 @@ void fit(const Options& options) {
 
 int main(int argc, char** argv) {
   inverse::training::Options o;
+  namespace bench = inverse::bench;
+  const bench::Options known{{"--out", bench::text(o.out)},
+                             {"--from", bench::text(o.from)},
+                             {"--data", bench::text(o.data)},
+                             {"--leave", bench::text(o.leave)},
+                             {"--scenes", bench::integer(o.scenes)},
+                             {"--hidden", bench::integer(o.hidden)},
+                             {"--seconds", bench::number(o.seconds)},
+                             {"--rate", bench::number(o.rate)},
+                             {"--rendered", bench::number(o.rendered)}};
+  if (!bench::read(known, argc, argv, "fit_edge_prior.cpp")) return 2;
   try {
-    for (int k = 1; k + 1 < argc; k += 2) {
-      const std::string a = argv[k], v = argv[k + 1];
-      if (a == "--out")
-        o.out = v;
-      else if (a == "--from")
-        o.from = v;
-      else if (a == "--data")
-        o.data = v;
-      else if (a == "--leave")
-        o.leave = v;
-      else if (a == "--scenes")
-        o.scenes = std::stoi(v);
-      else if (a == "--hidden")
-        o.hidden = std::stoi(v);
-      else if (a == "--seconds")
-        o.seconds = std::stod(v);
-      else if (a == "--rate")
-        o.rate = std::stod(v);
-      else if (a == "--rendered")
-        o.rendered = std::stod(v);
-      else
-        throw std::runtime_error("unknown option " + a);
-    }
     if (o.out.empty() || o.scenes < 1)
       throw std::runtime_error("--out FILE and at least one scene are needed");
     inverse::training::fit(o);

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/command_line.hpp"
 #include "tests/bench/datasets.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic_features.hpp"
@@ -107,10 +108,11 @@ void shrink(const Options& options) {
     const Scene scene = make_scene(std::uint32_t(kFirstSeed + k), 176, 132);
     (k % 10 == 9 ? held_out : procedural).draw(scene.input, kEdgesPerScene, engine);
   }
-  for (const bench::Frame& f : bench::load_all(options.data, 3)) {
+  for (const bench::LabeledFrame& f : bench::load_all(options.data, 3)) {
     if (f.regime == bench::Regime::kMit || f.regime == bench::Regime::kDiverseValue) continue;
-    const bench::Frame half = bench::half_size(f);
-    for (const bench::Frame* g : {&half, &f}) rendered.draw(g->input, 4 * kEdgesPerScene, engine);
+    const bench::LabeledFrame half = bench::half_size(f);
+    for (const bench::LabeledFrame* g : {&half, &f})
+      rendered.draw(g->input, 4 * kEdgesPerScene, engine);
   }
   const Net teacher{kCues, large.edge_hidden, kOutputs, 0};
   for (Edges* edges : {&procedural, &rendered, &held_out}) edges->ask(teacher, large.values);
@@ -158,24 +160,13 @@ void shrink(const Options& options) {
 
 int main(int argc, char** argv) {
   inverse::training::Options o;
+  namespace bench = inverse::bench;
+  const bench::Options known{
+      {"--from", bench::text(o.from)},      {"--out", bench::text(o.out)},
+      {"--data", bench::text(o.data)},      {"--hidden", bench::integer(o.hidden)},
+      {"--steps", bench::integer(o.steps)}, {"--scenes", bench::integer(o.scenes)}};
+  if (!bench::read(known, argc, argv, "shrink_edge_prior.cpp")) return 2;
   try {
-    for (int k = 1; k + 1 < argc; k += 2) {
-      const std::string a = argv[k], v = argv[k + 1];
-      if (a == "--from")
-        o.from = v;
-      else if (a == "--out")
-        o.out = v;
-      else if (a == "--data")
-        o.data = v;
-      else if (a == "--hidden")
-        o.hidden = std::stoi(v);
-      else if (a == "--steps")
-        o.steps = std::stoi(v);
-      else if (a == "--scenes")
-        o.scenes = std::stoi(v);
-      else
-        throw std::runtime_error("unknown option " + a);
-    }
     if (o.from.empty() || o.out.empty() || o.hidden < 1 || o.scenes < 10)
       throw std::runtime_error("--from FILE, --out FILE, a hidden value and ten scenes are needed");
     inverse::training::shrink(o);

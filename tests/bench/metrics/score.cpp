@@ -28,6 +28,12 @@ Scores score(const Image& reflectance, const Image& shading, const Image& true_r
   return s;
 }
 
+double score_lmse(const Image& reflectance, const Image& shading, const Image& true_reflectance,
+                  const Image& true_shading, const Image& mask) {
+  return (lmse(reflectance, true_reflectance, mask, 20) + lmse(shading, true_shading, mask, 20)) /
+         2;
+}
+
 double log_distance(const Image& reflectance, const Image& other, const Image& mask) {
   detail::check_sizes(reflectance, other, mask);
   const auto floored = [](float v) { return std::log(std::max(double(v), detail::kLogFloor)); };

@@ -4,23 +4,29 @@ import json
 import pathlib
 import sys
 
+import ablations
 import against
 import intervals
 import measure
+import page
 import progress as progress_bar
 import summary
+import tables
 
 
 def options():
     parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
-    parser.add_argument("--full", action="store_true", help="two frames and the video of every given sequence, every setting: many times as long")
+    parser.add_argument("--full", action="store_true",
+                        help="two frames and the video of every given sequence, every setting, every size: a quarter of an hour")
+    parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with the same options stopped")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
                         help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")
     parser.add_argument("--against", type=pathlib.Path, metavar="FILE",
                         help="an earlier results.json: print what got better or worse")
     parser.add_argument("--add", type=pathlib.Path, action="append", default=[], metavar="FILE",
-                        help="what bench-methods wrote on another machine, for a table of its own")
+                        help="what bench-methods wrote on another machine, for a column of its own; or an earlier results.json, "
+                        "from which tables are kept that this run does not make (those of --full)")
     parser.add_argument("--only", action="append", default=[], metavar="METHOD", help="measure these methods only")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/report"), metavar="DIR",
                         help="where the report goes (default docs/report)")
@@ -44,11 +50,24 @@ def summarize(results):
         "knee": [p["setting"] for p in summary.knee(curve, "lmse20", clock)]}
 
 
-def other_machines(paths):
+def add(results, paths):
+    """Files from other machines become columns; of earlier reports is kept what this one lacks."""
+    results["others"], results["kept"] = [], None
     for path in paths:
-        rows = [summary.condensed(r) for r in json.loads(path.read_text())["rows"]]
-        device = rows[0]["device"]
-        yield {"device": device, "rows": rows, "points": summary.points(rows, sets={"own"}, device=device)}
+        given = json.loads(path.read_text())
+        if "summary" not in given:
+            rows = [summary.condensed(r) for r in given["rows"]]
+            points = summary.points(rows, sets={"own"}, device=given["device"])
+            results["others"].append({"device": given["device"], "points": points})
+            continue
+        results["others"] += given.get("others", [])
+        if not given["full"]:
+            results["kept"] = given.get("kept")  # what it had kept itself
+            continue
+        sizes = {(e["element"], e["width"]) for e in results["elements"]}
+        results["kept"] = {"commit": given["machine"]["commit"], "device": given["device"],
+                           "rows": [r for r in given["rows"] if ablations.wanted(r)],
+                           "elements": [e for e in given["elements"] if (e["element"], e["width"]) not in sizes]}
 
 
 def draw(results, folder, work):
@@ -60,7 +79,7 @@ def draw(results, folder, work):
     plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
     plots.knobs(own, summary.steady_time(results["device"]), folder)
     plots.other_clocks(own, folder)
-    plots.sizes(results["elements"], folder)
+    plots.sizes(tables.all_elements(results), folder)
     if results["extremes"]:
         plots.conditions(results["extremes"]["cases"], folder)
     scene = work / "scenes-own" / "own-still_life.f32"
@@ -85,20 +104,21 @@ def main():
     given.out.mkdir(parents=True, exist_ok=True)
     path = given.out / "results.json"
     before = json.loads(given.against.read_text()) if given.against else None
-    bar = progress_bar.Progress(measure.parts(given.full))
+    bar = progress_bar.Progress(*measure.expected(given.full))
     if given.plots_only:
         results = json.loads(path.read_text())
     else:
         try:
-            results = measure.run(given.build, work, given.data, given.full, bar, given.only)
+            results = measure.run(given.build, work, given.data, given.full, bar, given.only, given.resume)
         except measure.Failed as failure:
             sys.exit(f"\n{failure}")
+        except KeyboardInterrupt:
+            sys.exit("\ninterrupted; with --resume the same command goes on from here")
     bar.begin("plots and page")
     summarize(results)
-    if given.add:
-        results["others"] = list(other_machines(given.add))
+    if given.add or not given.plots_only:
+        add(results, given.add)
     measure.write(results, path)
-    import page
     page.write(results, given.out, draw(results, given.out, work))
     bar.end()
     print(f"{given.out}/README.md")

@@ -64,93 +64,154 @@ def import_data(programs, data, folder, full):
     return ", ".join(out.stdout.split("\n")).strip(", ")
 
 
-def run(build, work, data, full, progress, only):
+def split_videos(folder, videos):
+    """Moves the dumps of videos to a folder of their own."""
+    videos.mkdir(exist_ok=True)
+    for path in folder.glob("*.f32"):
+        with path.open("rb") as dump:
+            if b" video=1" in dump.readline():
+                path.rename(videos / path.name)
+
+
+class Parts:
+    """What is measured, one program run after another. With `resume` what an earlier, interrupted run of the same programs
+    with the same options has finished is not run again. A part that fails is noted, and the others go on."""
+
+    def __init__(self, work, progress, resume):
+        self.work, self.progress, self.resume = work, progress, resume
+        self.failures = []
+
+    def measure(self, name, program, arguments, timeless=False, **environment):
+        """What `program` writes to the file that it gets after `arguments`; None where it fails. What is `timeless` is
+        taken from any earlier run of the same program."""
+        out = self.work / (name.replace(" ", "-") + ".json")
+        mark = out.with_suffix(".done")
+        key = json.dumps([str(program), program.stat().st_mtime, [str(a) for a in arguments]])
+        self.progress.begin(name)
+        if not ((self.resume or timeless) and mark.exists() and mark.read_text() == key):
+            mark.unlink(missing_ok=True)
+            out.unlink(missing_ok=True)
+            try:
+                # A machine at work on other things takes its time; who waits for it is no error here.
+                follow([program, *arguments, out], self.progress, **{"INVERSE_PATIENCE": "600", **environment})
+            except Failed as failure:
+                self.failures.append({"part": name, "why": str(failure)})
+                return None
+            mark.write_text(key)
+        return json.loads(out.read_text())
+
+
+def scene_parts(programs, own, given, videos, full):
+    """(name, program, folder, arguments) of the programs that measure methods on scenes, in the order in which they run.
+    With --full they take turns several times, so that what disturbs the machine for a while disturbs all alike."""
+    runners = ["bench-methods"] + (["bench-peers"] if (programs / "bench-peers").exists() else [])
+    for number in range(2 if full else 1):
+        for folder in [own, given, videos] if number == 0 else [own]:
+            for runner in runners:
+                if any(folder.glob("*.f32")):
+                    yield f"{runner} {folder.name} {number}", programs / runner, folder, ["--brief"] if number else []
+
+
+def measure_elements(parts, programs, environment, full):
+    """Through the elements: by size, and frames that come again."""
+    program = programs / "element-bench"
+    small, large = "320x240,640x480", "1280x720,1920x1080"
+    found, still = [], []
+    for element, sizes in (("intrinsicdecomp", f"{small},{large}"), ("intrinsicdecomp quality=low", f"{small},{large}"),
+                           ("intrinsicdecompthesis", f"{small},{large}" if full else small)):
+        if full or "quality" not in element:
+            found += parts.measure(f"elements {element}", program, [
+                "--sizes", sizes, "--frames", "40" if full else "8", "--rounds", "2" if full else "1", element, "--json"],
+                **environment) or []
+    for line, frames in (("intrinsicdecomp adaptive=false", "16"), ("intrinsicdecomp", "60")):
+        still += parts.measure(f"duplicate frames {line}", program, [
+            "--still", "--sizes", "640x480", "--frames", frames, "--rounds", "1", line, "--json"], **environment) or []
+    return found, still if len(still) == 2 else []
+
+
+def run(build, work, data, full, progress, only, resume=False):
     """Everything that is measured, as results.json has it."""
     programs = build / "tests" / "bench"
-    for stale in list(work.glob("scenes-*/*.f32")) + list(work.glob("layers/*.f32")):
-        stale.unlink()
-    own = work / "scenes-own"
-    other = work / "scenes-other"
-    own.mkdir(parents=True, exist_ok=True)
-    for scene in (programs / "scenes").glob("*.f32"):
-        (own / scene.name).symlink_to(scene.resolve())
+    parts = Parts(work, progress, resume)
+    own, given, videos = work / "scenes-own", work / "scenes-given", work / "scenes-videos"
+    environment = {"GST_PLUGIN_PATH": str(build / "gst"), "GST_REGISTRY": str(work / "registry.bin")}
     results = {"machine": machine(), "full": full}
 
     progress.begin("data")
-    results["data"] = import_data(programs, data, other, full)
+    for stale in [*work.glob("scenes-*/*.f32")] + ([] if resume else [*work.glob("layers/*.f32"), *work.glob("converged/*.f32")]):
+        stale.unlink()
+    for folder in (own, given):
+        folder.mkdir(parents=True, exist_ok=True)
+    for scene in (programs / "scenes").glob("*.f32"):
+        (own / scene.name).symlink_to(scene.resolve())
+    results["data"] = import_data(programs, data, given, full)
+    split_videos(given, videos)
 
     passes = []
-    options = ["--converged", work / "converged", "--layers", work / "layers"] + (["--full"] if full else [])
+    options = ["--rounds", "2", "--converged", work / "converged", "--layers", work / "layers"] + (["--full"] if full else [])
     for name in only:
         options += ["--only", name]
-    runners = ["bench-methods"] + (["bench-peers"] if (programs / "bench-peers").exists() else [])
-    # Programs take turns, so that what disturbs the machine disturbs all alike.
-    for number in range(3 if full else 2):
-        for runner in runners:
-            for folder in [own] + ([other] if number == 0 and any(other.glob("*.f32")) else []):
-                progress.begin(f"{runner} {folder.name} {number}")
-                out = work / f"{runner}-{folder.name}-{number}.json"
-                follow([programs / runner, "--data", folder, "--out", out, "--rounds", "2"] + options +
-                       (["--brief"] if number else []), progress)
-                passes.append(json.loads(out.read_text()))
-    results["device"] = passes[0]["device"]
+    for name, program, folder, more in scene_parts(programs, own, given, videos, full):
+        found = parts.measure(name, program, ["--data", folder, *options, *more, "--out"])
+        if found:
+            passes.append(found)
+    if not passes or not any(p["rows"] for p in passes):
+        raise Failed("nothing was measured:\n" + "\n".join(f["why"] for f in parts.failures))
+    results["device"] = next((p["device"] for p in passes if p["device"] != "processor"), "processor")
     results["methods"] = {m["name"]: m for p in passes for m in p["methods"]}
     rows = summary.merged(passes)
     results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
-    progress.begin("elements")
-    results["elements"] = []
-    more = ",1920x1080"
-    for element, sizes in (("intrinsicdecomp", "320x240,640x480,1280x720" + (more if full else "")),
-                           ("intrinsicdecompthesis", "320x240,640x480" + (",1280x720" + more if full else ""))):
-        out = work / "elements.json"
-        follow([programs / "element-bench", "--sizes", sizes, "--frames", "40" if full else "12", "--rounds",
-                "3" if full else "1", "--json", out, element], progress,
-               GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
-        results["elements"] += json.loads(out.read_text())
-
-    progress.begin("duplicate frames")
-    results["duplicates"] = []
-    for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
-        out = work / "elements.json"
-        follow([programs / "element-bench", "--still", "--sizes", "640x480", "--frames", "80", "--rounds", "1", "--json", out,
-                line], progress, GST_PLUGIN_PATH=str(build / "gst"), GST_REGISTRY=str(work / "registry.bin"))
-        results["duplicates"] += json.loads(out.read_text())
-
-    progress.begin("extremes")
+    results["elements"], results["duplicates"] = measure_elements(parts, programs, environment, full)
     extremes = build / "tests" / "extremes" / "extremes"
-    results["extremes"] = None
-    if extremes.exists():
-        out = work / "extremes.json"
-        out.unlink(missing_ok=True)
-        follow([extremes, "--report", out], progress)
-        if out.exists():
-            results["extremes"] = json.loads(out.read_text())
+    results["extremes"] = parts.measure("extremes", extremes, ["--report"], timeless=True) if extremes.exists() else None
+    results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
     results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
     results["machine"]["load_after"] = os.getloadavg()[0]
+    results["machine"]["seconds"] = round(progress.seconds())
     return results
 
 
-def parts(full):
-    """Names and relative durations, for the progress bar."""
-    yield "data", 2
-    for number in range(3 if full else 2):
-        yield f"bench-methods scenes-own {number}", 25 if number == 0 else 9
-        if number == 0:
-            yield f"bench-methods scenes-other {number}", 200 if full else 15
-        yield f"bench-peers scenes-own {number}", 12 if number == 0 else 6
-        if number == 0:
-            yield f"bench-peers scenes-other {number}", 100 if full else 10
-    yield "elements", 10
-    yield "duplicate frames", 3
-    yield "extremes", 5
-    yield "plots and page", 8
+def weights(full):
+    """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
+    short = {"data": 1, "bench-methods scenes-own": 38, "bench-peers scenes-own": 9, "bench-methods scenes-given": 11,
+             "bench-peers scenes-given": 7, "elements intrinsicdecomp": 6, "elements intrinsicdecompthesis": 4,
+             "duplicate frames": 1, "extremes": 8, "plots and page": 7}
+    long = {**short, "data": 4, "bench-methods scenes-own": 80, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
+            "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 210, "bench-peers scenes-given": 45,
+            "bench-methods scenes-videos": 140, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 25,
+            "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 80}
+    return long if full else short
+
+
+def expected(full):
+    """For the progress bar: those, and the parts that will come."""
+    known = weights(full)
+    parts = ["data", "bench-methods scenes-own 0", "bench-peers scenes-own 0", "bench-methods scenes-given 0",
+             "bench-peers scenes-given 0", "elements intrinsicdecomp", "elements intrinsicdecompthesis",
+             "duplicate frames intrinsicdecomp", "duplicate frames intrinsicdecomp adaptive=false", "extremes", "plots and page"]
+    if full:
+        parts += ["bench-methods scenes-videos 0", "bench-peers scenes-videos 0", "bench-methods scenes-own 1",
+                  "bench-peers scenes-own 1", "elements intrinsicdecomp quality=low"]
+    return known, parts
+
+
+def compact(value):
+    """Figures to five digits, which is more than any is worth."""
+    if isinstance(value, float):
+        return float(f"{value:.5g}")
+    if isinstance(value, dict):
+        return {k: compact(v) for k, v in value.items()}
+    return [compact(v) for v in value] if isinstance(value, list) else value
 
 
 def write(results, path):
-    """JSON with one row a line, so that differences are readable."""
-    rows = ",\n".join("  " + json.dumps(r, separators=(",", ":")) for r in results["rows"])
-    head = {k: v for k, v in results.items() if k != "rows"}
-    text = json.dumps(head, indent=1)
-    path.write_text(text[:-2] + ',\n "rows": [\n' + rows + "\n ]\n}\n")
+    """JSON with one row a line, so that differences are readable. Points are left out, as they follow from the rows, and so
+    are stages of what is neither default nor preset."""
+    rows = [{k: v for k, v in r.items() if k != "stages_ms" or r["base"] or r["preset"]} for r in results["rows"]]
+    lines = ",\n".join("  " + json.dumps(compact(r), separators=(",", ":")) for r in rows)
+    head = {k: compact(v) for k, v in results.items() if k not in ("rows", "summary")}
+    head["summary"] = {k: compact(v) for k, v in results["summary"].items() if k not in ("own", "regimes", "videos")}
+    text = ",\n".join(f' "{k}": ' + (json.dumps(v, indent=1) if k == "machine" else json.dumps(v)) for k, v in head.items())
+    path.write_text("{\n" + text + ',\n "rows": [\n' + lines + "\n ]\n}\n")

@@ -1,191 +1,47 @@
 """The report's page, docs/report/README.md."""
+import ablations
 import summary
-
-OURS = ["intrinsicdecomp", "thesis PCG", "thesis Schwarz"]
-QUALITIES = ["low", "medium", "high", "best"]
-
-
-def figure(value, digits=4):
-    """.0297 as papers write it; a dash for what was not measured."""
-    if value is None:
-        return "–"
-    text = f"{round(value, digits) + 0.0:.{digits}f}"
-    if float(text) == 0:
-        return "0"
-    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+from tables import (adaptivity, all_elements, by_device, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, headline,
+                    ladder_by_regime, layers_beyond_two, left_out, other_measures, videos, without, without_on_videos)
 
 
-def time(quartiles, scale=1):
-    if not quartiles:
-        return "–"
-    middle = quartiles[1] * scale
-    return f"{middle:.1f}" if middle < 100 else f"{middle:.0f}"
-
-
-def spread(quartiles):
-    return f"{time(quartiles)} ({quartiles[0]:.3g}…{quartiles[2]:.3g})" if quartiles else "–"
-
-
-def table(head, rows):
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
-
-
-def find(points, method, base=False, **wanted):
-    for p in points:
-        if p["method"] == method and (not base or p["base"]) and all(p[k] == v for k, v in wanted.items()):
-            return p
-    return None
-
-
-def headline(points):
-    ours, thesis = find(points, "intrinsicdecomp", True), find(points, "thesis PCG", True)
-    if not ours or not thesis or not ours["wall_ms"] or not thesis["wall_ms"]:
+def terms(results):
+    """The section on what each term is worth; empty where nothing was left out."""
+    kept = results.get("kept")
+    rows = kept["rows"] if kept else results["rows"]
+    clock = summary.steady_time(results["device"])
+    out = ["## What each term is worth\n"]
+    ours = ablations.stills(rows, "intrinsicdecomp", clock)
+    if not ours:
         return ""
-    cpu = find(points, "same energy, CPU CG", setting="1e-2")
-    text = (f"**At its default `intrinsicdecomp` takes {time(ours['wall_ms'])} ms for a frame of 320×240 and leaves an LMSE "
-            f"of {figure(ours['lmse20'])}; the thesis' method takes {time(thesis['wall_ms'])} ms "
-            f"({thesis['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) and leaves {figure(thesis['lmse20'])}.**")
-    if cpu and cpu["wall_ms"]:
-        text += (f" A straightforward solver of the same energy on the processor (Eigen, double precision) takes "
-                 f"{time(cpu['wall_ms'])} ms ({cpu['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) to come within "
-                 f"{figure(cpu['to_converged'])} of the solution, against {figure(ours['to_converged'])}.")
-    return text
+    if kept:
+        out.append(f"From an earlier `--full` run (commit {kept['commit']}), which has more frames.\n")
+    out.append("One term left out of `intrinsicdecomp`, everything else as it ships; in brackets the number of scenes, and what that "
+               "makes of the error. The prior was fitted with all terms in place, so that a small loss says the others can stand in, "
+               "and a gain in one regime is paid in another. *Paint* and *light on edges* are the two halves of the edge prior, "
+               "each at a thousandth of its weight; *value* pins the largest channel, *chroma* joins equal colors.\n\n" + without(ours))
+    video = ablations.videos(rows, clock)
+    if video:
+        out.append("\nTerms that only videos have:\n\n" + without_on_videos(video))
+    thesis = ablations.stills(rows, "thesis PCG", clock)
+    if thesis:
+        out.append("\nThe same of the thesis' method:\n\n" + without(thesis))
+    alone = ablations.leave_one_out(rows)
+    if alone:
+        picks = ", ".join(f"`{n.replace(' ', ' ')}` {c} times" for n, c in sorted(alone["picks"].items(), key=lambda i: -i[1]))
+        out.append(f"\n### Weights chosen without the scene\n\nThe weights that are set by hand (b of light, v of value, g of chroma), half, "
+                   f"once and twice each: {alone['settings']} settings. Every scene is scored with the one that is best on all others, regimes "
+                   f"weighing the same; if that is worse than what ships, tuning them says little about new scenes.\n\n" + left_out(alone) +
+                   f"\nChosen: {picks} (`b v g`: as it ships).\n")
+    return "\n".join(out)
 
 
-def exchange(points, along):
-    """What each further step along a curve of intrinsicdecomp costs and brings."""
-    curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
-                   key=lambda p: p["order"])
-    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, still-tolerance",
-             "cycles": "cycles (all run)"}
-    rows = []
-    for before, p in zip([None] + curve, curve):
-        gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
-        cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
-        name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
-        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video ladder" else [figure(p["to_converged"])]
-        rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
-                     figure(p["lmse20"])] + last + [cost, gain])
-    if along == "cycles":
-        rows = [row[:1] + row[2:] for row in rows]
-    head = [heads[along], "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE"]
-    if along == "cycles":
-        head.remove("`quality`")
-    return table(head + (["flicker", "jitter"] if along == "video ladder" else ["to converged"]) +
-                 ["step costs (processor)", "step brings"], rows)
-
-
-def everybody(points, methods):
-    rows = []
-    for method in dict.fromkeys(p["method"] for p in points):
-        some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
-                ("adaptive", "without", "resolution", "levels", "coarse cycles", "cycles")]
-        some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
-        if method not in OURS and len(some) > 1 and "same energy" not in method:
-            some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
-        for p in sorted(some, key=lambda p: p["order"]):
-            name = f"`{p['preset']}`" if p["preset"] else p["setting"]
-            rows.append((methods[method]["family"], [f"{method}{' ' + name if name else ''}", spread(p["wall_ms"]),
-                         time(p["device_ms"]), time(p["processor_ms"]), figure(p["lmse20"]), figure(p["lmse10"]),
-                         figure(p["mse"]), figure(p["dssim"]), figure(p["ms_ssim"], 3), figure(p["whdr"], 3)]))
-    order = {"method": 0, "peer": 1, "trivial": 2}
-    rows.sort(key=lambda r: order[r[0]])
-    return table(["", "ms (quartiles)", "device ms", "processor ms", "LMSE 20", "LMSE 10", "si-MSE", "DSSIM", "MS-SSIM",
-                  "WHDR"], [r for _, r in rows])
-
-
-def by_regime(panels):
-    names = [n for n, points in panels.items() if points]
-    chosen = {}
-    for name in names:
-        for p in panels[name]:
-            shown = p["base"] or (p["method"] not in OURS and p["curve"] != "tolerance")
-            if shown and p["lmse20"] is not None:
-                best = chosen.setdefault(p["method"], {})
-                if name not in best or p["lmse20"] < best[name]:
-                    best[name] = p["lmse20"]
-    least = {n: min(v[n] for v in chosen.values() if n in v) for n in names}
-    rows = []
-    for method, values in chosen.items():
-        rows.append([method] + [f"**{figure(values[n])}**" if values.get(n) == least[n] else figure(values.get(n))
-                                for n in names])
-    return table(["LMSE (k = 20)"] + names, rows)
-
-
-def bracketed(mean, interval, sign=""):
-    """.0401 [.0215, .0592]; with sign "+" differences; no brackets where too few scenes give no interval."""
-    def text(value):
-        digits = figure(abs(value))
-        return ("−" if value < 0 else sign) + digits if digits != "0" else digits
-    return text(mean) + (f" [{text(interval[0])}, {text(interval[2])}]" if interval else "")
-
-
-def by_regime_intervals(entries):
-    def against(difference):
-        if not difference:
-            return ["–"] * 3
-        verdict = {None: "too few scenes", True: "yes", False: "no"}[difference["separated"]]
-        return [bracketed(difference["mean"], difference["interval"], "+"),
-                f"{difference['better']} of {difference['scenes']}", verdict]
-    rows = []
-    for regime, e in entries.items():
-        baseline = e.get("baseline")
-        rows.append([regime, bracketed(e["mean"], e["interval"])] + against(e["minus_thesis"]) +
-                    [f"{baseline['method']}{' ' + baseline['setting'] if baseline['setting'] else ''}: "
-                     f"{figure(baseline['mean'])}" if baseline else "–"] + against(e.get("minus_baseline")))
-    return table(["LMSE (k = 20)", "intrinsicdecomp", "minus thesis", "better in", "separated", "best baseline",
-                  "minus it", "better in", "separated"], rows)
-
-
-def given_video(row):
-    """The name of a given sequence, and under what it is shown if not as it is."""
-    return row["set"] + ("" if row["scene"] == "video" else f", {row['scene']}")
-
-
-def videos(rows):
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and r["method"] not in
-            ("constant reflectance", "R = I / max_c I")]
-    out = []
-    for r in rows:
-        name = r["method"] + ((f", `{r['preset']}`" if r["preset"] else f", {r['curve']} {r['setting']}") if r["method"] in OURS else "")
-        if r["method"] == "constant shading":
-            name = "the input itself"
-        out.append((r["set"] != "own", r["set"], r["scene"],
-                    [r["scene"] if r["set"] == "own" else given_video(r), name, time(r["wall_ms"]), figure(r["lmse20"]),
-                     figure(r["flicker"]), figure(r["jitter"])]))
-    out.sort(key=lambda o: o[:3])
-    return table(["video", "method", "ms", "LMSE", "flicker", "jitter"], [o[3] for o in out])
-
-
-def adaptivity(entries):
-    rows = []
-    for e in (e for e in entries if e["wall_ratio"]):
-        low, middle, high = e["wall_ratio"] or (None,) * 3
-        cpu = e["processor_ratio"]
-        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else f"{e['set']} {e['scene']}"),
-                     e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
-                     if None not in e["wall_ms"] else "–",
-                     f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})" if middle else "–",
-                     f"{cpu[1]:.2f} (≤ {cpu[2]:.2f})" if cpu else "–",
-                     f"{e['lmse20_added']:+.4f}" if "lmse20_added" in e else "–",
-                     f"{e['flicker_added']:+.4f}" if "flicker_added" in e else "–"])
-    return table(["method", "setting", "scene", "what happens", "ms without → with", "time saved (95 %)",
-                  "processor-time ratio (95 % bound)", "LMSE added", "flicker added"], rows)
-
-
-def extremes(cases):
-    rows = [[c["name"], f"{c['condition']:.1e}", figure(c.get("digits_plain"), 1), figure(c.get("digits_preconditioned"), 1)]
-            for c in sorted(cases, key=lambda c: c["condition"])]
-    return table(["case", "condition number", "digits kept, plain", "preconditioned"], rows)
-
-
-def elements(entries):
-    rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
-             f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.0f}", f"{e['first_frame_ms']:.0f}",
-             f"{e['device_bytes_per_pixel']:.0f}"] for e in entries]
-    return table(["element", "size", "ms a frame", "processor ms", "device ms", "frames a second", "first frame, ms",
-                  "device bytes a pixel"], rows)
+def failures(results):
+    if not results.get("failures"):
+        return ""
+    lines = [f"- {f['part'] if 'part' in f else f['method'] + ' ' + f['curve'] + ' ' + f['setting'] + ', ' + f['set'] + ' ' + f['scene']}: "
+             f"{f['why'].strip().splitlines()[-1]}" for f in results["failures"]]
+    return "## What failed\n\nEverything else was measured nevertheless:\n\n" + "\n".join(lines) + "\n"
 
 
 def write(results, folder, has):
@@ -233,7 +89,8 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "with the least LMSE is shown.\n")
     if has["regimes"]:
         out.append("## By regime\n\n![By regime](regimes.png)\n\n" + by_regime(results["summary"]["regimes"]) +
-                   "\nOwn and given data together. No method is best everywhere: trivial answers win where their assumption "
+                   "\n<details><summary>By scale-invariant MSE and DSSIM</summary>\n\n" + other_measures(results["summary"]["regimes"]) +
+                   "\n</details>\n\nOwn and given data together. No method is best everywhere: trivial answers win where their assumption "
                    "holds (R = I / max_c I on palettes of one value). **Optimistic** for `intrinsicdecomp` are hard shadow and "
                    "near-constant value of the given data, as a quarter of its prior's last fitting came from those sequences "
                    "([accuracy](../measurements-accuracy.md)); the own set was never trained on.\n")
@@ -243,7 +100,16 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    "\nOf peers and trivial answers the best in that regime, at its best setting, which flatters it. Separated: zero "
                    "lies outside the interval. Under six scenes even agreement of all of them is weak evidence, and under four "
                    "the interval is merely the range over scenes; under three no verdict is given.\n")
+    levels = ladder_by_regime(results["summary"]["regimes"])
+    if levels:
+        out.append("The levels of live trade, LMSE (k = 20) / DSSIM:\n\n" + levels)
     out.append(f"Given data: {results['data']}.\n")
+    worth = terms(results)
+    if worth:
+        out.append(worth)
+    beyond = layers_beyond_two(rows, results["methods"])
+    if beyond:
+        out.append(beyond)
     out.append("## Videos\n\n" + videos(rows) +
                "\nFlicker: standard deviation over time of ln reflectance where the truth stands still, one factor a frame "
                "removed; jitter: the same from frame to frame only. LMSE is that of every third frame." +
@@ -257,7 +123,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "\nFrames of both settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
     if results.get("duplicates"):
         off, on = results["duplicates"]
-        out.append(f"A frame that comes again needs nothing once the solve has settled (median of 80 frames): through the element at {off['width']}×"
+        out.append(f"A frame that comes again needs nothing once the solve has settled (medians): through the element at {off['width']}×"
                    f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
                    f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
                    "of the processor).\n")
@@ -268,25 +134,33 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    extremes(results["extremes"]["cases"]) + "\n</details>\n")
     else:
         out.append("Not measured in this run: `tests/extremes` was not built.\n")
-    out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(results["elements"]) +
-               "\nFrames of the bundled clip as NV12 from system memory to system memory.\n")
+    out.append("## Through the elements\n\n![Sizes](sizes.png)\n\n" + elements(all_elements(results)) +
+               "\nFrames of the bundled clip as NV12 from system memory to system memory." +
+               (f" Sizes with an asterisk: from an earlier `--full` run (commit {results['kept']['commit']}).\n"
+                if (results.get("kept") or {}).get("elements") else "\n"))
     out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
-    for other in results.get("others", []):
-        out.append(f"## On {other['device']}\n\n" + exchange(other["points"], "ladder"))
+    out.append("## By device\n\n" + by_device(results))
+    for other in results.get("others") or []:
+        out.append(f"### Each step on {other['device']}\n\n" + exchange(other["points"], "ladder"))
+    failed = failures(results)
+    if failed:
+        out.append(failed)
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes two minutes on two cores, `./dev bench --full` several times that: two frames and the whole video of every
-given sequence, and every setting. `--data DIR` names another folder of ground truth, `--against FILE` prints what got better or worse since an
-earlier `results.json`, `--add FILE` adds what `bench-methods` measured on another machine (it needs no more than libvulkan
-and `scenes`: see `tests/bench/methods_main.cpp`).
+`./dev bench` takes some one and a half minutes on two idle cores, `./dev bench --full` a quarter of an hour: two frames and the whole video of every given
+sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
+`--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
+run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and
+`scenes`: see `tests/bench/methods_main.cpp`).
 
 - Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
+""" + (f"- Measuring took {machine['seconds'] / 60:.1f} minutes.\n" if machine.get("seconds") else "") + f"""\
 - The machine's load was {machine['load_before']:.1f} before and {machine['load_after']:.1f} after""" +
-               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2 else ".\n") +
-               """- All settings take turns on every frame, and programs take turns, several times; run time is the median. It is that of the
+               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2.5 else ".\n") +
+               """- All settings take turns on every frame""" + (", and programs take turns, twice" if results["full"] else "") + """; run time is the median. It is that of the
   method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
-- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
+""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over all.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
   **the ranking on them depends on how they are lit**: in a first version, of flatter light and without the clay scene, doing
   nothing (constant shading) and Retinex scored best. Nothing was fitted to them.
 - Metrics: `tests/bench/metrics.hpp`; tested against closed forms and scikit-image.

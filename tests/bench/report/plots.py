@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 from matplotlib import ticker
 
 import summary
+import tables
 from labels import ABOVE, BELOW, Labels
 
 INK, FAINT = "#222222", "#8a8a8a"
@@ -27,7 +28,7 @@ SPARE = [("#E69F00", "p"), ("#F0E442", "H"), ("#000000", "8")]  # methods to com
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
 MAIN = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
+SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
@@ -106,7 +107,7 @@ def name_curves(points, error, time, labels):
         labels.put(end[time][1], end[error], method, style(method)[0])
 
 
-def mark_front(ax, points, error, time):
+def mark_front(ax, points, error, time, labels):
     front = summary.front(points, error, time)
     if not front:
         return
@@ -115,8 +116,7 @@ def mark_front(ax, points, error, time):
         xs += [p[time][1], p[time][1]]
         ys += [ys[-1], p[error]]
     ax.plot(xs + [ax.get_xlim()[1]], ys + [ys[-1]], color=INK, linewidth=5, alpha=0.10, solid_joinstyle="miter", zorder=1)
-    ax.annotate("Pareto front", (ax.get_xlim()[1], ys[-1]), (-4, -8), textcoords="offset points", fontsize=7, color=FAINT,
-                va="center", ha="right")
+    labels.put(ax.get_xlim()[1], ys[-1], "Pareto front", FAINT, [(-4, -8, "right"), (-4, 8, "right"), (-4, -18, "right")], 7)
 
 
 def save(figure, folder, name):
@@ -153,7 +153,7 @@ def draw_work_precision(ax, points, error, time, peers=None):
         draw_curve(ax, sorted((p for p in curves if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
     for p in singles:
         draw_curve(ax, [p], error, time, labels)
-    mark_front(ax, curves + singles, error, time)
+    mark_front(ax, curves + singles, error, time, labels)
     mark_presets(ax, curves, error, time, labels)
     name_curves(curves + singles, error, time, labels)
     return True
@@ -272,7 +272,7 @@ def adaptivity(entries, clock, folder):
         ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [f"{e['scene'] if e['set'] == 'own' else e['set'] + ' ' + e['scene']}: {e['regime']}"
+    ax.set_yticks(range(len(entries)), [(e["scene"] if e["set"] == "own" else tables.given_video(e)) + f": {e['regime']}"
                                         for e in entries])
     ax.set_ylim(-0.6, len(entries) - 0.3)
     ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
@@ -290,7 +290,7 @@ def sizes(elements, folder):
     finish_axes(ax, [e["width"] * e["height"] for e in elements], [e["wall_ms"] for e in elements], "size of a frame",
                 "milliseconds a frame, memory to memory")
     labels = Labels(ax)
-    methods = {"intrinsicdecompthesis": "thesis PCG"}
+    methods = {"intrinsicdecompthesis": "thesis PCG", "intrinsicdecomp quality=low": "same energy, CPU CG"}
     for rate in (25, 50):
         ax.axhline(1000 / rate, color=FAINT, linewidth=0.8, linestyle="--")
         ax.annotate(f"{rate} frames a second", (ax.get_xlim()[1], 1000 / rate), (-2, 5), textcoords="offset points",

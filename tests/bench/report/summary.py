@@ -7,7 +7,7 @@ import random
 import statistics
 
 PIXELS = 320 * 240  # times are given for frames of this size
-ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr"]
+ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
 
 

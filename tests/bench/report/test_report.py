@@ -6,10 +6,11 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import ablations
 import against
 import intervals
-import page
 import summary
+import tables
 
 
 def row(setting, times, error, scene="a", **more):
@@ -125,10 +126,81 @@ class Intervals(unittest.TestCase):
         self.assertEqual((entry["minus_baseline"]["better"], entry["minus_baseline"]["separated"]), (0, False))
         self.assertIsNone(found["other"]["interval"])
         self.assertNotIn("baseline", found["other"])
-        text = page.by_regime_intervals(found)
+        text = tables.by_regime_intervals(found)
         self.assertIn("| r | .2000 [.1000, .3000] | −.1000 [−.1000, −.1000] | 3 of 3 | yes | filter 2: .1000 | "
                       "+.1000 [0, +.2000] | 0 of 3 | no |", text)
         self.assertIn("| other | .5000 | – | – | – | – | – | – | – |", text)
+
+
+class Ablations(unittest.TestCase):
+    def ours(self, curve, setting, errors, time=10, regimes="rrs", **more):
+        return [{**row(setting, [time], e, scene=str(n), **more), "method": "intrinsicdecomp", "curve": curve, "lmse20": e,
+                 "regime": regimes[n], "processor_ms": [time] * 3 + [1]} for n, e in enumerate(errors)]
+
+    def test_errors_by_regime_and_time(self):
+        whole = self.ours("ladder", "4", [0.1, 0.3, 0.5])
+        for r in whole:
+            r["base"] = True
+        rows = whole + self.ours("without", "chroma", [0.2, 0.4, 0.4], time=8) + self.ours("weights", "b v g", [9, 9, 9])
+        found = ablations.stills(rows, "intrinsicdecomp", "processor_ms")
+        self.assertEqual([e["term"] for e in found], ["", "chroma"])
+        self.assertAlmostEqual(found[0]["errors"]["r"], 0.2)
+        self.assertAlmostEqual(found[1]["errors"]["r"], 0.3)
+        self.assertEqual(found[0]["scenes"], {"r": 2, "s": 1})
+        self.assertAlmostEqual(found[1]["time"], 0.8)
+        text = tables.without(found)
+        self.assertIn("| LMSE (k = 20) | r (2) | s (1) | time |", text)
+        self.assertIn("| without chroma | .3000 (+50 %) | .4000 (−20 %) | −20 % |", text)
+        self.assertEqual(ablations.stills(whole, "intrinsicdecomp", "processor_ms"), [])
+
+    def test_weights_are_chosen_without_the_scene(self):
+        # Twice the value weight is best on scene 0 alone, by so much that it would be chosen with it.
+        rows = (self.ours("weights", "b v g", [0.5, 0.2, 0.2], regimes="rrr") +
+                self.ours("weights", "b v·2 g", [0.0, 0.3, 0.3], regimes="rrr"))
+        found = ablations.leave_one_out(rows)
+        entry = found["regimes"]["r"]
+        self.assertAlmostEqual(entry["ships"], 0.3)
+        self.assertAlmostEqual(entry["best"], 0.2)
+        self.assertAlmostEqual(entry["left_out"], (0.5 + 0.3 + 0.3) / 3)
+        self.assertEqual(found["picks"], {"b v g": 1, "b v·2 g": 2})
+        self.assertIsNone(ablations.leave_one_out(rows[:1]))
+        self.assertIn("| r (3) | .3000 | .3667 | .2000 |", tables.left_out(found))
+
+
+class Page(unittest.TestCase):
+    METHODS = {"guess": {"family": "trivial"}, "global": {"family": "method"}}
+
+    def layers(self, method, preset, **errors):
+        return {**row("1", [1], 0.1), "method": method, "preset": preset, "dirJ": 0.5, "tint": 0.5, "indJ": 0.5, **errors}
+
+    def test_layers_beyond_two_wait_for_a_method(self):
+        guess, ours = self.layers("guess", "", ind=0.2), self.layers("global", "medium", ind=0.1)
+        self.assertEqual(tables.layers_beyond_two([guess], self.METHODS), "")
+        odd = {**self.layers("global", "", ind=0.05), "setting": "2"}  # neither preset nor default: not shown
+        text = tables.layers_beyond_two([guess, ours, odd], self.METHODS)
+        self.assertIn("| global `medium` | .1000 | **.1000** |", text)
+        self.assertNotIn(".0500", text)
+        self.assertIn("| guess: 1 | .2000 | .2000 |", text)
+
+    def test_devices_are_columns(self):
+        def points(device, time):
+            return [{"device": device, "method": "intrinsicdecomp", "curve": "ladder", "setting": "4", "preset": "medium",
+                     "base": True, "wall_ms": [time] * 3, "device_ms": [time] * 3, "lmse20": 0.1}]
+        results = {"device": "llvmpipe (LLVM)", "summary": {"own": points("llvmpipe (LLVM)", 10)}}
+        self.assertIn("One device so far", tables.by_device(results))
+        results["others"] = [{"device": "a GPU", "points": points("a GPU", 1)}]
+        text = tables.by_device(results)
+        self.assertIn("llvmpipe: ms | llvmpipe: device ms | llvmpipe: LMSE | a GPU: ms", text)
+        self.assertIn("| intrinsicdecomp `medium` | 10.0 | 10.0 | .1000 | 1.0 | 1.0 | .1000 |", text)
+
+    def test_earlier_sizes_are_kept_and_marked(self):
+        def element(width):
+            return {"element": "e", "width": width, "height": 1, "wall_ms": 1, "processor_ms": 1, "device_ms": 1,
+                    "first_frame_ms": 1, "device_bytes_per_pixel": 1}
+        found = tables.all_elements({"elements": [element(320)], "kept": {"elements": [element(1920)]}})
+        self.assertIn("| `e` | 320×1 | 1.0", tables.elements(found))
+        self.assertIn("| `e` | 1920×1* | 1.0", tables.elements(found))
+        self.assertEqual(len(tables.all_elements({"elements": [element(320)]})), 1)
 
 
 class Against(unittest.TestCase):
@@ -144,6 +216,19 @@ class Against(unittest.TestCase):
         self.assertIn("wall time × 2.00", text)
         self.assertIn("lmse20 0.1000 → 0.2000", text)
         self.assertIn("3 worse, 0 better", text)  # by the clock, by the device's, and the error
+
+    def test_the_clock_of_a_busy_machine_is_no_news(self):
+        before, after = results(row("1", [9, 10, 11], 0.1)), results(row("1", [18, 20, 22], 0.1))
+        after["machine"] = {"load_before": 6, "load_after": 5}
+        text = self.lines(before, after)
+        self.assertNotIn("wall time", text)
+        self.assertIn("clocks are not compared", text)
+        self.assertIn("device time × 2.00", text)
+
+    def test_tells_what_is_new_and_what_is_gone(self):
+        text = self.lines(results(row("1", [1], 0.1), row("2", [1], 0.1)), results(row("1", [1], 0.1), row("3", [1], 0.1)))
+        self.assertIn("gone: m, c 2", text)
+        self.assertIn("new: m, c 3", text)
 
     def test_a_slower_machine_is_no_news(self):
         def peers(time):

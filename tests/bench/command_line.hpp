@@ -1,0 +1,48 @@
+// Command lines of benchmarks and of training, as a table of options.
+#pragma once
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace inverse::bench {
+
+/// What to do with an option: with the word after it, where `takes_value`; false refuses the word.
+struct Option {
+  bool takes_value;
+  std::function<bool(const char* value)> take;
+};
+using Options = std::map<std::string, Option>;
+
+inline Option integer(int& field) {
+  return {true, [&field](const char* value) { return sscanf(value, "%d", &field) == 1; }};
+}
+inline Option number(float& field) {
+  return {true, [&field](const char* value) { return sscanf(value, "%f", &field) == 1; }};
+}
+inline Option number(double& field) {
+  return {true, [&field](const char* value) { return sscanf(value, "%lf", &field) == 1; }};
+}
+inline Option text(std::string& field) {
+  return {true, [&field](const char* value) { return !(field = value).empty(); }};
+}
+inline Option flag(std::function<void()> set) {
+  return {false, [set = std::move(set)](const char*) { return set(), true; }};
+}
+
+/// Reads a command line; false where something in it is unknown, and says so. `source` is the file
+/// whose head lists the options.
+inline bool read(const Options& options, int argc, char** argv, const char* source) {
+  for (int i = 1; i < argc; ++i) {
+    const auto option = options.find(argv[i]);
+    const char* name = argv[i];
+    const bool known = option != options.end() && (!option->second.takes_value || ++i < argc);
+    if (known && option->second.take(argv[i])) continue;
+    fprintf(stderr, "%s is not understood; the head of %s lists the options\n", name, source);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,318 @@
+"""The tables of the report's page, as Markdown: figures in, text out."""
+import summary
+
+OURS = ["intrinsicdecomp", "thesis PCG", "thesis Schwarz"]
+QUALITIES = ["low", "medium", "high", "best"]
+
+
+def figure(value, digits=4):
+    """.0297 as papers write it; a dash for what was not measured."""
+    if value is None:
+        return "–"
+    text = f"{round(value, digits) + 0.0:.{digits}f}"
+    if float(text) == 0:
+        return "0"
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+
+
+def time(quartiles, scale=1):
+    if not quartiles:
+        return "–"
+    middle = quartiles[1] * scale
+    return f"{middle:.1f}" if middle < 100 else f"{middle:.0f}"
+
+
+def spread(quartiles):
+    return f"{time(quartiles)} ({quartiles[0]:.3g}…{quartiles[2]:.3g})" if quartiles else "–"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
+
+
+def find(points, method, base=False, **wanted):
+    for p in points:
+        if p["method"] == method and (not base or p["base"]) and all(p[k] == v for k, v in wanted.items()):
+            return p
+    return None
+
+
+def headline(points):
+    ours, thesis = find(points, "intrinsicdecomp", True), find(points, "thesis PCG", True)
+    if not ours or not thesis or not ours["wall_ms"] or not thesis["wall_ms"]:
+        return ""
+    cpu = find(points, "same energy, CPU CG", setting="1e-2")
+    text = (f"**At its default `intrinsicdecomp` takes {time(ours['wall_ms'])} ms for a frame of 320×240 and leaves an LMSE "
+            f"of {figure(ours['lmse20'])}; the thesis' method takes {time(thesis['wall_ms'])} ms "
+            f"({thesis['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) and leaves {figure(thesis['lmse20'])}.**")
+    if cpu and cpu["wall_ms"]:
+        text += (f" A straightforward solver of the same energy on the processor (Eigen, double precision) takes "
+                 f"{time(cpu['wall_ms'])} ms ({cpu['wall_ms'][1] / ours['wall_ms'][1]:.0f}×) to come within "
+                 f"{figure(cpu['to_converged'])} of the solution, against {figure(ours['to_converged'])}.")
+    return text
+
+
+def exchange(points, along):
+    """What each further step along a curve of intrinsicdecomp costs and brings."""
+    curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
+                   key=lambda p: p["order"])
+    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, still-tolerance",
+             "cycles": "cycles (all run)"}
+    rows = []
+    for before, p in zip([None] + curve, curve):
+        gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
+        cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
+        name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
+        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video ladder" else [figure(p["to_converged"])]
+        rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
+                     figure(p["lmse20"])] + last + [cost, gain])
+    if along == "cycles":
+        rows = [row[:1] + row[2:] for row in rows]
+    head = [heads[along], "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE"]
+    if along == "cycles":
+        head.remove("`quality`")
+    return table(head + (["flicker", "jitter"] if along == "video ladder" else ["to converged"]) +
+                 ["step costs (processor)", "step brings"], rows)
+
+
+def everybody(points, methods):
+    rows = []
+    for method in dict.fromkeys(p["method"] for p in points):
+        some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
+                ("adaptive", "without", "weights", "guess", "resolution", "levels", "coarse cycles", "cycles")]
+        some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
+        if method not in OURS and len(some) > 1 and "same energy" not in method:
+            some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
+        for p in sorted(some, key=lambda p: p["order"]):
+            name = f"`{p['preset']}`" if p["preset"] else p["setting"]
+            rows.append((methods[method]["family"], [f"{method}{' ' + name if name else ''}", spread(p["wall_ms"]),
+                         time(p["device_ms"]), time(p["processor_ms"]), figure(p["lmse20"]), figure(p["lmse10"]),
+                         figure(p["mse"]), figure(p["dssim"]), figure(p["ms_ssim"], 3), figure(p["whdr"], 3)]))
+    order = {"method": 0, "peer": 1, "trivial": 2}
+    rows.sort(key=lambda r: order[r[0]])
+    return table(["", "ms (quartiles)", "device ms", "processor ms", "LMSE 20", "LMSE 10", "si-MSE", "DSSIM", "MS-SSIM",
+                  "WHDR"], [r for _, r in rows])
+
+
+def by_regime(panels):
+    names = [n for n, points in panels.items() if points]
+    chosen = {}
+    for name in names:
+        for p in panels[name]:
+            shown = p["base"] or (p["method"] not in OURS and p["curve"] != "tolerance")
+            if shown and p["lmse20"] is not None:
+                best = chosen.setdefault(p["method"], {})
+                if name not in best or p["lmse20"] < best[name]:
+                    best[name] = p["lmse20"]
+    least = {n: min(v[n] for v in chosen.values() if n in v) for n in names}
+    rows = []
+    for method, values in chosen.items():
+        rows.append([method] + [f"**{figure(values[n])}**" if values.get(n) == least[n] else figure(values.get(n))
+                                for n in names])
+    return table(["LMSE (k = 20)"] + names, rows)
+
+
+def other_measures(panels):
+    """Scale-invariant MSE and DSSIM, which may judge otherwise, regime by regime."""
+    names = [n for n, points in panels.items() if points]
+    rows = {}
+    for n in names:
+        best = {}
+        for p in panels[n]:
+            if (p["base"] or (p["method"] not in OURS and p["curve"] != "tolerance")) and p["mse"] is not None:
+                if p["method"] not in best or p["lmse20"] < best[p["method"]]["lmse20"]:
+                    best[p["method"]] = p
+        for method, p in best.items():
+            rows.setdefault(method, {})[n] = f"{figure(p['mse'], 3)} / {figure(p['dssim'], 3)}"
+    return table(["si-MSE / DSSIM"] + names, [[m] + [of.get(n, "–") for n in names] for m, of in rows.items()])
+
+
+def bracketed(mean, interval, sign=""):
+    """.0401 [.0215, .0592]; with sign "+" differences; no brackets where too few scenes give no interval."""
+    def text(value):
+        digits = figure(abs(value))
+        return ("−" if value < 0 else sign) + digits if digits != "0" else digits
+    return text(mean) + (f" [{text(interval[0])}, {text(interval[2])}]" if interval else "")
+
+
+def by_regime_intervals(entries):
+    def against(difference):
+        if not difference:
+            return ["–"] * 3
+        verdict = {None: "too few scenes", True: "yes", False: "no"}[difference["separated"]]
+        return [bracketed(difference["mean"], difference["interval"], "+"),
+                f"{difference['better']} of {difference['scenes']}", verdict]
+    rows = []
+    for regime, e in entries.items():
+        baseline = e.get("baseline")
+        rows.append([regime, bracketed(e["mean"], e["interval"])] + against(e["minus_thesis"]) +
+                    [f"{baseline['method']}{' ' + baseline['setting'] if baseline['setting'] else ''}: "
+                     f"{figure(baseline['mean'])}" if baseline else "–"] + against(e.get("minus_baseline")))
+    return table(["LMSE (k = 20)", "intrinsicdecomp", "minus thesis", "better in", "separated", "best baseline",
+                  "minus it", "better in", "separated"], rows)
+
+
+def given_video(row):
+    """The name of a given sequence, and under what it is shown if not as it is."""
+    return row["set"] + ("" if row["scene"] == "video" else f", {row['scene']}")
+
+
+def folded(title, text):
+    return f"\n<details><summary>{title}</summary>\n\n{text}\n</details>\n"
+
+
+def videos(rows):
+    """The project's own, and those that were given, out of sight until they are asked for."""
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and
+            (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
+            (r["curve"] != "without" or r["setting"] == "temporal anchor") and
+            r["method"] not in ("constant reflectance", "R = I / max_c I")]
+    own, given = [], []
+    for r in sorted(rows, key=lambda r: (r["set"], r["scene"])):
+        name = r["method"] + ((f", `{r['preset']}`" if r["preset"] else f", {r['curve']} {r['setting']}") if r["method"] in OURS else "")
+        if r["method"] == "constant shading":
+            name = "the input itself"
+        (own if r["set"] == "own" else given).append(
+            [r["scene"] if r["set"] == "own" else given_video(r), name, time(r["wall_ms"]), figure(r["lmse20"]),
+             figure(r["flicker"]), figure(r["jitter"])])
+    head = ["video", "method", "ms", "LMSE", "flicker", "jitter"]
+    return table(head, own) + (folded("Given sequences", table(head, given)) if given else "")
+
+
+def adaptivity(entries):
+    rows = []
+    for e in (e for e in entries if e["wall_ratio"]):
+        low, middle, high = e["wall_ratio"] or (None,) * 3
+        cpu = e["processor_ratio"]
+        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else given_video(e)),
+                     e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
+                     if None not in e["wall_ms"] else "–",
+                     f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})" if middle else "–",
+                     f"{cpu[1]:.2f} (≤ {cpu[2]:.2f})" if cpu else "–",
+                     f"{e['lmse20_added']:+.4f}" if "lmse20_added" in e else "–",
+                     f"{e['flicker_added']:+.4f}" if "flicker_added" in e else "–"])
+    return table(["method", "setting", "scene", "what happens", "ms without → with", "time saved (95 %)",
+                  "processor-time ratio (95 % bound)", "LMSE added", "flicker added"], rows)
+
+
+def extremes(cases):
+    rows = [[c["name"], f"{c['condition']:.1e}", figure(c.get("digits_plain"), 1), figure(c.get("digits_preconditioned"), 1)]
+            for c in sorted(cases, key=lambda c: c["condition"])]
+    return table(["case", "condition number", "digits kept, plain", "preconditioned"], rows)
+
+
+def elements(entries):
+    rows = [[f"`{e['element']}`", f"{e['width']}×{e['height']}{'*' if e.get('kept') else ''}", f"{e['wall_ms']:.1f}", f"{e['processor_ms']:.1f}",
+             f"{e['device_ms']:.1f}", f"{1000 / e['wall_ms']:.{0 if e['wall_ms'] < 100 else 1}f}", f"{e['first_frame_ms']:.0f}",
+             f"{e['device_bytes_per_pixel']:.0f}"] for e in entries]
+    return table(["element", "size", "ms a frame", "processor ms", "device ms", "frames a second", "first frame, ms",
+                  "device bytes a pixel"], rows)
+
+
+def all_elements(results):
+    """This run's, and those that were kept of an earlier one."""
+    kept = (results.get("kept") or {}).get("elements", [])
+    return sorted(results["elements"] + [{**e, "kept": True} for e in kept], key=lambda e: (e["element"], e["width"]))
+
+
+def signed(value, digits=0):
+    """−12 %, of a ratio."""
+    percent = 100 * (value - 1)
+    return f"{percent:+.{digits}f} %".replace("-", "−") if round(percent, digits) else "0 %"
+
+
+def without(entries):
+    """Errors with one term left out, regime by regime, what that makes of the error, and of the time."""
+    if not entries:
+        return ""
+    whole, rows = entries[0], []
+    for e in entries:
+        cells = [figure(v) + ("" if e is whole or not whole["errors"][n] else f" ({signed(v / whole['errors'][n])})")
+                 for n, v in e["errors"].items()]
+        rows.append([f"without {e['term']}" if e["term"] else "whole"] + cells +
+                    ["" if e is whole or not e["time"] else signed(e["time"])])
+    return table(["LMSE (k = 20)"] + [f"{n} ({c})" for n, c in whole["scenes"].items()] + ["time"], rows)
+
+
+def without_on_videos(entries):
+    own, given = [], []
+    for scene in entries[0]["figures"]:
+        for e in entries:
+            f = e["figures"][scene]
+            if f["flicker"] is not None:  # else the camera moves
+                name = scene[1] if scene[0] == "own" else given_video({"set": scene[0], "scene": scene[1]})
+                (own if scene[0] == "own" else given).append(
+                    [name, f"without {e['term']}" if e["term"] else "whole", figure(f["lmse20"]), figure(f["flicker"]), figure(f["jitter"])])
+    head = ["video", "", "LMSE", "flicker", "jitter"]
+    return table(head, own) + (folded("Given sequences", table(head, given)) if given else "")
+
+
+def left_out(found):
+    rows = [[f"{n} ({e['scenes']})", figure(e["ships"]), figure(e["left_out"]), figure(e["best"])] for n, e in found["regimes"].items()]
+    return table(["LMSE (k = 20)", "as it ships", "chosen without the scene", "best for the regime itself"], rows)
+
+
+def layers_beyond_two(rows, methods):
+    """Errors of direct and indirect light, once a method tells them apart; beside it guesses that need no solve."""
+    rows = [r for r in rows if not r["video"] and r.get("ind") is not None]
+    if not any(methods[r["method"]]["family"] == "method" for r in rows):
+        return ""
+    scenes = dict.fromkeys((r["set"], r["scene"]) for r in rows)
+    groups = {}
+    for r in rows:
+        groups.setdefault((r["method"], r["curve"], r["setting"]), {})[r["set"], r["scene"]] = r
+    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or any(
+        r["base"] or r["preset"] for r in of.values())]
+    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0]))
+    def name(key, of):
+        preset = next((r["preset"] for r in of.values() if r["preset"]), "")
+        return f"{key[0]} `{preset}`" if preset else ": ".join(n for n in (key[0], key[2]) if n)
+    out = []
+    for field, title in (("ind", "Indirect light, at its own best scale (`ind`)"), ("indJ", "Indirect light, at the scale of the whole shading (`indJ`)"),
+                         ("dirJ", "Direct light, at that scale (`dirJ`)"), ("tint", "Color of the shading (`tint`), rms of ln chroma")):
+        least = {s: min((of[s][field] for _, of in shown if s in of), default=None) for s in scenes}
+        table_rows = []
+        for key, of in shown:
+            cells = [f"**{figure(of[s][field])}**" if s in of and of[s][field] == least[s] else figure(of[s][field] if s in of else None)
+                     for s in scenes]
+            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()))] + cells)
+        out.append(table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows))
+    return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
+            "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading.\n\n" + "\n".join(out))
+
+
+def by_device(results):
+    """Run times of presets on every device that was measured."""
+    columns = [(results["device"], results["summary"]["own"])] + [(o["device"], o["points"]) for o in results.get("others") or []]
+    if len(columns) < 2:
+        return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
+                "(`tests/bench/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
+    curves = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
+    rows = []
+    for p in columns[0][1]:
+        if p["curve"] != curves.get(p["method"]) or not (p["preset"] or p["base"]) or not p["wall_ms"]:
+            continue
+        cells = []
+        for _, points in columns:
+            q = find(points, p["method"], curve=p["curve"], setting=p["setting"])
+            cells += [time(q["wall_ms"]), time(q["device_ms"]), figure(q["lmse20"])] if q else ["–"] * 3
+        rows.append([p["method"] + (f" `{p['preset']}`" if p["preset"] else f" {p['setting']}")] + cells)
+    heads = [f"{d.split(' (')[0]}: {what}" for d, _ in columns for what in ("ms", "device ms", "LMSE")]
+    return table(["320×240, own stills"] + heads, rows)
+
+
+def ladder_by_regime(panels):
+    """The levels of live trade on all data."""
+    names = [n for n, points in panels.items() if any(p["curve"] == "ladder" for p in points)]
+    levels = {}
+    for n in names:
+        for p in panels[n]:
+            if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder":
+                levels.setdefault((p["order"], p["setting"], p["preset"]), {})[n] = p
+    levels = {level: of for level, of in levels.items() if len(of) == len(names)}
+    if len(levels) < 5:  # presets alone say nothing of the steps between them
+        return ""
+    rows = [[setting, f"`{preset}`" if preset else ""] + [f"{figure(of[n]['lmse20'])} / {figure(of[n]['dssim'], 3)}" 
+                                                          for n in names] for (_, setting, preset), of in sorted(levels.items())]
+    return table(["resolution, cycles", "`quality`"] + names, rows)
