@@ -109,8 +109,8 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_;
-  gpu::KernelPtr grid_kernel_, look_, emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
-      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
+  gpu::KernelPtr grid_kernel_, look_, emit_[2], summary_, blur_[2], received_kernel_, amount_,
+      weigh_, tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
   gpu::BufferPtr memory_;                                                     // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
