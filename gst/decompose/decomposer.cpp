@@ -79,6 +79,7 @@ void Decomposer::process(FrameWork& frame) {
   const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
   const std::pair drawn{settings.show, settings.layer};
   frame.same_picture = kept && steady && drawn_ == drawn;
+  if (!steady || drawn_ != drawn) frame.drawn = nullptr;
   drawn_ = drawn;
 }
 

@@ -49,19 +49,27 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
         G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch),
         "change", G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
         static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated",
-        G_TYPE_UINT, found.tiles_evaluated, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+        G_TYPE_UINT, found.tiles_evaluated, "tiles-active", G_TYPE_UINT, found.tiles_active,
+        "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
     ScaledIntrinsic::Params in_force = params();
     // The sooner a picture that stays has settled, the sooner nothing is left to do.
     if (frame.repeated) in_force.settled = std::min(in_force.settled, params().keep_tolerance);
-    frame.layers =
-        method_->record(frame.commands, frame.layers[Role::input], in_force, {frame.fresh});
+    // One that rests settles everywhere: a tile that was left out may lack what time would have
+    // given.
+    if (frame.repeated && repeated_) in_force.tile_tolerance = 0;
+    repeated_ = frame.repeated;
+    frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force,
+                                   {frame.fresh, frame.changed});
+    frame.drawn = method_->drawn();
     return method_->recorded() - 1;
   }
 
  private:
+  bool repeated_ = false;  // the last frame that was decomposed
+
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = properties<Params>(
         "Sets half-resolution, cycles, warm-cycles, settled and still-tolerance as a group; what "
@@ -75,9 +83,9 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
     return {
         flag<P>(
             "adaptive", &P::adaptive,
-            "Leave out what a frame does not need: tiles where nothing changed keep what was "
-            "decided about their edges, cycles end when little changes, and a picture that comes "
-            "again keeps its layers once they have settled"),
+            "Leave out what a frame does not need: tiles that stay as they are keep their layers, "
+            "tiles where little changed what was decided about their edges, cycles end when little "
+            "changes, and a picture that comes again keeps its layers once they have settled"),
         number<P>("settled", &P::settled, 0.f, 1.f,
                   "Change of log shading by a cycle, rms in natural log units, from which on no "
                   "further one follows; 0 = all run"),
@@ -98,6 +106,10 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
         number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
                   "Change of log shading by the last cycle, rms in natural log units, below which "
                   "the layers of a picture that comes again are kept; 0 = never"),
+        number<P>(
+            "tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+            "Change of a tile's log shading from frame to frame, rms in natural log units, up "
+            "to which it keeps its layers where its input stays the same; 0 = none does"),
         number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                   "Change of intensity or chroma, natural log units, from which on a tile counts "
                   "as changed"),
