@@ -233,7 +233,8 @@ ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const 
   const float changed = active_.take(info.changed);
   // As many tiles as make a cut are none to leave the others out for.
   if (!params.adaptive || params.tile_tolerance <= 0 || !stats_.history || !stats_.holds ||
-      !before.holds || taken_ || changed > std::min(kMostChanged, 0.9F * params.anchor.cut_fraction)) {
+      !before.holds || taken_ ||
+      changed > std::min(kMostChanged, 0.9F * params.anchor.cut_fraction)) {
     calm_ = 0;
     gauge_rests_ = false;
     return Mode::whole;

@@ -156,12 +156,12 @@ class IntrinsicDecomposition {
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
-  bool continues_ = false;            // the frame before had one before it
-  std::optional<PlanePtr> taken_;     // layers to start from
-  uint64_t since_reset_ = 0;          // frames, also since params changed
-  Params params_;                     // that it has been found with
-  bool cleared_ = false;              // unused slots of sums
-  bool binds_ = true, holds_ = true;  // what `judge` has found
+  bool continues_ = false;                             // the frame before had one before it
+  std::optional<PlanePtr> taken_;                      // layers to start from
+  uint64_t since_reset_ = 0;                           // frames, also since params changed
+  Params params_;                                      // that it has been found with
+  bool cleared_ = false;                               // unused slots of sums
+  bool binds_ = true, holds_ = true;                   // what `judge` has found
   ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;  // of the frame being recorded
   uint64_t calm_ = 0;  // consecutive frames that were not worked on as a whole without a look
   bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
