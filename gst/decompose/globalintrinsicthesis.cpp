@@ -1,4 +1,5 @@
 // globalintrinsicthesis: chapter 5 of the thesis to the letter.
+#include <array>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -55,13 +56,17 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
  protected:
   // Marked regions and base colors go on being decided while a picture stays.
   bool settled(std::optional<uint64_t>) const override {
-    return !method_->refining() && !correction_->busy() && results_.empty();
+    std::lock_guard lock(mutex_);
+    return !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
+           !refine_ && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
     method_->collect(number);
-    regions_->collect(number);
-    if (const auto result = correction_->collect(number, *regions_)) results_.push_back(*result);
+    const Numbers& numbers = numbers_[number % numbers_.size()];
+    regions_->collect(numbers.regions);
+    if (const auto result = correction_->collect(numbers.correction, *regions_))
+      results_.push_back(*result);
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -72,9 +77,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       if (region.number > 0 && region.color >= 0) ++decided;
     }
     gst_structure_set(stats, "indirect-layers", G_TYPE_INT, method.layers, "colors", G_TYPE_INT,
-                      method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations", G_TYPE_INT,
-                      method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes, "refining",
-                      G_TYPE_BOOLEAN, method.refining, "regions", G_TYPE_UINT, regions,
+                      method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations",
+                      G_TYPE_INT, method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes,
+                      "refining", G_TYPE_BOOLEAN, method.refining, "regions", G_TYPE_UINT, regions,
                       "regions-decided", G_TYPE_UINT, decided, nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
@@ -92,6 +97,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       frame.commands.begin();
       started_ = true;
     }
+    ++since_click_;
     take_clicks(frame);
     tell_results(frame);
     GlobalThesis::Hints hints;
@@ -99,12 +105,15 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     const PlanePtr kept = frame.layers[Role::input];
     const uint64_t number = method_->record(frame.commands, input, frame.layers, hints);
     frame.layers[Role::input] = kept;
-    correction_->record(frame.commands, *method_, *regions_);
+    numbers_[number % numbers_.size()] = {regions_->last(),
+                                          correction_->record(frame.commands, *method_, *regions_)};
     return number;
   }
 
  private:
   static constexpr size_t kMostClicks = 1000;
+  // Frames after a click in which its region is found and its colors are begun to be tried.
+  static constexpr uint64_t kPatience = 50;
 
   void take_clicks(FrameWork& frame) {
     std::vector<std::pair<int, int>> clicks;
@@ -113,6 +122,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       std::swap(clicks, clicks_);
       if (std::exchange(refine_, false)) method_->refine();
     }
+    if (!clicks.empty()) since_click_ = 0;
     for (const auto& [x, y] : clicks) {
       const int number = regions_->click(x, y);
       frame.messages.push_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x, "y",
@@ -134,25 +144,27 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   }
 
   static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table = properties<Params>(
-        "Sets steps and pcg-iterations as a group; what is set explicitly wins", own_properties(),
-        Makes::global);
+    static const PropertyTable<Params> table =
+        properties<Params>("Sets steps and pcg-iterations as a group; what is set explicitly wins",
+                           own_properties(), Makes::global);
     return table;
   }
   static PropertyTable<Params> own_properties() {
     using P = Params;
     return {
-        number<P>("seed", &P::seed, 0u, G_MAXUINT,
-                  "Seed of sample positions and of the first clusters: the same seed gives the same "
-                  "layers"),
+        number<P>(
+            "seed", &P::seed, 0u, G_MAXUINT,
+            "Seed of sample positions and of the first clusters: the same seed gives the same "
+            "layers"),
         flag<P>("adaptive", &P::adaptive,
                 "Leave out what a frame does not need: a picture that comes again keeps its layers "
                 "once its base colors are refined"),
         number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)"),
         number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
                   "Conjugate gradient steps for each (5.7.1)"),
-        number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
-                  "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
+        number<P>(
+            "base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
+            "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
         number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f, "Weight of the data term (Eq. 5.4)"),
         number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
                   "Weight of the distance to clustered reflectance (Eq. 5.6)"),
@@ -220,9 +232,15 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
 
   std::optional<MarkedRegions> regions_;
   std::optional<MisclusteringCorrection> correction_;
+  /// What a frame is to those, by the method's number.
+  struct Numbers {
+    uint64_t regions = 0, correction = 0;
+  };
+  std::array<Numbers, gpu::kFramesInFlight> numbers_;
   std::vector<MisclusteringCorrection::Result> results_;  // to be told
   bool started_ = false;                                  // the scene's base colors are known
-  std::mutex mutex_;
+  uint64_t since_click_ = kPatience + 1;                  // frames
+  mutable std::mutex mutex_;
   std::vector<std::pair<int, int>> clicks_;  // waiting for the next frame
   bool refine_ = false;
 };
