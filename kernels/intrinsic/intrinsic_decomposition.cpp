@@ -21,6 +21,9 @@ namespace {
 
 // Frames from one look at bins and anchor to the next, where something is left out and where not.
 constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
+// Where edges of most tiles are decided anew, comparing tiles costs more than it saves: frames from
+// one comparison to the next.
+constexpr uint64_t kCompareEvery = 8;
 constexpr uint64_t kVec4 = 16;  // bytes
 // Where a report has what, in vec4, and how many.
 constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
@@ -147,6 +150,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
+  const bool compares = params.adaptive && (!restless_ || since_reset_ % kCompareEvery == 0);
   const bool weighs = params.prior.chroma_weight > 0;
   stats_.holds = stats_.history && (!params.adaptive || holds_);
   mode_ = next_mode(params, info, before);
@@ -180,10 +184,11 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (!history_) prior_.reset();
   if (listed())
     prior_.record_tiles(commands, guide_, target, prior, active_.list());
-  else if (params.adaptive)
+  else if (compares)
     prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
   else
-    prior_.record(commands, guide_, target, prior);
+    prior_.record(commands, guide_, target, prior,
+                  params.adaptive && since_reset_ % kCompareEvery == 0);
   commands.stage("prior");
   assemble(commands, params.anchor, look_at_gate);
   commands.stage("assemble");
@@ -211,7 +216,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
                             params.tile_tolerance);
   anchor_.advance(commands, list());
-  Report& report = record_report(commands, params.adaptive);
+  Report& report = record_report(commands, compares);
   if (look_at_bins) commands.copy(bins_.binding(), report.found, kVec4, 0, kFoundBinding * kVec4);
   if (look_at_gate) commands.copy(gate_total_, report.found, kVec4, 0, kFoundGates * kVec4);
   report.looked_at_bins = look_at_bins;
@@ -281,12 +286,17 @@ bool IntrinsicDecomposition::may_settle(const Params& params) const {
 
 void IntrinsicDecomposition::judge(const Params& params) {
   if (since_reset_ < reports_.size()) {
-    if (since_reset_ == 0) binds_ = holds_ = true;
+    if (since_reset_ == 0) {
+      binds_ = holds_ = true;
+      restless_ = false;
+    }
     return;
   }
   const uint64_t before = recorded_ - reports_.size();
   const Report& done = report(before);
   const Findings found = findings(before);
+  if (done.checked_edges && done.stats.history)
+    restless_ = 2 * found.tiles_evaluated > done.stats.tiles;
   if (done.looked_at_bins) binds_ = found.cut || !(found.binding < params.chroma_tolerance);
   if (done.looked_at_gate) holds_ = !(found.gate < params.hold_tolerance);
 }
@@ -313,10 +323,10 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
 }
 
 IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Commands& commands,
-                                                                      bool adaptive) {
+                                                                      bool compared) {
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
-  report.adaptive = adaptive;
+  report.checked_edges = compared && !listed();
   report.mode = mode_;
   if (!report.found)
     report.found =
@@ -329,7 +339,7 @@ IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Comma
   if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
   copy(gauge_.value(), kVec4, kFoundGauge);
   if (listed()) copy(active_.list().words(), kWord, kFoundActive);
-  if (adaptive && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
+  if (compared && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
   if (mode_ != ActiveTiles::Mode::whole) {
     copy(active_.busy(), kWord, kFoundBusy);
     copy(guide_.statistics(), 2 * kVec4, kFoundStatistics);
@@ -357,9 +367,9 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
         std::sqrt(found[4 * kFoundGates] / static_cast<float>(guide_.cell_extent().pixels()));
   const auto count = [&](uint64_t slot) { return std::bit_cast<uint32_t>(found[4 * slot]); };
   findings.tiles_active = of.stats.listed ? count(kFoundActive) : of.stats.tiles;
-  findings.tiles_evaluated = of.stats.listed ? findings.tiles_active
-                             : of.adaptive   ? count(kFoundEvaluated)
-                                             : of.stats.tiles;
+  findings.tiles_evaluated = of.stats.listed    ? findings.tiles_active
+                             : of.checked_edges ? count(kFoundEvaluated)
+                                                : of.stats.tiles;
   return findings;
 }
 
