@@ -20,7 +20,8 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {
-    return done && method_->findings(*done).solve.change < params().keep_tolerance;
+    return done && !method_->fading() &&
+           method_->findings(*done).solve.change < params().keep_tolerance;
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -30,6 +31,10 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
                       static_cast<double>(found.tint), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
+  }
+
+  const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const override {
+    return method_->stats(number).solve;
   }
 
   Settings next_settings(LiveTrade& trade) override {

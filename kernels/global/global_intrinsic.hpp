@@ -75,6 +75,8 @@ class GlobalIntrinsic {
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
+  /// As ScaledIntrinsic::fading.
+  bool fading() const { return solve_.fading(); }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   /// Frames recorded since construction.

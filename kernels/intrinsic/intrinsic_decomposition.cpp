@@ -24,6 +24,18 @@ constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
 // Where edges of most tiles are decided anew, comparing tiles costs more than it saves: frames from
 // one comparison to the next.
 constexpr uint64_t kCompareEvery = 8;
+
+/// What a frame is to be, without how much work is to go into it.
+IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params params) {
+  constexpr IntrinsicDecomposition::Params kUsual{};
+  params.cycles = kUsual.cycles;
+  params.warm_cycles = kUsual.warm_cycles;
+  params.settled = kUsual.settled;
+  params.still_tolerance = kUsual.still_tolerance;
+  params.tile_tolerance = kUsual.tile_tolerance;
+  return params;
+}
+
 constexpr uint64_t kVec4 = 16;  // bytes
 // Where a report has what, in vec4, and how many.
 constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
@@ -137,9 +149,10 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
-  if (!history_ || params != params_) {
+  const Params problem = but_for_effort(params);
+  if (!history_ || problem != params_) {
     since_reset_ = 0;
-    params_ = params;
+    params_ = problem;
   }
   judge(params);
   if (!taken_) continues_ = stats_.history;
@@ -224,7 +237,6 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("layers");
   active_.advance(mode_);
   last_ = mode_ == ActiveTiles::Mode::whole ? nullptr : intrinsic;
-  last_params_ = params;
   history_ = true;
   taken_.reset();
   commands.keep(input);
@@ -247,7 +259,7 @@ ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const 
   gauge_rests_ = false;
   // Tiles left out keep what was decided for them.
   const bool bins = params.prior.chroma_weight > 0 && binds_;
-  if (!last_ || params != last_params_ || bins != before.bins) calm_ = 0;
+  if (!last_ || since_reset_ == 0 || bins != before.bins) calm_ = 0;
   if (calm_++ < reports_.size()) return Mode::watched;
   // The last frame that is sure to be done, so that the same video always gives the same layers.
   const float* found = report(recorded_ - reports_.size()).found->map_as<float>();
@@ -255,10 +267,10 @@ ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const 
   const uint32_t busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
   float drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
   for (size_t i = 4; i < 8; ++i)
-    drift = std::max(drift, std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]));
+    drift = std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), drift);  // NaN stays
   const float off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
   const bool worth = static_cast<float>(busy) <= kMostBusy * static_cast<float>(active_.tiles());
-  if (!worth || drift > params.still_tolerance) return Mode::watched;
+  if (!worth || !(drift <= params.still_tolerance)) return Mode::watched;
   gauge_rests_ = off <= kGaugeRest;
   return Mode::listed;
 }
@@ -327,7 +339,6 @@ IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Comma
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
   report.checked_edges = compared && !listed();
-  report.mode = mode_;
   if (!report.found)
     report.found =
         gpu::Buffer::create(device_, gpu::Element::vec4, kFoundSize, gpu::Memory::readback);

@@ -117,7 +117,6 @@ class IntrinsicDecomposition {
     Stats stats;
     bool checked_edges = false;  // tiles were compared with those that edges were decided on
     bool looked_at_bins = false, looked_at_gate = false;
-    ActiveTiles::Mode mode = ActiveTiles::Mode::whole;
     gpu::BufferPtr found;  // slots of kFound…
   };
   /// Decides, by the last frame that is sure to be done, whether bins and anchor matter, and
@@ -166,9 +165,8 @@ class IntrinsicDecomposition {
   ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;    // of the frame being recorded
   uint64_t calm_ = 0;  // consecutive frames that were not worked on as a whole without a look
   bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
-  PlanePtr last_;       // the layers of the frame before, where the next one might go on from them
-  Params last_params_;  // the frame before was recorded with
-  Stats stats_;         // of the frame being recorded
+  PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
+  Stats stats_;    // of the frame being recorded
 };
 
 }  // namespace inverse
