@@ -3,6 +3,7 @@
 #include "base/layers_meta.hpp"
 
 namespace inverse {
+extern const ElementInfo kGlobalIntrinsic;
 extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
@@ -16,6 +17,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
   for (const inverse::ElementInfo* element : {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
+           &inverse::kGlobalIntrinsic,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicCompose,

@@ -1,6 +1,7 @@
 #include "decomposer.hpp"
 
 #include <chrono>
+#include <utility>
 
 namespace inverse {
 
@@ -25,6 +26,7 @@ void Decomposer::configure(const std::shared_ptr<gpu::Device>& device, Extent ex
 void Decomposer::release() {
   mosaic_.reset();
   palette_.reset();
+  light_ = {};
   planes_.reset();
   held_.reset();
   same_.reset();
@@ -72,11 +74,12 @@ void Decomposer::process(FrameWork& frame) {
     held_.reset();
   past_[frame.number % past_.size()] = {last_method_, kept, trade_.level(), kept_};
   if (!frame.draw) return;
-  draw(frame, settings.show);
+  draw(frame, settings);
   // Clusters follow the last frames, also those that are alike.
   const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
-  frame.same_picture = kept && steady && drawn_ == settings.show;
-  drawn_ = settings.show;
+  const std::pair drawn{settings.show, settings.layer};
+  frame.same_picture = kept && steady && drawn_ == drawn;
+  drawn_ = drawn;
 }
 
 void Decomposer::took(uint64_t number, double milliseconds) {
@@ -103,15 +106,28 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
                       "live-reason", G_TYPE_STRING, trade.reason.c_str(), nullptr);
 }
 
-void Decomposer::draw(FrameWork& frame, Show show) {
+void Decomposer::draw(FrameWork& frame, const Settings& settings) {
   const PlanePtr& intrinsic = frame.layers[Role::intrinsic];
   const PlanePtr& input = frame.layers[Role::input];
-  switch (show) {
+  const auto light = [&](LightPicture::What what) {
+    return light_.draw(frame.commands, frame.layers, what, "a decomposer",
+                       static_cast<uint32_t>(settings.layer));
+  };
+  switch (settings.show) {
     case Show::reflectance:
       frame.picture = {intrinsic};
       break;
     case Show::shading:
-      frame.picture = {intrinsic, true};
+      frame.picture = light_.shading(frame.commands, frame.layers);
+      break;
+    case Show::direct:
+      frame.picture = light(LightPicture::What::direct);
+      break;
+    case Show::indirect:
+      frame.picture = light(LightPicture::What::indirect);
+      break;
+    case Show::layer:
+      frame.picture = light(LightPicture::What::layer);
       break;
     case Show::input:
       frame.picture = {input};
@@ -123,6 +139,14 @@ void Decomposer::draw(FrameWork& frame, Show show) {
       if (!mosaic_) mosaic_.emplace(device_);
       frame.picture = {planes_->acquire()};
       using Source = Drawing::Source;
+      if (frame.layers.global()) {
+        const PlanePtr direct = light(LightPicture::What::direct).plane;
+        const PlanePtr indirect = light(LightPicture::What::indirect).plane;
+        mosaic_->record(frame.commands,
+                        {{{input.get()}, {intrinsic.get()}, {direct.get()}, {indirect.get()}}},
+                        *frame.picture.plane);
+        break;
+      }
       const PlanePtr clusters = draw_clusters(frame);
       mosaic_->record(frame.commands,
                       {{{input.get()},
@@ -135,16 +159,29 @@ void Decomposer::draw(FrameWork& frame, Show show) {
   }
 }
 
-std::vector<Choice> Decomposer::show_choices() {
+std::vector<Choice> Decomposer::show_choices(Makes makes) {
   const auto choice = [](Show show, const char* nick, const char* description) {
     return Choice{static_cast<int>(show), nick, description};
   };
-  return {choice(Show::reflectance, "reflectance", "Reflectance: color without light and shadow"),
-          choice(Show::shading, "shading", "Shading: light and shadow without color, as gray"),
-          choice(Show::input, "input", "The frame as it came in"),
-          choice(Show::mosaic, "mosaic",
-                 "Input, reflectance, shading and clusters at half size, side by side"),
-          choice(Show::clusters, "clusters", "Each pixel in the color of its reflectance cluster")};
+  const bool global = makes == Makes::global;
+  std::vector<Choice> choices{
+      choice(Show::reflectance, "reflectance", "Reflectance: color without light and shadow"),
+      choice(Show::shading, "shading",
+             global ? "Shading: all light, direct and indirect, in color"
+                    : "Shading: light and shadow without color, as gray"),
+      choice(Show::input, "input", "The frame as it came in"),
+      choice(Show::mosaic, "mosaic",
+             global ? "Input, reflectance, direct and indirect light at half size, side by side"
+                    : "Input, reflectance, shading and clusters at half size, side by side"),
+      choice(Show::clusters, "clusters", "Each pixel in the color of its reflectance cluster")};
+  if (global) {
+    choices.push_back(choice(Show::direct, "direct", "Light that comes straight from the lamps"));
+    choices.push_back(
+        choice(Show::indirect, "indirect", "Light that bounced off surfaces, in color"));
+    choices.push_back(choice(Show::layer, "layer",
+                             "Light that bounced off surfaces of one base color, see layer"));
+  }
+  return choices;
 }
 
 std::vector<Choice> Decomposer::quality_choices() {

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "base/filter.hpp"
+#include "base/light_pictures.hpp"
 #include "image/mosaic.hpp"
 #include "ladder.hpp"
 #include "live_trade.hpp"
@@ -11,11 +12,21 @@
 namespace inverse {
 
 /// What a decomposer shows where pixels go out.
-enum class Show { reflectance, shading, input, mosaic, clusters };
+enum class Show {
+  reflectance,
+  shading,
+  input,
+  mosaic,
+  clusters,
+  direct,  ///< the last three: of decomposers that make layers of light
+  indirect,
+  layer,
+};
 
 /// The parameters that every decomposer has.
 struct DecomposerParams {
   Show show = Show::reflectance;
+  int layer = 0;  ///< base color, of Show::layer
   Quality quality = Quality::medium;
   double target_fps = 0;      ///< frames a second to hold; 0: any
   double latency_budget = 0;  ///< ms that a frame may take; 0: any time
@@ -43,6 +54,7 @@ class Decomposer : public Filter {
   /// What there is to know of the parameters in force for a frame.
   struct Settings {
     Show show = Show::reflectance;
+    int layer = 0;
     bool adaptive = true;
     bool changed = false;  ///< the method's differ from those of the frame before
   };
@@ -60,12 +72,17 @@ class Decomposer : public Filter {
 
   void reset() override;
 
+  /// The layers that a decomposer makes.
+  enum class Makes { intrinsic, global };
   /// The properties of DecomposerParams, then the method's own. `sets` says which parameters
   /// `quality` stands for.
   template <typename P>
-  static PropertyTable<P> properties(const char* sets, const PropertyTable<P>& own) {
+  static PropertyTable<P> properties(const char* sets, const PropertyTable<P>& own,
+                                     Makes makes = Makes::intrinsic) {
+    const bool global = makes == Makes::global;
     PropertyTable<P> table{
-        choice<P>("show", &P::show, "GstInverseShow", show_choices(),
+        choice<P>("show", &P::show, global ? "GstInverseGlobalShow" : "GstInverseShow",
+                  show_choices(makes),
                   "What to show where ordinary video goes out; elements that take layers get all "
                   "of them"),
         choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(), sets),
@@ -76,15 +93,18 @@ class Decomposer : public Filter {
                   "Milliseconds that a frame may take in this element, held in the same way; the "
                   "stricter of the two counts. 0 = any time"),
     };
+    if (global)
+      table.push_back(number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
+                                "The base color whose layer show=layer shows"));
     table.insert(table.end(), own.begin(), own.end());
     return table;
   }
 
  private:
-  static std::vector<Choice> show_choices();
+  static std::vector<Choice> show_choices(Makes makes);
   static std::vector<Choice> quality_choices();
   bool keeps(const FrameWork& frame, const Settings& settings);
-  void draw(FrameWork& frame, Show show);
+  void draw(FrameWork& frame, const Settings& settings);
   PlanePtr draw_clusters(FrameWork& frame);
 
   /// What became of one of the last frames.
@@ -101,14 +121,15 @@ class Decomposer : public Filter {
   // Made when they are first asked for.
   std::optional<Mosaic> mosaic_;
   std::optional<ScenePalette> palette_;
+  LightPictures light_;
 
   std::array<Past, gpu::kFramesInFlight> past_;
   std::optional<Layers> held_;    // of the frame before
   std::optional<uint64_t> same_;  // the first frame (FrameWork's number) of this picture with these
                                   // parameters
   uint64_t last_method_ = 0;      // the last frame's number
-  std::optional<Show> drawn_;     // how the frame before was drawn
-  uint64_t kept_ = 0;             // frames since `configure`
+  std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
+  uint64_t kept_ = 0;                          // frames since `configure`
   LiveTrade trade_;
 };
 
@@ -146,7 +167,7 @@ class MethodDecomposer : public Decomposer {
     const typename Method::Params &before = params_, &now = next;
     const bool changed = before != now;
     params_ = next;
-    return {params_.show, params_.adaptive, changed};
+    return {params_.show, params_.layer, params_.adaptive, changed};
   }
   /// In force for this frame.
   const P& params() const { return params_; }

@@ -25,9 +25,10 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
     const Params set = parameters_.snapshot();
-    method_->prepare(set.half_resolution);
-    // A change of level that waits for it would be late itself.
-    if (set.target_fps > 0 || set.latency_budget > 0) method_->prepare(true);
+    method_->prepare(set.halvings());
+    // A change of resolution that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0)
+      for (const size_t halvings : {0, 1, 2}) method_->prepare(halvings);
   }
 
  protected:
@@ -36,18 +37,19 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
-    const auto method = method_->stats(number);
+    const auto& method = method_->stats(number);
     std::string skipped;
     for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
     const auto found = method_->findings(number);
-    gst_structure_set(stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT,
-                      method.levels, "half-resolution", G_TYPE_BOOLEAN, method.half_resolution,
-                      "history", G_TYPE_BOOLEAN, method.history, "cut", G_TYPE_BOOLEAN, found.cut,
-                      "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch), "change",
-                      G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
-                      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles,
-                      "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "skipped",
-                      G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(
+        stats, "cycles", G_TYPE_UINT, found.cycles, "levels", G_TYPE_UINT, method.levels,
+        "half-resolution", G_TYPE_BOOLEAN, method.halvings > 0, "halvings", G_TYPE_UINT,
+        static_cast<guint>(method.halvings), "half-distance", G_TYPE_DOUBLE,
+        static_cast<double>(found.half_distance), "history", G_TYPE_BOOLEAN, method.history, "cut",
+        G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch),
+        "change", G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
+        static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, method.tiles, "tiles-evaluated",
+        G_TYPE_UINT, found.tiles_evaluated, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
   }
 
   uint64_t decompose(FrameWork& frame) override {
@@ -82,6 +84,17 @@ class IntrinsicElement final : public MethodDecomposer<ScaledIntrinsic, Params> 
         flag<P>("half-resolution", &P::half_resolution,
                 "Solve at half the frame's width and height, at about a third of the cost; where "
                 "shading steps is then read from the frame"),
+        flag<P>("quarter-resolution", &P::quarter_resolution,
+                "With half-resolution: solve at a quarter of the frame's width and height instead"),
+        number<P>("half-resolution-bound", &P::half_bound, 0.f, 1.f,
+                  "Change of log shading, rms in natural log units, that half resolution may make "
+                  "on a scene to be chosen by itself; 0 = never"),
+        number<P>("chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
+                  "Change of log shading, rms in natural log units, below which equal chroma is "
+                  "not looked for, as it cannot make more; 0 = always looked for"),
+        number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
+                  "Share of reflectance that could stay what it was, rms over the frame, below "
+                  "which pixels are not compared with the frame before; 0 = always compared"),
         number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
                   "Change of log shading by the last cycle, rms in natural log units, below which "
                   "the layers of a picture that comes again are kept; 0 = never"),

@@ -28,12 +28,15 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
-    gst_structure_set(
-        stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
-        method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations, "iterations",
-        G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT, method.keyframes, "residual",
-        G_TYPE_DOUBLE, static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
-        static_cast<double>(method.gauge), "clusters", G_TYPE_INT, method.cluster_count, nullptr);
+    std::string skipped;
+    for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
+    gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
+                      method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
+                      "iterations", G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT,
+                      method.keyframes, "residual", G_TYPE_DOUBLE,
+                      static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
+                      static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
+                      method.cluster_count, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }

@@ -6,8 +6,10 @@
 #include "temporal.glsl"
 
 // The cells' part of the system (energy.glsl), from the prior; and, with kAnchored, how far their pixels may believe the
-// frame before, and where the solve starts. One quad of cells, a row of a tile, an invocation.
+// frame before, and where the solve starts. With kLook also sums up how far that is. One quad of cells, a row of a tile, an
+// invocation.
 layout(constant_id = 1) const bool kAnchored = false;
+layout(constant_id = 2) const bool kLook = false;
 PLANE_IN(0, value);
 PLANE_IN(1, cells);
 PLANE_IN(2, mismatch);
@@ -19,6 +21,7 @@ PLANE_IN(7, correction);  // ... and what its last cycle added
 PLANE_OUT(8, terms);
 PLANE_OUT(9, start);
 PLANE_INOUT(10, force);  // the last frame's, a good guess where this one continues it
+PLANE_OUT(11, sums);     // of gate^2, -, -, -
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves
@@ -40,10 +43,8 @@ float moved(ivec2 tile, ivec2 tiles_size, float frame) {
   return sum.x / sum.y;
 }
 
-void main() {
-  uint quads = QUADS(push.size.x);
-  uvec2 position = grid_position(quads);
-  if (position.y >= push.size.y) return;
+// The gates of a quad of cells.
+vec4 make(uint quads, uvec2 position) {
   int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
@@ -81,4 +82,13 @@ void main() {
   STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, v + g);
   float weight = push.anchor * min(verdict_now.w / push.frames, 1.0);
   STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, weight * MASKED(gate, inside));
+  return MASKED(gate, inside);
+}
+
+void main() {
+  uint quads = QUADS(push.size.x);
+  uvec2 position = grid_position(quads);
+  vec4 gate = vec4(0.0);
+  if (position.y < push.size.y) gate = make(quads, position);
+  if (kLook) SUM_PARTIALS(sums, vec4(dot(gate, gate), 0.0, 0.0, 0.0));
 }

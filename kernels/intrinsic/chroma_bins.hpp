@@ -14,7 +14,7 @@ class ChromaBins {
   ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
   /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in
-  /// `terms`.
+  /// `terms`; where it is 0, the frame has no bins.
   void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
                       float most_weight);
   /// The solution that the means are taken at, and where the right-hand side goes that follows from
@@ -24,8 +24,12 @@ class ChromaBins {
   };
   /// Records the means and the right-hand side for a correction.
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
-  /// Records the force that is left after it.
-  void record_force(gpu::Commands& commands, const State& state) const;
+  /// Records the force that is left after it, and with `look` what `binding` tells.
+  void record_force(gpu::Commands& commands, const State& state, bool look = false);
+  /// One vec4, of the last look: sum of v (F / v)^2 and sum of v over the cells, F the force of the
+  /// bins and v the weight of the value prior. The root of their ratio bounds how much cell means
+  /// of log shading, rms weighted by v, change without bins (docs/method-intrinsicdecomp.md, 4).
+  const gpu::BufferPtr& binding() const { return binding_; }
 
  private:
   gpu::Items splat_items() const;
@@ -33,8 +37,10 @@ class ChromaBins {
   Extent cells_;
   uint32_t tables_;
   float scale_ = 1;
-  gpu::KernelPtr weigh_, splat_, mean_, slice_, force_;
-  gpu::BufferPtr weights_, totals_, means_, wanted_;
+  bool on_ = true;
+  gpu::KernelPtr weigh_, splat_, mean_, slice_, pull_, force_, looking_force_, total_;
+  gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
+  bool cleared_ = false;  // the sums' unused slots
 };
 
 }  // namespace inverse

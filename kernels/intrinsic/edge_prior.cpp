@@ -81,7 +81,11 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
 
 void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                                const Params& params, float tolerance) {
-  const bool all = !known_ || known_params_ != params || known_system_ != target.system;
+  Params edges = params;
+  edges.chroma_weight =
+      known_params_.chroma_weight;  // and value_weight: of cells, made anew always
+  edges.value_weight = known_params_.value_weight;
+  const bool all = !known_ || known_params_ != edges || known_system_ != target.system;
   const Extent level1 = guide.extent1();
   commands.fill(control_);
   const struct {

@@ -6,30 +6,31 @@ namespace inverse {
 
 /// A level: resolution, cycles of the first frame and of those after it, from which change on edges
 /// are decided anew, and below which change of a cycle no further one follows.
-template <bool kHalf, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
+template <int kHalvings, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
 void intrinsic_level(ScaledIntrinsic::Params& params) {
-  params.half_resolution = kHalf;
+  params.half_resolution = kHalvings > 0;
+  params.quarter_resolution = kHalvings > 1;
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
   params.still_tolerance = kTolerance;
   params.settled = kSettled;
 }
 
-/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade). Only one step changes the
-/// resolution, which makes the method forget earlier frames.
+/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade).
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.48, intrinsic_level<true, 3, 1, 0.1F, 0.01F>},
-       {0.55, intrinsic_level<true, 4, 2, 0.1F, 0.01F>},
-       {0.60, intrinsic_level<true, 4, 2, 0.05F, 0.01F>},
-       {0.68, intrinsic_level<true, 8, 4, 0.05F, 0.003F>},
-       {0.90, intrinsic_level<false, 4, 2, 0.1F, 0.01F>},
-       {1.00, intrinsic_level<false, 4, 2, 0.05F, 0.01F>},
-       {1.16, intrinsic_level<false, 8, 4, 0.05F, 0.01F>},
-       {1.24, intrinsic_level<false, 8, 4, 0.05F, 0.003F>},
-       {1.53, intrinsic_level<false, 12, 8, 0.05F, 0.001F>},
-       {2.93, intrinsic_level<false, 24, 24, 0.05F, 1e-4F>}},
-      {2, 5, 7, 9}};
+      {{0.36, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
+       {0.48, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
+       {0.55, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
+       {0.60, intrinsic_level<1, 4, 2, 0.05F, 0.01F>},
+       {0.68, intrinsic_level<1, 8, 4, 0.05F, 0.003F>},
+       {0.90, intrinsic_level<0, 4, 2, 0.1F, 0.01F>},
+       {1.00, intrinsic_level<0, 4, 2, 0.05F, 0.01F>},
+       {1.16, intrinsic_level<0, 8, 4, 0.05F, 0.01F>},
+       {1.24, intrinsic_level<0, 8, 4, 0.05F, 0.003F>},
+       {1.53, intrinsic_level<0, 12, 8, 0.05F, 0.001F>},
+       {2.93, intrinsic_level<0, 24, 24, 0.05F, 1e-4F>}},
+      {3, 6, 8, 10}};
   return ladder;
 }
 

@@ -2,74 +2,117 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "../image/pyramid.hpp"
 #include "guided_upsample.hpp"
 #include "intrinsic_decomposition.hpp"
+#include "layer_distance.hpp"
+#include "layer_fade.hpp"
 
 namespace inverse {
 
-/// IntrinsicDecomposition at the frame's resolution or, at about a third of the cost, at half of it
-/// with guided upsampling of shading. Each resolution is set up when it is first asked for:
-/// `prepare` does it beforehand. Not thread-safe.
+/// IntrinsicDecomposition at the frame's resolution or, for less time, on a frame that is halved
+/// once or twice, with guided upsampling of shading. What was found at one resolution carries over
+/// to the next: the frame at which it changes is solved at both, and the layers that go out fade
+/// from one to the other. Each resolution is set up when it is first needed: `prepare` does it
+/// beforehand. Not thread-safe.
 class ScaledIntrinsic {
  public:
   struct Params : IntrinsicDecomposition::Params {
     bool half_resolution = false;
+    /// With half_resolution: a quarter of width and height instead.
+    bool quarter_resolution = false;
+    /// Distance of log shading between half and full resolution, rms (LayerDistance), 0…1, below
+    /// which half is chosen by itself where `adaptive` is on; 0: never.
+    float half_bound = 0.06F;
+    /// How often the frame is halved before it is solved, as far as it is not a matter of
+    /// half_bound.
+    size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
     bool operator==(const Params&) const = default;
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;
   struct Stats : IntrinsicDecomposition::Stats {
-    bool half_resolution = false;
+    size_t halvings = 0;
+    bool crossed = false;   ///< solved at the last frame's resolution, too, to carry it over
+    bool compared = false;  ///< solved at the other resolution, too, to see what half costs
   };
-  using Findings = IntrinsicDecomposition::Findings;
+  struct Findings : IntrinsicDecomposition::Findings {
+    float half_distance = 0;  ///< of half from full resolution when last compared; 0: not yet
+  };
 
-  ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
-      : device_(std::move(device)), extent_(extent) {}
+  ScaledIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Throws Error(limit) where frames of this size do not fit the device.
-  void prepare(bool half_resolution);
-  /// As IntrinsicDecomposition::record. Where the resolution changes, history begins anew but for
-  /// the output's scale.
+  void prepare(size_t halvings) {
+    set_up(halvings);
+    stays_[halvings] = true;
+  }
+  /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
-  Stats stats(uint64_t frame) const;
+  const Stats& stats(uint64_t frame) const { return taken(frame).stats; }
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
 
+  /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is
+  /// left.
+  static constexpr float kEnter = 0.8F;
+  /// Frames after a reset to the first comparison, and from one to the next: kMostNext where half
+  /// is far from its bound. A cut has one at once, if so many frames have passed since the last
+  /// one.
+  static constexpr uint64_t kFirst = 24, kNext = 64, kMostNext = 512, kAgain = 16,
+                            kAgainAtFull = 128;
+
  private:
-  struct Half {
-    Half(const std::shared_ptr<gpu::Device>& device, Extent extent)
+  static constexpr size_t kResolutions = 3;
+  /// The way down to and up from one resolution, from the next finer one.
+  struct Step {
+    Step(const std::shared_ptr<gpu::Device>& device, Extent fine)
         : halve(device),
-          upsample(device, extent),
-          inputs(device, half_of(extent)),
-          layers(device, extent),
-          method(device, half_of(extent)) {}
+          upsample(device, fine),
+          inputs(device, half_of(fine)),
+          layers(device, fine) {}
     Halve halve;
     GuidedUpsample upsample;
     PlanePool inputs, layers;
-    IntrinsicDecomposition method;
   };
-  /// Which method took a frame, and as its how many-th.
+  /// What became of one of the last frames: which method took it, and as its how many-th.
   struct Taken {
-    bool half;
-    uint64_t number;
+    Stats stats;
+    uint64_t number = 0;
+    float half_distance = 0;
   };
-  const IntrinsicDecomposition& method(bool half) const { return half ? half_->method : *full_; }
-  Layers record_half(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                     const FrameInfo& info);
+  const Taken& taken(uint64_t frame) const { return taken_[frame % taken_.size()]; }
+  IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
+  void set_up(size_t halvings);
+  size_t choose(const Params& params, const FrameInfo& info);
+  void judge(const Params& params);
+  void start_anew();
+  /// The frame's intrinsic plane, solved after `halvings`.
+  PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
+                 const Params& params, const FrameInfo& info);
+  void take_over(gpu::Commands& commands, size_t from, size_t to, PlanePtr intrinsic);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
-  std::optional<IntrinsicDecomposition> full_;
-  std::optional<Half> half_;
+  std::array<std::optional<IntrinsicDecomposition>, kResolutions> methods_;
+  std::array<std::optional<Step>, kResolutions - 1> steps_;  // [k] from k halvings to k + 1
+  std::array<bool, kResolutions> stays_{};                   // set up for good
+  std::optional<LayerDistance> distance_;
+  LayerFade fade_;
   std::array<Taken, gpu::kFramesInFlight> taken_{};
   uint64_t recorded_ = 0;
-  bool was_half_ = false;
+  size_t was_ = 0;            // halvings of the frame before
+  bool fits_ = false;         // half resolution keeps the bound
+  uint64_t since_reset_ = 0;  // frames
+  uint64_t compare_at_ = kFirst;
+  std::optional<uint64_t> compared_at_;
+  float half_distance_ = 0;
 };
 
 }  // namespace inverse

@@ -336,16 +336,20 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
   commands.dispatch(setup_, {levels_[level].image, links_}, push, pixels);
   push.mode = clustered ? 1 : 0;
   if (push.frames == 1) push.samples = 0;  // nothing but clusters
-  pull(levels_[level].sample_past, clusters_, constant_pulls_);
+  const bool pulls = clustered || push_for(level).samples > 0;
+  if (pulls)
+    pull(levels_[level].sample_past, clusters_, constant_pulls_);
+  else  // of this frame's levels all come to nothing
+    commands.fill(pulls_);
   push.samples = push_for(level).samples;
   for (int step = 0; step <= params_.irls_iterations; ++step) {
     const bool last = step == params_.irls_iterations;
     const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
     if (last && !evaluated) break;
-    pack(commands, level, 0);
+    if (pulls || evaluated) pack(commands, level, 0);
     if (evaluated) evaluate(commands, level, step - 1, clustered);
     if (last) break;
-    pull(levels_[level].sample, constant_pulls_, pulls_);
+    if (pulls) pull(levels_[level].sample, constant_pulls_, pulls_);
     commands.dispatch(reweight_,
                       {levels_[level].solution, links_, pulls_, levels_[level].image, edges_,
                        nodes_, preconditioned_, partials_},
@@ -379,7 +383,15 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   current_->irls_iterations = params_.irls_iterations;
   current_->pcg_iterations = params_.pcg_iterations;
   current_->keyframes = std::min(stored_keyframes_, params_.keyframes);
-  current_->clustered = levels() > 1;
+  const bool samples = params_.w_non_local > 0 && params_.samples > 0;
+  current_->clustered = levels() > 1 && params_.w_clustering > 0;
+  if (!samples) {
+    current_->keyframes = 0;
+    current_->skipped.emplace_back("samples: none, or their weight is 0");
+  } else if (current_->keyframes == 0) {
+    current_->skipped.emplace_back("keyframes: none so far, or none wanted");
+  }
+  if (params_.w_clustering <= 0) current_->skipped.emplace_back("clusters: their weight is 0");
 
   commands.dispatch(sanitize_, {frame.buffer, levels_[0].image}, push_for(0), pixels_of(extent_));
   for (size_t n = 1; n < levels_.size(); ++n) {
@@ -413,7 +425,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   }
   if (!current_->clustered) palette_.record_update(commands, {extent_, levels_[0].solution});
 
-  if (params_.keyframes > 0 &&
+  if (samples && params_.keyframes > 0 &&
       since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
     for (size_t n = 0; n < levels_.size(); ++n) {
       pack(commands, n, 1 + stored_keyframes_ % params_.keyframes);

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "../gpu/commands.hpp"
@@ -32,11 +33,13 @@ class ThesisDecomposition {
 
   struct Stats {
     int levels = 0;
-    int irls_iterations = 0;     ///< a level
-    int pcg_iterations = 0;      ///< a reweighting
-    int keyframes = 0;           ///< that samples were drawn from
-    bool clustered = false;      ///< false: a single level, nothing to cluster beforehand
-    float gauge = 0;             ///< ln of the factor from the solver's R to the layer's
+    int irls_iterations = 0;  ///< a level
+    int pcg_iterations = 0;   ///< a reweighting
+    int keyframes = 0;        ///< that samples were drawn from
+    /// False: a single level, with nothing to cluster beforehand, or a weight of 0.
+    bool clustered = false;
+    std::vector<std::string> skipped;  ///< what was left out, and why
+    float gauge = 0;                   ///< ln of the factor from the solver's R to the layer's
     int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for

@@ -57,19 +57,22 @@ class Settings {
       for (const auto& [quality, name] : kQualities)
         if (ladder.top(quality) == k) s.preset = name;
       s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
+                      {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
                       {"cycles", std::to_string(params.cycles)},
                       {"warm-cycles", std::to_string(params.warm_cycles)},
                       {"still-tolerance", text_of(double(params.still_tolerance))},
                       {"settled", text_of(double(params.settled))}};
       s.effort = s.preset.empty() ? Effort::usual : Effort::brief;
-      const std::string half = params.half_resolution ? "half, " : "";
+      const std::string half = params.halvings() == 0   ? ""
+                               : params.halvings() == 1 ? "half, "
+                                                        : "quarter, ";
       s.base = k == ladder.top(Quality::medium);
       s.name = half + std::to_string(params.cycles);
       // Levels that differ only in how they follow a video are one to stills.
       const bool again = k + 1 < ladder.levels.size() && [&] {
         Params next;
         ladder.levels[k + 1].set(next);
-        return next.half_resolution == params.half_resolution && next.cycles == params.cycles;
+        return next.halvings() == params.halvings() && next.cycles == params.cycles;
       }();
       if (!again) all.push_back(s);
       s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;

@@ -1,7 +1,9 @@
 // Light with layers of its own through the editors: what each shows, changes and refuses. The
 // layers are made by hand, through the installed header.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
@@ -143,6 +145,100 @@ TEST_F(LightOf, SplitSendsEveryLayer) {
   };
   expect_near(split("indirect_5"), drawn(kRedBase, kPaint[3] * kFromRed), "indirect_5");
   expect_near(split("shading"), drawn(light_of(kFromGreen, kFromRed), kPaint[3]), "shading");
+}
+
+/// RGBA: a red wall on the left, a green one on the right, white between, lit from above, the white
+/// with the walls' color on it.
+std::vector<uint8_t> colored_corner(int width, int height) {
+  std::vector<uint8_t> frame;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5) / width, v = (y + 0.5) / height, direct = 0.7 - 0.4 * v;
+      const bool left = u<0.3, right = u> 0.7;
+      const double red = left ? 0.03 : 0.25 * std::exp(-4 * (u - 0.3)),
+                   green = right ? 0.03 : 0.25 * std::exp(-4 * (0.7 - u));
+      const std::array<double, 3> paint = left    ? std::array{0.75, 0.1, 0.1}
+                                          : right ? std::array{0.12, 0.6, 0.12}
+                                                  : std::array{0.75, 0.75, 0.75};
+      const std::array<double, 3> light{direct + red + 0.15 * green, direct + 0.1 * red + green,
+                                        direct + 0.1 * red + 0.15 * green};
+      for (size_t c = 0; c < 3; ++c)
+        frame.push_back(static_cast<uint8_t>(srgb(paint[c] * light[c])));
+      frame.push_back(255);
+    }
+  return frame;
+}
+
+TEST(GlobalIntrinsic, UneditedChainReturnsItsInput) {
+  for (const auto& [format, width, height] :
+       {std::tuple{"RGBA", 349, 287}, {"RGB", 15, 10}, {"GRAY8", 33, 1}, {"RGBA", 1, 1}}) {
+    const std::string caps = VideoHarness::caps(format, width, height);
+    VideoHarness model("globalintrinsic ! intrinsiccompose residual=none", caps, caps);
+    VideoHarness whole("globalintrinsic ! intrinsiccompose", caps, caps);
+    for (unsigned seed = 0; seed < 2; ++seed) {
+      const auto frame = random_frame(caps, seed), pixels = visible(caps, frame);
+      EXPECT_LE(largest_difference(visible(caps, whole.process(frame)), pixels), 1) << caps;
+      EXPECT_LE(largest_difference(visible(caps, model.process(frame)), pixels), 2) << caps;
+    }
+  }
+}
+
+TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
+  const int width = 160, height = 120;
+  const std::string caps = VideoHarness::caps("RGBA", width, height);
+  const auto frame = colored_corner(width, height);
+  VideoHarness harness(
+      "globalintrinsic name=g ! intrinsicdespill key=0xffe05050 tolerance=1.2 ! "
+      "intrinsiccompose",
+      caps, caps);
+  std::vector<uint8_t> out;
+  for (int k = 0; k < 3; ++k) out = harness.process(frame);
+  const size_t by_the_wall = 4 * (size_t(width) * 90 + 54);
+  const auto cast = [&](const std::vector<uint8_t>& picture) {
+    return double(picture[by_the_wall]) / picture[by_the_wall + 1];
+  };
+  EXPECT_GT(cast(frame), 1.08);
+  EXPECT_LT(cast(out), 1 + 0.6 * (cast(frame) - 1)) << "red over green";
+}
+
+TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  const auto frame = colored_corner(64, 48);
+  VideoHarness harness("globalintrinsic name=g", caps, caps);
+  GstElement* element = harness.find("globalintrinsic");
+  std::vector<std::vector<uint8_t>> seen;
+  for (const char* show :
+       {"reflectance", "shading", "input", "mosaic", "clusters", "direct", "indirect", "layer"}) {
+    gst_util_set_object_arg(G_OBJECT(element), "show", show);
+    for (int k = 0; k < 2; ++k) seen.push_back(harness.process(frame));
+    ASSERT_EQ(seen.back().size(), frame.size()) << show;
+    if (seen.size() > 2) {
+      EXPECT_GT(largest_difference(seen.back(), seen[seen.size() - 3]), 0) << show;
+    }
+  }
+  EXPECT_EQ(seen[4], frame) << "the input";
+  // A picture that is kept has its layers made when they are asked for.
+  int brightest = 0;
+  for (size_t i = 0; i < seen.back().size(); ++i)
+    if (i % 4 != 3) brightest = std::max(brightest, int(seen.back()[i]));
+  EXPECT_GT(brightest, 20);
+}
+
+TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
+  const std::string caps = VideoHarness::caps("RGBA", 160, 120);
+  VideoHarness harness("globalintrinsic amount=0.33", caps, caps);
+  harness.process(colored_corner(160, 120));
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find("globalintrinsic"), "stats", &stats, nullptr);
+  double amount = 0, confidence = 0;
+  guint colors = 0;
+  ASSERT_TRUE(gst_structure_get(stats, "amount", G_TYPE_DOUBLE, &amount, "confidence",
+                                G_TYPE_DOUBLE, &confidence, "colors", G_TYPE_UINT, &colors,
+                                nullptr));
+  EXPECT_FLOAT_EQ(amount, 0.33F);
+  EXPECT_EQ(confidence, 1);
+  EXPECT_GE(colors, 3u);
+  gst_structure_free(stats);
 }
 
 TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {

@@ -6,7 +6,7 @@
 namespace inverse::testing {
 namespace {
 
-constexpr guint kTop = 2;  // of quality=low
+constexpr guint kTop = 3;  // of quality=low
 
 /// What `stats` of intrinsicdecomp says of the trade; `on` false where it says nothing.
 struct Live {

@@ -151,7 +151,7 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
         multigrid.record_cycle(
             commands, params, static_cast<uint32_t>(k), {},
             [&] { bins.record(commands, guide, state); },
-            [&] { bins.record_force(commands, state); });
+            [&] { bins.record_force(commands, state, false); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
     std::vector<double> force(cells.pixels());

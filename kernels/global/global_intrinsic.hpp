@@ -1,0 +1,125 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../image/layers.hpp"
+#include "../intrinsic/scaled_intrinsic.hpp"
+
+namespace inverse {
+
+/// Reflectance, direct and indirect light of every frame of a video
+/// (docs/method-globalintrinsic.md): what light is indirect, and of what color, the image itself
+/// predicts, as its surfaces are the emitters; one amount for the scene and its base colors are
+/// measured; the tint that follows is divided out, and ScaledIntrinsic decides how bright
+/// reflectance and light are. Takes the place of chapter 5's energy (that takes the place of
+/// chapter 3's). For one size on one device. Not thread-safe.
+class GlobalIntrinsic {
+ public:
+  struct Params : ScaledIntrinsic::Params {
+    /// Standard deviation of how far surfaces light each other, 0.02…2 of the frame's width.
+    float reach = 0.4F;
+    /// Share of that beside light that comes from all over the frame, 0…1.
+    float near = 0.7F;
+    /// Share of a surface's own color that does not light it, 0…0.95: a plane sees none of itself.
+    float own = 0.8F;
+    /// The amount of indirect light, 0.01…2; 0: measured.
+    float amount = 0;
+    /// Of the measurement: weight of neutrality beside sharpness of chroma; the amount of a scene
+    /// that says nothing, and how much scenes differ (standard deviation of its ln); how much a
+    /// difference says.
+    float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8;
+    /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up
+    /// to which one continues a color of the frame before.
+    int base_colors = 16;
+    float least_share = 0.004F, same_color = 0.3F;
+    /// Share of the newest frame in what is measured of the scene, 0.01…1.
+    float renew = 0.2F;
+    /// Mean change of chroma, in halves of a log unit, from which on a frame is a cut, 0…1.
+    float cut = 0.3F;
+    /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
+    float smoothing = 1.2F;
+    /// Share of the slowly varying rest of chroma that is taken for light in tinted scenes, 0…1.
+    float residual = 1;
+    bool operator==(const Params&) const = default;
+  };
+  struct FrameInfo {
+    bool reset = false;   ///< no relation to the frame before (discontinuity)
+    bool shares = false;  ///< somebody needs indirect light as one layer for each base color
+  };
+  struct Stats {
+    ScaledIntrinsic::Stats solve;
+    bool first = false;  ///< nothing of an earlier frame was known
+  };
+  struct Findings {
+    ScaledIntrinsic::Findings solve;
+    float amount = 0;      ///< of indirect light
+    float confidence = 0;  ///< of the amount: 0 the image says nothing, 1 it leaves no doubt
+    uint32_t colors = 0;   ///< base colors
+    float tint = 0;        ///< rms log chroma of light that is all indirect
+    bool cut = false;      ///< of the scene: nothing was taken over from the frame before
+  };
+
+  /// Throws Error(limit) where frames of this size do not fit the device.
+  GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
+
+  /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
+  /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light; direct
+  /// share), and where they are asked for base colors and their shares. Who edits in place copies
+  /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
+  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                const FrameInfo& info);
+  /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
+  void prepare(size_t halvings) { solve_.prepare(halvings); }
+  /// Forgets the frames so far (flush, discontinuity).
+  void reset();
+  /// Frames recorded since construction.
+  uint64_t recorded() const { return recorded_; }
+  /// Of one of the last kFramesInFlight frames.
+  const Stats& stats(uint64_t frame) const { return report(frame).stats; }
+  /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
+  Findings findings(uint64_t frame) const;
+
+ private:
+  struct Place;  // what every kernel's push constants begin with
+  struct Report {
+    Stats stats;
+    uint64_t solve = 0;      // its number there
+    gpu::BufferPtr found;    // the scene's buffer
+    uint32_t slots() const;  // up to the last base color
+  };
+  const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
+  Place place() const;
+  /// Points of the grid, and whether the frame continues the one before.
+  void look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
+  /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
+  /// this one's.
+  void gather(gpu::Commands& commands, const Params& params, bool known);
+  void measure_amount(gpu::Commands& commands, const Params& params);
+  void find_tint(gpu::Commands& commands, const Params& params);
+  void find_colors(gpu::Commands& commands, const Params& params);
+  void find_residual(gpu::Commands& commands);
+  void make_taps(const Params& params);
+  uint32_t planes_needed(const Params& params) const;
+  void share_out(gpu::Commands& commands, Layers& layers, uint32_t count);
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_, grid_, coarse_;
+  uint32_t factor_ = 1;
+  ScaledIntrinsic solve_;
+  PlanePool planes_, bases_;
+  gpu::KernelPtr grid_kernel_, look_, emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
+      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
+  gpu::BufferPtr memory_;                                                     // pixels
+  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
+  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
+  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;   // chroma
+  gpu::BufferPtr sums_, scene_;
+  float reach_ = 0;  // that taps_ are of
+  std::array<Report, gpu::kFramesInFlight> reports_;
+  uint64_t recorded_ = 0;
+  uint64_t frames_ = 0;  // since a reset
+};
+
+}  // namespace inverse

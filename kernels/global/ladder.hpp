@@ -1,0 +1,27 @@
+#pragma once
+#include <utility>
+
+#include "../intrinsic/ladder.hpp"
+#include "global_intrinsic.hpp"
+
+namespace inverse {
+
+/// The ladder of globalintrinsic: that of the solve in it, at the cost of finding and dividing out
+/// the tint of light more.
+inline const Ladder<GlobalIntrinsic::Params>& global_ladder() {
+  constexpr size_t kMostLevels = 16;
+  constexpr double kTint = 0.4;  // in relation to the solve's costs
+  static const auto ladder = []<size_t... k>(std::index_sequence<k...>) {
+    const auto& solve = intrinsic_ladder();
+    Ladder<GlobalIntrinsic::Params> made{
+        {{k < solve.levels.size() ? solve.levels[k].cost + kTint : 0,
+          [](GlobalIntrinsic::Params& params) { intrinsic_ladder().levels[k].set(params); }}...},
+        solve.qualities};
+    made.levels.resize(solve.levels.size());
+    return made;
+  }
+  (std::make_index_sequence<kMostLevels>());
+  return ladder;
+}
+
+}  // namespace inverse

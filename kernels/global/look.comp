@@ -1,0 +1,41 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "../image/workgroup_sum.glsl"
+#include "model.glsl"
+
+// One workgroup: what the frame's points count on the average; whether it is a cut, by how much chroma changed where there
+// is light; and with it, what share the frame has in what is measured of the scene.
+PLANE_IN(0, colors);
+PLANE_INOUT(1, points);  // .z becomes the shading to start from
+PLANE_INOUT(2, before);  // chroma, the last frame's
+PLANE_INOUT(3, scene);
+layout(push_constant) uniform Push {
+  int count;  // of points
+  float cut;
+  float renew;
+  uint first;  // 1: there is no frame before
+} push;
+
+const float kMost = 0.5;  // change of log chroma that counts fully
+
+void main() {
+  vec4 sum = vec4(0.0);
+  for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
+    float weight = FETCH(colors, i).w;
+    vec2 off = LOAD(points, i).xy - LOAD(before, i).xy;
+    sum += vec4(weight, weight * min(length(off) / kMost, 1.0), 0.0, 0.0);
+  }
+  sum = workgroup_sum(sum);
+  float change = sum.y / (sum.x + 1e-9);
+  bool cut = push.first == 1u || !(change <= push.cut);
+  for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
+    vec4 point = LOAD(points, i);
+    STORE(before, i, vec4(point.xy, 0.0, 0.0));
+    if (cut) LOAD(points, i).z = point.w;
+  }
+  if (gl_LocalInvocationID.x > 0u) return;
+  float frames = cut ? 1.0 : LOAD(scene, SCENE_TIME).y + 1.0;
+  LOAD(scene, SCENE_AMOUNT).z = sum.x / float(push.count) + 1e-9;
+  STORE(scene, SCENE_TIME, vec4(cut ? 1.0 : 0.0, min(frames, 1e6), max(push.renew, 1.0 / frames), change));
+}

@@ -1,0 +1,182 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+#include "../image/workgroup_sum.glsl"
+#include "model.glsl"
+#include "counts.glsl"
+
+// One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
+// lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues.
+// Reads what it wrote itself, and so uses storage buffers.
+WORD_IN(0, counts);
+PLANE_INOUT(1, scene);
+WORD_OUT(2, slots);  // of bins
+layout(set = 0, binding = 3, std430) coherent restrict buffer histogram_block { float histogram_data[]; };
+layout(set = 0, binding = 4, std430) coherent restrict buffer heights_block { float heights_data[]; };  // 2 kBinCount
+layout(set = 0, binding = 5, std430) coherent restrict buffer work_block { int work_data[]; };
+layout(push_constant) uniform Push {
+  float smoothing;    // standard deviation, bins
+  float least_share;  // of all mass, for a mode to count
+  float same;         // chroma up to which a mode continues a color of before
+  int most;           // base colors at most
+} push;
+
+// Of work: every bin's peak; of peaks, the mass of their basin and its moments about them, in fixed point; a list.
+const int kPeak = 0, kMass = kBinCount, kMoment = 2 * kBinCount, kList = 4 * kBinCount, kListed = kList + 1;
+const float kMassUnit = 16777216.0, kMomentUnit = 4194304.0;
+const int kMostListed = 1024;
+const int kReach = 8;  // of the smoothing, bins
+
+#define SYNC memoryBarrierBuffer(); barrier()
+#define EVERY_BIN(b) for (int b = int(gl_LocalInvocationID.x); b < kBinCount; b += int(gl_WorkGroupSize.x))
+
+shared vec4 modes[kSlots];  // center, mass, slot
+shared int mode_peaks[kSlots];
+shared int mode_count;
+
+float smoothed(int b, int from, int step, int along) {
+  int reach = min(int(ceil(3.0 * push.smoothing)), kReach);
+  float sum = 0.0, all = 0.0, narrow = -0.5 / (push.smoothing * push.smoothing);
+  for (int d = -reach; d <= reach; ++d) {
+    float w = exp(narrow * float(d * d));
+    all += w;
+    if (along + d >= 0 && along + d < kBins)
+      sum += w * (from < 0 ? LOAD(histogram, b + d * step) : LOAD(heights, from + b + d * step));
+  }
+  return sum / all;
+}
+
+// Modes in falling order of mass, and their slots.
+void choose() {
+  int count = min(LOAD(work, kList), kMostListed);
+  mode_count = 0;
+  for (int m = 0; m < push.most; ++m) {
+    int best = -1;
+    float most = 0.0;
+    int first = kBinCount;
+    for (int l = 0; l < count; ++l) {
+      int peak = LOAD(work, kListed + l);
+      if (peak < 0) continue;
+      float mass = float(LOAD(work, kMass + peak)) / kMassUnit;
+      if (mass > most || (mass == most && peak < first)) {
+        best = l;
+        most = mass;
+        first = peak;
+      }
+    }
+    if (best < 0) break;
+    int peak = LOAD(work, kListed + best);
+    LOAD(work, kListed + best) = -1;
+    vec2 moment = vec2(LOAD(work, kMoment + 2 * peak), LOAD(work, kMoment + 2 * peak + 1)) / kMomentUnit;
+    modes[m] = vec4(bin_center(peak) + moment / most, most, -1.0);
+    mode_peaks[m] = peak;
+    ++mode_count;
+  }
+  if (mode_count == 0) {
+    modes[0] = vec4(0.0, 0.0, 0.0, -1.0);
+    mode_peaks[0] = bin_of(vec2(0.0));
+    mode_count = 1;
+  }
+  uint taken = 0u;
+  bool cut = LOAD(scene, SCENE_TIME).x > 0.0;
+  for (int m = 0; m < mode_count; ++m) {
+    float nearest = push.same * push.same;
+    int slot = -1;
+    for (int s = 0; s < push.most && !cut; ++s) {
+      vec4 color = LOAD(scene, SCENE_COLORS + s);
+      if (color.z == 0.0 || (taken & (1u << s)) != 0u) continue;
+      vec2 off = color.xy - modes[m].xy;
+      if (dot(off, off) < nearest) {
+        nearest = dot(off, off);
+        slot = s;
+      }
+    }
+    modes[m].w = float(slot);
+    if (slot >= 0) taken |= 1u << slot;
+  }
+  for (int m = 0; m < mode_count; ++m)
+    if (modes[m].w < 0.0) {
+      int slot = findLSB(~taken);
+      modes[m].w = float(slot);
+      taken |= 1u << slot;
+    }
+  for (int s = 0; s < kSlots; ++s) LOAD(scene, SCENE_COLORS + s) = vec4(0.0);
+  for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z);
+  LOAD(scene, SCENE_AMOUNT).w = float(mode_count);
+}
+
+void main() {
+  vec4 sum = vec4(0.0);
+  EVERY_BIN(b) sum.x += float(FETCH1(counts, b)) / kCountUnit;
+  float scale = 1.0 / max(workgroup_sum(sum).x, 1e-9);
+  sum = vec4(0.0);
+  float renew = LOAD(scene, SCENE_TIME).z;
+  EVERY_BIN(b) {
+    float now = scale * float(FETCH1(counts, b)) / kCountUnit;
+    now = mix(LOAD(histogram, b), now, renew);
+    LOAD(histogram, b) = now;
+    LOAD(work, kMass + b) = LOAD(work, kMoment + 2 * b) = LOAD(work, kMoment + 2 * b + 1) = 0;
+    sum.x += now;
+  }
+  if (gl_LocalInvocationID.x == 0u) LOAD(work, kList) = 0;
+  float all = workgroup_sum(sum).x;
+  SYNC;
+  EVERY_BIN(b) LOAD(heights, b) = smoothed(b, -1, 1, b & (kBins - 1));
+  SYNC;
+  EVERY_BIN(b) LOAD(heights, kBinCount + b) = smoothed(b, 0, kBins, b / kBins);
+  SYNC;
+  EVERY_BIN(b) {
+    ivec2 at = ivec2(b & (kBins - 1), b / kBins), low = max(at - 1, 0), high = min(at + 1, kBins - 1);
+    int best = b;
+    float most = LOAD(heights, kBinCount + b);
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        float height = LOAD(heights, kBinCount + y * kBins + x);
+        if (height > most) {
+          most = height;
+          best = y * kBins + x;
+        }
+      }
+    LOAD(work, kPeak + b) = best;
+  }
+  SYNC;
+  // Whoever is ahead is followed further up, in whatever order.
+  for (int k = 0; k < 6; ++k) {
+    EVERY_BIN(b) LOAD(work, kPeak + b) = LOAD(work, kPeak + LOAD(work, kPeak + b));
+    SYNC;
+  }
+  EVERY_BIN(b) {
+    float mass = LOAD(histogram, b);
+    if (mass > 0.0) {
+      int peak = LOAD(work, kPeak + b);
+      vec2 off = mass * (bin_center(b) - bin_center(peak));
+      atomicAdd(LOAD(work, kMass + peak), int(mass * kMassUnit + 0.5));
+      atomicAdd(LOAD(work, kMoment + 2 * peak), int(floor(off.x * kMomentUnit + 0.5)));
+      atomicAdd(LOAD(work, kMoment + 2 * peak + 1), int(floor(off.y * kMomentUnit + 0.5)));
+    }
+  }
+  SYNC;
+  EVERY_BIN(b) {
+    float mass = float(LOAD(work, kMass + b)) / kMassUnit;
+    if (mass > 0.0 && mass >= push.least_share * all) {
+      int place = atomicAdd(LOAD(work, kList), 1);
+      if (place < kMostListed) LOAD(work, kListed + place) = b;
+    }
+  }
+  SYNC;
+  if (gl_LocalInvocationID.x == 0u) choose();
+  barrier();
+  EVERY_BIN(b) {
+    int peak = LOAD(work, kPeak + b), best = -1, nearest = 0;
+    float least = 3e38;
+    for (int m = 0; m < mode_count; ++m) {
+      vec2 off = modes[m].xy - bin_center(b);
+      if (mode_peaks[m] == peak) best = m;
+      if (dot(off, off) < least) {
+        least = dot(off, off);
+        nearest = m;
+      }
+    }
+    STORE(slots, b, uint(modes[best < 0 ? nearest : best].w));
+  }
+}

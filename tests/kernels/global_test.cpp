@@ -1,0 +1,232 @@
+// globalintrinsic on the device against its specification.
+#include <cmath>
+
+#include "global/global_intrinsic.hpp"
+#include "intrinsic_fixture.hpp"
+#include "tests/reference/global_layers.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// A red wall on the left, a green one on the right, gray, white and yellow patches between, direct
+/// light from above that a shadow cuts, and light that bounced off the walls.
+struct Room {
+  Pixels frame;
+  std::vector<double> reflectance, direct, indirect;  // 3, 1, 3 channels
+};
+
+Room room(Extent extent, unsigned seed, float bounced = 0.35F) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const std::array<std::array<float, 3>, 5> paints{{{0.75F, 0.12F, 0.1F},
+                                                    {0.15F, 0.6F, 0.15F},
+                                                    {0.7F, 0.7F, 0.7F},
+                                                    {0.3F, 0.3F, 0.3F},
+                                                    {0.7F, 0.6F, 0.1F}}};
+  Room made;
+  made.frame.assign(extent.pixels() * 4, 1);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(extent.width),
+                  v = (static_cast<float>(y) + 0.5F) / static_cast<float>(extent.height);
+      const bool left = u<0.25F, right = u> 0.75F;
+      const size_t patch = static_cast<size_t>(u * 12) + 3 * static_cast<size_t>(v * 5);
+      const auto& paint = paints[left ? 0 : right ? 1 : 2 + patch % 3];
+      const float shadow = v > 0.5F && u > 0.4F && u < 0.65F ? 0.05F : 1.0F;
+      const float direct = shadow * (0.6F - 0.3F * v);
+      // A wall does not light itself.
+      const float from_red = left ? 0.05F : bounced * 0.6F * std::exp(-3 * (u - 0.25F));
+      const float from_green = right ? 0.05F : bounced * 0.6F * std::exp(-3 * (0.75F - u));
+      for (size_t c = 0; c < 3; ++c) {
+        const float indirect = 0.25F * bounced + (left ? 0 : from_red * paints[0][c]) +
+                               (right ? 0 : from_green * paints[1][c]);
+        const float light = direct + indirect;
+        made.reflectance.push_back(paint[c]);
+        made.indirect.push_back(indirect);
+        made.frame[4 * (static_cast<size_t>(y) * extent.width + x) + c] =
+            paint[c] * light * (0.99F + 0.02F * unit(random));
+      }
+      made.direct.push_back(direct);
+    }
+  return made;
+}
+
+}  // namespace
+
+class GlobalTest : public IntrinsicTest {
+ protected:
+  struct Result {
+    Layers layers;
+    Pixels intrinsic, light;
+    GlobalIntrinsic::Findings found;
+  };
+  Result decompose(GlobalIntrinsic& method, const Pixels& frame, Extent extent,
+                   const GlobalIntrinsic::Params& params, GlobalIntrinsic::FrameInfo info) {
+    Result result;
+    run([&](gpu::Commands& commands) {
+      result.layers = method.record(commands, input(extent, frame), params, info);
+    });
+    result.intrinsic = download(result.layers[Role::intrinsic]->buffer);
+    result.light = download(result.layers[Role::light]->buffer);
+    result.found = method.findings(method.recorded() - 1);
+    return result;
+  }
+  static GlobalIntrinsic::Params to_the_letter() {
+    GlobalIntrinsic::Params params;
+    params.adaptive = false;
+
+    return params;
+  }
+  /// Light's color and direct share, base colors and reflectance against the specification.
+  static void expect_agreement(const Result& got, const reference::GlobalResult& expected,
+                               const std::string& what) {
+    EXPECT_NEAR(got.found.amount, expected.amount.value, 2e-3 * expected.amount.value) << what;
+    EXPECT_NEAR(got.found.confidence, expected.amount.confidence, 5e-3) << what;
+    EXPECT_EQ(got.found.colors, uint32_t(expected.colors.used())) << what;
+    EXPECT_NEAR(got.found.tint, expected.tint, 2e-3 + 2e-3 * expected.tint) << what;
+    const size_t n = expected.direct.size();
+    double tint2 = 0, direct2 = 0, paint2 = 0;
+    for (size_t i = 0; i < n; ++i) {
+      double geometric = 0;
+      for (size_t c = 0; c < 3; ++c)
+        geometric += std::log(expected.direct[i] + expected.indirect[3 * i + c]) / 3;
+      for (size_t c = 0; c < 3; ++c) {
+        const double tau = std::log(expected.direct[i] + expected.indirect[3 * i + c]) - geometric;
+        tint2 += std::pow(std::log(got.light[4 * i + c]) - tau, 2) / double(3 * n);
+        paint2 += std::pow(std::log(got.intrinsic[4 * i + c] + 1e-3) -
+                               std::log(expected.reflectance[3 * i + c] + 1e-3),
+                           2) /
+                  double(3 * n);
+      }
+      direct2 +=
+          std::pow(double(got.light[4 * i + 3]) * got.intrinsic[4 * i + 3] - expected.direct[i],
+                   2) /
+          double(n);
+    }
+    EXPECT_LT(std::sqrt(tint2), 3e-3) << what;
+    EXPECT_LT(std::sqrt(paint2), 1e-2) << what;  // bins of the solve are in fixed point
+    EXPECT_LT(std::sqrt(direct2), 5e-3) << what;
+  }
+};
+
+TEST_F(GlobalTest, AgreesWithReference) {
+  for (const Extent extent : {Extent{160, 120}, Extent{97, 61}, Extent{333, 100}, Extent{61, 97}}) {
+    const Room made = room(extent, 3);
+    GlobalIntrinsic method(device, extent);
+    const Result got = decompose(method, made.frame, extent, to_the_letter(), {true});
+    const auto expected =
+        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                    int(extent.height), reference::GlobalParams{}, nullptr);
+    expect_agreement(got, expected, name_of(extent));
+  }
+}
+
+TEST_F(GlobalTest, AgreesWithReferenceOverTime) {
+  const Extent extent{160, 120};
+  GlobalIntrinsic method(device, extent);
+  reference::GlobalState state;
+  for (unsigned frame = 0; frame < 4; ++frame) {
+    const Room made = room(extent, frame, 0.35F + 0.02F * float(frame));
+    const Result got = decompose(method, made.frame, extent, to_the_letter(), {false});
+    const auto expected =
+        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                    int(extent.height), reference::GlobalParams{}, &state);
+    expect_agreement(got, expected, "frame " + std::to_string(frame));
+  }
+}
+
+TEST_F(GlobalTest, SharesAgreeWithReference) {
+  const Extent extent{120, 90};
+  const Room made = room(extent, 3);
+  GlobalIntrinsic method(device, extent);
+  const Result got = decompose(method, made.frame, extent, to_the_letter(), {true, true});
+  const auto frame =
+      reference::decompose_global(rgb_of(made.frame).data(), int(extent.width), int(extent.height),
+                                  reference::GlobalParams{}, nullptr);
+  expect_agreement(got, frame, "frame");
+  const auto expected = reference::split_indirect(frame, int(extent.width), int(extent.height));
+  const Pixels bases = download(got.layers[Role::bases]->buffer);
+  std::vector<Pixels> shares;
+  for (uint32_t n = 0; n < kIndirectPlanes; ++n)
+    shares.push_back(download(got.layers[indirect_role(n)]->buffer));
+  for (size_t k = 0; k < kMaxBases; ++k) {
+    ASSERT_EQ(bases[4 * k + 3], frame.colors.color[k] ? 1.0F : 0.0F) << k;
+    double off2 = 0;
+    for (size_t i = 0; i < extent.pixels(); ++i)
+      off2 += std::pow(double(shares[k / 4][4 * i + k % 4]) * got.intrinsic[4 * i + 3] -
+                           expected.amount[k][i],
+                       2) /
+              double(extent.pixels());
+    EXPECT_LT(std::sqrt(off2), 2e-3) << "base color " << k;
+    for (size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(bases[4 * k + c], expected.base[k][c], 2e-3) << "base color " << k;
+  }
+}
+
+TEST_F(GlobalTest, LayersMakeUpTheFrame) {
+  const Extent extent{150, 100};
+  const Room made = room(extent, 3);
+  GlobalIntrinsic method(device, extent);
+  const Result got = decompose(method, made.frame, extent, {}, {true, true});
+  for (size_t i = 0; i < made.frame.size(); ++i) {
+    const size_t pixel = i / 4 * 4;
+    if (i % 4 == 3) continue;
+    EXPECT_NEAR(got.intrinsic[i] * got.intrinsic[pixel + 3] * got.light[i], made.frame[i], 1e-5);
+    EXPECT_GE(got.light[i], got.light[pixel + 3] - 1e-6F) << "direct light is part of all";
+  }
+}
+
+TEST_F(GlobalTest, GrayFramesHaveGrayLight) {
+  const Extent extent{90, 70};
+  Pixels frame = scene(extent, 2);
+  for (size_t i = 0; i < frame.size(); i += 4) frame[i + 1] = frame[i + 2] = frame[i];
+  GlobalIntrinsic method(device, extent);
+  for (int k = 0; k < 3; ++k) {
+    const Result got = decompose(method, frame, extent, {}, {false, true});
+    EXPECT_EQ(got.found.colors, 1U);
+    for (size_t i = 0; i < extent.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got.light[4 * i + c], 1, 1e-5);
+  }
+}
+
+TEST_F(GlobalTest, AnyFrameGivesFiniteLayers) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (const Extent extent : {Extent{1, 1}, Extent{1, 90}, Extent{300, 2}, Extent{64, 48}}) {
+    GlobalIntrinsic method(device, extent);
+    for (int kind = 0; kind < 7; ++kind) {
+      Pixels frame = kind < 4 ? Pixels(extent.pixels() * 4) : random_pixels(extent, 4);
+      for (size_t i = 0; i < frame.size(); ++i) {
+        if (kind == 1) frame[i] = 1;
+        if (kind == 2) frame[i] = i % 4 == 1 ? 1 : 0;
+        if (kind == 3) frame[i] = 1e30F;
+        if (kind == 5 && i % 11 == 0) frame[i] = std::numeric_limits<float>::quiet_NaN();
+        if (kind == 6 && i % 5 == 0) frame[i] = i % 2 ? kInf : -kInf;
+      }
+      for (int k = 0; k < 2; ++k) {
+        const Result got = decompose(method, frame, extent, {}, {k == 0, true});
+        for (const float value : got.intrinsic) ASSERT_TRUE(std::isfinite(value)) << kind;
+        for (const float value : got.light) ASSERT_TRUE(std::isfinite(value)) << kind;
+        for (uint32_t n = 0; n < kIndirectPlanes; ++n)
+          if (const PlanePtr& shares = got.layers[indirect_role(n)])
+            for (const float value : download(shares->buffer)) {
+              ASSERT_TRUE(std::isfinite(value)) << kind;
+              ASSERT_GE(value, 0) << kind;
+            }
+        ASSERT_TRUE(std::isfinite(got.found.amount));
+      }
+    }
+  }
+}
+
+TEST_F(GlobalTest, AForgottenFrameIsLikeNone) {
+  const Extent extent{80, 60};
+  GlobalIntrinsic used(device, extent), fresh(device, extent);
+  decompose(used, random_pixels(extent, 1), extent, {}, {false});
+  const Pixels frame = room(extent, 5).frame;
+  const Result a = decompose(used, frame, extent, {}, {true}),
+               b = decompose(fresh, frame, extent, {}, {true});
+  EXPECT_EQ(a.intrinsic, b.intrinsic);
+  EXPECT_EQ(a.light, b.light);
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,61 @@
+#include "global_amount.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "global_palette.hpp"
+
+namespace inverse::reference::global {
+namespace {
+
+struct Moments {
+  double mean = 0, variance = 0;  // of ln kappa
+};
+
+Moments moments(const AmountCost& cost, double trust, const AmountParams& params) {
+  AmountCost energy;
+  for (int i = 0; i < kCandidates; ++i) {
+    const double off = std::log(candidate(i) / params.typical) / params.spread;
+    energy[std::size_t(i)] = trust * cost[std::size_t(i)] + 0.5 * off * off;
+  }
+  const double least = *std::min_element(energy.begin(), energy.end());
+  double all = 0, first = 0, second = 0;
+  for (int i = 0; i < kCandidates; ++i) {
+    const double p = std::exp(least - energy[std::size_t(i)]), k = std::log(candidate(i));
+    all += p, first += p * k, second += p * k * k;
+  }
+  const double mean = first / all;
+  return {mean, std::max(0.0, second / all - mean * mean)};
+}
+
+}  // namespace
+
+double candidate(int i) { return kLeastAmount * std::pow(kAmountRatio, i); }
+
+AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
+                       const AmountParams& params) {
+  AmountCost cost{};
+  for (int k = 0; k < kCandidates; ++k) {
+    ChromaHistogram histogram(64, 0.08);
+    double neutral = 0, all = 1e-9;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      Vec3 light = received[i];
+      for (double& v : light) v *= candidate(k);
+      const Chroma left = grid.chroma[i] - tint_of(grid.shading[i], light);
+      histogram.add(left, grid.weight[i]);
+      neutral += grid.weight[i] *
+                 std::exp(-norm2(left) / (2 * params.neutral_width * params.neutral_width));
+      all += grid.weight[i];
+    }
+    cost[std::size_t(k)] = histogram.entropy() - params.neutral * neutral / all;
+  }
+  return cost;
+}
+
+Amount amount_of(const AmountCost& cost, const AmountParams& params) {
+  if (params.manual > 0) return {params.manual, 1};
+  const Moments seen = moments(cost, params.trust, params), blind = moments({}, 0, params);
+  return {std::exp(seen.mean), std::clamp(1 - seen.variance / blind.variance, 0.0, 1.0)};
+}
+
+}  // namespace inverse::reference::global

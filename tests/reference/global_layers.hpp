@@ -1,0 +1,30 @@
+// Indirect light as one scalar layer per base color, E = sum over k of b_k T_k and a remainder, for
+// editors: who recolors a base color recolors the light that it throws.
+#pragma once
+
+#include "global_intrinsic.hpp"
+
+namespace inverse::reference {
+
+struct IndirectLayers {
+  std::vector<Vec3> base;                   ///< b_k per slot, largest channel 1; 0: unused.
+  std::vector<std::vector<double>> amount;  ///< T_k >= 0 per slot and pixel.
+  std::vector<double> remainder;            ///< 3 interleaved channels, of any sign.
+};
+
+/// Splits the indirect layer of a frame: T_k starts as what the surfaces of base color k send to
+/// the pixel, projected onto b_k, and takes `steps` multiplicative steps of non-negative least
+/// squares (Lee and Seung 2001), T_k <- T_k (b_k . E) / (b_k . sum over l of b_l T_l). Who sends is
+/// known by the base colors of the frame before: on a first frame and after a cut all light counts
+/// as slot 0's, so a still is decomposed twice.
+IndirectLayers split_indirect(const GlobalResult& frame, int width, int height, int steps = 3);
+
+/// Reflectance and indirect light after base color k becomes `color` (linear, any scale): pixels of
+/// the label change by the ratio of the colors, and the light of that layer with them.
+struct Recolored {
+  std::vector<double> reflectance, indirect;
+};
+Recolored recolor(const GlobalResult& frame, const IndirectLayers& layers, std::size_t k,
+                  const Vec3& color);
+
+}  // namespace inverse::reference

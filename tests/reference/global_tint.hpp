@@ -1,0 +1,43 @@
+// The tint of the light at every pixel: that of the gathered indirect light, and what the image's
+// chroma has beyond it and its base color, where it varies slowly (like a bias field).
+#pragma once
+
+#include "global_gather.hpp"
+#include "global_palette.hpp"
+
+namespace inverse::reference::global {
+
+struct TintParams {
+  double trust = 0.35;      ///< Residual that counts less, log chroma.
+  double trust_tint = 0.7;  ///< The same, of the tint that all-indirect light has.
+  double window = 0.05;     ///< Radius of box filters, of the grid's width.
+  double edge = 0.01;       ///< Variance of the residual that counts as an edge (guided filter).
+  double gate = 0.01;       ///< Mean square tint of a scene where half of the residual is taken.
+  double residual = 1;      ///< Share of the residual that is taken; 0: none.
+};
+
+/// What the whole scene says of its tint.
+struct TintStatistics {
+  double full = 0;  ///< Rms tint where all light is indirect: rms(t) / rms(fraction).
+  double gate = 0;  ///< Share of the residual, st2 / (st2 + gate).
+};
+
+/// Residual as a linear function of a pixel's own, at the points of the grid: a e + b; and e
+/// smoothed, for pixels that are not believed.
+struct Residual {
+  std::vector<Chroma> slope, offset, smooth;
+};
+
+/// How far a pixel's residual is believed.
+double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
+              const TintParams& params);
+
+TintStatistics tint_statistics(const std::vector<Chroma>& tint, const std::vector<double>& fraction,
+                               const std::vector<double>& weight, const TintParams& params);
+
+/// Residual at the points of a grid of width x height, of raw residuals and indirect fractions.
+Residual residual_field(const std::vector<Chroma>& raw, const std::vector<double>& fraction,
+                        int width, int height, const TintStatistics& statistics,
+                        const TintParams& params);
+
+}  // namespace inverse::reference::global
