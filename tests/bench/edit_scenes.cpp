@@ -44,8 +44,11 @@ void furnish(clip::Scene& scene) {
                               {0.3F, 0.12F, 0.15F},
                               clip::rotation({0, 1, 0}, -0.4F),
                               plain({0.75F, 0.6F, 0.12F})});
-  scene.primitives.push_back(
-      {Shape::kEllipsoid, {0.1F, 0.1F, 0.1F}, {-0.05F, 0.1F, 0.25F}, {}, plain({0.5F, 0.5F, 0.5F})});
+  scene.primitives.push_back({Shape::kEllipsoid,
+                              {0.1F, 0.1F, 0.1F},
+                              {-0.05F, 0.1F, 0.25F},
+                              {},
+                              plain({0.5F, 0.5F, 0.5F})});
 }
 
 /// Head and shoulders, of boxes and balls.
@@ -71,7 +74,8 @@ Scene pair(const char* name, const char* regime, const clip::Scene& before,
   Image changed(kWidth, kHeight, 1);
   for (std::size_t i = 0; i < changed.data.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      if (scene.frames[0].reflectance.data[3 * i + c] != scene.frames[1].reflectance.data[3 * i + c])
+      if (scene.frames[0].reflectance.data[3 * i + c] !=
+          scene.frames[1].reflectance.data[3 * i + c])
         changed.data[i] = 1;
   for (TruthFrame& frame : scene.frames) frame.id = changed;
   return scene;

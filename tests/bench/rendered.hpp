@@ -5,7 +5,8 @@
 
 namespace inverse::bench {
 
-/// A scene as a camera would deliver it, 8 bits of sRGB, with reflectance, direct and indirect light.
+/// A scene as a camera would deliver it, 8 bits of sRGB, with reflectance, direct and indirect
+/// light.
 TruthFrame rendered(const clip::Scene& scene, int width, int height, clip::Quality quality);
 
 inline clip::Paint plain(clip::Vec3 color) { return {clip::Pattern::kPlain, {color}, 1, ""}; }
