@@ -5,7 +5,8 @@
 //
 // EDITS holds what edit-scenes wrote; FOLDER the rendered sequences, of which edits/*_recolour and
 // what they were made from are taken. Prints two tables; --png writes a strip of pictures for each
-// pair: before, truth, and the edits in the order of the table.
+// pair: before, truth, and the edits in the order of the table, those of despill with the true
+// background behind the subject, which ends with no edit at all.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -252,8 +253,8 @@ struct Edit {
 };
 
 std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
-  RecolorParams by_key;
-  by_key.tolerance = 0.8F, by_key.softness = 0.6F;  // for a vivid key (intrinsicrecolor's page)
+  RecolorParams by_key;  // as the element is by default
+  by_key.use_mask = false;
   RecolorParams by_mask;
   constexpr float kAnyColor = 4.5F;
   by_mask.tolerance = kAnyColor;
@@ -294,12 +295,17 @@ void write_strip(const std::string& folder, const Pair& pair, const std::vector<
   std::vector<const Image*> parts{&pair.before, &pair.after};
   for (const Edit& edit : edits)
     if (&edit != &edits.front()) parts.push_back(&edit.picture);
+  if (pair.despill) parts.push_back(&pair.before);
   const int w = pair.before.width, h = pair.before.height;
   Image strip(w * int(parts.size()), h, 3);
   for (std::size_t k = 0; k < parts.size(); ++k)
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x)
-        for (int c = 0; c < 3; ++c) strip.at(int(k) * w + x, y, c) = parts[k]->at(x, y, c);
+        for (int c = 0; c < 3; ++c) {
+          const float truth = pair.after.at(x, y, c), seen = parts[k]->at(x, y, c);
+          strip.at(int(k) * w + x, y, c) =
+              pair.despill && k > 0 ? seen + pair.matte.at(x, y) * (truth - seen) : seen;
+        }
   std::string name = pair.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   std::filesystem::create_directories(folder);
