@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -146,9 +147,12 @@ class Editor {
       return intrinsic_.record(commands_, input_, ScaledIntrinsic::Params{}, {first});
     });
   }
-  Layers all_layers() {
+  /// `amount` of indirect light; 0: measured.
+  Layers all_layers(float amount = 0) {
+    GlobalIntrinsic::Params params;
+    params.amount = amount;
     return watched([&](bool first) {
-      return global_.record(commands_, input_, GlobalIntrinsic::Params{}, {first, true});
+      return global_.record(commands_, input_, params, {first, true});
     });
   }
   /// The picture itself for reflectance, under white light.
@@ -248,9 +252,39 @@ Image unchanged_paint(const Pair& pair, bool spill) {
 }
 
 struct Edit {
-  const char* name;
+  std::string name;
   Image picture;
+  float amount = 0;  ///< that was set by hand; 0: none
 };
+
+/// Colors that a user reads off the layer, and the aim in the scale of that layer.
+RecolorParams from_layer(Editor& editor, const Pair& pair, const Layers& layers,
+                         RecolorParams params) {
+  params.key = mean_where(editor.reflectance(layers), pair.matte);
+  params.target = mean(params.key) / mean(pair.paint) * pair.aim;
+  return params;
+}
+
+LightEdit::Key spill_key(Editor& editor, const Pair& pair, const Layers& layers) {
+  const LightEdit::Key defaults{{}, 0.7F, 0.5F};  // of intrinsicdespill
+  return {mean_where(editor.reflectance(layers), pair.matte), defaults.tolerance,
+          defaults.softness};
+}
+
+/// How good the edit would be with the best of several amounts of indirect light, set by hand.
+Edit best_amount(const Pair& pair, const std::function<Image(float)>& edit) {
+  const Image truth = displayed(pair.after), spill = unchanged_paint(pair, true);
+  Edit best;
+  double most = -1;
+  for (const float amount : {0.3F, 0.45F, 0.6F, 0.8F, 1.0F, 1.25F, 1.6F}) {
+    Image picture = edit(amount);
+    const double found = psnr(displayed(picture), truth, spill);
+    if (found <= most) continue;
+    most = found;
+    best = {"globalintrinsic, best amount", std::move(picture), amount};
+  }
+  return best;
+}
 
 std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
   RecolorParams by_key;  // as the element is by default
@@ -261,34 +295,41 @@ std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
   const PlanePtr matte = editor.upload(pair.matte);
   std::vector<Edit> edits{{"nothing", pair.before}};
   if (!pair.perfect.empty()) edits.push_back({"true R and S, light stays", pair.perfect});
-  const struct {
-    const char *masked, *keyed;
-    Layers layers;
-  } sources[] = {{"the picture itself, mask", "the picture itself, key", editor.no_layers()},
-                 {"intrinsicdecomp, mask", "intrinsicdecomp, key", editor.two_layers()},
-                 {"globalintrinsic, mask", "globalintrinsic, key", editor.all_layers()}};
-  for (const auto& [masked, keyed, layers] : sources)
-    for (RecolorParams* params : {&by_mask, &by_key}) {
-      // What a user reads off the layer; the aim in the scale of that layer.
-      params->key = mean_where(editor.reflectance(layers), pair.matte);
-      params->target = mean(params->key) / mean(pair.paint) * pair.aim;
-      const bool mask = params == &by_mask;
-      edits.push_back(
-          {mask ? masked : keyed, editor.recolored(layers, *params, mask ? matte : nullptr)});
-    }
+  const std::pair<const char*, Layers> sources[] = {{"the picture itself", editor.no_layers()},
+                                                    {"intrinsicdecomp", editor.two_layers()},
+                                                    {"globalintrinsic", editor.all_layers()}};
+  for (const auto& [name, layers] : sources) {
+    const auto edit = [&, &from = layers](const RecolorParams& params) {
+      return editor.recolored(from, from_layer(editor, pair, from, params), matte);
+    };
+    edits.push_back({std::string(name) + ", mask", edit(by_mask)});
+    edits.push_back({std::string(name) + ", key", edit(by_key)});
+  }
+  edits.push_back(best_amount(pair, [&](float amount) {
+    const Layers layers = editor.all_layers(amount);
+    return editor.recolored(layers, from_layer(editor, pair, layers, by_mask), matte);
+  }));
+  edits.back().name += ", mask";
   return edits;
 }
 
 std::vector<Edit> despilled(Editor& editor, const Pair& pair) {
   const Layers layers = editor.all_layers();
-  const LightEdit::Key key{mean_where(editor.reflectance(layers), pair.matte), 0.7F, 0.5F};
+  const LightEdit::Key key = spill_key(editor, pair, layers);
   const float ratio = mean(pair.aim) / mean(pair.paint);
-  return {{"nothing", pair.before},
-          {"ffmpeg despill", ffmpeg_despill(pair.before)},
-          {"green limit", green_limit(pair.before)},
-          {"GStreamer alpha method=green", gst_alpha_green(pair.before)},
-          {"globalintrinsic, keep=1", editor.relit(layers, key, {1, 1, 1})},
-          {"globalintrinsic, to gray", editor.relit(layers, key, {ratio, ratio, ratio})}};
+  const Color gray{ratio, ratio, ratio};
+  std::vector<Edit> edits{{"nothing", pair.before},
+                          {"ffmpeg despill", ffmpeg_despill(pair.before)},
+                          {"green limit", green_limit(pair.before)},
+                          {"GStreamer alpha method=green", gst_alpha_green(pair.before)},
+                          {"globalintrinsic, keep=1", editor.relit(layers, key, {1, 1, 1})},
+                          {"globalintrinsic, to gray", editor.relit(layers, key, gray)}};
+  edits.push_back(best_amount(pair, [&](float amount) {
+    const Layers found = editor.all_layers(amount);
+    return editor.relit(found, spill_key(editor, pair, found), gray);
+  }));
+  edits.back().name += ", to gray";
+  return edits;
 }
 
 void write_strip(const std::string& folder, const Pair& pair, const std::vector<Edit>& edits) {
@@ -312,18 +353,60 @@ void write_strip(const std::string& folder, const Pair& pair, const std::vector<
   write_png(folder + "/" + name + ".png", strip);
 }
 
-void print(const Pair& pair, const std::vector<Edit>& edits) {
-  const Image truth = displayed(pair.after), stays = unchanged_paint(pair, false),
-              spill = unchanged_paint(pair, true);
-  for (const Edit& edit : edits) {
-    const Image picture = displayed(edit.picture);
-    const Image whole = pair.despill ? stays : Image{};
-    std::printf("| %s | %s | %.2f | %.4f | %.2f |\n", pair.name.c_str(), edit.name,
-                psnr(picture, truth, whole), ssim(picture, truth, whole),
-                psnr(picture, truth, spill));
+/// The scores of edits, and of pairs, in the order in which they came. Frames of one sequence are
+/// one pair: means.
+class Table {
+ public:
+  void add(const Pair& pair, const std::vector<Edit>& edits) {
+    const std::string column = pair.name.substr(0, pair.name.find_last_not_of(" 0123456789") + 1);
+    if (columns_.empty() || columns_.back() != column) columns_.push_back(column);
+    const Image truth = displayed(pair.after), spill = unchanged_paint(pair, true);
+    const Image whole = pair.despill ? unchanged_paint(pair, false) : Image{};
+    for (const Edit& edit : edits) {
+      if (std::find(rows_.begin(), rows_.end(), edit.name) == rows_.end())
+        rows_.push_back(edit.name);
+      const Image picture = displayed(edit.picture);
+      Scores& scores = cells_[{edit.name, column}];
+      scores.whole += psnr(picture, truth, whole), scores.ssim += ssim(picture, truth, whole);
+      scores.spill += psnr(picture, truth, spill);
+      scores.amount += double(edit.amount), scores.count += 1;
+    }
   }
-  std::fflush(stdout);
-}
+  void print(const char* title) const {
+    std::printf("| %s |", title);
+    for (const std::string& column : columns_) std::printf(" %s |", column.c_str());
+    std::printf("\n|%s\n",
+                [&] {
+                  std::string line = "---|";
+                  for (std::size_t k = 0; k < columns_.size(); ++k) line += "---|";
+                  return line;
+                }()
+                    .c_str());
+    for (const std::string& row : rows_) {
+      std::printf("| %s |", row.c_str());
+      for (const std::string& column : columns_) {
+        const auto found = cells_.find({row, column});
+        if (found == cells_.end()) {
+          std::printf(" – |");
+          continue;
+        }
+        const Scores& s = found->second;
+        std::printf(" %.1f / %.3f / %.1f", s.whole / s.count, s.ssim / s.count, s.spill / s.count);
+        if (s.amount > 0) std::printf(" (%.2g)", s.amount / s.count);
+        std::printf(" |");
+      }
+      std::printf("\n");
+    }
+    std::printf("\n");
+  }
+
+ private:
+  struct Scores {
+    double whole = 0, ssim = 0, spill = 0, amount = 0, count = 0;
+  };
+  std::vector<std::string> rows_, columns_;
+  std::map<std::pair<std::string, std::string>, Scores> cells_;
+};
 
 void run(const std::string& edits, const std::string& data, const std::string& png) {
   std::vector<Pair> pairs;
@@ -331,17 +414,16 @@ void run(const std::string& edits, const std::string& data, const std::string& p
   if (!data.empty())
     for (Pair& pair : given_pairs(data)) pairs.push_back(std::move(pair));
   const std::shared_ptr<gpu::Device> device = gpu::Device::open("");
-  for (const bool despill : {false, true}) {
-    std::printf("\n| %s | | PSNR%s | SSIM | PSNR of the spill |\n|---|---|---|---|---|\n",
-                despill ? "despill" : "recolor", despill ? " of what stays" : "");
-    for (const Pair& pair : pairs) {
-      if (pair.despill != despill) continue;
-      Editor editor(device, pair.before);
-      const std::vector<Edit> found = despill ? despilled(editor, pair) : recolored(editor, pair);
-      print(pair, found);
-      if (!png.empty()) write_strip(png, pair, found);
-    }
+  Table tables[2];
+  for (const Pair& pair : pairs) {
+    Editor editor(device, pair.before);
+    const std::vector<Edit> found =
+        pair.despill ? despilled(editor, pair) : recolored(editor, pair);
+    tables[pair.despill].add(pair, found);
+    if (!png.empty()) write_strip(png, pair, found);
   }
+  tables[0].print("recolor: PSNR / SSIM / PSNR of the spill");
+  tables[1].print("despill: the same of what stays");
 }
 
 }  // namespace
