@@ -10,8 +10,8 @@ import tables
 
 FIELDS = [("lmse20_R", "R"), ("lmse20_S", "S"), ("lmse20_dir", "direct"), ("ind", "ind"), ("dirJ", "dirJ"), ("indJ", "indJ"), ("tint", "tint")]
 SCENES = ["cornell", "room", "courtyard", "desk_rgbd", "lightchange", "room_values", "lightchange_values"]
-METHODS = {"intrinsicdecomp": "intrinsicdecomp", "guessed indirect light, constant gray": "… constant gray",
-           "guessed indirect light, blurred frame": "… blurred image", "globalintrinsic": "globalintrinsic", "thesis PCG": "thesis",
+METHODS = {"intrinsicdecomp": "intrinsicdecomp", "guessed indirect light, constant gray": "intrinsicdecomp, constant gray",
+           "guessed indirect light, blurred frame": "intrinsicdecomp, blurred image", "globalintrinsic": "globalintrinsic", "thesis PCG": "thesis",
            "R = I / max_c I": "R = I / max_c I"}
 
 
@@ -36,21 +36,23 @@ def main(paths):
                 continue
             if title(row) in METHODS:
                 found.setdefault((scene, title(row)), []).append(row)
-    out = []
+    out, last = [], None
     for scene in SCENES + ["mit"]:
         least = {f: min((summary.mean(r.get(f) for r in rows) for (s, _), rows in found.items()
                          if s == scene and rows[0].get(f) is not None), default=None) for f, _ in FIELDS}
         for method, name in METHODS.items():
             rows = found.get((scene, method))
-            if rows:
+            if rows and not (scene != "mit" and method == "intrinsicdecomp"):  # as with constant gray
                 values = {f: summary.mean(r.get(f) for r in rows) for f, _ in FIELDS}
-                out.append([scene, name] + [f"**{tables.figure(v)}**" if v is not None and v == least[f] else tables.figure(v)
+                out.append([scene if scene != last else "", name] + [f"**{tables.figure(v)}**" if v is not None and v == least[f] else tables.figure(v)
                                             for f, v in values.items()])
+                last = scene
     print(tables.table(["", ""] + [n for _, n in FIELDS], out))
     def means(per_scene):
         return [tables.figure(math.exp(summary.mean(math.log(per_scene[s][f]) for s in SCENES))) if all(
             s in per_scene and per_scene[s].get(f) for s in SCENES) else "–" for f, _ in FIELDS]
-    rows = [[name] + means({s: found[s, m][0] for s in SCENES if (s, m) in found}) for m, name in METHODS.items()]
+    rows = [[name] + means({s: found[s, m][0] for s in SCENES if (s, m) in found}) for m, name in METHODS.items()
+            if m != "intrinsicdecomp"]
     rows += [[f"globalintrinsic without {part}"] + means(of) for part, of in without.items()]
     print(tables.table(["geometric mean of the seven"] + [n for _, n in FIELDS], rows))
 
