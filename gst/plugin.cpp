@@ -4,6 +4,7 @@
 
 namespace inverse {
 extern const ElementInfo kGlobalIntrinsic;
+extern const ElementInfo kGlobalIntrinsicThesis;
 extern const ElementInfo kIntrinsicCompose;
 extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
@@ -18,6 +19,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
            &inverse::kGlobalIntrinsic,
+           &inverse::kGlobalIntrinsicThesis,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicCompose,

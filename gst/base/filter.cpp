@@ -1,6 +1,9 @@
 #include "filter.hpp"
 
 #include <gst/base/gstbasetransform.h>
+#include <gst/video/navigation.h>
+
+#include <cmath>
 
 #include "errors.hpp"
 #include "filter_element.hpp"
@@ -207,8 +210,19 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
     if (type != GST_QOS_TYPE_THROTTLE)
       element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
   }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).marks) {
+    gint button = 0;
+    gdouble x = 0, y = 0;
+    if (gst_navigation_event_get_type(event) == GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS &&
+        gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
+      element_of(transform).filter().mark(static_cast<int>(std::floor(x)),
+                                          static_cast<int>(std::floor(y)));
+  }
   return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
+
+void mark(GstElement* element, gint x, gint y) { element_of(element).filter().mark(x, y); }
+void refine(GstElement* element) { element_of(element).filter().refine(); }
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
   const bool asks_context = GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT;
@@ -292,6 +306,14 @@ void element_class_init(gpointer klass, gpointer data) {
           "stage (milliseconds), device-bytes now and at peak, and what the method tells",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   info.create()->parameters().install(object, PROP_TABLE);
+  if (info.marks) {
+    constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
+    const GType type = G_TYPE_FROM_CLASS(klass);
+    g_signal_new_class_handler("mark", type, kAction, G_CALLBACK(mark), nullptr, nullptr, nullptr,
+                               G_TYPE_NONE, 2, G_TYPE_INT, G_TYPE_INT);
+    g_signal_new_class_handler("refine", type, kAction, G_CALLBACK(refine), nullptr, nullptr,
+                               nullptr, G_TYPE_NONE, 0);
+  }
 }
 
 void instance_init(GTypeInstance* instance, gpointer klass) {

@@ -2,11 +2,14 @@
 #include <gst/video/video.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "caps.hpp"
 #include "gpu/commands.hpp"
 #include "image/layers.hpp"
+#include "image/tile_list.hpp"
 #include "picture.hpp"
 #include "property_table.hpp"
 
@@ -20,10 +23,17 @@ struct FrameWork {
   uint64_t number;  ///< frames since `configure`, from 0
   bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
   bool draw;   ///< pixels go out: set `picture`
+  /// Out: what there is to tell the application, posted as element messages.
+  std::vector<GstStructure*>& messages;
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte
+  /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
+  /// empty where that is not known.
+  std::span<const uint8_t> changed = {};
   bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
   Picture picture;    ///< out: what to draw
   bool same_picture = false;  ///< out: it would come out as the one that was drawn last
+  /// out: the only tiles where it would not; null: all may differ.
+  const TileList* drawn = nullptr;
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
@@ -40,7 +50,8 @@ class Filter {
   virtual void release() = 0;
   /// Forgets what it knows of earlier frames.
   virtual void reset() {}
-  /// Whether frames are to be compared with the ones before them, for FrameWork::repeated.
+  /// Whether frames are to be compared with the ones before them, for FrameWork::repeated and
+  /// `changed`.
   virtual bool looks_for_repeats() const { return false; }
   /// Records the work for one frame.
   virtual void process(FrameWork& frame) = 0;
@@ -49,6 +60,9 @@ class Filter {
   virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
   /// Who shows the frames said (QoS) that one came so much too late; negative: early.
   virtual void late(double /*milliseconds*/) {}
+  /// Somebody clicked on a pixel of the frame. From any thread, as `refine`.
+  virtual void mark(int /*x*/, int /*y*/) {}
+  virtual void refine() {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
@@ -75,6 +89,8 @@ struct ElementInfo {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }
   std::unique_ptr<Filter> (*create)();
+  /// Whether it takes clicks: navigation events, and the action signals mark and refine.
+  bool marks = false;
 };
 
 /// Registers the element; one line of the plugin's list.

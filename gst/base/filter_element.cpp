@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <utility>
 
 #include "errors.hpp"
@@ -139,6 +140,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
     slot.commands = std::make_unique<gpu::Commands>(device);
     if (input_) slot.in = input_->make_buffer(device);
     if (output_) slot.out = output_->make_buffer(device);
+    slot.tiles.emplace(device, extent, gpu::Memory::upload);
   }
   planes_.emplace(device, extent);
   if (input_) input_->configure(device);
@@ -158,6 +160,7 @@ GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
 
 void FilterElement::forget_repeats() {
   repeats_.reset();
+  if (input_) input_->forget();
   held_input_.reset();
   drawn_.reset();
 }
@@ -169,26 +172,49 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   }
   const bool looks = filter_->looks_for_repeats();
   if (frame.fresh || !looks) forget_repeats();
-  if (looks) frame.repeated = repeats_.next(input_->fingerprint(in));
+  if (looks) {
+    frame.changed = input_->changed_tiles(in);
+    frame.repeated = !frame.changed.empty() &&
+                     std::none_of(frame.changed.begin(), frame.changed.end(), std::identity{});
+    repeats_.next(frame.repeated);
+  }
   frame.hold = repeats_.going_on();
   frame.layers.extent = planes_->extent();
+  convert_input(in, slot, frame);
+}
+
+void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   PlanePtr& plane = frame.layers[Role::input];
   if (frame.repeated && held_input_) {
     plane = held_input_;
+    return;
+  }
+  // Chroma is interpolated: what changed shows a pixel further.
+  const auto concerned = spread_tiles(frame.changed, slot.tiles->columns());
+  const bool calm =
+      !frame.changed.empty() && 4 * std::count(concerned.begin(), concerned.end(), 1) <
+                                    static_cast<ptrdiff_t>(concerned.size());
+  // Where nobody else holds the frame before, this one may take its place.
+  if (calm && held_input_ && held_input_.use_count() == 1) {
+    plane = held_input_;
+    slot.tiles->assign(concerned);
+    input_->record(*slot.commands, in, slot.in, *plane, &*slot.tiles);
   } else {
     plane = planes_->acquire();
     input_->record(*slot.commands, in, slot.in, *plane);
-    slot.commands->stage("unpack");
   }
-  held_input_ = frame.hold ? plane : nullptr;
+  slot.commands->stage("unpack");
+  held_input_ = frame.hold || calm ? plane : nullptr;
 }
 
 void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
   const bool again = frame.same_picture && drawn_ && output_->waits();
   if (!out_layers_ && !again) {
-    output_->record(*slot.commands, frame.picture, frame.layers, slot.out, out);
+    const bool parts = frame.drawn && drawn_ && output_->waits();
+    if (!parts) drawn_ = slot.out;
+    output_->record(*slot.commands, frame.picture, frame.layers, drawn_, out,
+                    parts ? frame.drawn : nullptr);
     slot.commands->stage("pack");
-    drawn_ = slot.out;
   }
   slot.commands->submit();
   if (out_layers_) {
@@ -245,9 +271,12 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_};
+  std::vector<GstStructure*> messages;
+  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   read_input(in, slot, frame);
   filter_->process(frame);
+  for (GstStructure* message : messages)
+    gst_element_post_message(element_, gst_message_new_element(GST_OBJECT(element_), message));
   send(out, slot, frame);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.

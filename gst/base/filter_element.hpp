@@ -52,8 +52,9 @@ class FilterElement {
  private:
   struct Slot {
     std::unique_ptr<gpu::Commands> commands;
-    gpu::BufferPtr in, out;  // the bytes of a frame
-    uint64_t number = 0;     // FrameWork's
+    gpu::BufferPtr in, out;         // the bytes of a frame
+    std::optional<TileList> tiles;  // of the input that are converted anew
+    uint64_t number = 0;            // FrameWork's
     double wall_ms = 0;
     bool pending = false;  // stats are yet to be published
   };
@@ -62,6 +63,8 @@ class FilterElement {
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
   void read_input(GstBuffer* in, Slot& slot, FrameWork& frame);
+  /// Converts a frame from memory, as far as it differs from the one before.
+  void convert_input(GstBuffer* in, Slot& slot, FrameWork& frame);
   /// What a frame whose picture came again could take over is gone.
   void forget_repeats();
   void send(GstBuffer* out, Slot& slot, FrameWork& frame);
@@ -90,7 +93,7 @@ class FilterElement {
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
   Repeats repeats_;
-  PlanePtr held_input_;   // of the frame before, while repeats go on
+  PlanePtr held_input_;   // of the frame before, while repeats go on or little changes
   gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
   std::array<Slot, gpu::kFramesInFlight> slots_;
   size_t next_slot_ = 0;

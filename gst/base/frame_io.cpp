@@ -1,8 +1,5 @@
 #include "frame_io.hpp"
 
-#define XXH_INLINE_ALL  // a header, nothing to link
-#include <xxhash.h>
-
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -193,7 +190,8 @@ bool is_gap(GstBuffer* buffer) {
          !layers_of(buffer);
 }
 
-FrameInput::FrameInput(const GstVideoInfo& info) : info_(info), format_(frame_format(info)) {}
+FrameInput::FrameInput(const GstVideoInfo& info)
+    : info_(info), format_(frame_format(info)), changed_(format_.format, format_.extent) {}
 
 gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
   return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::upload);
@@ -203,28 +201,19 @@ void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
   unpack_.emplace(device, format_);
 }
 
-std::optional<uint64_t> FrameInput::fingerprint(GstBuffer* buffer) const {
+std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
   const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane) {
-    const size_t bytes = row_bytes(format_.format, format_.extent, plane);
-    const uint32_t rows = plane_rows(format_.format, format_.extent, plane);
-    const auto stride = static_cast<ptrdiff_t>(frame.stride(plane));  // negative upside down
-    if (stride == static_cast<ptrdiff_t>(bytes)) {
-      XXH3_64bits_update(&state, frame.data(plane), bytes * rows);
-      continue;
-    }
-    for (uint32_t row = 0; row < rows; ++row)
-      XXH3_64bits_update(&state, frame.data(plane) + row * stride, bytes);
-  }
-  return XXH3_64bits_digest(&state);
+  std::array<ChangedTiles::Rows, 3> planes{};
+  const uint32_t count = plane_count(format_.format);
+  for (uint32_t plane = 0; plane < count; ++plane)
+    planes[plane] = {frame.data(plane), static_cast<ptrdiff_t>(frame.stride(plane))};
+  return changed_.next(std::span(planes).first(count));
 }
 
 void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
-                        const Plane& plane) const {
+                        const Plane& plane, const TileList* listed) const {
   load(commands, buffer, raw);
-  unpack_->record(commands, raw, plane);
+  unpack_->record(commands, raw, plane, listed);
 }
 
 void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
@@ -251,13 +240,14 @@ void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
 }
 
 void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
-                         const gpu::BufferPtr& raw, GstBuffer* buffer) const {
+                         const gpu::BufferPtr& raw, GstBuffer* buffer,
+                         const TileList* listed) const {
   if (!picture.plane) throw Error(ErrorKind::internal, "an element drew no picture");
   const PlanePtr& input = layers[Role::input];
   pack_->record(commands,
                 {*picture.plane, picture.scalar ? Drawing::Source::shading : Drawing::Source::color,
                  picture.gain, input ? input.get() : nullptr},
-                raw);
+                raw, listed);
   store(commands, raw, buffer);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gpu/commands.hpp"
+#include "image/changed_tiles.hpp"
 #include "image/convert.hpp"
 #include "image/layers.hpp"
 #include "picture.hpp"
@@ -33,14 +34,17 @@ class FrameInput {
   /// A buffer for the bytes of one frame on the device, for `record`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// A 64-bit hash of the bytes of a frame's pixels, without the padding of rows: two frames with
-  /// the same one are the same picture, but for one chance in 2^64. Nothing where the pixels are
-  /// not in system memory. Throws as `record`.
-  virtual std::optional<uint64_t> fingerprint(GstBuffer* buffer) const;
-  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`.
-  /// Throws Error(unsupported) where the buffer does not hold what its caps say.
+  /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
+  /// row by row, 0 where all bytes are the same. Empty where there was none, or where the pixels
+  /// are not in system memory. Throws as `record`.
+  virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
+  /// The next frame has none before it to be compared with.
+  void forget() { changed_.reset(); }
+  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; where
+  /// tiles are `listed`, of these alone. Throws Error(unsupported) where the buffer does not hold
+  /// what its caps say.
   void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
-              const Plane& plane) const;
+              const Plane& plane, const TileList* listed = nullptr) const;
 
  protected:
   /// Copies the bytes at once, or records copying them.
@@ -51,6 +55,7 @@ class FrameInput {
 
  private:
   std::optional<Unpack> unpack_;
+  ChangedTiles changed_;
 };
 
 /// From planes to a buffer, in system memory unless a derived class says otherwise.
@@ -66,9 +71,10 @@ class FrameOutput {
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
-  /// comes from the input layer's w where there is one.
+  /// comes from the input layer's w where there is one. Where tiles are `listed`, `raw` has the
+  /// others already.
   void record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
-              const gpu::BufferPtr& raw, GstBuffer* buffer) const;
+              const gpu::BufferPtr& raw, GstBuffer* buffer, const TileList* listed = nullptr) const;
   /// Whether `write` has to follow, once the commands are done.
   virtual bool waits() const { return true; }
   /// Copies what was drawn into a writable buffer.

@@ -58,7 +58,7 @@ class ImageInput final : public FrameInput {
     return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_));
   }
   // What lies on the device is not brought to the host to be looked at.
-  std::optional<uint64_t> fingerprint(GstBuffer*) const override { return {}; }
+  std::span<const uint8_t> changed_tiles(GstBuffer*) override { return {}; }
 
  protected:
   void load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const override {

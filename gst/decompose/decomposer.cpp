@@ -79,10 +79,12 @@ void Decomposer::process(FrameWork& frame) {
   const bool steady = settings.show != Show::clusters && settings.show != Show::mosaic;
   const std::pair drawn{settings.show, settings.layer};
   frame.same_picture = kept && steady && drawn_ == drawn;
+  if (!steady || drawn_ != drawn) frame.drawn = nullptr;
   drawn_ = drawn;
 }
 
 void Decomposer::took(uint64_t number, double milliseconds) {
+  if (!past(number).kept) done(past(number).method);
   // What costs nothing says nothing of what other frames will cost.
   if (!past(number).kept) trade_.frame(seconds_now(), milliseconds, past(number).level);
 }

@@ -67,6 +67,8 @@ class Decomposer : public Filter {
   /// method's number) of that picture with the same parameters that is completed; nothing where
   /// there is none yet.
   virtual bool settled(std::optional<uint64_t> done) const = 0;
+  /// Nothing of a frame (the method's number) is left to be done on the device.
+  virtual void done(uint64_t /*number*/) {}
   /// Adds to the stats what the method tells of a completed frame (the method's number).
   virtual void describe_method(GstStructure* stats, uint64_t number) const = 0;
 

@@ -25,7 +25,8 @@ vec4 base_of(int k) {
 void main() {
   int i = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
   if (slot >= kSlots) return;
-  if (i < kSlots) STORE(bases, i, base_of(i));
+  // As the lamps color it.
+  if (i < kSlots) STORE(bases, i, vec4(color_of(FETCH(scene, SCENE_WHITE).xy), 1.0) * base_of(i));
   float number = FETCH(received, i).w;
   for (int q = 0; q < kSlots / 4; ++q) {
     vec4 amounts = vec4(0.0);

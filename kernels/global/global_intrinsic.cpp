@@ -25,13 +25,14 @@ INVERSE_SHADER(global_summary);
 INVERSE_SHADER(global_tint);
 INVERSE_SHADER(global_untint);
 INVERSE_SHADER(global_weigh);
+INVERSE_SHADER(global_white);
 
 namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2, kSceneColors = 7,
-                   kSceneSize = 23;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2,
+                   kSceneColors = 8, kSceneSize = 24;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
 
@@ -72,7 +73,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
   tint_ = device_->kernel(shaders::global_tint);
-  grid_kernel_ = device_->kernel(shaders::global_grid);
+  white_ = device_->kernel(shaders::global_white, {}, lanes);
   look_ = device_->kernel(shaders::global_look, {}, lanes);
   // Where points are eight pixels apart, four aligned ones lie between the same.
   untint_ = device_->kernel(shaders::global_untint, {factor_ >= 8 ? 1U : 0U});
@@ -86,6 +87,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
   modes_ = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
+    grid_kernel_[k] = device_->kernel(shaders::global_grid, {k});
     emit_[k] = device_->kernel(shaders::global_emit, {k});
     blur_[k] = device_->kernel(shaders::global_blur, {k});
   }
@@ -185,13 +187,29 @@ void GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const
     Place place;
     float gauge;
   } grid{place(), params.gauge.value};
-  commands.dispatch(grid_kernel_, {frame->buffer, memory_, colors_, points_}, grid,
-                    line_of(grid_.pixels()));
+  const bool forget = balanced_ && params.white_balance <= 0;  // colors, too, were others
+  const auto make_grid = [&](size_t raw) {
+    commands.dispatch(grid_kernel_[raw], {frame->buffer, memory_, scene_, colors_, points_}, grid,
+                      line_of(grid_.pixels()));
+  };
+  if (params.white_balance > 0) {
+    make_grid(1);
+    const struct {
+      int32_t count;
+      float share, renew;
+    } white{static_cast<int32_t>(grid_.pixels()), params.white_balance, params.renew};
+    commands.dispatch(white_, {colors_, scene_}, white, {});
+  } else if (forget) {
+    commands.fill(scene_);
+  }
+  balanced_ = params.white_balance > 0;
+  make_grid(0);
   const struct {
     int32_t count;
     float cut, renew;
     uint32_t first;
-  } look{static_cast<int32_t>(grid_.pixels()), params.cut, params.renew, frames_ == 0 ? 1U : 0U};
+  } look{static_cast<int32_t>(grid_.pixels()), params.cut, params.renew,
+         frames_ == 0 || forget ? 1U : 0U};
   commands.dispatch(look_, {colors_, points_, before_, scene_}, look, {});
 }
 
@@ -253,7 +271,7 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
   commands.dispatch(
       device_->kernel(shaders::global_shares, {count}),
       {layers[Role::input]->buffer, tints_, slots_, fields_, layers[Role::bases]->buffer,
-       layers[Role::light]->buffer, share(0), share(1), share(2), share(3)},
+       layers[Role::light]->buffer, scene_, share(0), share(1), share(2), share(3)},
       place(), pixels_of(extent_));
   commands.stage("shares");
 }
@@ -309,7 +327,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 
   Layers layers = solve_.record(commands, plain, params, {false});
   const PlanePtr& intrinsic = layers[Role::intrinsic];
-  commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, light->buffer, memory_},
+  commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, scene_, light->buffer, memory_},
                     std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(extent_));
   commands.stage("direct");
   layers[Role::input] = input;

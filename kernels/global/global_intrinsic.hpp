@@ -36,6 +36,8 @@ class GlobalIntrinsic {
     float least_share = 0.004F, same_color = 0.3F;
     /// Share of the newest frame in what is measured of the scene, 0.01…1.
     float renew = 0.2F;
+    /// Share of the lamps' estimated color that is taken out first, 0…1.
+    float white_balance = 0;
     /// Mean change of chroma, in halves of a log unit, from which on a frame is a cut, 0…1.
     float cut = 0.3F;
     /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
@@ -65,9 +67,10 @@ class GlobalIntrinsic {
   GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
-  /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light; direct
-  /// share), and where they are asked for base colors and their shares. Who edits in place copies
-  /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
+  /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light, the
+  /// lamps' included; direct share), and where they are asked for base colors and their shares. Who
+  /// edits in place copies first what others hold. The frame kFramesInFlight before this one must
+  /// have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
@@ -109,8 +112,9 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_;
-  gpu::KernelPtr grid_kernel_, look_, emit_[2], summary_, blur_[2], received_kernel_, amount_, weigh_,
-      tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_, direct_;
+  gpu::KernelPtr grid_kernel_[2], white_, look_, emit_[2], summary_, blur_[2], received_kernel_,
+      amount_, weigh_, tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_,
+      direct_;
   gpu::BufferPtr memory_;                                                     // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
@@ -120,6 +124,7 @@ class GlobalIntrinsic {
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   uint64_t frames_ = 0;  // since a reset
+  bool balanced_ = false;
 };
 
 }  // namespace inverse

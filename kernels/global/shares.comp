@@ -11,12 +11,13 @@ PLANE_IN(0, frame);
 PLANE_IN(1, tints);
 WORD_IN(2, slots);
 PLANE_IN(3, fields);
-PLANE_IN(4, bases);
+PLANE_IN(4, bases);  // as the lamps color them; so is light
 PLANE_IN(5, light);
-PLANE_OUT(6, share0);
-PLANE_OUT(7, share1);
-PLANE_OUT(8, share2);
-PLANE_OUT(9, share3);
+PLANE_IN(6, scene);
+PLANE_OUT(7, share0);
+PLANE_OUT(8, share1);
+PLANE_OUT(9, share2);
+PLANE_OUT(10, share3);
 layout(push_constant) uniform Push { SIZES } push;
 
 const int kSteps = 3;
@@ -31,7 +32,8 @@ void main() {
   ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));
   vec2 tint = mix(mix(FETCH(tints, around.x), FETCH(tints, around.y), u.y),
                   mix(FETCH(tints, around.z), FETCH(tints, around.w), u.y), v.y).xy;
-  int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb)) - tint)));
+  vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
+  int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
 
   float fine = 2.0 * float(push.factor);
   u = between(at.x, fine, push.coarse.x);
@@ -51,7 +53,7 @@ void main() {
     for (int k = 0; k < 4; ++k) sum += t[q][k] * FETCH(bases, 4 * q + k).rgb;
   }
   vec4 own = FETCH(light, n);
-  vec3 indirect = own.rgb - own.w;
+  vec3 indirect = own.rgb - white * own.w;
   float scale = mean3(indirect) / max(mean3(sum), kLeast);
   for (int q = 0; q < kPlanes; ++q) t[q] *= scale;
   sum *= scale;

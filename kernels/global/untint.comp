@@ -31,6 +31,7 @@ void main() {
   if (first.x >= push.size.x) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
+  vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
   vec2 v = between(first.y, float(push.factor), push.grid.y);
   vec4 tint_at[4], smooth_at[4], fit_at[4];
   int last = min(first.x + 4, push.size.x);
@@ -45,7 +46,7 @@ void main() {
       AROUND(fit_at, coefficients)
     }
     vec4 pixel = FETCH(frame, n);
-    vec3 rgb = sanitize(pixel.rgb);
+    vec3 rgb = sanitize(pixel.rgb) / white;
     float shading = cut ? shading_guessed(rgb, push.gauge) : shading_before(rgb, FETCH1(memory, n));
     vec2 z = chroma_of(rgb);
     int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));

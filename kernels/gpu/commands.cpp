@@ -12,7 +12,7 @@ namespace inverse::gpu {
 namespace {
 
 constexpr uint32_t kSetsPerPool = 128;
-constexpr uint32_t kSlotsPerSet = 12;
+constexpr uint32_t kSlotsPerSet = 13;
 constexpr VkAccessFlags kKernelAccess = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                                         VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
                                         VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
@@ -350,6 +350,7 @@ void Commands::wait() {
   in_flight_ = false;
   if (result == VK_ERROR_DEVICE_LOST) device_->note_lost();
   check(result, "waiting for a frame");
+  kept_.clear();  // planes go back to those who hold them still
   read_stages();
 }
 

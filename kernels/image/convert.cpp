@@ -24,6 +24,7 @@ struct Push {
 };
 constexpr uint32_t kFlagShading = 1, kFlagOpaque = 2;
 constexpr uint32_t kStripRows = 8;  // rows that an invocation turns, in every kernel
+constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
 Push layout_push(const FrameFormat& format) {
   Push push{};
@@ -77,6 +78,11 @@ void check_planes(const FrameFormat& format, const gpu::BufferPtr& raw, const Pl
     throw Error(ErrorKind::internal, "the raw buffer is shorter than the frame");
 }
 
+/// Pixels of a row that an invocation of the kernel for Y'CbCr draws.
+uint32_t drawn_at_once(const FrameFormat& format) {
+  return format.format == PixelFormat::i420 ? 8 : 4;
+}
+
 uint32_t blocks(uint32_t pixels, uint32_t size) { return (pixels + size - 1) / size; }
 
 }  // namespace
@@ -87,11 +93,12 @@ Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& fo
     : format_(format) {
   check_layout(format);
   kernel_ = is_yuv(format.format)
-                ? device->kernel(shaders::image_unpack_yuv, yuv_constants(format))
-                : device->kernel(shaders::image_unpack_rgb, rgb_constants(format));
+                ? TileKernel(device, shaders::image_unpack_yuv, yuv_constants(format), 4, kStrips)
+                : TileKernel(device, shaders::image_unpack_rgb, rgb_constants(format), 4, kStrips);
 }
 
-void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear) const {
+void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
+                    const TileList* listed) const {
   check_planes(format_, raw, &linear);
   Push push = layout_push(format_);
   const CodeScale luma = luma_codes(format_), chroma = chroma_codes(format_);
@@ -111,19 +118,21 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
   push.curve[3] = t.offset;
   push.power = t.power;
   push.ceiling = static_cast<float>(largest_value(luma));
-  commands.dispatch(kernel_, {raw, linear.buffer}, push,
-                    {blocks(format_.extent.width, 4), blocks(format_.extent.height, kStripRows)});
+  kernel_.dispatch(commands, listed, {raw, linear.buffer}, push,
+                   {blocks(format_.extent.width, 4), blocks(format_.extent.height, kStripRows)});
 }
 
 Pack::Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  kernel_ = is_yuv(format.format) ? device->kernel(shaders::image_pack_yuv, yuv_constants(format))
-                                  : device->kernel(shaders::image_pack_rgb, rgb_constants(format));
+  kernel_ = is_yuv(format.format)
+                ? TileKernel(device, shaders::image_pack_yuv, yuv_constants(format),
+                             TileList::kTile / drawn_at_once(format), kStrips)
+                : TileKernel(device, shaders::image_pack_rgb, rgb_constants(format), 4, kStrips);
 }
 
-void Pack::record(gpu::Commands& commands, const Drawing& drawing,
-                  const gpu::BufferPtr& raw) const {
+void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
+                  const TileList* listed) const {
   check_planes(format_, raw, &drawing.picture);
   check_planes(format_, raw, drawing.alpha);
   Push push = layout_push(format_);
@@ -152,13 +161,14 @@ void Pack::record(gpu::Commands& commands, const Drawing& drawing,
   const Extent extent = format_.extent;
   const gpu::BufferPtr& picture = drawing.picture.buffer;
   if (!is_yuv(format_.format)) {
-    commands.dispatch(kernel_, {picture, drawing.alpha ? drawing.alpha->buffer : picture, raw},
-                      push, {blocks(extent.width, 4), blocks(extent.height, kStripRows)});
+    kernel_.dispatch(commands, listed,
+                     {picture, drawing.alpha ? drawing.alpha->buffer : picture, raw}, push,
+                     {blocks(extent.width, 4), blocks(extent.height, kStripRows)});
     return;
   }
-  const uint32_t width = format_.format == PixelFormat::i420 ? 8 : 4;
-  commands.dispatch(kernel_, {picture, raw}, push,
-                    {blocks(extent.width, width), blocks(extent.height, kStripRows)});
+  kernel_.dispatch(
+      commands, listed, {picture, raw}, push,
+      {blocks(extent.width, drawn_at_once(format_)), blocks(extent.height, kStripRows)});
 }
 
 }  // namespace inverse

@@ -4,6 +4,7 @@
 #include "../gpu/commands.hpp"
 #include "pixel_format.hpp"
 #include "plane.hpp"
+#include "tile_list.hpp"
 
 namespace inverse {
 
@@ -20,12 +21,14 @@ class Unpack {
   /// word-aligned: copy_plane() those to their aligned_layout() and unpack that.
   Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// `raw` holds the frame as words, raw_words() of them or more; `linear` has the frame's extent.
-  void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear) const;
+  /// Where tiles are `listed`, only these are written.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
+              const TileList* listed = nullptr) const;
   const FrameFormat& format() const { return format_; }
 
  private:
   FrameFormat format_;
-  gpu::KernelPtr kernel_;
+  TileKernel kernel_;
 };
 
 /// What to draw from planes.
@@ -49,13 +52,15 @@ class Pack {
   Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
   /// Writes whole words: up to three bytes of padding behind a row may change, nothing else beside
   /// the frame does; who copies padding along fills a new `raw` once, so that it is defined. `raw`
-  /// as for Unpack; the planes have the frame's extent.
-  void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw) const;
+  /// as for Unpack; the planes have the frame's extent. Where tiles are `listed`, only these are
+  /// written.
+  void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
+              const TileList* listed = nullptr) const;
   const FrameFormat& format() const { return format_; }
 
  private:
   FrameFormat format_;
-  gpu::KernelPtr kernel_;
+  TileKernel kernel_;
 };
 
 }  // namespace inverse

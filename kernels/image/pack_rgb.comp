@@ -13,6 +13,9 @@ layout(constant_id = 4) const bool ALPHA = true;
 const uint ROWS = 8u;
 PLANE_IN(1, alpha_plane);
 WORD_OUT(2, raw);
+#define TILE_CONSTANT 5
+#define TILE_BINDING 3
+#include "tiles.glsl"
 
 void store(uint row, uint index, uint word) {
   STORE(raw, push.offset.x + row * push.stride.x + index, word);
@@ -23,10 +26,11 @@ float alpha_at(uint row, uint column) {
 }
 
 void main() {
-  uint block = gl_GlobalInvocationID.x;
+  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;
-  uint first = gl_GlobalInvocationID.y * ROWS;
+  uint first = place.y * ROWS;
   uint last = min(first + ROWS, push.size.y);
   for (uint row = first; row < last; ++row) {
     uint x = block * 4u;

@@ -12,6 +12,9 @@
 const uint PAIRS = 4u;  // of rows
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
+#define TILE_CONSTANT 7
+#define TILE_BINDING 2
+#include "tiles.glsl"
 
 void store(uint plane, uint row, uint index, uint word) {
   STORE(raw, push.offset[plane] + row * push.stride[plane] + index, word);
@@ -81,9 +84,10 @@ void store_chroma(uint pair, uint first, uvec4 u, uvec4 v) {
 }
 
 void main() {
-  uint first = gl_GlobalInvocationID.x * BLOCKS * 4u;
+  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uint first = place.x * BLOCKS * 4u;
   if (first >= push.size.x) return;
-  uint begin = gl_GlobalInvocationID.y * PAIRS;
+  uint begin = place.y * PAIRS;
   uint end = min(begin + PAIRS, (push.size.y + 1u) / 2u);
   for (uint pair = begin; pair < end; ++pair) {
     uint row = pair * 2u;

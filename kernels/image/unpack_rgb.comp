@@ -12,6 +12,9 @@ layout(constant_id = 4) const bool ALPHA = true;
 const uint ROWS = 8u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
+#define TILE_CONSTANT 5
+#define TILE_BINDING 2
+#include "tiles.glsl"
 
 uint word(uint row, uint index) { return FETCH1(raw, word_index(0u, row, index)); }
 
@@ -28,10 +31,11 @@ vec4 light(uvec4 code) {
 }
 
 void main() {
-  uint block = gl_GlobalInvocationID.x;
+  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uint block = place.x;
   if (block * 4u >= push.size.x) return;
   uint count = push.size.x - block * 4u;
-  uint first = gl_GlobalInvocationID.y * ROWS;
+  uint first = place.y * ROWS;
   uint last = min(first + ROWS, push.size.y);
   for (uint row = first; row < last; ++row) {
     uvec4 r, g, b, a;

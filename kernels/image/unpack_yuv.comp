@@ -10,6 +10,9 @@
 const uint PAIRS = 4u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
+#define TILE_CONSTANT 7
+#define TILE_BINDING 2
+#include "tiles.glsl"
 
 uint word(uint plane, uint row, uint index) { return FETCH1(raw, word_index(plane, row, index)); }
 uvec2 codes_of(uint word) { return (halves_of(word) >> SHIFT) & 1023u; }
@@ -75,9 +78,10 @@ void draw(uint row, uint block, vec4 cb, vec4 cr) {
 }
 
 void main() {
-  uint block = gl_GlobalInvocationID.x;
+  uvec2 place = kTileAcross == 0u ? gl_GlobalInvocationID.xy : listed_position(push.size.x);
+  uint block = place.x;
   if (block * 4u >= push.size.x) return;
-  uint first = gl_GlobalInvocationID.y * PAIRS;
+  uint first = place.y * PAIRS;
   uint rows = (push.size.y + 1u) / 2u;
   uint end = min(first + PAIRS, rows);
   if (PACKED) {

@@ -18,11 +18,14 @@ PLANE_IN(5, last_shading);  // its solution
 PLANE_OUT(6, system);       // of stride 3
 PLANE_OUT(7, shading);      // the same buffer as the last frame's
 PLANE_OUT(8, now);          // m
+#define TILE_CONSTANT 2
+#define TILE_BINDING 9
+#include "tiles.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
   uint quads = QUADS(push.size.x);
-  uvec2 position = grid_position(quads);
+  uvec2 position = tile_position(quads);
   if (position.y >= push.size.y) return;
   int at = int(position.y * quads + position.x);
   vec4 right = FETCH(flux, FLUX_STRIDE * at + FLUX_RIGHT);

@@ -22,6 +22,9 @@ PLANE_OUT(8, terms);
 PLANE_OUT(9, start);
 PLANE_INOUT(10, force);  // the last frame's, a good guess where this one continues it
 PLANE_OUT(11, sums);     // of gate^2, -, -, -
+#define TILE_CONSTANT 3
+#define TILE_BINDING 12
+#include "tiles.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves
@@ -87,7 +90,7 @@ vec4 make(uint quads, uvec2 position) {
 
 void main() {
   uint quads = QUADS(push.size.x);
-  uvec2 position = grid_position(quads);
+  uvec2 position = tile_position(quads);
   vec4 gate = vec4(0.0);
   if (position.y < push.size.y) gate = make(quads, position);
   if (kLook) SUM_PARTIALS(sums, vec4(dot(gate, gate), 0.0, 0.0, 0.0));

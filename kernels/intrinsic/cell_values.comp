@@ -10,6 +10,9 @@ PLANE_IN(1, wide);
 PLANE_IN(2, statistics);
 PLANE_IN(3, tuning);
 PLANE_OUT(4, value);
+#define TILE_CONSTANT 1
+#define TILE_BINDING 5
+#include "tiles.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
   float value_weight;
@@ -22,7 +25,7 @@ const float kCellArea = 16.0;
 
 void main() {
   int quads = int(QUADS(uint(push.size.x)));
-  ivec2 position = ivec2(grid_position(uint(quads)));
+  ivec2 position = ivec2(tile_position(uint(quads)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
   float mean = FETCH(statistics, 0).x;

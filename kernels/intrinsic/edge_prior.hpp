@@ -45,24 +45,30 @@ class EdgePrior {
   /// after another target or other params, it does everything.
   void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                       const Params& params, float tolerance);
+  /// Records the edges and values of listed tiles; the target has all the others already.
+  void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
+                    const Params& params, const TileList& listed) const;
   /// Forgets what the edges were evaluated on.
   void reset() { known_ = false; }
   /// How many tiles a frame has.
-  uint32_t tiles() const { return tiles_; }
+  uint32_t tiles() const { return changes_.tiles(); }
   /// Words; the first is how many tiles the last `record_changes` evaluated.
-  const gpu::BufferPtr& control() const { return control_; }
+  const gpu::BufferPtr& evaluated() const { return changes_.words(); }
+  /// Guide::statistics of the frame on which all edges were evaluated last.
+  const gpu::BufferPtr& kept_statistics() const { return kept_statistics_; }
 
  private:
   void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
-                    const Params& params, bool listed) const;
+                    const Params& params, const TileList* listed) const;
   void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
-                     const Params& params) const;
+                     const Params& params, const TileList* listed) const;
+  void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
 
-  gpu::KernelPtr fold_;
-  gpu::KernelPtr edges_[2], listed_edges_[2];  // to the right, down
-  gpu::KernelPtr values_, change_, launch_, keep_;
-  uint32_t tiles_;
-  gpu::BufferPtr biases_, control_, list_, kept_, kept_statistics_;
+  gpu::KernelPtr fold_, change_;
+  TileKernel edges_[2];  // to the right, down
+  TileKernel values_, keep_;
+  TileList changes_;
+  gpu::BufferPtr biases_, kept_, kept_statistics_;
   Params known_params_;
   gpu::BufferPtr known_system_;
   bool known_ = false;

@@ -4,25 +4,23 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 #include "guide.glsl"
-#include "tiles.glsl"
 
 // EdgePrior, pixels: from local cues of the guide, how much of every step is paint (a) and how much is light (b). An
 // invocation has a block of 4 x 4 pixels and their edges to the right or, with kDown, down. What edges share is evaluated
 // once: the surroundings on level 2 for up to twelve edges, those on level 1 for the two edges side by side in the same
 // cells, and along a row or column a pixel and a step serve the edges before and after. Only the two edges side by side are
-// unrolled, so that the function is compiled twice and not sixteen times. With kListed, blocks of the tiles on a list only
-// (change.comp).
+// unrolled, so that the function is compiled twice and not sixteen times.
 layout(constant_id = 1) const bool kDown = false;
-layout(constant_id = 2) const bool kListed = false;
 PLANE_IN(0, level0);
 PLANE_IN(1, level1);
 PLANE_IN(2, cells);
 PLANE_IN(3, statistics);
 PLANE_IN(4, tuning);
-WORD_IN(5, control);
-WORD_IN(6, list);
-PLANE_OUT(7, system);  // of stride 3
-PLANE_OUT(8, flux);
+PLANE_OUT(5, system);  // of stride 3
+PLANE_OUT(6, flux);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 7
+#include "tiles.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;
   float reflectance_weight;
@@ -44,14 +42,7 @@ vec4 pixel(ivec2 at) {
 
 void main() {
   int quads = int(QUADS(uint(push.size.x)));
-  ivec2 block = ivec2(grid_position(uint(quads))) * 4;
-  if (kListed) {
-    int i = int(gl_GlobalInvocationID.x), slot = i / TILE_BLOCKS, columns = (push.size.x + TILE - 1) / TILE;
-    if (slot >= int(FETCH1(control, CONTROL_COUNT))) return;
-    int tile = int(FETCH1(list, slot));
-    block = ivec2(tile % columns, tile / columns) * TILE + ivec2(i % 4, i % TILE_BLOCKS / 4) * 4;
-    if (block.x > last.x) return;
-  }
+  ivec2 block = ivec2(tile_position(uint(quads))) * 4;
   if (block.y > last.y) return;
   const ivec2 d = kDown ? ivec2(0, 1) : ivec2(1, 0);
   ivec2 size1 = (push.size + 1) / 2, size2 = (size1 + 1) / 2;

@@ -4,7 +4,8 @@
 #include "gauge.glsl"
 
 // One invocation: the mean around a quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.
-//   gauge[0] = ln c, where R c and S / c go out; 1 once a frame had a say, -, -
+//   gauge[0] = ln c, where R c and S / c go out; 1 once a frame had a say; ln c as the last frame would have it;
+//   how much ln c moved
 WORD_INOUT(0, counts);
 PLANE_IN(1, verdict);  // .y = 0 at a cut (verdict.comp)
 PLANE_INOUT(2, gauge);
@@ -13,6 +14,7 @@ layout(push_constant) uniform Push {
   float log_target;  // ln of the value that the quantile comes to
   float share;       // of the newest frame
   uint history;      // 0: no frame before; 1: one, which the verdict is on; 2: one without a verdict
+  uint stays;        // 1: what is known stays
 } push;
 
 void main() {
@@ -35,9 +37,11 @@ void main() {
   bool known = carries && before.y > 0.0;
   // A frame that is all dark has no say; where nothing is known either, the solver's own scale stays.
   if (total == 0u) {
-    STORE(gauge, 0, known ? before : vec4(0.0));
+    STORE(gauge, 0, known ? vec4(before.xyz, 0.0) : vec4(0.0));
     return;
   }
   float wanted = push.log_target - sum / (high - low);
-  STORE(gauge, 0, vec4(known ? mix(before.x, wanted, push.share) : wanted, 1.0, 0.0, 0.0));
+  float share = push.stays == 1u ? 0.0 : push.share;
+  float value = known ? mix(before.x, wanted, share) : wanted;
+  STORE(gauge, 0, vec4(value, 1.0, wanted, known ? value - before.x : 0.0));
 }

@@ -8,10 +8,13 @@
 PLANE_IN(0, frame);
 PLANE_OUT(1, fine);
 PLANE_OUT(2, coarse);
+#define TILE_CONSTANT 1
+#define TILE_BINDING 3
+#include "tiles.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uvec2 cells = (push.size + 1u) / 2u, cell = grid_position(cells.x);
+  uvec2 cells = (push.size + 1u) / 2u, cell = tile_position(cells.x);
   if (cell.y >= cells.y) return;
   vec4 sum = vec4(0.0);
   for (uint k = 0u; k < 4u; ++k) {

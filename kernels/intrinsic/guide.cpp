@@ -30,9 +30,9 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent1_(half_of(extent)),
       extent2_(half_of(extent1_)),
       extent4_(half_of(half_of(extent2_))),
-      guide_(device->kernel(shaders::intrinsic_guide)),
-      cells_kernel_(device->kernel(shaders::intrinsic_cells)),
-      wide_kernel_(device->kernel(shaders::intrinsic_wide)),
+      guide_(device, shaders::intrinsic_guide, {}, 8, 8),
+      cells_kernel_(device, shaders::intrinsic_cells, {}, 4, 4),
+      wide_kernel_(device, shaders::intrinsic_wide, {}, 1, 1),
       sum_(device->kernel(shaders::intrinsic_statistics, {kRows})),
       frame_(device->kernel(shaders::intrinsic_frame, {}, kSumLanes)) {
   using gpu::Buffer;
@@ -46,16 +46,19 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
     sums = Buffer::create(device, Element::vec4, gpu::partial_count(*sum_, sum_items(extent1_)));
 }
 
-void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame) {
+void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const TileList* listed) {
   if (!cleared_)
     for (const auto& sums : sums_) commands.fill(sums);
   cleared_ = true;
   const auto size = [](Extent extent) {
     return std::array<uint32_t, 2>{extent.width, extent.height};
   };
-  commands.dispatch(guide_, {frame, level0_, level1_}, size(extent_), line_of(extent1_.pixels()));
-  commands.dispatch(cells_kernel_, {level0_, cells_}, size(extent_), line_of(extent2_.pixels()));
-  commands.dispatch(wide_kernel_, {cells_, wide_}, size(extent2_), line_of(extent4_.pixels()));
+  guide_.dispatch(commands, listed, {frame, level0_, level1_}, size(extent_),
+                  line_of(extent1_.pixels()));
+  cells_kernel_.dispatch(commands, listed, {level0_, cells_}, size(extent_),
+                         line_of(extent2_.pixels()));
+  wide_kernel_.dispatch(commands, listed, {cells_, wide_}, size(extent2_),
+                        line_of(extent4_.pixels()));
   commands.dispatch(sum_, {level1_, sums_[0], sums_[1], sums_[2]}, size(extent1_),
                     sum_items(extent1_));
   commands.dispatch(frame_, {sums_[0], sums_[1], sums_[2], statistics_},

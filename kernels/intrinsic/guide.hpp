@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "../image/tile_list.hpp"
 #include "quads.hpp"
 
 namespace inverse {
@@ -11,8 +12,10 @@ class Guide {
  public:
   /// Throws Error(limit) where the planes do not fit the device.
   Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records its making from a frame.
-  void record(gpu::Commands& commands, const gpu::BufferPtr& frame);
+  /// Records its making from a frame; of the tiles `listed` alone where that is not null, and the
+  /// frame's statistics from these and what was there.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
+              const TileList* listed = nullptr);
 
   Extent extent() const { return extent_; }
   Extent extent1() const { return extent1_; }
@@ -29,7 +32,8 @@ class Guide {
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;
-  gpu::KernelPtr guide_, cells_kernel_, wide_kernel_, sum_, frame_;
+  TileKernel guide_, cells_kernel_, wide_kernel_;
+  gpu::KernelPtr sum_, frame_;
   gpu::BufferPtr level0_, level1_, cells_, wide_, statistics_;
   gpu::BufferPtr sums_[3];
   bool cleared_ = false;  // the sums' unused slots

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
@@ -10,14 +12,27 @@
 INVERSE_SHADER(intrinsic_cell_terms);
 INVERSE_SHADER(intrinsic_assemble);
 INVERSE_SHADER(intrinsic_layers);
+INVERSE_SHADER(intrinsic_rescale);
 INVERSE_SHADER(intrinsic_take_over);
 INVERSE_SHADER(intrinsic_total);
 
 namespace inverse {
 namespace {
-constexpr uint64_t kVec4 = 16;  // bytes
+
 // Frames from one look at bins and anchor to the next, where something is left out and where not.
 constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
+constexpr uint64_t kVec4 = 16;  // bytes
+// Where a report has what, in vec4, and how many.
+constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
+                   kFoundActive = 4, kFoundBusy = 5, kFoundStatistics = 6, kFoundKept = 8,
+                   kFoundBinding = 10, kFoundGates = 11, kFoundSize = 12;
+/// Share of tiles from which on a list of them saves nothing worth its trouble: where input has
+/// changed, and of all that need work.
+constexpr float kMostChanged = 0.25F, kMostBusy = 0.5F;
+/// How far the output's scale (log units) may be from what the frame would have before it moves,
+/// and with it layers that are not written anew.
+constexpr float kGaugeRest = 0.02F;
+
 }  // namespace
 
 IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent)
@@ -30,13 +45,15 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
       gauge_(device_),
-      terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {0, 0})),
-      anchored_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1, 0})),
-      looking_terms_kernel_(device_->kernel(shaders::intrinsic_cell_terms, {1, 1})),
-      assemble_(device_->kernel(shaders::intrinsic_assemble, {0})),
-      anchored_assemble_(device_->kernel(shaders::intrinsic_assemble, {1})),
-      layers_(device_->kernel(shaders::intrinsic_layers, {0})),
-      anchored_layers_(device_->kernel(shaders::intrinsic_layers, {1})),
+      active_(device_, extent),
+      terms_kernel_(device_, shaders::intrinsic_cell_terms, {0, 0}, 0, 0),
+      anchored_terms_kernel_(device_, shaders::intrinsic_cell_terms, {1, 0}, 1, 4),
+      looking_terms_kernel_(device_, shaders::intrinsic_cell_terms, {1, 1}, 0, 0),
+      assemble_(device_, shaders::intrinsic_assemble, {0}, 0, 0),
+      anchored_assemble_(device_, shaders::intrinsic_assemble, {1}, 4, 16),
+      layers_(device_, shaders::intrinsic_layers, {0}, 0, 0),
+      anchored_layers_(device_, shaders::intrinsic_layers, {1}, 4, 4),
+      rescale_(device_->kernel(shaders::intrinsic_rescale)),
       take_over_(device_->kernel(shaders::intrinsic_take_over)),
       total_(device_->kernel(shaders::intrinsic_total)) {
   const auto buffer = [&](uint64_t count) {
@@ -47,13 +64,13 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   value_ = buffer(cell_quads * EdgePrior::kValueStride);
   terms_ = buffer(cell_quads * Multigrid::kTermsStride);
   start_ = buffer(cell_quads * TemporalAnchor::kStartStride);
-  gate_sums_ = buffer(gpu::partial_count(*looking_terms_kernel_, line_of(cell_quads)));
+  gate_sums_ = buffer(gpu::partial_count(*looking_terms_kernel_.whole(), line_of(cell_quads)));
   gate_total_ = buffer(1);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
                                       bool look) {
-  if (stats_.history) anchor_.record(commands, guide_, params, continues_);
+  if (stats_.history) anchor_.record(commands, guide_, params, continues_, list());
   if (look && !cleared_) {
     commands.fill(gate_sums_);
     cleared_ = true;
@@ -69,21 +86,23 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
          1 / params.anchor_motion,
          params.hold,
          1 / params.hold_light};
-  commands.dispatch(look             ? looking_terms_kernel_
-                    : stats_.history ? anchored_terms_kernel_
-                                     : terms_kernel_,
-                    {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
-                     anchor_.kept(), multigrid_.cell_means(), multigrid_.cell_correction(), terms_,
-                     start_, multigrid_.cell_force(), gate_sums_},
-                    push, line_of(quads_of(cells)));
+  (look             ? looking_terms_kernel_
+   : stats_.history ? anchored_terms_kernel_
+                    : terms_kernel_)
+      .dispatch(commands, list(),
+                {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
+                 anchor_.kept(), multigrid_.cell_means(), multigrid_.cell_correction(), terms_,
+                 start_, multigrid_.cell_force(), gate_sums_},
+                push, line_of(quads_of(cells)));
   if (look)
     commands.dispatch(total_, {gate_sums_, gate_total_}, static_cast<uint32_t>(gate_sums_->count()),
                       {});
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(stats_.holds ? anchored_assemble_ : assemble_,
-                    {flux_, start_, guide_.level0(), multigrid_.cell_force(), anchor_.memory(),
-                     multigrid_.field(), multigrid_.system(), multigrid_.field(), anchor_.now()},
-                    size, line_of(quads_of(extent_)));
+  (stats_.holds ? anchored_assemble_ : assemble_)
+      .dispatch(commands, list(),
+                {flux_, start_, guide_.level0(), multigrid_.cell_force(), anchor_.memory(),
+                 multigrid_.field(), multigrid_.system(), multigrid_.field(), anchor_.now()},
+                size, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params, bool look) {
@@ -91,7 +110,10 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
   // would exaggerate again.
   if (stats_.cycles == 1) multigrid.slowest = 0;
-  multigrid_.record_operators(commands, multigrid);
+  // The cells' problem of tiles left out is that of the frame before, and its solution so far is
+  // kept: solving it again costs more than all else.
+  if (listed()) multigrid.cell_cycles = 1;
+  multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
                        stats_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
   commands.stage("operators");
@@ -106,7 +128,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
         commands, multigrid, cycle,
         {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_force(commands, state, look); });
+        [&] { bins_.record_force(commands, state, look); }, list());
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
@@ -118,36 +140,47 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   }
   judge(params);
   if (!taken_) continues_ = stats_.history;
-  stats_ = {};
+  const Stats before = std::exchange(stats_, {});
   stats_.levels = multigrid_.depth();
   stats_.history = (history_ || taken_) && params.anchor.anchor_weight > 0;
   stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
   stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
-  const bool look =
-      params.adaptive && (since_reset_ == kLookAgain ||  // the first one with a settled history
-                          since_reset_ % (binds_ && holds_ ? kLookEvery : kLookAgain) == 0);
-  ++since_reset_;
   const bool weighs = params.prior.chroma_weight > 0;
+  stats_.holds = stats_.history && (!params.adaptive || holds_);
+  mode_ = next_mode(params, info, before);
+  // Over tiles that changed alone, there is nothing to be seen of the whole.
+  const bool look = !listed() && params.adaptive &&
+                    (since_reset_ == kLookAgain ||  // the first one with a settled history
+                     since_reset_ % (binds_ && holds_ ? kLookEvery : kLookAgain) == 0);
+  ++since_reset_;
   stats_.bins = weighs && (!params.adaptive || binds_ || look);
   if (!stats_.bins)
     stats_.skipped.emplace_back(weighs ? "chroma bins: they cannot bind"
                                        : "chroma bins: their weight is 0");
-  stats_.holds = stats_.history && (!params.adaptive || holds_);
   if (stats_.history && !stats_.holds)
     stats_.skipped.emplace_back("anchor of pixels: nothing can be held");
   const bool look_at_bins = look && weighs, look_at_gate = look && stats_.history;
   EdgePrior::Params prior = params.prior;
   if (!stats_.bins) prior.chroma_weight = 0;
+  if ((stats_.listed = listed())) {
+    stats_.skipped.emplace_back("tiles: those that stay as they are");
+    active_.record_list(commands, multigrid_.cell_correction(), params.tile_tolerance,
+                        1 - params.anchor.hold);
+    multigrid_.record_residual(commands, active_.list_before());
+    commands.stage("tiles");
+  }
 
-  guide_.record(commands, input->buffer);
+  guide_.record(commands, input->buffer, list());
   commands.stage("guide");
   if (taken_) start_from_taken(commands, input);
   const EdgePrior::Target target{multigrid_.system(), flux_, value_};
   stats_.tiles = prior_.tiles();
   if (!history_) prior_.reset();
-  if (params.adaptive)
+  if (listed())
+    prior_.record_tiles(commands, guide_, target, prior, active_.list());
+  else if (params.adaptive)
     prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
   else
     prior_.record(commands, guide_, target, prior);
@@ -161,29 +194,80 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                 stats_.history       ? History::judged
                 : history_ || taken_ ? History::taken_on
                                      : History::none,
-                params.gauge);
-  const PlanePtr intrinsic = planes_.acquire();
+                params.gauge, gauge_rests_);
+  const PlanePtr intrinsic = layers_plane(commands);
+  if (listed() && !gauge_rests_) rescale(commands, intrinsic->buffer);
   const struct {
     uint32_t width, height;
     float texture;
   } push{extent_.width, extent_.height, 1 / params.anchor.hold_texture};
-  commands.dispatch(stats_.holds ? anchored_layers_ : layers_,
-                    {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_,
-                     anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
-                     multigrid_.field(), anchor_.kept(), intrinsic->buffer},
-                    push, line_of(guide_.cell_extent().pixels()));
-  anchor_.advance();
+  (stats_.holds ? anchored_layers_ : layers_)
+      .dispatch(commands, list(),
+                {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_,
+                 anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
+                 multigrid_.field(), anchor_.kept(), intrinsic->buffer},
+                push, line_of(guide_.cell_extent().pixels()));
+  if (mode_ != ActiveTiles::Mode::whole)
+    active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
+                            params.tile_tolerance);
+  anchor_.advance(commands, list());
   Report& report = record_report(commands, params.adaptive);
-  if (look_at_bins) commands.copy(bins_.binding(), report.found, kVec4, 0, 4 * kVec4);
-  if (look_at_gate) commands.copy(gate_total_, report.found, kVec4, 0, 5 * kVec4);
+  if (look_at_bins) commands.copy(bins_.binding(), report.found, kVec4, 0, kFoundBinding * kVec4);
+  if (look_at_gate) commands.copy(gate_total_, report.found, kVec4, 0, kFoundGates * kVec4);
   report.looked_at_bins = look_at_bins;
   report.looked_at_gate = look_at_gate;
   commands.stage("layers");
+  active_.advance(mode_);
+  last_ = mode_ == ActiveTiles::Mode::whole ? nullptr : intrinsic;
+  last_params_ = params;
   history_ = true;
   taken_.reset();
   commands.keep(input);
   commands.keep(intrinsic);
   return intrinsic_layers(input, intrinsic);
+}
+
+ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const FrameInfo& info,
+                                                    const Stats& before) {
+  using Mode = ActiveTiles::Mode;
+  const float changed = active_.take(info.changed);
+  // As many tiles as make a cut are none to leave the others out for.
+  if (!params.adaptive || params.tile_tolerance <= 0 || !stats_.history || !stats_.holds ||
+      !before.holds || taken_ ||
+      changed > std::min(kMostChanged, 0.9F * params.anchor.cut_fraction)) {
+    calm_ = 0;
+    gauge_rests_ = false;
+    return Mode::whole;
+  }
+  gauge_rests_ = false;
+  // Tiles left out keep what was decided for them.
+  const bool bins = params.prior.chroma_weight > 0 && binds_;
+  if (!last_ || params != last_params_ || bins != before.bins) calm_ = 0;
+  if (calm_++ < reports_.size()) return Mode::watched;
+  // The last frame that is sure to be done, so that the same video always gives the same layers.
+  const float* found = report(recorded_ - reports_.size()).found->map_as<float>();
+  const auto of = [&](uint64_t slot) { return &found[4 * slot]; };
+  const uint32_t busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
+  float drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
+  for (size_t i = 4; i < 8; ++i)
+    drift = std::max(drift, std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]));
+  const float off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
+  const bool worth = static_cast<float>(busy) <= kMostBusy * static_cast<float>(active_.tiles());
+  if (!worth || drift > params.still_tolerance) return Mode::watched;
+  gauge_rests_ = off <= kGaugeRest;
+  return Mode::listed;
+}
+
+PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
+  if (listed() && last_.use_count() == 1) return last_;
+  PlanePtr plane = planes_.acquire();
+  if (listed()) commands.copy(last_->buffer, plane->buffer, plane->buffer->bytes());
+  return plane;
+}
+
+void IntrinsicDecomposition::rescale(gpu::Commands& commands, const gpu::BufferPtr& layers) {
+  const auto pixels = static_cast<uint32_t>(extent_.pixels());
+  commands.dispatch(rescale_, {gauge_.value(), layers, layers}, pixels, line_of(pixels));
 }
 
 bool IntrinsicDecomposition::may_settle(const Params& params) const {
@@ -233,12 +317,24 @@ IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Comma
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
   report.adaptive = adaptive;
+  report.mode = mode_;
   if (!report.found)
-    report.found = gpu::Buffer::create(device_, gpu::Element::vec4, 6, gpu::Memory::readback);
-  commands.copy(multigrid_.progress(), report.found, kVec4, 0, 0);
-  if (stats_.history) commands.copy(anchor_.verdict(), report.found, kVec4, 0, kVec4);
-  commands.copy(gauge_.value(), report.found, kVec4, 0, 2 * kVec4);
-  if (adaptive) commands.copy(prior_.control(), report.found, sizeof(uint32_t), 0, 3 * kVec4);
+    report.found =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kFoundSize, gpu::Memory::readback);
+  constexpr uint64_t kWord = 4;
+  const auto copy = [&](const gpu::BufferPtr& from, uint64_t bytes, uint64_t slot) {
+    commands.copy(from, report.found, bytes, 0, slot * kVec4);
+  };
+  copy(multigrid_.progress(), kVec4, kFoundChange);
+  if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
+  copy(gauge_.value(), kVec4, kFoundGauge);
+  if (listed()) copy(active_.list().words(), kWord, kFoundActive);
+  if (adaptive && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
+  if (mode_ != ActiveTiles::Mode::whole) {
+    copy(active_.busy(), kWord, kFoundBusy);
+    copy(guide_.statistics(), 2 * kVec4, kFoundStatistics);
+    copy(prior_.kept_statistics(), 2 * kVec4, kFoundKept);
+  }
   return report;
 }
 
@@ -249,14 +345,21 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   findings.change = std::sqrt(found[0]);
   findings.cycles = of.stats.stops ? static_cast<uint32_t>(found[2]) : of.stats.cycles;
   if (of.stats.history) {
-    findings.mismatch = found[4];
-    findings.cut = found[5] == 0;
+    findings.mismatch = found[4 * kFoundVerdict];
+    findings.cut = found[4 * kFoundVerdict + 1] == 0;
   }
-  findings.gauge = found[8];
-  if (of.looked_at_bins) findings.binding = std::sqrt(found[16] / std::max(found[17], 1e-20F));
+  findings.gauge = found[4 * kFoundGauge];
+  if (of.looked_at_bins)
+    findings.binding =
+        std::sqrt(found[4 * kFoundBinding] / std::max(found[4 * kFoundBinding + 1], 1e-20F));
   if (of.looked_at_gate)
-    findings.gate = std::sqrt(found[20] / static_cast<float>(guide_.cell_extent().pixels()));
-  findings.tiles_evaluated = of.adaptive ? of.found->map_as<uint32_t>()[12] : of.stats.tiles;
+    findings.gate =
+        std::sqrt(found[4 * kFoundGates] / static_cast<float>(guide_.cell_extent().pixels()));
+  const auto count = [&](uint64_t slot) { return std::bit_cast<uint32_t>(found[4 * slot]); };
+  findings.tiles_active = of.stats.listed ? count(kFoundActive) : of.stats.tiles;
+  findings.tiles_evaluated = of.stats.listed ? findings.tiles_active
+                             : of.adaptive   ? count(kFoundEvaluated)
+                                             : of.stats.tiles;
   return findings;
 }
 

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "../image/layers.hpp"
+#include "active_tiles.hpp"
 #include "chroma_bins.hpp"
 #include "edge_prior.hpp"
 #include "guide.hpp"
@@ -31,7 +33,7 @@ class IntrinsicDecomposition {
     Multigrid::Params multigrid;
     OutputGauge::Params gauge;
     /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
-    /// weights, and cycles end when little changes.
+    /// weights, cycles end when little changes, and tiles that need no work are left out.
     bool adaptive = true;
     /// Rms change of log shading by a cycle below which no further one follows, 0…1; 0: all run.
     float settled = 0.01F;
@@ -43,10 +45,16 @@ class IntrinsicDecomposition {
     /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
     /// the frame before; 0: never.
     float hold_tolerance = 0.06F;
+    /// Rms change of a tile's log shading from frame to frame, 0…1, up to which the tile is left
+    /// out where its input stays the same (FrameInfo::changed); 0: none is.
+    float tile_tolerance = 0.003F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
+    /// Of every tile of 16 x 16 pixels, row by row, 0 where the input is, bit by bit, that of the
+    /// frame before. Empty: not known.
+    std::span<const uint8_t> changed;
   };
   struct Stats {
     uint32_t cycles = 0;               ///< multigrid cycles at most
@@ -56,7 +64,8 @@ class IntrinsicDecomposition {
     bool bins = true;                  ///< the chroma bins are part of the energy
     bool holds = false;                ///< pixels are compared with the frame before
     std::vector<std::string> skipped;  ///< what was left out, and why
-    uint32_t tiles = 0;  ///< tiles of 16 x 16 pixels whose edges are decided one by one
+    uint32_t tiles = 0;                ///< tiles of 16 x 16 pixels that a frame has
+    bool listed = false;               ///< only tiles that need work were worked on
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
@@ -67,10 +76,14 @@ class IntrinsicDecomposition {
   /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
+  /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
+  /// one of the frame before; null: all.
+  const TileList* drawn() const { return listed() && gauge_rests_ ? &active_.drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
     history_ = false;
     taken_.reset();
+    last_.reset();
   }
   /// Goes on, with the next frame recorded, where `other`, on the same device and of another size,
   /// has come to: it has just decomposed that frame, and `intrinsic` is what it found (R.rgb, S) in
@@ -87,7 +100,8 @@ class IntrinsicDecomposition {
     float mismatch = 0;   ///< with the frame before, 0…1; 0 without one
     bool cut = false;     ///< a cut: nothing was taken over
     float gauge = 0;      ///< ln of the factor from the solver's R to the layer's
-    uint32_t tiles_evaluated = 0;  ///< of Stats::tiles; all where `adaptive` is off
+    uint32_t tiles_evaluated = 0;  ///< those of Stats::tiles whose edges were decided anew
+    uint32_t tiles_active = 0;     ///< those that were worked on
     /// Of a frame that looked, else 0: what the bins can move (Params::chroma_tolerance), and the
     /// anchor's gate (Params::hold_tolerance).
     float binding = 0, gate = 0;
@@ -103,15 +117,24 @@ class IntrinsicDecomposition {
     Stats stats;
     bool adaptive = false;
     bool looked_at_bins = false, looked_at_gate = false;
-    gpu::BufferPtr found;  // change, verdict, gauge, control, binding, sum of gates squared
+    ActiveTiles::Mode mode = ActiveTiles::Mode::whole;
+    gpu::BufferPtr found;  // slots of kFound…
   };
   /// Decides, by the last frame that is sure to be done, whether bins and anchor matter.
   void judge(const Params& params);
+  /// Whether the next frame can do with the tiles that need work, and whether one soon might;
+  /// `before` is the frame before it.
+  ActiveTiles::Mode next_mode(const Params& params, const FrameInfo& info, const Stats& before);
+  /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
+  PlanePtr layers_plane(gpu::Commands& commands);
+  void rescale(gpu::Commands& commands, const gpu::BufferPtr& layers);
   /// Whether a look at what cycles change is likely to end them early: it costs a few percent of a
   /// frame. Judged by the last frame that is sure to be done.
   bool may_settle(const Params& params) const;
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   Report& record_report(gpu::Commands& commands, bool adaptive);
+  bool listed() const { return mode_ == ActiveTiles::Mode::listed; }
+  const TileList* list() const { return listed() ? &active_.list() : nullptr; }
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool look);
   void solve(gpu::Commands& commands, const Params& params, bool look);
   void start_from_taken(gpu::Commands& commands, const PlanePtr& input);
@@ -125,19 +148,26 @@ class IntrinsicDecomposition {
   ChromaBins bins_;
   Multigrid multigrid_;
   OutputGauge gauge_;
-  gpu::KernelPtr terms_kernel_, anchored_terms_kernel_, looking_terms_kernel_, assemble_,
-      anchored_assemble_, layers_, anchored_layers_, take_over_, total_;
+  ActiveTiles active_;
+  TileKernel terms_kernel_, anchored_terms_kernel_, looking_terms_kernel_, assemble_,
+      anchored_assemble_, layers_, anchored_layers_;
+  gpu::KernelPtr rescale_, take_over_, total_;
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
-  bool continues_ = false;            // the frame before had one before it
-  std::optional<PlanePtr> taken_;     // layers to start from
-  uint64_t since_reset_ = 0;          // frames, also since params changed
-  Params params_;                     // that it has been found with
-  bool cleared_ = false;              // unused slots of sums
-  bool binds_ = true, holds_ = true;  // what `judge` has found
-  Stats stats_;                       // of the frame being recorded
+  bool continues_ = false;                             // the frame before had one before it
+  std::optional<PlanePtr> taken_;                      // layers to start from
+  uint64_t since_reset_ = 0;                           // frames, also since params changed
+  Params params_;                                      // that it has been found with
+  bool cleared_ = false;                               // unused slots of sums
+  bool binds_ = true, holds_ = true;                   // what `judge` has found
+  ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;  // of the frame being recorded
+  uint64_t calm_ = 0;  // consecutive frames that were not worked on as a whole without a look
+  bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
+  PlanePtr last_;       // the layers of the frame before, where the next one might go on from them
+  Params last_params_;  // the frame before was recorded with
+  Stats stats_;         // of the frame being recorded
 };
 
 }  // namespace inverse

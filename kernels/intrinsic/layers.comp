@@ -22,6 +22,9 @@ PLANE_OUT(8, memory);   // the same buffer as `now`: the brightness of reflectan
 PLANE_OUT(9, held);     // the same buffer as `shading`
 PLANE_INOUT(10, kept);
 PLANE_OUT(11, intrinsic);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 12
+#include "tiles.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
@@ -36,7 +39,7 @@ vec3 holds_of(ivec2 cell, int y) {
 }
 
 void main() {
-  uvec2 cell = grid_position(quads);
+  uvec2 cell = tile_position(quads);
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));

@@ -1,6 +1,7 @@
 #include "multigrid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "../gpu/reduce.hpp"
@@ -12,6 +13,7 @@ INVERSE_SHADER(intrinsic_coarsen);
 INVERSE_SHADER(intrinsic_restrict);
 INVERSE_SHADER(intrinsic_coarse);
 INVERSE_SHADER(intrinsic_extrapolate);
+INVERSE_SHADER(intrinsic_carry);
 INVERSE_SHADER(intrinsic_settle);
 
 namespace inverse {
@@ -33,23 +35,24 @@ struct SmoothPush {
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_{device->kernel(shaders::intrinsic_smooth, {3, 0, 4}),
-              device->kernel(shaders::intrinsic_smooth, {3, 0, 2}),
-              device->kernel(shaders::intrinsic_smooth, {4, 0, 0})},
-      correct_{device->kernel(shaders::intrinsic_smooth, {3, 1, 4}),
-               device->kernel(shaders::intrinsic_smooth, {3, 1, 2}),
-               device->kernel(shaders::intrinsic_smooth, {4, 1, 0})},
-      coarsen_{device->kernel(shaders::intrinsic_coarsen, {3, 3, 0}),
-               device->kernel(shaders::intrinsic_coarsen, {3, 4, 1}),
-               device->kernel(shaders::intrinsic_coarsen, {4, 4, 0})},
-      restrict_{device->kernel(shaders::intrinsic_restrict, {3, 1}),
-                device->kernel(shaders::intrinsic_restrict, {3, 2}),
-                device->kernel(shaders::intrinsic_restrict, {4, 0})} {
+    : smooth_{{device, shaders::intrinsic_smooth, {3, 0, 4}, 2, 4},
+              {device, shaders::intrinsic_smooth, {3, 0, 2}, 1, 2},
+              {device, shaders::intrinsic_smooth, {4, 0, 0}, 0, 0}},
+      correct_{{device, shaders::intrinsic_smooth, {3, 1, 4}, 2, 4},
+               {device, shaders::intrinsic_smooth, {3, 1, 2}, 1, 2},
+               {device, shaders::intrinsic_smooth, {4, 1, 0}, 0, 0}},
+      coarsen_{{device, shaders::intrinsic_coarsen, {3, 3, 0}, 2, 8},
+               {device, shaders::intrinsic_coarsen, {3, 4, 1}, 1, 4},
+               {device, shaders::intrinsic_coarsen, {4, 4, 0}, 0, 0}},
+      restrict_{{device, shaders::intrinsic_restrict, {3, 1}, 2, 8},
+                {device, shaders::intrinsic_restrict, {3, 2}, 1, 4},
+                {device, shaders::intrinsic_restrict, {4, 0}, 0, 0}},
+      extrapolate_(device, shaders::intrinsic_extrapolate, {0}, 4, 16),
+      measure_(device, shaders::intrinsic_extrapolate, {1}, 4, 16),
+      carry_(device, shaders::intrinsic_carry, {1}, 4, 16) {
   const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
   coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
-  extrapolate_ = device->kernel(shaders::intrinsic_extrapolate, {0});
-  measure_ = device->kernel(shaders::intrinsic_extrapolate, {1});
   settle_ = device->kernel(shaders::intrinsic_settle);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
@@ -66,7 +69,10 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   }
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
-  sums_ = buffer(gpu::partial_count(*measure_, line_of(quads_of(levels_[0].extent))));
+  const Extent finest = levels_[0].extent;
+  const uint64_t listed = uint64_t{(finest.width + 15) / 16} * ((finest.height + 15) / 16) * 64;
+  sums_ =
+      buffer(gpu::partial_count(*measure_.whole(), line_of(std::max(quads_of(finest), listed))));
   progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
   cell_means_ = buffer(quads_of(levels_[kCells].extent));
@@ -74,32 +80,32 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   cell_force_ = buffer(quads_of(levels_[kCells].extent) * kForceStride);
 }
 
-void Multigrid::smooth(gpu::Commands& commands, size_t i) const {
+void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level& level = levels_[i];
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    commands.dispatch(smooth_[std::min(i, kCells)],
-                      {level.system, level.field, level.field, cell_force_, level.field},
-                      SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
-                                 levels_[0].extent.height, color, level.mass, 0},
-                      items);
+    smooth_[std::min(i, kCells)].dispatch(
+        commands, listed, {level.system, level.field, level.field, cell_force_, level.field},
+        SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
+                   levels_[0].extent.height, color, level.mass, 0},
+        items);
 }
 
-void Multigrid::correct(gpu::Commands& commands, size_t i) const {
+void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level& level = levels_[i];
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    commands.dispatch(
-        correct_[std::min(i, kCells)],
+    correct_[std::min(i, kCells)].dispatch(
+        commands, listed,
         {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
         SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
                    levels_[0].extent.height, color, level.mass, static_cast<float>(color)},
         items);
 }
 
-void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
+void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
   const struct {
@@ -109,14 +115,15 @@ void Multigrid::restrict_to(gpu::Commands& commands, size_t i) const {
   } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
          levels_[0].extent.height, fine.mass,          to_cells ? 1 : stride_of(i + 1),
          to_cells ? 0 : kRhsSlot};
-  commands.dispatch(
-      restrict_[std::min(i, kCells)],
+  restrict_[std::min(i, kCells)].dispatch(
+      commands, listed,
       {fine.system, fine.field, half_means_, cell_force_, to_cells ? cell_far_ : coarse.system,
        coarse.field, i == 0 ? half_means_ : cell_means_},
       push, line_of(quads_of(coarse.extent)));
 }
 
-void Multigrid::record_operators(gpu::Commands& commands, const Params& params) const {
+void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
+                                 const TileList* listed) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
     const struct {
@@ -124,14 +131,19 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params) 
       float scale, mass;
     } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
            levels_[0].extent.height, params.scale,       fine.mass};
-    commands.dispatch(coarsen_[std::min(i, kCells)], {fine.system, cell_force_, coarse.system},
-                      push, line_of(quads_of(coarse.extent)));
+    coarsen_[std::min(i, kCells)].dispatch(commands, i < kCells ? listed : nullptr,
+                                           {fine.system, cell_force_, coarse.system}, push,
+                                           line_of(quads_of(coarse.extent)));
   }
   const struct {
     uint32_t width, height;
     float scale;
   } push{levels_.back().extent.width, levels_.back().extent.height, params.scale};
   commands.dispatch(coarse_setup_, {levels_.back().system, levels_.back().field}, push, {});
+}
+
+void Multigrid::record_residual(gpu::Commands& commands, const TileList* listed) const {
+  for (size_t i = 0; i < kCells; ++i) restrict_to(commands, i, listed);
 }
 
 void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const {
@@ -148,22 +160,25 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
 }
 
 void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
-                            const Progress& progress) {
+                            const Progress& progress, const TileList* listed) {
   // Errors of x <- V(x) shrink by factors between 0 and `slowest`: Varga, Matrix Iterative
   // Analysis, 5.1.
   const float ratio = slowest / (2 - slowest);
   float w = 1;
   for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
-  if (!cleared_) commands.fill(sums_);
+  // How many slots a list of tiles fills is known on the device alone.
+  if (!cleared_ || (listed && progress.measured)) commands.fill(sums_);
   cleared_ = true;
+  const Extent extent = levels_[0].extent;
   const struct {
-    uint32_t count;
+    uint32_t quads, rows;
     float w, c;
-  } push{static_cast<uint32_t>(field()->count()), w, 2 / (2 - slowest)};
-  commands.dispatch(
-      progress.measured ? measure_ : extrapolate_,
-      {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2], field(), sums_},
-      push, line_of(field()->count()));
+  } push{quads_of(extent.width), extent.height, w, 2 / (2 - slowest)};
+  (progress.measured ? measure_ : extrapolate_)
+      .dispatch(commands, listed,
+                {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
+                 field(), sums_},
+                push, line_of(quads_of(extent)));
   if (!progress.measured) return;
   const struct {
     uint32_t count;
@@ -176,13 +191,17 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              const Progress& progress, const std::function<void()>& before,
-                             const std::function<void()>& after) {
+                             const std::function<void()>& after, const TileList* listed) {
   const bool from_start = params.slowest > 0 || progress.measured;
-  if (from_start) commands.copy(field(), starts_[k % 2], field()->bytes());
+  const std::array<uint32_t, 2> quads{quads_of(levels_[0].extent.width), levels_[0].extent.height};
+  if (from_start && listed)
+    carry_.dispatch(commands, listed, {field(), starts_[k % 2]}, quads, {});
+  else if (from_start)
+    commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {
     for (size_t i = 0; i < kCells; ++i) {
-      smooth(commands, i);
-      restrict_to(commands, i);
+      smooth(commands, i, listed);
+      restrict_to(commands, i, listed);
     }
     commands.stage("descend");
     for (uint32_t inner = 0; inner < params.cell_cycles; ++inner) {
@@ -191,8 +210,8 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
     }
     after();
     commands.stage("cells");
-    for (size_t i = kCells; i-- > 0;) correct(commands, i);
-    if (from_start) extrapolate(commands, params.slowest, k, progress);
+    for (size_t i = kCells; i-- > 0;) correct(commands, i, listed);
+    if (from_start) extrapolate(commands, params.slowest, k, progress, listed);
     commands.stage("ascend");
   };
   constexpr uint64_t kGoesOn = sizeof(float);  // the second number of `progress_`

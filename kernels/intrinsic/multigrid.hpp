@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "../image/tile_list.hpp"
 #include "quads.hpp"
 
 namespace inverse {
@@ -57,13 +58,21 @@ class Multigrid {
   const gpu::BufferPtr& cell_far() const { return cell_far_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
+  /// Everything of a frame is recorded for the tiles `listed` alone where that is not null: on
+  /// levels 0 and 1. Levels from the cells' on are always solved as a whole; of other tiles they
+  /// take what `record_residual` last found, and corrections do not reach these.
+  ///
   /// Records the coarse operators, once a frame, from `system` and `cell_force`.
-  void record_operators(gpu::Commands& commands, const Params& params) const;
+  void record_operators(gpu::Commands& commands, const Params& params,
+                        const TileList* listed = nullptr) const;
+  /// Records what pixels, as they stand, leave to the cells of the right-hand side: for those which
+  /// the next cycles do not list.
+  void record_residual(gpu::Commands& commands, const TileList* listed) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
   /// `after` their force after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
-                    const std::function<void()>& after);
+                    const std::function<void()>& after, const TileList* listed = nullptr);
   /// One vec4, of the last measured cycle (settle.comp): mean square change of the unknown, log
   /// units²; whether further cycles are needed; measured cycles of this frame so far.
   const gpu::BufferPtr& progress() const { return progress_; }
@@ -76,19 +85,21 @@ class Multigrid {
     gpu::BufferPtr system, field;
     float mass;  // of every pixel, where the system has no plane of masses
   };
-  void smooth(gpu::Commands& commands, size_t level) const;
-  void correct(gpu::Commands& commands, size_t level) const;
-  void restrict_to(gpu::Commands& commands, size_t level) const;
-  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress);
+  void smooth(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void correct(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void restrict_to(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress,
+                   const TileList* listed);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
-  gpu::KernelPtr smooth_[3];  // on levels 0, 1, further down
-  gpu::KernelPtr correct_[3];
-  gpu::KernelPtr coarsen_[3];  // between levels 0-1, 1-2, further down
-  gpu::KernelPtr restrict_[3];
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, extrapolate_, measure_, settle_;
+  TileKernel smooth_[3];  // on levels 0, 1, further down
+  TileKernel correct_[3];
+  TileKernel coarsen_[3];  // between levels 0-1, 1-2, further down
+  TileKernel restrict_[3];
+  TileKernel extrapolate_, measure_, carry_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, settle_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;

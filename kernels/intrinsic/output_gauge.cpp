@@ -34,16 +34,17 @@ void OutputGauge::take(gpu::Commands& commands, const OutputGauge& other) {
 }
 
 void OutputGauge::record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
-                         const gpu::BufferPtr& verdict, History history, const Params& params) {
+                         const gpu::BufferPtr& verdict, History history, const Params& params,
+                         bool stays) {
   clear_once(commands);
   const std::array<uint32_t, 2> size{guide.extent().width, guide.extent().height};
   commands.dispatch(count_, {guide.cells(), shading, counts_}, size,
                     line_of(guide.cell_extent().pixels()));
   const struct {
     float quantile, log_target, share;
-    uint32_t history;
+    uint32_t history, stays;
   } push{std::clamp(params.quantile, 0.0F, 1.0F), std::log(std::clamp(params.value, 0.05F, 1.0F)),
-         std::clamp(params.share, 0.0F, 1.0F), static_cast<uint32_t>(history)};
+         std::clamp(params.share, 0.0F, 1.0F), static_cast<uint32_t>(history), stays ? 1U : 0U};
   commands.dispatch(gauge_kernel_, {counts_, verdict, gauge_}, push, {});
 }
 

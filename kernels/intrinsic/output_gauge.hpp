@@ -24,12 +24,15 @@ class OutputGauge {
   /// What is known of the frame before.
   enum class History : uint32_t { none, judged, taken_on };
   /// Records finding the gauge for `shading`, the solution in quads. `verdict`, which is
-  /// TemporalAnchor's, counts where the frame before was judged by it.
+  /// TemporalAnchor's, counts where the frame before was judged by it. Where it `stays`, what is
+  /// known is not changed, but what the frame would have is told.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
-              const gpu::BufferPtr& verdict, History history, const Params& params);
+              const gpu::BufferPtr& verdict, History history, const Params& params,
+              bool stays = false);
   /// Records taking over what another has come to.
   void take(gpu::Commands& commands, const OutputGauge& other);
-  /// One vec4: ln c in x.
+  /// One vec4: ln c in x; in z what the last frame with light would have, in w
+  /// how much ln c moved by the last frame.
   const gpu::BufferPtr& value() const { return gauge_; }
 
  private:

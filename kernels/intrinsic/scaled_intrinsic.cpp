@@ -59,8 +59,10 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
     commands.keep(inputs[k + 1]);
   }
   if (halvings > 0) commands.stage("halve");
+  // Tiles are those of the full resolution.
+  const FrameInfo here = halvings > 0 ? FrameInfo{info.reset, {}} : info;
   PlanePtr intrinsic =
-      method(halvings).record(commands, inputs[halvings], params, info)[Role::intrinsic];
+      method(halvings).record(commands, inputs[halvings], params, here)[Role::intrinsic];
   for (size_t k = halvings; k-- > 0;) {
     const PlanePtr finer = steps_[k]->layers.acquire();
     steps_[k]->upsample.record(commands, inputs[k]->buffer, intrinsic->buffer, finer->buffer);
@@ -105,7 +107,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   const bool decides = params.halvings() == 0 && params.adaptive && params.half_bound > 0;
   if (decides && !crossed && since_reset_ >= compare_at_) {
     // From nothing, as what it would come to by itself is asked for.
-    const PlanePtr other = solve(commands, 1 - now, input, params, {true});
+    const PlanePtr other = solve(commands, 1 - now, input, params, {true, {}});
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
@@ -113,6 +115,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     compared_at_ = since_reset_;
     compare_at_ = since_reset_ + kMostNext;  // until its outcome is known
   }
+  plain_ = now == 0 && !crossed && shown == intrinsic ? std::min(plain_ + 1, 2U) : 0;
   was_ = now;
   ++recorded_;
   ++since_reset_;

@@ -51,6 +51,8 @@ class ScaledIntrinsic {
   /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
+  /// As IntrinsicDecomposition::drawn; null where every pixel is drawn from another resolution.
+  const TileList* drawn() const { return plain_ > 1 ? methods_[0]->drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   uint64_t recorded() const { return recorded_; }
@@ -108,6 +110,7 @@ class ScaledIntrinsic {
   std::array<Taken, gpu::kFramesInFlight> taken_{};
   uint64_t recorded_ = 0;
   size_t was_ = 0;            // halvings of the frame before
+  unsigned plain_ = 0;        // frames in a row that were solved at full resolution, and shown so
   bool fits_ = false;         // half resolution keeps the bound
   uint64_t since_reset_ = 0;  // frames
   uint64_t compare_at_ = kFirst;

@@ -8,6 +8,7 @@
 
 INVERSE_SHADER(intrinsic_mismatch);
 INVERSE_SHADER(intrinsic_calm);
+INVERSE_SHADER(intrinsic_carry);
 INVERSE_SHADER(intrinsic_verdict);
 
 namespace inverse {
@@ -22,7 +23,8 @@ constexpr uint64_t tiles_of(Extent cells) {
 TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       cells_(half_of(half_of(extent))),
-      compare_(device->kernel(shaders::intrinsic_mismatch)),
+      compare_(device, shaders::intrinsic_mismatch, {}, 4, 4),
+      carry_(device, shaders::intrinsic_carry, {kMemoryStride}, 4, 16),
       calm_(device->kernel(shaders::intrinsic_calm)),
       decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
@@ -35,7 +37,7 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
-                            bool continues) {
+                            bool continues, const TileList* listed) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
   const struct {
@@ -43,7 +45,7 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
     float detail, chroma, texture;
   } push{extent_.width, extent_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma,
          1 / params.anchor_texture};
-  commands.dispatch(compare_,
+  compare_.dispatch(commands, listed,
                     {guide.cells(), guide.wide(), guide.level0(), kept_, memory_, mismatch_}, push,
                     line_of(cells_.pixels()));
   const std::array<uint32_t, 2> size{cells_.width, cells_.height};
@@ -54,6 +56,14 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
   } decide{static_cast<uint32_t>(sums_->count()), static_cast<float>(cells_.pixels()),
            params.cut_fraction, continues ? 1.0F : 0.0F};
   commands.dispatch(decide_, {sums_, verdict_}, decide, {});
+}
+
+void TemporalAnchor::advance(gpu::Commands& commands, const TileList* listed) {
+  const std::array<uint32_t, 2> quads{quads_of(extent_.width), extent_.height};
+  if (listed)
+    carry_.dispatch(commands, listed, {now_, memory_}, quads, {});
+  else
+    memory_.swap(now_);
 }
 
 }  // namespace inverse

@@ -44,8 +44,10 @@ class TemporalAnchor {
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   /// Records how far the frame of `guide` matches the one kept; needs `kept` and `memory` of one.
-  /// `continues`: that one was compared with another, too.
-  void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues);
+  /// `continues`: that one was compared with another, too. Where only tiles are `listed`, the
+  /// others are as they were.
+  void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues,
+              const TileList* listed = nullptr);
   const gpu::BufferPtr& kept() const {
     return kept_;
   }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
@@ -55,8 +57,9 @@ class TemporalAnchor {
   const gpu::BufferPtr& now() const {
     return now_;
   }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
-  /// The frame at work is done: what it left is what the next one finds.
-  void advance() { memory_.swap(now_); }
+  /// The frame at work is done: what it left is what the next one finds. Where it worked on
+  /// `listed` tiles alone, records carrying theirs over.
+  void advance(gpu::Commands& commands, const TileList* listed = nullptr);
   const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
   const gpu::BufferPtr& tiles() const {
     return tiles_;
@@ -67,7 +70,8 @@ class TemporalAnchor {
 
  private:
   Extent extent_, cells_;
-  gpu::KernelPtr compare_, calm_, decide_;
+  TileKernel compare_, carry_;
+  gpu::KernelPtr calm_, decide_;
   gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, verdict_;
   bool cleared_ = false;
 };

@@ -1,9 +1,4 @@
-// Tiles of 16 x 16 pixels, of which only those whose input has changed get new edges.
-#define TILE 16
-#define TILE_BLOCKS 16  // invocations of edges.comp a tile: blocks of 4 x 4 pixels
-#define TILE_CELLS 8    // level-1 cells along a tile
+#include "../image/tiles.glsl"
 
-// The control buffer: how many tiles are listed; workgroups of edges.comp and of keep.comp, three words each.
-#define CONTROL_COUNT 0
-#define CONTROL_EDGES 1
-#define CONTROL_KEEP 4
+// Position of this invocation on a grid that is dispatched as one line, or on the listed tiles' part of it.
+uvec2 tile_position(uint columns) { return kTileAcross == 0u ? grid_position(columns) : listed_position(columns); }

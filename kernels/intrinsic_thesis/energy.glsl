@@ -27,6 +27,8 @@
 //   edges = (a to the right, a down, V to the right, V down), zero across the border
 //   node  = (ω_iw, G, Σ a, Σ V)
 
+#include "../image/packed_chromaticity.glsl"
+
 layout(push_constant) uniform Push {
   ivec2 size;         // of the level
   ivec2 other_size;   // of the finer or coarser level, where there is one
@@ -101,7 +103,3 @@ vec4 precondition(vec4 diagonal, vec4 v) {
 /// diagonal. Where nothing holds a pixel's gray value (no data term, no samples, no neighbor of its color) A is singular,
 /// and a step along what is left of dᵀA d would lead anywhere.
 bool curves(vec2 products) { return products.x > 1e-8 * products.y; }
-
-/// A pixel's chromaticity as sample frames carry it: red and blue on a grid of 3/4095, red · 4096 + blue, exact in a
-/// float; green follows, the mean being 1.
-float pack_chromaticity(vec3 c) { return floor(c.r * 1365.0 + 0.5) * 4096.0 + floor(c.b * 1365.0 + 0.5); }

@@ -1,13 +1,12 @@
 #include "thesis_decomposition.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
-#include <limits>
 
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
 #include "../image/pyramid.hpp"
+#include "../image/sample_frames.hpp"
 #include "push.hpp"
 
 INVERSE_SHADER(intrinsic_thesis_sanitize);
@@ -48,18 +47,6 @@ int halton(int n, int base) {
     denominator *= base;
   }
   return kBlock * digits / denominator;
-}
-
-/// How many of `slots` sample frames share a buffer of at most `largest` elements: one of the four
-/// divisions that frames.glsl knows. `INVERSE_SAMPLE_SLOTS=6|3|2|1` overrides it.
-int slots_per_buffer(uint64_t slots, uint64_t pixels, uint64_t largest) {
-  const char* wanted = std::getenv("INVERSE_SAMPLE_SLOTS");
-  for (const int division : {6, 3, 2}) {
-    const bool fits =
-        std::min<uint64_t>(slots, static_cast<uint64_t>(division)) * pixels <= largest;
-    if (wanted ? std::atoi(wanted) == division : fits) return division;
-  }
-  return 1;
 }
 
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
@@ -150,10 +137,6 @@ void ThesisDecomposition::set_params(const Params& params) {
 void ThesisDecomposition::build_levels() {
   levels_.clear();
   reset();
-  const gpu::Limits& limits = device_->limits();
-  const uint64_t largest = std::min<uint64_t>(
-      limits.storage_buffer_bytes / 16,
-      device_->variant().portable ? std::numeric_limits<uint64_t>::max() : limits.texel_elements);
   Extent extent = extent_;
   for (int n = thesis_levels(extent_, params_.levels); n > 0; --n, extent = half_of(extent)) {
     Level level;
@@ -164,7 +147,7 @@ void ThesisDecomposition::build_levels() {
     level.image = plane(1);
     level.solution = plane(1);
     const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
-    level.slots = slots_per_buffer(slots, extent.pixels(), largest);
+    level.slots = sample_slots_per_buffer(*device_, slots, extent.pixels());
     const auto per_buffer = std::min<uint64_t>(static_cast<uint64_t>(level.slots), slots);
     for (uint64_t first = 0; first < slots; first += per_buffer) {
       level.frames.push_back(plane(per_buffer));

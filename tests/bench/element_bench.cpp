@@ -3,12 +3,13 @@
 // machine does hits all alike.
 //
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
-//                      [--json FILE] [ELEMENT …]
-// With --still one frame of the clip comes again and again.
+//                      [--ball] [--json FILE] [ELEMENT …]
+// With --still one frame of the clip comes again and again; with --ball a small ball moves over it.
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -42,6 +43,43 @@ struct Size {
 std::string caps_of(Size size, const char* format) {
   return std::string("video/x-raw, format=") + format + ", width=" + std::to_string(size.width) +
          ", height=" + std::to_string(size.height) + ", framerate=25/1";
+}
+
+/// Draws a shaded ball, a twentieth of the frame's width across, into an NV12 frame: the `number`th
+/// place on its way.
+void draw_ball(GstBuffer* buffer, Size size, int number) {
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_NV12, static_cast<guint>(size.width),
+                            static_cast<guint>(size.height));
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READWRITE)) return;
+  const double radius = size.width / 20.0;
+  const auto bounce = [](double way, double room) {
+    way = std::fmod(way, 2 * room);
+    return way < room ? way : 2 * room - way;
+  };
+  const double x0 =
+      radius + bounce(0.2 * size.width + 0.2 * radius * number, size.width - 2 * radius);
+  const double y0 =
+      radius + bounce(0.25 * size.height + 0.13 * radius * number, size.height - 2 * radius);
+  for (int plane = 0; plane < 2; ++plane) {
+    const int half = plane + 1;
+    auto* data = static_cast<uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
+    for (int y = 0; y < size.height / half; ++y)
+      for (int x = 0; x < size.width / half; ++x) {
+        const double u = (x * half - x0) / radius, v = (y * half - y0) / radius;
+        if (u * u + v * v >= 1) continue;
+        uint8_t* sample = data + y * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) + x * half;
+        const double light =
+            0.35 + 0.65 * std::max(0.0, -0.5 * u - 0.6 * v + 0.62 * std::sqrt(1 - u * u - v * v));
+        if (plane == 0)
+          *sample = static_cast<uint8_t>(16 + 150 * light);
+        else
+          sample[0] = static_cast<uint8_t>(128 - 18 * light),
+          sample[1] = static_cast<uint8_t>(128 + 30 * light);
+      }
+  }
+  gst_video_frame_unmap(&frame);
 }
 
 struct Figures {
@@ -100,7 +138,7 @@ int main(int count, char** arguments) {
   std::vector<std::string> lines;
   std::string json;
   int frames = 40, rounds = 3;
-  bool still = false;
+  bool still = false, ball = false;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
@@ -112,6 +150,8 @@ int main(int count, char** arguments) {
       json = next();
     } else if (argument == "--still") {
       still = true;
+    } else if (argument == "--ball") {
+      ball = true;
     } else if (argument == "--rounds") {
       rounds = std::max(1, std::stoi(next()));
     } else if (argument == "--sizes") {
@@ -139,8 +179,15 @@ int main(int count, char** arguments) {
                  size.width, size.height);
     auto video =
         inverse::bench::load_clip(clip, caps_of(size, "NV12"), static_cast<size_t>(frames));
-    if (still && !video.empty())
+    if ((still || ball) && !video.empty())
       for (GstBuffer*& frame : video) gst_buffer_replace(&frame, video.front());
+    if (ball)
+      for (size_t k = 0; k < video.size(); ++k) {
+        GstBuffer* copy = gst_buffer_copy_deep(video[k]);
+        draw_ball(copy, size, static_cast<int>(k));
+        gst_buffer_unref(video[k]);
+        video[k] = copy;
+      }
     if (video.size() < 4) {
       std::fprintf(stderr, "cannot read %s\n", clip.c_str());
       return 1;

@@ -20,18 +20,35 @@ class IntrinsicSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
+    const auto changed = continues ? changed_tiles(frame) : std::vector<std::uint8_t>();
+    before_ = frame;
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues});
+          return method_.record(commands, input, params_, {!continues, changed});
         },
         cost);
   }
 
  private:
+  /// Tiles of 16 x 16 pixels that differ from the frame before, as the element finds them in bytes.
+  std::vector<std::uint8_t> changed_tiles(const Image& frame) const {
+    constexpr int kTile = 16;
+    const int columns = (frame.width + kTile - 1) / kTile,
+              rows = (frame.height + kTile - 1) / kTile;
+    std::vector<std::uint8_t> changed(std::size_t(columns) * std::size_t(rows));
+    for (int y = 0; y < frame.height; ++y)
+      for (int x = 0; x < frame.width; ++x)
+        for (int c = 0; c < frame.channels; ++c)
+          if (frame.at(x, y, c) != before_.at(x, y, c))
+            changed[std::size_t(y / kTile) * std::size_t(columns) + std::size_t(x / kTile)] = 1;
+    return changed;
+  }
+
   DeviceSession& session_;
   Params params_;
   ScaledIntrinsic method_;
+  Image before_;
 };
 
 /// The settings of one program run.
@@ -150,10 +167,11 @@ class Settings {
       const char* name;
       void (*set)(Params&);
       bool stills;
-    } modes[] = {{"off", [](Params& p) { p.adaptive = false; }, false},
-                 {"on", [](Params&) {}, false},
-                 {"tiles only", [](Params& p) { p.settled = 0; }, false},
-                 {"cycles only", [](Params& p) { p.still_tolerance = 0; }, false}};
+    } modes[] = {
+        {"off", [](Params& p) { p.adaptive = false; }, false},
+        {"on", [](Params&) {}, false},
+        {"tiles only", [](Params& p) { p.settled = 0; }, false},
+        {"cycles only", [](Params& p) { p.still_tolerance = p.tile_tolerance = 0; }, false}};
     const bool any_stills =
         std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
     double order = 0;

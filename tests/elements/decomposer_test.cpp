@@ -10,7 +10,8 @@
 namespace inverse::testing {
 namespace {
 
-constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis"};
+constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis",
+                                        "globalintrinsic", "globalintrinsicthesis"};
 
 /// The formats that an element's sink pad takes in system memory.
 std::vector<std::string> formats_of(const char* factory) {
@@ -143,7 +144,7 @@ TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
   };
   VideoHarness harness(GetParam(), caps,
                        "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string)intrinsic");
+                       "), layers=(string){ intrinsic, global }");
   for (int round = 0; round < 2; ++round) {
     for (const auto& [name, frame] : pictures) {
       ASSERT_EQ(harness.push(frame), GST_FLOW_OK) << name;
@@ -283,7 +284,7 @@ TEST(Layers, ReflectanceTimesShadingIsTheInput) {
   const std::string caps = VideoHarness::caps("RGBA", 33, 21);
   VideoHarness harness("intrinsicdecomp", caps,
                        "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string)intrinsic");
+                       "), layers=(string){ intrinsic, global }");
   const auto frame = random_frame(caps, 5);
   ASSERT_EQ(harness.push(frame), GST_FLOW_OK);
   GstBuffer* buffer = gst_harness_pull(harness.harness());
@@ -300,7 +301,7 @@ TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
   const std::string caps = VideoHarness::caps("RGBA", 8, 6);
   VideoHarness harness("intrinsicdecomp", caps,
                        "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
-                       "), layers=(string)intrinsic");
+                       "), layers=(string){ intrinsic, global }");
   ASSERT_EQ(harness.push(random_frame(caps, 5)), GST_FLOW_OK);
   GstBuffer* buffer = gst_harness_pull(harness.harness());
   EXPECT_EQ(gst_buffer_n_memory(buffer), 0u);

@@ -1,5 +1,7 @@
 // Light with layers of its own through the editors: what each shows, changes and refuses. The
 // layers are made by hand, through the installed header.
+#include <gst/video/navigation.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -239,6 +241,93 @@ TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
   EXPECT_EQ(confidence, 1);
   EXPECT_GE(colors, 3u);
   gst_structure_free(stats);
+}
+
+/// Element messages of this name posted since the last call: their field, in order.
+std::vector<int> told(GstBus* bus, const char* name, const char* field) {
+  std::vector<int> values;
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+    const GstStructure* text = gst_message_get_structure(message);
+    int value = 0;
+    if (gst_structure_has_name(text, name) && gst_structure_get_int(text, field, &value))
+      values.push_back(value);
+    gst_message_unref(message);
+  }
+  return values;
+}
+
+class GlobalIntrinsicThesis : public ::testing::Test {
+ protected:
+  static constexpr int kSide = 48;
+  void SetUp() override {
+    element_ = harness_.find("globalintrinsicthesis");
+    gst_element_set_bus(element_, bus_);
+  }
+  void TearDown() override {
+    gst_element_set_bus(element_, nullptr);
+    gst_object_unref(bus_);
+  }
+  void mark(int x, int y) { g_signal_emit_by_name(element_, "mark", x, y); }
+  unsigned regions() {
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    guint count = 0;
+    gst_structure_get_uint(stats, "regions", &count);
+    gst_structure_free(stats);
+    return count;
+  }
+
+  const std::string caps_ = VideoHarness::caps("RGBA", kSide, kSide);
+  const std::vector<uint8_t> frame_ = colored_corner(kSide, kSide);
+  VideoHarness harness_{"globalintrinsicthesis steps=2 keyframes=0", caps_, caps_};
+  GstBus* bus_ = gst_bus_new();
+  GstElement* element_ = nullptr;
+};
+
+TEST_F(GlobalIntrinsicThesis, ClicksMarkRegionsAndGetColors) {
+  harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  // A click on the shown picture, as a sink sends it.
+  GstEvent* press =
+      gst_navigation_event_new_mouse_button_press(1, 2.7, 30.2, GST_NAVIGATION_MODIFIER_NONE);
+  gst_harness_push_upstream_event(harness_.harness(), press);
+  for (int k = 0; k < 3; ++k) harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), (std::vector{1, 2}));
+  EXPECT_EQ(regions(), 2u);
+  std::vector<int> corrected;
+  for (int k = 0; k < 40 && corrected.empty(); ++k) {
+    harness_.process(frame_);
+    corrected = told(bus_, "inverse-region-corrected", "region");
+  }
+  EXPECT_FALSE(corrected.empty()) << "no region was given a base color";
+}
+
+TEST_F(GlobalIntrinsicThesis, ClicksNobodyCanMeetAreRefusedWithAMessage) {
+  harness_.process(frame_);
+  for (const auto& [x, y] : {std::pair{-1, 5}, {5, -1}, {kSide, 5}, {5, kSide}, {1 << 30, 3}})
+    mark(x, y);
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), std::vector(5, 0));
+  for (int k = 0; k < 500; ++k) mark(k % kSide, k / kSide);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region").size(), 500u);
+  EXPECT_LE(regions(), 15u);
+  harness_.flush();
+  EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
+  EXPECT_EQ(regions(), 0u) << "a seek forgets what was marked";
+}
+
+TEST_F(GlobalIntrinsicThesis, CapsMayChangeWhileItRefinesAndCorrects) {
+  for (int k = 0; k < 2; ++k) harness_.process(frame_);
+  mark(10, 10);
+  g_signal_emit_by_name(element_, "refine");
+  harness_.process(frame_);
+  const std::string small = VideoHarness::caps("RGBA", 20, 16);
+  harness_.set_src_caps(small);
+  const auto frame = colored_corner(20, 16);
+  mark(19, 15);
+  for (int k = 0; k < 3; ++k) harness_.process(frame);
+  EXPECT_TRUE(harness_.errors().empty());
 }
 
 TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {

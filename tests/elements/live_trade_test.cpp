@@ -241,30 +241,22 @@ TEST(LiveTrade, SaysWhatItExpects) {
   EXPECT_EQ(trade.report().reason, "down: took 90.0 ms of 33.3 ms");
 }
 
-TEST(Repeats, AreNoticedAndGoOnForAWhile) {
+TEST(Repeats, GoOnForAWhile) {
   Repeats repeats;
   EXPECT_FALSE(repeats.going_on());
-  EXPECT_FALSE(repeats.next(1));
+  repeats.next(false);
   EXPECT_FALSE(repeats.going_on());
-  EXPECT_TRUE(repeats.next(1));
+  repeats.next(true);
   EXPECT_TRUE(repeats.going_on());
   for (unsigned i = 1; i < Repeats::kMemory; ++i) {
-    EXPECT_FALSE(repeats.next(1 + i));
+    repeats.next(false);
     EXPECT_TRUE(repeats.going_on());
   }
-  EXPECT_FALSE(repeats.next(100));
+  repeats.next(false);
   EXPECT_FALSE(repeats.going_on());
-}
-
-TEST(Repeats, UnknownFramesRepeatNothing) {
-  Repeats repeats;
-  EXPECT_FALSE(repeats.next({}));
-  EXPECT_FALSE(repeats.next({}));
-  EXPECT_FALSE(repeats.next(5));
-  EXPECT_FALSE(repeats.next({}));
-  EXPECT_FALSE(repeats.next(5));
+  repeats.next(true);
   repeats.reset();
-  EXPECT_FALSE(repeats.next(5));
+  EXPECT_FALSE(repeats.going_on());
 }
 
 }  // namespace

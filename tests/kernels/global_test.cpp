@@ -135,6 +135,30 @@ TEST_F(GlobalTest, AgreesWithReferenceOverTime) {
   }
 }
 
+TEST_F(GlobalTest, TakesTheLampsColorOutAsTheReferenceDoes) {
+  const Extent extent{160, 120};
+  GlobalIntrinsic::Params params = to_the_letter();
+  params.white_balance = 0.7F;
+  reference::GlobalParams spec;
+  spec.white_balance = 0.7;
+  GlobalIntrinsic method(device, extent);
+  reference::GlobalState state;
+  for (unsigned frame = 0; frame < 3; ++frame) {
+    Room made = room(extent, frame);
+    for (size_t i = 0; i < made.frame.size(); i += 4)
+      for (size_t c = 0; c < 3; ++c) made.frame[i + c] *= std::array{1.0F, 0.8F, 0.55F}[c];
+    const Result got = decompose(method, made.frame, extent, params, {false});
+    auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                                int(extent.height), spec, &state);
+    // There the lamps' color is beside the light, here it is in it.
+    const auto white = reference::global::color_of(expected.white);
+    Result plain = got;
+    for (size_t i = 0; i < plain.light.size(); ++i)
+      if (i % 4 != 3) plain.light[i] /= float(white[i % 4]);
+    expect_agreement(plain, expected, "frame " + std::to_string(frame));
+  }
+}
+
 TEST_F(GlobalTest, SharesAgreeWithReference) {
   const Extent extent{120, 90};
   const Room made = room(extent, 3);

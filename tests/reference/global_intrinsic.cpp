@@ -229,9 +229,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   result.label = light.label;
   result.colors = seen.colors;
   // Layers are of the frame's own base colors, which the gather of a first frame does not know yet.
-  result.gather = scene.frames > 1
-                      ? seen.gather
-                      : Gather(grid, seen.labels, params.palette.most, params.gather);
+  result.gather = scene.frames > 1 ? seen.gather
+                                   : Gather(grid, seen.labels, params.palette.most, params.gather);
   result.gather_factor = 2 * factor;
   result.amount = seen.amount;
   result.tint = seen.statistics.full;

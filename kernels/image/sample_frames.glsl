@@ -3,7 +3,11 @@
 // A frame holds (r, packed chromaticity) a pixel, so that a sample costs one gather. The frames of a level lie one
 // behind the other, the current one first, kSlots to a buffer: one buffer where the device can bind it. Bindings that
 // a level does not need are bound to the first buffer again.
-#include "../image/random.glsl"
+//
+// Of the push constants it takes size, samples (drawn a pixel), frames (to draw from: the current one and the keyframes so
+// far), ring_start (slot of the oldest keyframe, from 0), ring_capacity (keyframe slots), stream and seed (of the random
+// numbers) and sample_threshold (τ_cc² on the grid of packed chromaticities).
+#include "random.glsl"
 
 layout(constant_id = 1) const int kSlots = 6;
 

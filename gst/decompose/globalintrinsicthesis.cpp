@@ -1,0 +1,266 @@
+// globalintrinsicthesis: chapter 5 of the thesis to the letter.
+#include <array>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "decomposer.hpp"
+#include "global_thesis/ladder.hpp"
+#include "global_thesis/misclustering_correction.hpp"
+
+namespace inverse {
+namespace {
+
+struct Params : GlobalThesisParams, DecomposerParams {
+  bool adaptive = true;
+};
+
+Params preset(const Params& set) {
+  Params params;
+  params.quality = set.quality;
+  global_thesis_ladder().set(params, set.quality);
+  return params;
+}
+
+class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
+ public:
+  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_ladder(), preset) {}
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    MethodDecomposer::configure(device, extent);
+    regions_.emplace(device, extent);
+    correction_.emplace(device, extent);
+    started_ = false;
+  }
+  void release() override {
+    correction_.reset();
+    regions_.reset();
+    MethodDecomposer::release();
+  }
+  void reset() override {
+    MethodDecomposer::reset();
+    regions_->reset();
+    correction_->reset();
+    started_ = false;
+  }
+  void mark(int x, int y) override {
+    std::lock_guard lock(mutex_);
+    // What nobody looks at for so long is no click on a picture any more.
+    if (clicks_.size() < kMostClicks) clicks_.emplace_back(x, y);
+  }
+  void refine() override {
+    std::lock_guard lock(mutex_);
+    refine_ = true;
+  }
+
+ protected:
+  // Marked regions and base colors go on being decided while a picture stays.
+  bool settled(std::optional<uint64_t>) const override {
+    std::lock_guard lock(mutex_);
+    return !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
+           !refine_ && since_click_ > kPatience;
+  }
+
+  void done(uint64_t number) override {
+    method_->collect(number);
+    const Numbers& numbers = numbers_[number % numbers_.size()];
+    regions_->collect(numbers.regions);
+    if (const auto result = correction_->collect(numbers.correction, *regions_))
+      results_.push_back(*result);
+  }
+
+  void describe_method(GstStructure* stats, uint64_t number) const override {
+    const auto method = method_->stats(number);
+    guint regions = 0, decided = 0;
+    for (const auto& region : regions_->regions()) {
+      if (region.number > 0) ++regions;
+      if (region.number > 0 && region.color >= 0) ++decided;
+    }
+    gst_structure_set(stats, "indirect-layers", G_TYPE_INT, method.layers, "colors", G_TYPE_INT,
+                      method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations",
+                      G_TYPE_INT, method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes,
+                      "refining", G_TYPE_BOOLEAN, method.refining, "regions", G_TYPE_UINT, regions,
+                      "regions-decided", G_TYPE_UINT, decided, nullptr);
+    if (!method.energy.empty())
+      gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
+  }
+
+  uint64_t decompose(FrameWork& frame) override {
+    method_->set_params(params());
+    const Plane& input = *frame.layers[Role::input];
+    if (!started_) {
+      // The only frame that waits: the kernels are built for its base colors.
+      const uint64_t colors = method_->record_colors(frame.commands, input);
+      frame.commands.submit();
+      frame.commands.wait();
+      method_->collect(colors);
+      frame.commands.begin();
+      started_ = true;
+    }
+    ++since_click_;
+    take_clicks(frame);
+    tell_results(frame);
+    GlobalThesis::Hints hints;
+    hints.regions = &*regions_;
+    const PlanePtr kept = frame.layers[Role::input];
+    const uint64_t number = method_->record(frame.commands, input, frame.layers, hints);
+    frame.layers[Role::input] = kept;
+    numbers_[number % numbers_.size()] = {regions_->last(),
+                                          correction_->record(frame.commands, *method_, *regions_)};
+    return number;
+  }
+
+ private:
+  static constexpr size_t kMostClicks = 1000;
+  // Frames after a click in which its region is found and its colors are begun to be tried.
+  static constexpr uint64_t kPatience = 50;
+
+  void take_clicks(FrameWork& frame) {
+    std::vector<std::pair<int, int>> clicks;
+    {
+      std::lock_guard lock(mutex_);
+      std::swap(clicks, clicks_);
+      if (std::exchange(refine_, false)) method_->refine();
+    }
+    if (!clicks.empty()) since_click_ = 0;
+    for (const auto& [x, y] : clicks) {
+      const int number = regions_->click(x, y);
+      frame.messages.push_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x, "y",
+                                                 G_TYPE_INT, y, "region", G_TYPE_INT, number,
+                                                 nullptr));
+      if (number == 0)
+        GST_WARNING("a click at %d, %d was refused: outside the frame, or %d regions are marked", x,
+                    y, MarkedRegions::kMaxRegions);
+    }
+  }
+
+  /// What has become of marked regions.
+  void tell_results(FrameWork& frame) {
+    for (const auto& result : results_)
+      frame.messages.push_back(gst_structure_new(
+          "inverse-region-corrected", "region", G_TYPE_INT, result.number, "cluster", G_TYPE_INT,
+          result.cluster, "color", G_TYPE_INT, result.color, nullptr));
+    results_.clear();
+  }
+
+  static const PropertyTable<Params>& table() {
+    static const PropertyTable<Params> table =
+        properties<Params>("Sets steps and pcg-iterations as a group; what is set explicitly wins",
+                           own_properties(), Makes::global);
+    return table;
+  }
+  static PropertyTable<Params> own_properties() {
+    using P = Params;
+    return {
+        number<P>(
+            "seed", &P::seed, 0u, G_MAXUINT,
+            "Seed of sample positions and of the first clusters: the same seed gives the same "
+            "layers"),
+        flag<P>("adaptive", &P::adaptive,
+                "Leave out what a frame does not need: a picture that comes again keeps its layers "
+                "once its base colors are refined"),
+        number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)"),
+        number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
+                  "Conjugate gradient steps for each (5.7.1)"),
+        number<P>(
+            "base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
+            "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
+        number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f, "Weight of the data term (Eq. 5.4)"),
+        number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
+                  "Weight of the distance to clustered reflectance (Eq. 5.6)"),
+        number<P>("lambda-r-sparsity", &P::lambda_r_sparsity, 0.f, 1e6f,
+                  "Weight of reflectance sparsity (Eq. 5.7)"),
+        number<P>("lambda-r-consistency", &P::lambda_r_consistency, 0.f, 1e6f,
+                  "Weight of the spatio-temporal samples (Eq. 3.12)"),
+        number<P>("lambda-monochrome", &P::lambda_monochrome, 0.f, 1e6f,
+                  "Weight of gray shading (Eq. 5.9)"),
+        number<P>("lambda-i-sparsity", &P::lambda_i_sparsity, 0.f, 1e6f,
+                  "Weight of few indirect layers in a pixel (Eq. 5.11)"),
+        number<P>("lambda-smoothness", &P::lambda_smoothness, 0.f, 1e6f,
+                  "Weight of piecewise constant light (Eq. 5.12)"),
+        number<P>("lambda-non-negativity", &P::lambda_non_negativity, 0.f, 1e6f,
+                  "Weight of light that is not negative (Eq. 5.13)"),
+        number<P>("lambda-ir", &P::lambda_ir, 1e-3f, 1e9f,
+                  "Refinement: weight of small changes of the base colors (Eq. 5.14)"),
+        number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
+                  "Refinement: weight of their chromaticity (Eq. 5.14)"),
+        number<P>("refine-rounds", &P::refine_rounds, 0, 100,
+                  "Refinements of the base colors after a start, a cut or the action refine, at "
+                  "most, one a frame; 0 = none"),
+        number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
+                  "They end where no channel of a base color changes by more"),
+        choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
+                  {{static_cast<int>(P::Irls::consistent), "consistent",
+                    "Weights that minimize the energy (p/2)"},
+                   {static_cast<int>(P::Irls::printed), "printed",
+                    "As in Eq. 5.16: L1 terms twice as strong"}},
+                  "Form of the reweighting factor"),
+        number<P>("p", &P::p, 0.f, 2.f, "Exponent of reflectance sparsity (Eq. 5.7)"),
+        number<P>("alpha-sr", &P::alpha_sr, 0.f, 1e4f,
+                  "Rise of the soft color Retinex weight with steps of chromaticity (Eq. 5.10); "
+                  "10000 = every pixel counts"),
+        number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                  "How much less dark pixels' samples count (Eq. 3.6)"),
+        number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
+                  "Chromaticity distance up to which samples bind (Eq. 3.13)"),
+        number<P>("tau-merge", &P::tau_merge, 0.f, 3.f,
+                  "Chromaticity distance up to which clusters merge (5.7.1)"),
+        number<P>("tau-neutral", &P::tau_neutral, 0.f, 3.f,
+                  "Base colors this near to white in chromaticity get no layer; 0 = all do"),
+        number<P>("epsilon", &P::epsilon, 1e-4f, 1.f,
+                  "Smallest light and step of light in a reweighting (5.6.4.1)"),
+        number<P>("epsilon-r", &P::epsilon_r, 1e-4f, 1.f,
+                  "Smallest reflectance step in a reweighting, log units"),
+        number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                  "Smallest reflectance and light to start from, 1 = full scale"),
+        number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                  "Added to intensities before chromaticities are taken, 1 = full scale"),
+        number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
+                  "Share of direct light that all indirect layers together start as"),
+        flag<P>("warm-start", &P::warm_start,
+                "Begin where the last frame ended instead of at the clusters"),
+        number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
+        number<P>("keyframes", &P::keyframes, 0, 5,
+                  "Earlier frames to draw samples from; 0 for stills"),
+        number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                  "Frames from one keyframe to the next"),
+        flag<P>("resample", &P::resample,
+                "Draw new sample positions for every frame instead of keeping them"),
+        flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
+    };
+  }
+
+  std::optional<MarkedRegions> regions_;
+  std::optional<MisclusteringCorrection> correction_;
+  /// What a frame is to those, by the method's number.
+  struct Numbers {
+    uint64_t regions = 0, correction = 0;
+  };
+  std::array<Numbers, gpu::kFramesInFlight> numbers_;
+  std::vector<MisclusteringCorrection::Result> results_;  // to be told
+  bool started_ = false;                                  // the scene's base colors are known
+  uint64_t since_click_ = kPatience + 1;                  // frames
+  mutable std::mutex mutex_;
+  std::vector<std::pair<int, int>> clicks_;  // waiting for the next frame
+  bool refine_ = false;
+};
+
+}  // namespace
+
+extern const ElementInfo kGlobalIntrinsicThesis;
+const ElementInfo kGlobalIntrinsicThesis{
+    "globalintrinsicthesis",
+    "GstGlobalIntrinsicThesis",
+    "Global intrinsic decomposition (thesis)",
+    "Filter/Effect/Video",
+    "Takes video apart into reflectance, direct light and one layer of bounced light for each base "
+    "color, as in chapter 5 of Meka, Live Inverse Rendering; globalintrinsic is faster and more "
+    "accurate",
+    Flow::pixels,
+    Flow::pixels_or_layers,
+    kGlobalLayers,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new GlobalThesisElement); },
+    true};
+
+}  // namespace inverse

@@ -1,0 +1,158 @@
+#pragma once
+#include <algorithm>
+
+#include "decomposer.hpp"
+#include "intrinsic/scaled_intrinsic.hpp"
+
+namespace inverse {
+
+/// What decomposers whose shading is solved for by ScaledIntrinsic have beside its parameters.
+struct SolveParams : DecomposerParams {
+  uint32_t seed = 1;
+  /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
+  float keep_tolerance = 1e-3F;
+};
+
+/// The properties of ScaledIntrinsic::Params and SolveParams, from both of which P derives.
+template <typename P>
+PropertyTable<P> solve_properties() {
+  return {
+      flag<P>(
+          "adaptive", &P::adaptive,
+          "Leave out what a frame does not need: tiles that stay as they are keep their layers, "
+          "tiles where little changed what was decided about their edges, cycles end when little "
+          "changes, and a picture that comes again keeps its layers once they have settled"),
+      number<P>("settled", &P::settled, 0.f, 1.f,
+                "Change of log shading by a cycle, rms in natural log units, from which on no "
+                "further one follows; 0 = all run"),
+      flag<P>("half-resolution", &P::half_resolution,
+              "Solve at half the frame's width and height, at about a third of the cost; where "
+              "shading steps is then read from the frame"),
+      flag<P>("quarter-resolution", &P::quarter_resolution,
+              "With half-resolution: solve at a quarter of the frame's width and height instead"),
+      number<P>("half-resolution-bound", &P::half_bound, 0.f, 1.f,
+                "Change of log shading, rms in natural log units, that half resolution may make "
+                "on a scene to be chosen by itself; 0 = never"),
+      number<P>("chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
+                "Change of log shading, rms in natural log units, below which equal chroma is "
+                "not looked for, as it cannot make more; 0 = always looked for"),
+      number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
+                "Share of reflectance that could stay what it was, rms over the frame, below "
+                "which pixels are not compared with the frame before; 0 = always compared"),
+      number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+                "Change of log shading by the last cycle, rms in natural log units, below which "
+                "the layers of a picture that comes again are kept; 0 = never"),
+      number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+                "Change of a tile's log shading from frame to frame, rms in natural log units, up "
+                "to which it keeps its layers where its input stays the same; 0 = none does"),
+      number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
+                "Change of intensity or chroma, natural log units, from which on a tile counts "
+                "as changed"),
+      number<P>("seed", &P::seed, 0u, G_MAXUINT,
+                "Has no effect, as this method draws nothing at random; for scripts that set it on "
+                "any decomposer"),
+      number<P>("cycles", &P::cycles, 1u, 32u,
+                "Multigrid cycles of a frame without history (the first, after a seek, a gap or "
+                "new caps)"),
+      number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
+                "Multigrid cycles of a frame that continues the one before, and so starts near "
+                "its solution"),
+      number<P>(
+          "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
+          1e3f,
+          "Factor on how firmly reflectance stays even where the picture does; more moves "
+          "texture into shading"),
+      number<P>(
+          "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
+          "Factor on how firmly shading stays even; more moves shadows into reflectance"),
+      number<P>(
+          "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
+          "Factor on how firmly the largest channel of reflectance stays near 1"),
+      number<P>(
+          "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
+          "Factor on how firmly equal chroma means equal reflectance; 0 leaves that step out"),
+      number<P>(
+          "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
+          "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
+      number<P>(
+          "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
+          "Frames after a cut or a gap that it takes until the temporal weight is whole"),
+      number<P>(
+          "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
+          "Change of chroma that halves the temporal weight, natural log units"),
+      number<P>(
+          "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
+          "Change of local contrast that halves the temporal weight, natural log units"),
+      number<P>(
+          "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
+          "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
+      number<P>(
+          "temporal-motion", [](P& p) -> float& { return p.anchor.anchor_motion; }, 1e-2f, 100.f,
+          "Share of the texture around a place that halves the temporal weight when it moves"),
+      number<P>(
+          "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
+          "Share of the last frame's reflectance that stays where neither content nor light "
+          "changes; more averages sensor noise over more frames"),
+      number<P>(
+          "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
+          "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units"),
+      number<P>(
+          "temporal-hold-texture", [](P& p) -> float& { return p.anchor.hold_texture; }, 1e-3f,
+          10.f,
+          "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
+          "natural log units"),
+      number<P>(
+          "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
+          "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "
+          "to, "
+          "1 = the brightest that a display shows"),
+      number<P>(
+          "gauge-quantile", [](P& p) -> float& { return p.gauge.quantile; }, 0.f, 1.f,
+          "Quantile of the largest channel of reflectance that gauge-value speaks of"),
+      number<P>(
+          "gauge-share", [](P& p) -> float& { return p.gauge.share; }, 0.f, 1.f,
+          "Share of the newest frame in that scale: 1 = follows every frame, 0 = moves at cuts "
+          "only"),
+      number<P>(
+          "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
+          "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
+          "scene"),
+  };
+}
+
+/// What of those `quality` stands for.
+inline constexpr const char* kSolveSets =
+    "Sets half-resolution, quarter-resolution, cycles, warm-cycles, settled and still-tolerance as "
+    "a "
+    "group; what is set explicitly wins";
+
+/// Adds to the stats what a solve tells of a completed frame.
+void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
+                    const ScaledIntrinsic::Findings& found);
+
+/// A decomposer around such a solve: `Method::prepare(halvings)` sets a resolution up.
+template <typename Method, typename P>
+class SolvingDecomposer : public MethodDecomposer<Method, P> {
+ public:
+  using MethodDecomposer<Method, P>::MethodDecomposer;
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    MethodDecomposer<Method, P>::configure(device, extent);
+    const P set = this->parameters_.snapshot();
+    this->method_->prepare(set.halvings());
+    // A change of resolution that waits for it would be late itself.
+    if (set.target_fps > 0 || set.latency_budget > 0)
+      for (const size_t halvings : {0, 1, 2}) this->method_->prepare(halvings);
+  }
+
+ protected:
+  /// The method's parameters for a frame.
+  P in_force(const FrameWork& frame) const {
+    P params = this->params();
+    // The sooner a picture that stays has settled, the sooner nothing is left to do.
+    if (frame.repeated) params.settled = std::min(params.settled, params.keep_tolerance);
+    return params;
+  }
+};
+
+}  // namespace inverse

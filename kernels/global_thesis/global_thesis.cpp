@@ -1,0 +1,383 @@
+#include "global_thesis.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "../gpu/reduce.hpp"
+#include "../gpu/shaders.hpp"
+#include "../image/sample_frames.hpp"
+#include "global_thesis_push.hpp"
+#include "refinement.hpp"
+
+INVERSE_SHADER(global_thesis_sanitize);
+INVERSE_SHADER(global_thesis_setup);
+INVERSE_SHADER(global_thesis_aim);
+INVERSE_SHADER(global_thesis_start);
+INVERSE_SHADER(global_thesis_pack);
+INVERSE_SHADER(global_thesis_sample);
+INVERSE_SHADER(global_thesis_sample_past);
+INVERSE_SHADER(global_thesis_reweight);
+INVERSE_SHADER(global_thesis_mix);
+INVERSE_SHADER(global_thesis_product);
+INVERSE_SHADER(global_thesis_update);
+INVERSE_SHADER(global_thesis_settle);
+INVERSE_SHADER(global_thesis_scalars);
+INVERSE_SHADER(global_thesis_energy);
+INVERSE_SHADER(global_thesis_energy_pulls);
+INVERSE_SHADER(global_thesis_total);
+INVERSE_SHADER(global_thesis_layers);
+INVERSE_SHADER(global_thesis_indirect);
+INVERSE_SHADER(global_thesis_residual);
+INVERSE_SHADER(global_thesis_outer);
+INVERSE_SHADER(global_thesis_outer_total);
+INVERSE_SHADER(global_thesis_score);
+
+namespace inverse {
+using namespace global_thesis;
+namespace {
+
+constexpr uint64_t kScalars = 3;  // as in scalars.comp
+
+}  // namespace
+
+GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : device_(device),
+      extent_(extent),
+      palette_(device),
+      pool_(device, extent),
+      bases_pool_(device, {kMaxBases, 1}) {
+  const auto planes = [&](uint64_t count) {
+    return gpu::Buffer::create(device, gpu::Element::vec4, count * extent.pixels());
+  };
+  for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &pulls_, &constant_pulls_})
+    *buffer = planes(1);
+  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);
+  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  set_params({});
+}
+
+const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
+  std::shared_ptr<Kernels>& held = kernels_.at(static_cast<size_t>(groups));
+  if (!held) {
+    const std::vector<uint32_t> constants = {
+        static_cast<uint32_t>(slots_), static_cast<uint32_t>(groups), params_.p == 1 ? 1u : 0u};
+    const auto kernel = [&](const gpu::KernelSource& source, uint32_t workgroup = 0) {
+      return device_->kernel(source, constants, workgroup);
+    };
+    held = std::make_shared<Kernels>(Kernels{kernel(shaders::global_thesis_sanitize),
+                                             kernel(shaders::global_thesis_setup),
+                                             kernel(shaders::global_thesis_aim),
+                                             kernel(shaders::global_thesis_start),
+                                             kernel(shaders::global_thesis_pack),
+                                             kernel(shaders::global_thesis_sample),
+                                             kernel(shaders::global_thesis_sample_past),
+                                             kernel(shaders::global_thesis_reweight),
+                                             kernel(shaders::global_thesis_mix),
+                                             kernel(shaders::global_thesis_product),
+                                             kernel(shaders::global_thesis_update),
+                                             kernel(shaders::global_thesis_settle),
+                                             kernel(shaders::global_thesis_scalars, kOneGroup),
+                                             kernel(shaders::global_thesis_energy),
+                                             kernel(shaders::global_thesis_energy_pulls),
+                                             kernel(shaders::global_thesis_total, kOneGroup),
+                                             kernel(shaders::global_thesis_layers),
+                                             kernel(shaders::global_thesis_indirect),
+                                             kernel(shaders::global_thesis_residual),
+                                             kernel(shaders::global_thesis_outer),
+                                             kernel(shaders::global_thesis_outer_total, kOneGroup),
+                                             kernel(shaders::global_thesis_score)});
+  }
+  return *held;
+}
+
+void GlobalThesis::set_params(const Params& params) {
+  Params p = params;
+  for (float* weight : {&p.lambda_data, &p.lambda_clustering, &p.lambda_r_sparsity,
+                        &p.lambda_r_consistency, &p.lambda_monochrome, &p.lambda_i_sparsity,
+                        &p.lambda_smoothness, &p.lambda_non_negativity}) {
+    *weight = std::clamp(*weight, 0.0f, 1e6f);
+  }
+  p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
+  p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
+  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled})
+    *share = std::clamp(*share, 0.0f, 1.0f);
+  for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
+  for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
+  for (float* distance : {&p.tau_cc, &p.tau_merge, &p.tau_neutral})
+    *distance = std::clamp(*distance, 0.0f, 3.0f);
+  p.p = std::clamp(p.p, 0.0f, 2.0f);
+  p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
+  p.clusters = std::clamp(p.clusters, 1, BaseColors::kMaxColors);
+  p.steps = std::clamp(p.steps, 1, 64);
+  p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
+  p.samples = std::clamp(p.samples, 0, 64);
+  p.keyframes = std::clamp(p.keyframes, 0, 5);
+  p.keyframe_spacing = std::clamp(p.keyframe_spacing, 1, 1000);
+  p.refine_rounds = std::clamp(p.refine_rounds, 0, 100);
+  const bool rebuild = frames_.empty() || p.keyframes != params_.keyframes;
+  if ((p.p == 1) != (params_.p == 1)) kernels_ = {};
+  params_ = p;
+
+  Palette::Params palette = palette_.params();
+  palette.clusters = p.clusters;
+  palette.tau_cc = p.tau_merge;
+  palette.chroma_floor = p.chroma_floor;
+  palette.seed = p.seed;
+  palette_.set_params(palette);
+  if (rebuild) {
+    const auto slots = static_cast<uint64_t>(p.keyframes) + 1;
+    slots_ = sample_slots_per_buffer(*device_, slots, extent_.pixels());
+    const auto per_buffer = std::min(static_cast<uint64_t>(slots_), slots);
+    frames_.clear();
+    for (uint64_t first = 0; first < slots; first += per_buffer) {
+      frames_.push_back(
+          gpu::Buffer::create(device_, gpu::Element::vec4, per_buffer * extent_.pixels()));
+    }
+    kernels_ = {};
+    stored_keyframes_ = 0;
+    since_reset_ = 0;
+  }
+  const uint64_t entries = 2 * (p.trace ? static_cast<uint64_t>(p.steps) + 1 : 1);
+  if (trace_ && trace_->count() >= entries) return;
+  trace_ = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
+  for (Readback& readback : readback_) {
+    readback = {};
+    readback.buffer =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kTraceAt + entries, gpu::Memory::readback);
+    readback.table = gpu::Buffer::create(device_, gpu::Element::vec4, BaseColors::kTableEntries,
+                                         gpu::Memory::upload);
+  }
+}
+
+void GlobalThesis::reset() {
+  palette_.reset();
+  colors_.reset();
+  since_reset_ = 0;
+  stored_keyframes_ = 0;
+  rounds_ = 0;
+  system_pending_ = false;
+  has_state_ = false;
+  ++epoch_;
+}
+
+void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
+  colors_.set(colors);
+  rounds_ = 0;
+}
+
+void GlobalThesis::set_base_colors(const BaseColors& colors) {
+  colors_ = colors;
+  colors_.hold();
+  has_state_ = false;
+}
+
+/// Fields for so many planes of indirect layers.
+void GlobalThesis::hold_fields(int groups) {
+  if (groups <= held_groups_) return;
+  const uint64_t entries = (static_cast<uint64_t>(groups) + 1) * extent_.pixels();
+  for (auto* buffer :
+       {&states_[0], &states_[1], &directions_, &preconditioned_, &products_, &diagonals_}) {
+    *buffer = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
+  }
+  const Kernels& at = kernels(groups);
+  const auto planes = static_cast<uint32_t>(groups) + 1;
+  // The tallest dispatch of those that sum up.
+  partials_ = gpu::Buffer::create(
+      device_, gpu::Element::vec4,
+      gpu::partial_count(*at.reweight, {extent_.width, extent_.height + planes}));
+  held_groups_ = groups;
+  has_state_ = false;
+}
+
+GlobalThesis::Push GlobalThesis::push_for() const {
+  const Params& p = params_;
+  Push push{};
+  push.size[0] = static_cast<int32_t>(extent_.width);
+  push.size[1] = static_cast<int32_t>(extent_.height);
+  push.samples = p.lambda_r_consistency > 0 ? p.samples : 0;
+  push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
+  push.ring_capacity = std::max(p.keyframes, 1);
+  push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
+  push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
+  push.centers = colors_.slots();
+  push.layers = colors_.layers();
+  push.lambda_data = p.lambda_data;
+  push.lambda_clustering = p.lambda_clustering;
+  push.lambda_r_sparsity = p.lambda_r_sparsity;
+  push.lambda_r_consistency = p.lambda_r_consistency;
+  push.lambda_monochrome = p.lambda_monochrome;
+  push.lambda_i_sparsity = p.lambda_i_sparsity;
+  push.lambda_smoothness = p.lambda_smoothness;
+  push.lambda_non_negativity = p.lambda_non_negativity;
+  push.p = p.p;
+  const bool consistent = p.irls == Params::Irls::consistent;
+  push.irls_r = consistent ? 0.5f * p.p : 1.0f;
+  push.irls_light = consistent ? 0.5f : 1.0f;
+  push.alpha_sr = p.alpha_sr;
+  push.w_intensity = p.w_intensity;
+  const float threshold = p.tau_cc * 1365.0f;
+  push.sample_threshold = threshold * threshold;
+  push.epsilon = p.epsilon;
+  push.epsilon_r = p.epsilon_r;
+  push.log_floor = p.log_floor;
+  push.chroma_floor = p.chroma_floor;
+  push.indirect_start = p.indirect_start;
+  return push;
+}
+
+GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
+  Readback& readback = readback_[number % readback_.size()];
+  if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
+  readback.stats = {};
+  readback.collected = false;
+  readback.refining = false;
+  readback.scored = false;
+  readback.epoch = epoch_;
+  return readback;
+}
+
+/// The image, and what the palette makes of it.
+void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
+  if (frame.extent != extent_) {
+    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
+  }
+  commands.dispatch(kernels(0).sanitize, {frame.buffer, image_, chroma_}, push_for(),
+                    {extent_.width, extent_.height});
+  if (!colors_.given()) palette_.record_update(commands, {extent_, chroma_});
+  commands.copy(palette_.colors(), current_->buffer, 16 * kColors, 0, 16 * kColorsAt);
+}
+
+uint64_t GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame) {
+  const uint64_t number = recorded_++;
+  current_ = &next_readback(number);
+  prepare(commands, frame);
+  commands.stage("clusters");
+  return number;
+}
+
+uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
+                              const Hints& hints) {
+  static_assert(sizeof(Push) <= gpu::Kernel::kPushBytes);
+  const gpu::Items pixels{extent_.width, extent_.height};
+  groups_ = (colors_.layers() + 3) / 4;
+  const bool fresh = groups_ > held_groups_;
+  hold_fields(groups_);
+  at_ = &kernels(groups_);
+  if (fresh) {
+    // Sums leave some slots untouched, and the first direction is multiplied by zero.
+    commands.fill(partials_);
+  }
+  const uint64_t number = recorded_++;
+  current_ = &next_readback(number);
+  Stats& stats = current_->stats;
+  stats.layers = colors_.layers();
+  stats.colors = static_cast<int>(colors_.colors().size());
+  stats.steps = params_.steps;
+  stats.pcg_iterations = params_.pcg_iterations;
+  stats.keyframes = std::min(stored_keyframes_, params_.keyframes);
+  stats.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
+  colors_.write_table(current_->table->map_as<float>());
+
+  prepare(commands, frame);
+  commands.stage("clusters");
+  Push push = push_for();
+  commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
+  if (hints.regions) hints.regions->record(commands, {extent_, features_});
+  const gpu::BufferPtr regions = hints.regions         ? hints.regions->plane().buffer
+                                 : hints.fixed_regions ? hints.fixed_regions->buffer
+                                                       : nullptr;
+  push.mode = regions ? 1 : 0;
+  commands.dispatch(at_->aim, {current_->table, features_, regions ? regions : features_, targets_},
+                    push, pixels);
+  if (!stats.warm) {
+    commands.dispatch(at_->start,
+                      {current_->table, image_, targets_, features_, states_[current_state_]},
+                      push_for(), pixels);
+  }
+  push = push_for();
+  if (push.frames == 1) push.samples = 0;  // nothing but clusters
+  std::vector<gpu::BufferPtr> buffers = frame_buffers();
+  buffers.insert(buffers.end(), {features_, targets_, constant_pulls_});
+  commands.dispatch(at_->sample_past, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  commands.stage("setup");
+
+  for (int n = 0; n <= params_.steps; ++n) {
+    const bool last = n == params_.steps;
+    pack(commands, 0);
+    if (params_.trace || (last && params_.energy)) evaluate(commands, n - 1);
+    if (!last) step(commands);
+  }
+  has_state_ = true;
+  state_order_ = colors_.order();
+  if (params_.keyframes > 0 &&
+      since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
+    pack(commands, 1 + stored_keyframes_ % params_.keyframes);
+    ++stored_keyframes_;
+  }
+  ++since_reset_;
+  commands.stage("steps");
+
+  if (refining() && !system_pending_) record_refinement(commands);
+  if (regions && hints.scored_region > 0) {
+    if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
+    push.slot = hints.scored_region;
+    commands.dispatch(at_->score, {solution(), regions, partials_}, push, pixels);
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
+    commands.dispatch(at_->outer_total, {partials_, score_}, push, {kOneGroup});
+    commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
+    current_->scored = true;
+  }
+  write_layers(commands, layers);
+  if (!stats.energy.empty()) {
+    commands.copy(trace_, current_->buffer, 32 * stats.energy.size(), 0, 16 * kTraceAt);
+  }
+  commands.stage("layers");
+  return number;
+}
+
+void GlobalThesis::collect(uint64_t frame) {
+  if (frame >= recorded_ || frame + readback_.size() < recorded_) return;
+  Readback& readback = readback_[frame % readback_.size()];
+  if (readback.collected) return;
+  readback.collected = true;
+  if (readback.refining) system_pending_ = false;
+  if (readback.epoch != epoch_) return;  // of a scene that is over
+  const auto* values = readback.buffer->map_as<float>();
+  if (readback.refining && readback.version == colors_.version()) {
+    const size_t layers = readback.colors.size();
+    const auto delta = solve_refinement({values + 4 * kSystemAt, 4 * layers * (layers + 1)},
+                                        readback.colors, readback.initial, params_.lambda_data,
+                                        params_.lambda_ir, params_.lambda_cr);
+    const float change = colors_.refine(delta);
+    rounds_ = change < params_.refine_settled ? params_.refine_rounds : rounds_ + 1;
+  }
+  if (frame < collected_) return;  // a later frame's palette is known already
+  collected_ = frame + 1;
+  colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
+}
+
+GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
+  if (recorded_ == 0) return {};
+  if (frame >= recorded_ || frame + readback_.size() < recorded_) {
+    throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
+  }
+  const Readback& readback = readback_[frame % readback_.size()];
+  const auto* values = readback.buffer->map_as<float>();
+  Stats stats = readback.stats;
+  if (readback.scored) {
+    stats.score = values[4 * kScoreAt];
+    stats.region = values[4 * kScoreAt + 1];
+  }
+  for (size_t n = 0; n < stats.energy.size(); ++n) {
+    std::memcpy(&stats.energy[n].data, values + 4 * (kTraceAt + 2 * n), 8 * sizeof(float));
+  }
+  return stats;
+}
+
+uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
+  const auto fields = static_cast<uint64_t>(layers + 3) / 4 + 1;
+  // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
+  return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
+}
+
+}  // namespace inverse

@@ -1,0 +1,146 @@
+#include "marked_regions.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "../error.hpp"
+#include "../gpu/shaders.hpp"
+
+INVERSE_SHADER(global_thesis_components_start);
+INVERSE_SHADER(global_thesis_components_join);
+INVERSE_SHADER(global_thesis_regions_probe);
+INVERSE_SHADER(global_thesis_regions_click);
+INVERSE_SHADER(global_thesis_regions_mark);
+
+namespace inverse {
+namespace {
+
+// As in regions.glsl.
+constexpr uint64_t kNumbers = MarkedRegions::kMaxRegions + 1;
+constexpr uint64_t kClicksAt = 2 * kNumbers;
+constexpr uint64_t kOrders = kClicksAt + 3 * MarkedRegions::kMaxClicks;
+
+struct Push {
+  int32_t size[2];
+  int32_t clicks;
+};
+
+}  // namespace
+
+MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : device_(device),
+      extent_(extent),
+      start_(device->kernel(shaders::global_thesis_components_start)),
+      join_(device->kernel(shaders::global_thesis_components_join)),
+      probe_(device->kernel(shaders::global_thesis_regions_probe)),
+      click_(device->kernel(shaders::global_thesis_regions_click)),
+      mark_(device->kernel(shaders::global_thesis_regions_mark)),
+      roots_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
+      claims_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
+      plane_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())),
+      clusters_(gpu::Buffer::create(device, gpu::Element::word, kNumbers)),
+      counts_(gpu::Buffer::create(device, gpu::Element::word, kNumbers)) {
+  for (Frame& frame : frames_) {
+    frame.orders = gpu::Buffer::create(device, gpu::Element::word, kOrders, gpu::Memory::upload);
+    for (auto* buffer : {&frame.clusters, &frame.counts})
+      *buffer = gpu::Buffer::create(device, gpu::Element::word, kNumbers, gpu::Memory::readback);
+  }
+}
+
+int MarkedRegions::click(int x, int y) {
+  if (x < 0 || y < 0 || static_cast<uint32_t>(x) >= extent_.width ||
+      static_cast<uint32_t>(y) >= extent_.height || waiting_.size() >= kMaxWaitingClicks) {
+    return 0;
+  }
+  int number = 1;
+  while (number <= kMaxRegions && std::any_of(regions_.begin(), regions_.end(),
+                                              [&](const Region& r) { return r.number == number; }))
+    ++number;
+  if (number > kMaxRegions) return 0;
+  regions_.push_back({number, -1, -1});
+  waiting_.push_back({x, y, number});
+  return number;
+}
+
+void MarkedRegions::set_color(int number, int slot) {
+  for (Region& region : regions_)
+    if (region.number == number) region.color = std::max(slot, -1);
+}
+
+void MarkedRegions::remove(int number) {
+  std::erase_if(regions_, [&](const Region& region) { return region.number == number; });
+  std::erase_if(waiting_, [&](const Click& click) { return click.number == number; });
+}
+
+void MarkedRegions::reset() {
+  regions_.clear();
+  waiting_.clear();
+  clear_ = true;
+  ++epoch_;
+}
+
+void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
+  if (features.extent != extent_)
+    throw Error(ErrorKind::internal, "the regions were made for another frame size");
+  const gpu::Items pixels{extent_.width, extent_.height};
+  Push push{{static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height)}, 0};
+  if (clear_) {
+    commands.fill(plane_);
+    commands.fill(clusters_);
+    clear_ = false;
+  }
+  const uint64_t number = recorded_++;
+  Frame& frame = frames_[number % frames_.size()];
+  frame.epoch = epoch_;
+  frame.collected = false;
+  auto* orders = frame.orders->map_as<uint32_t>();
+  std::memset(orders, 0, kOrders * sizeof(uint32_t));
+  const size_t clicks = std::min(waiting_.size(), kMaxClicks);
+  for (size_t i = 0; i < clicks; ++i) {
+    uint32_t* order = orders + kClicksAt + 3 * i;
+    order[0] = static_cast<uint32_t>(waiting_[i].x);
+    order[1] = static_cast<uint32_t>(waiting_[i].y);
+    order[2] = static_cast<uint32_t>(waiting_[i].number);
+  }
+  for (Region& region : regions_) {
+    orders[region.number] = static_cast<uint32_t>(region.color + 1);
+    orders[kNumbers + static_cast<uint64_t>(region.number)] = region.since < number ? 1 : 0;
+    for (size_t i = 0; i < clicks; ++i)
+      if (waiting_[i].number == region.number) region.since = number;
+  }
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(clicks));
+
+  commands.dispatch(start_, {roots_}, push, pixels);
+  commands.dispatch(join_, {features.buffer, roots_}, push, pixels);
+  commands.fill(claims_);
+  commands.fill(counts_);
+  commands.dispatch(probe_, {features.buffer, plane_, clusters_, roots_, claims_, frame.orders},
+                    push, pixels);
+  if (clicks > 0) {
+    push.clicks = static_cast<int32_t>(clicks);
+    commands.dispatch(click_, {features.buffer, frame.orders, clusters_, roots_, claims_}, push,
+                      {kMaxClicks});
+  }
+  commands.dispatch(mark_, {claims_, frame.orders, roots_, plane_, counts_}, push, pixels);
+  commands.copy(clusters_, frame.clusters, kNumbers * sizeof(uint32_t));
+  commands.copy(counts_, frame.counts, kNumbers * sizeof(uint32_t));
+}
+
+void MarkedRegions::collect(uint64_t number) {
+  if (number >= recorded_ || number + frames_.size() < recorded_) return;
+  Frame& frame = frames_[number % frames_.size()];
+  if (frame.collected) return;
+  frame.collected = true;
+  if (frame.epoch != epoch_) return;
+  const auto* clusters = frame.clusters->map_as<uint32_t>();
+  const auto* counts = frame.counts->map_as<uint32_t>();
+  for (Region& region : regions_) {
+    if (region.since > number) continue;
+    region.cluster = static_cast<int>(clusters[region.number]) - 1;
+    region.pixels = counts[region.number];
+  }
+  std::erase_if(regions_,
+                [&](const Region& region) { return region.since <= number && region.pixels == 0; });
+}
+
+}  // namespace inverse

@@ -1,0 +1,79 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "../gpu/commands.hpp"
+#include "../image/plane.hpp"
+
+namespace inverse {
+
+/// Regions of a video that look like another base color than they have, as strong inter-reflections
+/// make them (thesis, 5.5.2.1): each begins with a click, is filled over cluster ids, follows its
+/// pixels from frame to frame by probe and fill, and may be given a base color. All of the filling
+/// is done on the device.
+class MarkedRegions {
+ public:
+  static constexpr int kMaxRegions = 15;           ///< numbers 1 … 15
+  static constexpr size_t kMaxClicks = 16;         ///< taken in a frame; further ones wait
+  static constexpr size_t kMaxWaitingClicks = 64;  ///< further ones are refused
+
+  struct Region {
+    int number;   ///< 1 … kMaxRegions
+    int cluster;  ///< slot of the palette that its pixels are assigned to; −1: not filled yet
+    int color;    ///< slot of the base color that it is given; −1: none yet
+    uint32_t pixels = 0;          ///< in the last frame that was collected
+    uint64_t since = UINT64_MAX;  ///< number of the frame that took its click in
+  };
+
+  /// Throws Error(limit, out_of_memory).
+  MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 where the
+  /// pixel is outside the frame, all numbers are taken or too many clicks wait. A click into a
+  /// region that is marked already makes another one, which takes its pixels over.
+  int click(int x, int y);
+  /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
+  /// Numbers that mark nothing are ignored.
+  void set_color(int number, int slot);
+  void remove(int number);
+  /// Forgets all regions: at a flush, a discontinuity or a scene cut.
+  void reset();
+
+  /// Takes in a frame: w of `features` is each pixel's cluster, −1 where there is none.
+  void record(gpu::Commands& commands, const Plane& features);
+  /// Number of the last frame that was recorded, for `collect`.
+  uint64_t last() const { return recorded_ - 1; }
+  /// Takes in the regions' sizes of one of the last three frames, once its Commands have been
+  /// waited for. Regions that are lost (no pixel is left, or there was no cluster under the click)
+  /// go.
+  void collect(uint64_t frame);
+
+  const std::vector<Region>& regions() const { return regions_; }
+  /// (slot of the color that overrules the cluster or −1, number or 0) of each pixel of the last
+  /// frame.
+  Plane plane() const { return {extent_, plane_}; }
+
+ private:
+  struct Click {
+    int x, y, number;
+  };
+  struct Frame {
+    gpu::BufferPtr orders, clusters, counts;
+    uint32_t epoch = 0;
+    bool collected = true;
+  };
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  gpu::KernelPtr start_, join_, probe_, click_, mark_;
+  gpu::BufferPtr roots_, claims_, plane_, clusters_, counts_;
+  std::array<Frame, gpu::kFramesInFlight> frames_;
+  std::vector<Region> regions_;  // by number
+  std::vector<Click> waiting_;
+  uint64_t recorded_ = 0;
+  uint32_t epoch_ = 0;  // resets
+  bool clear_ = true;
+};
+
+}  // namespace inverse

@@ -1,0 +1,16 @@
+// Regions that were assigned to a wrong base color (thesis, 5.5.2.1), filled over cluster ids. Connected components of equal
+// cluster, 4-connected, by union-find (Playne and Hawick, A New Algorithm for Parallel Connected-Component Labelling on
+// GPUs, IEEE TPDS 29(6), 2018): every pixel's word leads to a pixel of lower index in its component, the root to itself.
+// A region is the union of the components that its clicked pixel lies in, or, one frame on, those of its pixels that still
+// have its cluster.
+
+const int kMaxRegions = 16;  // with number 0, which is none
+const int kMaxClicks = 16;   // a frame
+
+// The host's orders for a frame are words: for each region the slot of its color + 1, then whether it goes on from the frame
+// before, then (x, y, number) of each click.
+
+layout(push_constant) uniform Push {
+  ivec2 size;
+  int clicks;
+} push;

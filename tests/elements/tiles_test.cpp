@@ -1,0 +1,131 @@
+// Video of which only a small part changes: only tiles that need work are worked on.
+#include "base/inverse_layers_meta.h"
+#include "element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+
+/// A wall of tiles with a gray square before it, `way` pixels on its way.
+std::vector<uint8_t> frame(int way, int brightness = 256) {
+  std::vector<uint8_t> bytes;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const int tile = x / 21 * 5 + y / 17 * 3, light = 255 - 150 * (x + y) / (kWidth + kHeight);
+      const bool square = x >= 40 + way && x < 64 + way && y >= 100 && y < 124;
+      for (int c = 0; c < 3; ++c) {
+        const int value = square ? 150 - 3 * (y - 100) : light * (2 + tile * (c + 2) % 7) / 9;
+        bytes.push_back(static_cast<uint8_t>(value * brightness / 256));
+      }
+      bytes.push_back(255);
+    }
+  return bytes;
+}
+
+uint64_t count(VideoHarness& harness, const char* field) {
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find("intrinsicdecomp"), "stats", &stats, nullptr);
+  guint value = 0;
+  EXPECT_TRUE(gst_structure_get_uint(stats, field, &value)) << field;
+  gst_structure_free(stats);
+  return value;
+}
+
+std::string caps(const char* format = "RGBA") {
+  return VideoHarness::caps(format, kWidth, kHeight);
+}
+
+}  // namespace
+
+TEST(TilesOfAVideo, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSame) {
+  for (const char* show : {"reflectance", "shading", "input", "mosaic"}) {
+    VideoHarness some("intrinsicdecomp show=" + std::string(show), caps(), caps());
+    VideoHarness all("intrinsicdecomp adaptive=false show=" + std::string(show), caps(), caps());
+    unsigned few = 0;
+    for (int k = 0; k < 24; ++k) {
+      const auto picture = frame(4 * k);
+      const auto got = some.process(picture), want = all.process(picture);
+      ASSERT_FALSE(got.empty());
+      // Within a few percent of light, as docs/method-intrinsicdecomp.md, 8, promises on the
+      // average.
+      EXPECT_LE(largest_difference(got, want), std::string(show) == "input" ? 0 : 40)
+          << show << " " << k;
+      double sum = 0;
+      for (size_t i = 0; i < got.size(); ++i) sum += std::abs(int(got[i]) - int(want[i]));
+      EXPECT_LT(sum / static_cast<double>(got.size()), 3) << show << " " << k;
+      EXPECT_EQ(count(all, "tiles-active"), count(all, "tiles"));
+      few += count(some, "tiles-active") < count(some, "tiles") / 2;
+    }
+    EXPECT_GT(few, 12U) << show;
+    some.flush();
+    some.process(frame(100));
+    EXPECT_EQ(count(some, "tiles-active"), count(some, "tiles")) << "a seek forgets";
+  }
+}
+
+TEST(TilesOfAVideo, PropertiesAndLightThatChangeConcernEveryTile) {
+  VideoHarness harness("intrinsicdecomp", caps(), caps());
+  int way = 0;
+  const auto calm = [&] {
+    for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
+    EXPECT_LT(count(harness, "tiles-active"), count(harness, "tiles") / 2);
+  };
+  calm();
+  harness.process(frame(way += 2, 200));
+  EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
+  calm();
+  g_object_set(harness.find("intrinsicdecomp"), "shading-weight", 1.5F, nullptr);
+  harness.process(frame(way += 2));
+  EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
+  calm();
+  // Another drawing is drawn whole, though little changed.
+  g_object_set(harness.find("intrinsicdecomp"), "show", 2, nullptr);  // input
+  way += 2;
+  EXPECT_EQ(harness.process(frame(way)), frame(way));
+  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.0F, nullptr);
+  for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
+  EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
+  // Half the resolution has no such tiles.
+  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.003F, "half-resolution", TRUE,
+               nullptr);
+  for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
+  EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST(TilesOfAVideo, LayersThatSomebodyHoldsStayWhatTheyWere) {
+  VideoHarness harness("intrinsicdecomp", caps(),
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string)intrinsic");
+  struct Held {
+    GstBuffer* buffer;
+    GBytes *input, *intrinsic;
+  };
+  std::vector<Held> all;
+  const auto layer = [](GstBuffer* buffer, GstInverseRole role) {
+    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+    return meta->download(meta, role);
+  };
+  for (int k = 0; k < 16; ++k) {
+    ASSERT_EQ(harness.push(frame(4 * k)), GST_FLOW_OK);
+    GstBuffer* buffer = gst_harness_pull(harness.harness());
+    ASSERT_NE(buffer, nullptr);
+    if (k % 3 == 0) {
+      gst_buffer_unref(buffer);  // and some are let go
+      continue;
+    }
+    all.push_back(
+        {buffer, layer(buffer, GST_INVERSE_ROLE_INPUT), layer(buffer, GST_INVERSE_ROLE_INTRINSIC)});
+  }
+  for (const Held& held : all) {
+    GBytes* input = layer(held.buffer, GST_INVERSE_ROLE_INPUT);
+    GBytes* intrinsic = layer(held.buffer, GST_INVERSE_ROLE_INTRINSIC);
+    EXPECT_TRUE(g_bytes_equal(input, held.input));
+    EXPECT_TRUE(g_bytes_equal(intrinsic, held.intrinsic));
+    for (GBytes* bytes : {input, intrinsic, held.input, held.intrinsic}) g_bytes_unref(bytes);
+    gst_buffer_unref(held.buffer);
+  }
+}
+
+}  // namespace inverse::testing
