@@ -164,9 +164,9 @@ def folded(title, text):
 
 def videos(rows):
     """The project's own, and those that were given, out of sight until they are asked for."""
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and r.get("lmse20") is not None and
             (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
-            (r["curve"] != "without" or r["setting"] == "temporal anchor") and
+            (r["curve"] != "without" or r["setting"] == "temporal anchor") and r["curve"] != "base colors" and
             r["method"] not in ("constant reflectance", "R = I / max_c I")]
     own, given = [], []
     for r in sorted(rows, key=lambda r: (r["set"], r["scene"])):
