@@ -264,7 +264,7 @@ def layers_beyond_two(rows, methods):
         groups.setdefault((r["method"], r["curve"], r["setting"]), {})[r["set"], r["scene"]] = r
     shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or key[1] == "without" or any(
         r["base"] or r["preset"] for r in of.values())]
-    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0]))
+    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0][:2], next(iter(g[1].values()))["order"]))
     def name(key, of):
         preset = next((r["preset"] for r in of.values() if r["preset"]), "")
         return f"{key[0]} `{preset}`" if preset else f"{key[0]} without {key[2]}" if key[1] == "without" else ": ".join(n for n in (key[0], key[2]) if n)
@@ -276,7 +276,8 @@ def layers_beyond_two(rows, methods):
         for key, of in shown:
             cells = [f"**{figure(of[s][field])}**" if s in of and of[s][field] == least[s] else figure(of[s][field] if s in of else None)
                      for s in scenes]
-            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()))] + cells)
+            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()) if len(of) == len(scenes) else None)] +
+                              cells)
         out.append(table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows))
     return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
             "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading.\n\n" + "\n".join(out))
