@@ -56,12 +56,14 @@ Method globalintrinsic(DeviceSession& session) {
   for (const auto& [part, leave_out] : parts) {
     Params params;
     leave_out(params);
-    all.push_back({.curve = "without",
-                   .name = part,
-                   .order = order++,
-                   .parameters = {{"without", part}},
-                   .make = make(params),
-                   .video = true});
+    Setting s{.curve = "without",
+              .name = part,
+              .order = order++,
+              .parameters = {{"without", part}},
+              .make = make(params)};
+    all.push_back(s);
+    s.stills = false, s.video = true, s.effort = Effort::full;
+    all.push_back(s);
   }
   // What layers of their own for indirect light cost, by how many there may be; 0: none.
   for (const int colors : {0, 1, 2, 4, 8, 16}) {
