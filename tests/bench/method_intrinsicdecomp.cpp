@@ -1,10 +1,9 @@
 // intrinsicdecomp in the benchmark.
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 #include "kernels/intrinsic/ladder.hpp"
-#include "tests/bench/methods.hpp"
+#include "tests/bench/ladder_settings.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -65,38 +64,8 @@ class Settings {
 
   /// The levels that the element offers, as they ship; presets are some of them.
   void add_ladder() {
-    const auto& ladder = intrinsic_ladder();
-    std::set<std::string> stills;
-    for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
-      Params params;
-      ladder.levels[k].set(params);
-      Setting s{.curve = "ladder", .order = double(k), .make = make(params)};
-      for (const auto& [quality, name] : kQualities)
-        if (ladder.top(quality) == k) s.preset = name;
-      s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
-                      {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
-                      {"cycles", std::to_string(params.cycles)},
-                      {"warm-cycles", std::to_string(params.warm_cycles)},
-                      {"still-tolerance", text_of(double(params.still_tolerance))},
-                      {"settled", text_of(double(params.settled))}};
-      s.effort = s.preset.empty() ? Effort::usual : Effort::brief;
-      const std::string half = params.halvings() == 0   ? ""
-                               : params.halvings() == 1 ? "half, "
-                                                        : "quarter, ";
-      s.base = k == ladder.top(Quality::medium);
-      s.name = half + std::to_string(params.cycles);
-      // Levels that differ only in how they follow a video are one to stills.
-      const bool again = k + 1 < ladder.levels.size() && [&] {
-        Params next;
-        ladder.levels[k + 1].set(next);
-        return next.halvings() == params.halvings() && next.cycles == params.cycles;
-      }();
-      if (!again) all.push_back(s);
-      s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
-      s.name = half + std::to_string(params.warm_cycles) + ", " +
-               text_of(double(params.still_tolerance));
-      all.push_back(s);
-    }
+    all = ladder_settings(
+        intrinsic_ladder(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 
   /// Multigrid cycles, all of which run: how the solve converges.
