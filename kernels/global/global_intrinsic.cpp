@@ -31,8 +31,8 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2,
-                   kSceneColors = 8, kSceneSize = 24;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneAmount = 0,
+                   kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 24;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
 
@@ -384,8 +384,19 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
-  return {solve_.findings(of.solve),       found[0], found[1],
-          static_cast<uint32_t>(found[3]), found[4], of.stats.first || found[8] > 0};
+  const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
+  Findings findings{solve_.findings(of.solve), slot(kSceneAmount)[0],
+                    slot(kSceneAmount)[1],     static_cast<uint32_t>(slot(kSceneAmount)[3]),
+                    slot(kSceneTint)[0],       slot(kSceneTime)[0] > 0};
+  for (uint32_t k = 0; k < kSlots; ++k) {
+    const float* color = slot(kSceneColors + k);
+    if (!(color[2] > 0)) continue;
+    // color_of in model.glsl
+    const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];
+    const float most = std::max({v + u, v - u, -2 * v});
+    findings.bases[k] = {std::exp(v + u - most), std::exp(v - u - most), std::exp(-2 * v - most)};
+  }
+  return findings;
 }
 
 }  // namespace inverse

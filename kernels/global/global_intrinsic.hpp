@@ -62,6 +62,8 @@ class GlobalIntrinsic {
     uint32_t colors = 0;   ///< base colors
     float tint = 0;        ///< rms log chroma of light that is all indirect
     bool cut = false;      ///< of the scene: nothing was taken over from the frame before
+    /// Base colors by their slot: linear, largest channel 1; black where there is none.
+    std::array<std::array<float, 3>, kMaxBases> bases{};
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
