@@ -160,6 +160,15 @@ class Settings {
         }
   }
 
+  /// Leaves all of adaptivity off but one.
+  template <typename Tolerance>
+  static void only(Params& params, Tolerance tolerance) {
+    const float kept = params.*tolerance;
+    params.tile_tolerance = params.still_tolerance = params.settled = 0;
+    params.chroma_tolerance = params.hold_tolerance = params.half_bound = 0;
+    params.*tolerance = kept;
+  }
+
   /// What leaving out saves: each mode against the one that does all the work. A new one is a line
   /// here; `stills` has it measured on single frames, too.
   void add_adaptive() {
@@ -170,8 +179,12 @@ class Settings {
     } modes[] = {
         {"off", [](Params& p) { p.adaptive = false; }, false},
         {"on", [](Params&) {}, false},
-        {"tiles only", [](Params& p) { p.settled = 0; }, false},
-        {"cycles only", [](Params& p) { p.still_tolerance = p.tile_tolerance = 0; }, false}};
+        {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }, false},
+        {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }, false},
+        {"cycles", [](Params& p) { only(p, &Params::settled); }, false},
+        {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }, false},
+        {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }, false},
+        {"half resolution", [](Params& p) { only(p, &Params::half_bound); }, false}};
     const bool any_stills =
         std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
     double order = 0;

@@ -127,7 +127,11 @@ def measure_elements(parts, programs, environment, full):
     for line, frames in (("intrinsicdecomp adaptive=false", "16"), ("intrinsicdecomp", "60")):
         still += parts.measure(f"duplicate frames {line}", program, [
             "--still", "--sizes", "640x480", "--frames", frames, "--rounds", "1", line, "--json"], **environment) or []
-    return found, still if len(still) == 2 else []
+    ball = []
+    for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
+        ball += parts.measure(f"small ball {line}", program, [
+            "--ball", "--sizes", "640x480", "--frames", "40", "--rounds", "1", line, "--json"], **environment) or []
+    return found, still if len(still) == 2 else [], ball if len(ball) == 2 else []
 
 
 def run(build, work, data, full, progress, only, resume=False):
@@ -164,7 +168,7 @@ def run(build, work, data, full, progress, only, resume=False):
     results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
-    results["elements"], results["duplicates"] = measure_elements(parts, programs, environment, full)
+    results["elements"], results["duplicates"], results["ball"] = measure_elements(parts, programs, environment, full)
     extremes = build / "tests" / "extremes" / "extremes"
     results["extremes"] = parts.measure("extremes", extremes, ["--report"], timeless=True) if extremes.exists() else None
     results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
