@@ -10,6 +10,7 @@
 
 #include "check.hpp"
 #include "error.hpp"
+#include "global_methods.hpp"
 #include "problem.hpp"
 
 namespace inverse::extremes {
@@ -46,7 +47,9 @@ int report(const char* path) {
 
 int run_case(const char* text) {
   const Lab lab;
-  const auto wrong = check_with(lab)(parse_case(text));
+  const Case one = parse_case(text);
+  const bool global = one.solver == Solver::global || one.solver == Solver::global_thesis;
+  const auto wrong = (global ? check_global_with(lab) : check_with(lab))(one);
   printf("%s\n", wrong ? wrong->c_str() : "nothing is wrong");
   return wrong ? 1 : 0;
 }
