@@ -89,7 +89,7 @@ TEST_F(GlobalLayerCounts, NoMoreColorsThanTheSceneHas) {
     for (int frame = 0; frame < 4; ++frame) {
       const GlobalLayers got = method.decompose(picture);
       EXPECT_EQ(got.colors(), 2U) << name_of(solver) << ", frame " << frame;
-      if (frame == 3) EXPECT_EQ(got.shares.size(), 1U) << name_of(solver);
+      EXPECT_TRUE(frame < 3 || got.shares.size() == 1) << name_of(solver);
     }
   }
 }
@@ -113,7 +113,7 @@ TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
       } else {
         EXPECT_EQ(method.found().colors, 1U);
         // What frames in flight may still need is known when they are done.
-        if (frame >= gpu::kFramesInFlight) EXPECT_EQ(got.shares.size(), 1U);
+        EXPECT_TRUE(frame < gpu::kFramesInFlight || got.shares.size() == 1) << frame;
       }
     }
   }
