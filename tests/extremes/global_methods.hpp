@@ -50,10 +50,12 @@ class GlobalMethod {
 };
 
 /// What is wrong with layers, whatever the frame was: values that are not finite, negative light,
-/// reflectance or shares, a direct share outside 0…1 or above the light; and globalintrinsic's must
-/// multiply to its input.
+/// reflectance or shares, a direct share outside 0…1 or, unless the lamps have a color of their
+/// own, above the light; globalintrinsic's must multiply to its input, and the thesis' direct and
+/// indirect layers sum to the light.
 std::optional<std::string> wrong_global_layers(Solver solver, uint32_t frame, const Pixels& input,
-                                               const GlobalLayers& layers);
+                                               const GlobalLayers& layers,
+                                               bool colored_lamps = false);
 
 /// The check of `Case`s whose solver is one of kGlobalMethods. `lab` must outlive it.
 Check check_global_with(const Lab& lab);
