@@ -75,9 +75,8 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
 
 std::optional<std::string> wrong_global_layers(Solver solver, uint32_t frame, const Pixels& input,
                                                const GlobalLayers& layers, bool colored_lamps) {
-  std::vector<std::pair<std::string, const Pixels*>> planes{{"intrinsic", &layers.intrinsic},
-                                                            {"light", &layers.light},
-                                                            {"base color", &layers.bases}};
+  std::vector<std::pair<std::string, const Pixels*>> planes{
+      {"intrinsic", &layers.intrinsic}, {"light", &layers.light}, {"base color", &layers.bases}};
   for (const Pixels& shares : layers.shares) planes.emplace_back("share", &shares);
   for (const auto& [name, plane] : planes)
     for (size_t i = 0; i < plane->size(); ++i) {
@@ -87,7 +86,8 @@ std::optional<std::string> wrong_global_layers(Solver solver, uint32_t frame, co
     }
   for (size_t i = 0; i < layers.light.size(); ++i) {
     const float direct = layers.light[i | 3], light = layers.light[i];
-    if (direct > 1 + 1e-5F) return at("direct share above 1", frame, i, static_cast<double>(direct));
+    if (direct > 1 + 1e-5F)
+      return at("direct share above 1", frame, i, static_cast<double>(direct));
     if (!colored_lamps && light < direct - 1e-5F)
       return at("less light than direct light", frame, i, static_cast<double>(light - direct));
     if (i % 4 == 3) continue;
@@ -118,8 +118,7 @@ Check check_global_with(const Lab& lab) {
       scene.seed += frame / 2;
       const Pixels input = frame_of(scene, frame);
       const GlobalLayers got = method.decompose(input);
-      const bool lamps =
-          one.solver == Solver::global && global_params_of(one).white_balance > 0;
+      const bool lamps = one.solver == Solver::global && global_params_of(one).white_balance > 0;
       if (auto wrong = wrong_global_layers(one.solver, frame, input, got, lamps)) return wrong;
       if (one.solver == Solver::global_thesis) {
         // A new scene's colors are known from its second frame on.

@@ -67,8 +67,8 @@ TEST(GlobalEnergy, FallsAsFarAsTheStepsPromise) {
         worst = std::max(worst, after / before - 1);
         beyond = std::max(beyond, (after - penalty) / before - 1);
       }
-      printf("  %-10s %-15s %10.4g to %10.4g, a step up by %.1e, beyond the penalty %.1e\n", picture,
-             setting.name, energy.front().total(), energy.back().total(), worst, beyond);
+      printf("  %-10s %-15s %10.4g to %10.4g, a step up by %.1e, beyond the penalty %.1e\n",
+             picture, setting.name, energy.front().total(), energy.back().total(), worst, beyond);
       EXPECT_LT(beyond, 1e-6) << picture << ", " << setting.name;
       EXPECT_LE(energy.back().total(), energy.front().total() * (1 + 1e-6))
           << picture << ", " << setting.name;

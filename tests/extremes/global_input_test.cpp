@@ -34,6 +34,17 @@ TEST_P(GlobalInputs, MixturesOfFaultsAndParameters) {
   EXPECT_FALSE(failure) << *failure;
 }
 
+TEST(GlobalInputsThatFailed, DoNotAnyMore) {
+  const Lab lab;
+  for (const char* text : {
+           "global 1x2 frames=1 seed=1 faults=0x200 knobs=0x0",  // clipped after the tint was out
+           "global-thesis 1x1 frames=1 seed=4 faults=0x400 knobs=0x0",  // the largest float as Inf
+       }) {
+    const auto wrong = check_global_with(lab)(parse_case(text));
+    EXPECT_FALSE(wrong) << text << ": " << *wrong;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, GlobalInputs, testing::ValuesIn(kGlobalMethods),
                          [](const auto& info) {
                            return std::string(info.param == Solver::global ? "global" : "thesis");

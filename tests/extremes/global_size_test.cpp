@@ -104,10 +104,9 @@ TEST_P(GlobalSizes, TheLargestFrameIsDecomposedAndOnePixelMoreIsRefusedByName) {
   EXPECT_EQ(device.memory_bytes(), held_before) << "what was made must go";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, GlobalSizes, testing::ValuesIn(kGlobalMethods),
-                         [](const auto& info) {
-                           return std::string(info.param == Solver::global ? "global" : "thesis");
-                         });
+INSTANTIATE_TEST_SUITE_P(All, GlobalSizes, testing::ValuesIn(kGlobalMethods), [](const auto& info) {
+  return std::string(info.param == Solver::global ? "global" : "thesis");
+});
 
 }  // namespace
 }  // namespace inverse::extremes

@@ -145,8 +145,8 @@ TEST_F(GlobalSymmetry, BrighterLightIsBrighterShading) {
       const Apart difference = apart(base, got);
       printf("  %s 2^%d: rms %.2e, most %.2e; amount %.4f to %.4f, gauge %.4f to %.4f\n",
              camera ? "camera" : "far above", n, difference.rms, difference.most,
-             static_cast<double>(amount), static_cast<double>(amount_),
-             static_cast<double>(gauge), static_cast<double>(gauge_));
+             static_cast<double>(amount), static_cast<double>(amount_), static_cast<double>(gauge),
+             static_cast<double>(gauge_));
       EXPECT_LT(difference.rms, camera ? 0.05 : 2e-4) << n;
       EXPECT_NEAR(amount_, amount, (camera ? 0.1F : 1e-5F) * amount) << n;
     }

@@ -121,11 +121,10 @@ class Canvas {
 }  // namespace
 
 const char* name_of(Fault fault) {
-  constexpr const char* kNames[] = {"black",        "white",     "one color",     "faint noise",
-                                    "checkerboard", "flashing",  "half black",    "stripes",
-                                    "negative",     "hot pixel", "huge",          "denormal",
-                                    "NaN",          "infinite",  "minus infinite",
-                                    "color noise",  "saturated", "gray"};
+  constexpr const char* kNames[] = {
+      "black",      "white",    "one color",      "faint noise", "checkerboard", "flashing",
+      "half black", "stripes",  "negative",       "hot pixel",   "huge",         "denormal",
+      "NaN",        "infinite", "minus infinite", "color noise", "saturated",    "gray"};
   static_assert(std::size(kNames) == kFaults);
   return kNames[fault];
 }
@@ -181,8 +180,7 @@ GlobalIntrinsic::Params global_params_of(const Case& one) {
   const bool one_color = random() % 2;
   if (one.knobs & 1U) params.reach = reach, params.near = near, params.own = own;
   if (one.knobs & 2U) params.amount = amount;
-  if (one.knobs & 4U)
-    params.typical = typical, params.trust = trust, params.neutral = neutral;
+  if (one.knobs & 4U) params.typical = typical, params.trust = trust, params.neutral = neutral;
   if (one.knobs & 8U) {
     params.base_colors = one_color ? 1 : 16;
     params.least_share = share;

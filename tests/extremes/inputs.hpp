@@ -31,7 +31,7 @@ enum Fault : uint32_t {
   kColorNoise,  ///< every channel by itself, up to 0.3
   kSaturated,   ///< a rectangle where one or more channels are full
   kGray,        ///< the green channel in all three
-  kFaults  ///< how many
+  kFaults       ///< how many
 };
 const char* name_of(Fault fault);
 
