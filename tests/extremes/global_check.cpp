@@ -61,13 +61,14 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
     apart.push_back(0);
     for (const double d : off) apart.back() += (d - mean) * (d - mean) / 3;
   }
-  // A bin on the watershed of two base colors may go either way: all but a twentieth of pixels.
+  // Empty bins between two base colors may go to either, and pixels in them are far apart then:
+  // the nearer half.
   std::sort(apart.begin(), apart.end());
-  apart.resize(apart.size() - (apart.size() + 19) / 20 + (apart.size() < 20));
+  apart.resize((apart.size() + 1) / 2);
   double sum = 0;
   for (const double d : apart) sum += d;
   const double rms = std::sqrt(sum / static_cast<double>(apart.size()));
-  if (rms < 0.02) return {};
+  if (rms < 1e-3) return {};
   return at("rms distance of the light's color to the reference, log units", 0, 0, rms);
 }
 
