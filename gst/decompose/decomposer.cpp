@@ -1,11 +1,14 @@
 #include "decomposer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 namespace inverse {
 
 namespace {
+
+constexpr uint64_t kMostDoubled = 4;  // times that each picture of a video may be shown
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -37,6 +40,7 @@ void Decomposer::reset() {
   if (palette_) palette_->reset();
   held_.reset();
   same_.reset();
+  shown_ = shown_before_ = 0;
 }
 
 PlanePtr Decomposer::draw_clusters(FrameWork& frame) {
@@ -49,8 +53,14 @@ PlanePtr Decomposer::draw_clusters(FrameWork& frame) {
 }
 
 bool Decomposer::keeps(const FrameWork& frame, const Settings& settings) {
-  if (!frame.repeated || settings.changed || !same_) same_ = frame.number;
+  if (!frame.repeated || settings.changed || !same_) {
+    same_ = frame.number;
+    shown_before_ = std::exchange(shown_, 0);
+  }
+  ++shown_;
   if (!settings.adaptive || !held_ || *same_ == frame.number) return false;
+  // Film on a faster screen shows every picture two or three times: once is enough.
+  if (shown_ <= std::min(shown_before_, kMostDoubled)) return true;
   // The last frame that is sure to be done: what is kept must not depend on how fast frames are.
   std::optional<uint64_t> done;
   if (frame.number >= past_.size() && frame.number - past_.size() >= *same_)
@@ -86,7 +96,8 @@ void Decomposer::process(FrameWork& frame) {
 void Decomposer::took(uint64_t number, double milliseconds) {
   if (!past(number).kept) done(past(number).method);
   // What costs nothing says nothing of what other frames will cost.
-  if (!past(number).kept) trade_.frame(seconds_now(), milliseconds, past(number).level);
+  if (!past(number).kept && typical(past(number).method))
+    trade_.frame(seconds_now(), milliseconds, past(number).level);
 }
 
 void Decomposer::late(double milliseconds) { trade_.late(seconds_now(), milliseconds); }

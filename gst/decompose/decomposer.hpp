@@ -67,6 +67,8 @@ class Decomposer : public Filter {
   /// method's number) of that picture with the same parameters that is completed; nothing where
   /// there is none yet.
   virtual bool settled(std::optional<uint64_t> done) const = 0;
+  /// Whether a frame (the method's number) took what others of its level will.
+  virtual bool typical(uint64_t /*number*/) const { return true; }
   /// Nothing of a frame (the method's number) is left to be done on the device.
   virtual void done(uint64_t /*number*/) {}
   /// Adds to the stats what the method tells of a completed frame (the method's number).
@@ -126,7 +128,8 @@ class Decomposer : public Filter {
   LightPictures light_;
 
   std::array<Past, gpu::kFramesInFlight> past_;
-  std::optional<Layers> held_;    // of the frame before
+  std::optional<Layers> held_;             // of the frame before
+  uint64_t shown_ = 0, shown_before_ = 0;  // frames of this picture, and of the one before
   std::optional<uint64_t> same_;  // the first frame (FrameWork's number) of this picture with these
                                   // parameters
   uint64_t last_method_ = 0;      // the last frame's number

@@ -20,11 +20,14 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {
-    return done && method_->findings(*done).change < params().keep_tolerance;
+    return done && !method_->fading() && method_->findings(*done).change < params().keep_tolerance;
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
     describe_solve(stats, method_->stats(number), method_->findings(number));
+  }
+  const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const override {
+    return method_->stats(number);
   }
 
   uint64_t decompose(FrameWork& frame) override {
@@ -43,8 +46,14 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
   bool repeated_ = false;  // the last frame that was decomposed
 
   static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table =
-        properties<Params>(kSolveSets, solve_properties<Params>());
+    static const PropertyTable<Params> table = [] {
+      PropertyTable<Params> all = solve_properties<Params>();
+      all.push_back(number<Params>(
+          "tile-tolerance", &Params::tile_tolerance, 0.f, 1.f,
+          "Change of a tile's log shading from frame to frame, rms in natural log units, up to "
+          "which it keeps its layers where its input stays the same; 0 = none does"));
+      return properties<Params>(kSolveSets, all);
+    }();
     return table;
   }
 };

@@ -19,14 +19,14 @@ PropertyTable<P> solve_properties() {
   return {
       flag<P>(
           "adaptive", &P::adaptive,
-          "Leave out what a frame does not need: tiles that stay as they are keep their layers, "
-          "tiles where little changed what was decided about their edges, cycles end when little "
-          "changes, and a picture that comes again keeps its layers once they have settled"),
+          "Leave out what a frame does not need: tiles where little changed keep what was decided "
+          "about their edges, cycles end when little changes, and a picture that comes again keeps "
+          "its layers once they have settled"),
       number<P>("settled", &P::settled, 0.f, 1.f,
                 "Change of log shading by a cycle, rms in natural log units, from which on no "
                 "further one follows; 0 = all run"),
       flag<P>("half-resolution", &P::half_resolution,
-              "Solve at half the frame's width and height, at about a third of the cost; where "
+              "Solve at half the frame's width and height, at about half the cost; where "
               "shading steps is then read from the frame"),
       flag<P>("quarter-resolution", &P::quarter_resolution,
               "With half-resolution: solve at a quarter of the frame's width and height instead"),
@@ -42,9 +42,6 @@ PropertyTable<P> solve_properties() {
       number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
                 "Change of log shading by the last cycle, rms in natural log units, below which "
                 "the layers of a picture that comes again are kept; 0 = never"),
-      number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
-                "Change of a tile's log shading from frame to frame, rms in natural log units, up "
-                "to which it keeps its layers where its input stays the same; 0 = none does"),
       number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                 "Change of intensity or chroma, natural log units, from which on a tile counts "
                 "as changed"),
@@ -146,6 +143,14 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
   }
 
  protected:
+  virtual const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const = 0;
+
+  // A frame of which only tiles were worked on, or that was solved twice, says nothing of others.
+  bool typical(uint64_t number) const override {
+    const ScaledIntrinsic::Stats& stats = solve_stats(number);
+    return !stats.listed && !stats.crossed && !stats.compared;
+  }
+
   /// The method's parameters for a frame.
   P in_force(const FrameWork& frame) const {
     P params = this->params();

@@ -65,8 +65,14 @@ void EdgePrior::record_keep(gpu::Commands& commands, const Guide& guide,
 }
 
 void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target& target,
-                       const Params& params) {
-  reset();
+                       const Params& params, bool keep) {
+  known_ = keep;
+  known_params_ = params;
+  known_system_ = target.system;
+  if (keep) {
+    commands.copy(guide.level1(), kept_, kept_->bytes());
+    commands.copy(guide.statistics(), kept_statistics_, kept_statistics_->bytes());
+  }
   commands.dispatch(fold_, {guide.statistics(), biases_}, {});
   record_edges(commands, guide, target, params, nullptr);
   record_values(commands, guide, target, params, nullptr);

@@ -37,9 +37,9 @@ class EdgePrior {
 
   EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records everything anew.
+  /// Records everything anew. `keep`: for a `record_changes` that follows.
   void record(gpu::Commands& commands, const Guide& guide, const Target& target,
-              const Params& params);
+              const Params& params, bool keep = false);
   /// As `record`, but keeps the edges of tiles of 16 x 16 pixels where the guide's 2 x 2 means are
   /// within `tolerance` (log units) of those that the edges were evaluated on. The first time, and
   /// after another target or other params, it does everything.

@@ -21,6 +21,21 @@ namespace {
 
 // Frames from one look at bins and anchor to the next, where something is left out and where not.
 constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
+// Where edges of most tiles are decided anew, comparing tiles costs more than it saves: frames from
+// one comparison to the next.
+constexpr uint64_t kCompareEvery = 8;
+
+/// What a frame is to be, without how much work is to go into it.
+IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params params) {
+  constexpr IntrinsicDecomposition::Params kUsual{};
+  params.cycles = kUsual.cycles;
+  params.warm_cycles = kUsual.warm_cycles;
+  params.settled = kUsual.settled;
+  params.still_tolerance = kUsual.still_tolerance;
+  params.tile_tolerance = kUsual.tile_tolerance;
+  return params;
+}
+
 constexpr uint64_t kVec4 = 16;  // bytes
 // Where a report has what, in vec4, and how many.
 constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
@@ -134,9 +149,10 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
-  if (!history_ || params != params_) {
+  const Params problem = but_for_effort(params);
+  if (!history_ || problem != params_) {
     since_reset_ = 0;
-    params_ = params;
+    params_ = problem;
   }
   judge(params);
   if (!taken_) continues_ = stats_.history;
@@ -147,6 +163,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
   if (!stats_.history)
     stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
+  const bool compares = params.adaptive && (!restless_ || since_reset_ % kCompareEvery == 0);
   const bool weighs = params.prior.chroma_weight > 0;
   stats_.holds = stats_.history && (!params.adaptive || holds_);
   mode_ = next_mode(params, info, before);
@@ -180,10 +197,11 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (!history_) prior_.reset();
   if (listed())
     prior_.record_tiles(commands, guide_, target, prior, active_.list());
-  else if (params.adaptive)
+  else if (compares)
     prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
   else
-    prior_.record(commands, guide_, target, prior);
+    prior_.record(commands, guide_, target, prior,
+                  params.adaptive && since_reset_ % kCompareEvery == 0);
   commands.stage("prior");
   assemble(commands, params.anchor, look_at_gate);
   commands.stage("assemble");
@@ -211,7 +229,7 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
                             params.tile_tolerance);
   anchor_.advance(commands, list());
-  Report& report = record_report(commands, params.adaptive);
+  Report& report = record_report(commands, compares);
   if (look_at_bins) commands.copy(bins_.binding(), report.found, kVec4, 0, kFoundBinding * kVec4);
   if (look_at_gate) commands.copy(gate_total_, report.found, kVec4, 0, kFoundGates * kVec4);
   report.looked_at_bins = look_at_bins;
@@ -219,7 +237,6 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("layers");
   active_.advance(mode_);
   last_ = mode_ == ActiveTiles::Mode::whole ? nullptr : intrinsic;
-  last_params_ = params;
   history_ = true;
   taken_.reset();
   commands.keep(input);
@@ -242,7 +259,7 @@ ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const 
   gauge_rests_ = false;
   // Tiles left out keep what was decided for them.
   const bool bins = params.prior.chroma_weight > 0 && binds_;
-  if (!last_ || params != last_params_ || bins != before.bins) calm_ = 0;
+  if (!last_ || since_reset_ == 0 || bins != before.bins) calm_ = 0;
   if (calm_++ < reports_.size()) return Mode::watched;
   // The last frame that is sure to be done, so that the same video always gives the same layers.
   const float* found = report(recorded_ - reports_.size()).found->map_as<float>();
@@ -250,10 +267,10 @@ ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const 
   const uint32_t busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
   float drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
   for (size_t i = 4; i < 8; ++i)
-    drift = std::max(drift, std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]));
+    drift = std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), drift);  // NaN stays
   const float off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
   const bool worth = static_cast<float>(busy) <= kMostBusy * static_cast<float>(active_.tiles());
-  if (!worth || drift > params.still_tolerance) return Mode::watched;
+  if (!worth || !(drift <= params.still_tolerance)) return Mode::watched;
   gauge_rests_ = off <= kGaugeRest;
   return Mode::listed;
 }
@@ -281,12 +298,17 @@ bool IntrinsicDecomposition::may_settle(const Params& params) const {
 
 void IntrinsicDecomposition::judge(const Params& params) {
   if (since_reset_ < reports_.size()) {
-    if (since_reset_ == 0) binds_ = holds_ = true;
+    if (since_reset_ == 0) {
+      binds_ = holds_ = true;
+      restless_ = false;
+    }
     return;
   }
   const uint64_t before = recorded_ - reports_.size();
   const Report& done = report(before);
   const Findings found = findings(before);
+  if (done.checked_edges && done.stats.history)
+    restless_ = 2 * found.tiles_evaluated > done.stats.tiles;
   if (done.looked_at_bins) binds_ = found.cut || !(found.binding < params.chroma_tolerance);
   if (done.looked_at_gate) holds_ = !(found.gate < params.hold_tolerance);
 }
@@ -313,11 +335,10 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
 }
 
 IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Commands& commands,
-                                                                      bool adaptive) {
+                                                                      bool compared) {
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
-  report.adaptive = adaptive;
-  report.mode = mode_;
+  report.checked_edges = compared && !listed();
   if (!report.found)
     report.found =
         gpu::Buffer::create(device_, gpu::Element::vec4, kFoundSize, gpu::Memory::readback);
@@ -329,7 +350,7 @@ IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Comma
   if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
   copy(gauge_.value(), kVec4, kFoundGauge);
   if (listed()) copy(active_.list().words(), kWord, kFoundActive);
-  if (adaptive && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
+  if (compared && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
   if (mode_ != ActiveTiles::Mode::whole) {
     copy(active_.busy(), kWord, kFoundBusy);
     copy(guide_.statistics(), 2 * kVec4, kFoundStatistics);
@@ -357,9 +378,9 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
         std::sqrt(found[4 * kFoundGates] / static_cast<float>(guide_.cell_extent().pixels()));
   const auto count = [&](uint64_t slot) { return std::bit_cast<uint32_t>(found[4 * slot]); };
   findings.tiles_active = of.stats.listed ? count(kFoundActive) : of.stats.tiles;
-  findings.tiles_evaluated = of.stats.listed ? findings.tiles_active
-                             : of.adaptive   ? count(kFoundEvaluated)
-                                             : of.stats.tiles;
+  findings.tiles_evaluated = of.stats.listed    ? findings.tiles_active
+                             : of.checked_edges ? count(kFoundEvaluated)
+                                                : of.stats.tiles;
   return findings;
 }
 

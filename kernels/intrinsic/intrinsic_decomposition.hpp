@@ -115,12 +115,12 @@ class IntrinsicDecomposition {
   /// What is kept of a frame for whoever asks after it is done.
   struct Report {
     Stats stats;
-    bool adaptive = false;
+    bool checked_edges = false;  // tiles were compared with those that edges were decided on
     bool looked_at_bins = false, looked_at_gate = false;
-    ActiveTiles::Mode mode = ActiveTiles::Mode::whole;
     gpu::BufferPtr found;  // slots of kFound…
   };
-  /// Decides, by the last frame that is sure to be done, whether bins and anchor matter.
+  /// Decides, by the last frame that is sure to be done, whether bins and anchor matter, and
+  /// whether edges of most tiles are decided anew anyway.
   void judge(const Params& params);
   /// Whether the next frame can do with the tiles that need work, and whether one soon might;
   /// `before` is the frame before it.
@@ -132,7 +132,7 @@ class IntrinsicDecomposition {
   /// frame. Judged by the last frame that is sure to be done.
   bool may_settle(const Params& params) const;
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
-  Report& record_report(gpu::Commands& commands, bool adaptive);
+  Report& record_report(gpu::Commands& commands, bool compared);
   bool listed() const { return mode_ == ActiveTiles::Mode::listed; }
   const TileList* list() const { return listed() ? &active_.list() : nullptr; }
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool look);
@@ -156,18 +156,17 @@ class IntrinsicDecomposition {
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
-  bool continues_ = false;                             // the frame before had one before it
-  std::optional<PlanePtr> taken_;                      // layers to start from
-  uint64_t since_reset_ = 0;                           // frames, also since params changed
-  Params params_;                                      // that it has been found with
-  bool cleared_ = false;                               // unused slots of sums
-  bool binds_ = true, holds_ = true;                   // what `judge` has found
-  ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;  // of the frame being recorded
+  bool continues_ = false;                               // the frame before had one before it
+  std::optional<PlanePtr> taken_;                        // layers to start from
+  uint64_t since_reset_ = 0;                             // frames, also since params changed
+  Params params_;                                        // that it has been found with
+  bool cleared_ = false;                                 // unused slots of sums
+  bool binds_ = true, holds_ = true, restless_ = false;  // what `judge` has found
+  ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;    // of the frame being recorded
   uint64_t calm_ = 0;  // consecutive frames that were not worked on as a whole without a look
   bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
-  PlanePtr last_;       // the layers of the frame before, where the next one might go on from them
-  Params last_params_;  // the frame before was recorded with
-  Stats stats_;         // of the frame being recorded
+  PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
+  Stats stats_;    // of the frame being recorded
 };
 
 }  // namespace inverse

@@ -23,9 +23,9 @@ void ScaledIntrinsic::judge(const Params& params) {
     compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + apart : 0);
     fade_.stop();
   }
+  if (done.stats.compared) half_distance_ = distance_->value(recorded_);
+  fits_ = half_distance_ > 0 && half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
   if (!done.stats.compared) return;
-  half_distance_ = distance_->value(recorded_);
-  fits_ = half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
   // What is far from changing is looked at ever more rarely.
   const bool far = !fits_ && half_distance_ > 1.5F * params.half_bound;
   compare_at_ = since_reset_ + (far ? kMostNext : kNext);

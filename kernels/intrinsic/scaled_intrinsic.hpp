@@ -53,6 +53,8 @@ class ScaledIntrinsic {
                 const FrameInfo& info);
   /// As IntrinsicDecomposition::drawn; null where every pixel is drawn from another resolution.
   const TileList* drawn() const { return plain_ > 1 ? methods_[0]->drawn() : nullptr; }
+  /// Whether layers still fade from those of another resolution.
+  bool fading() const { return fade_.on(); }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   uint64_t recorded() const { return recorded_; }

@@ -145,6 +145,7 @@ Plan parse(int count, char** words) {
       plan.caps_changes = 24;
       plan.cycles = 8;
       plan.slack.resident_mib = 16;  // a few samples of what swings by 10 from one to the next
+      plan.slack.device_mib = 0.5;   // pools get planes as frames in flight first ask for them
       plan.scenes = 120;
     } else if (word == "--decomposer" && more) {
       plan.decomposer = words[++i];
