@@ -2,9 +2,8 @@
 // what they claim to say.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <limits>
 
-#include "error.hpp"
 #include "global_methods.hpp"
 
 namespace inverse::extremes {
@@ -34,15 +33,21 @@ TEST_P(GlobalInputs, MixturesOfFaultsAndParameters) {
   EXPECT_FALSE(failure) << *failure;
 }
 
-TEST(GlobalInputsThatFailed, DoNotAnyMore) {
+TEST(GlobalInputsThatFailed, LightThatIsClippedAfterItsTintIsOut) {
   const Lab lab;
-  for (const char* text : {
-           "global 1x2 frames=1 seed=1 faults=0x200 knobs=0x0",  // clipped after the tint was out
-           "global-thesis 1x1 frames=1 seed=4 faults=0x400 knobs=0x0",  // the largest float as Inf
-       }) {
-    const auto wrong = check_global_with(lab)(parse_case(text));
-    EXPECT_FALSE(wrong) << text << ": " << *wrong;
-  }
+  const auto wrong =
+      check_global_with(lab)(parse_case("global 1x2 frames=1 seed=1 faults=0x200 knobs=0x0"));
+  EXPECT_FALSE(wrong) << *wrong;
+}
+
+TEST(GlobalInputsThatFailed, TheLargestFloatIsNotInfinite) {
+  const Lab lab;
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  GlobalMethod method(lab, Solver::global_thesis, {1, 1});
+  method.decompose({kLargest, kInfinite, 1e5F, 1});
+  const Pixels taken = lab.download(method.thesis().image().buffer);
+  EXPECT_EQ(taken, (Pixels{65504, 1, 65504, 1}));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GlobalInputs, testing::ValuesIn(kGlobalMethods),
