@@ -129,6 +129,10 @@ const char* name_of(Fault fault) {
   return kNames[fault];
 }
 
+uint32_t faults_for(Solver solver) {
+  return solver == Solver::global || solver == Solver::global_thesis ? kFaults : kColorNoise;
+}
+
 Pixels frame_of(const Case& one, uint32_t frame) {
   Canvas canvas(one, frame);
   for (uint32_t bit = 0; bit < kFaults; ++bit)

@@ -33,6 +33,9 @@ enum Fault : uint32_t {
   kGray,        ///< the green channel in all three
   kFaults       ///< how many
 };
+/// How many of them a method's random cases draw from: those that spoil color, from kColorNoise on,
+/// are for methods that look for the light's.
+uint32_t faults_for(Solver solver);
 const char* name_of(Fault fault);
 
 /// Bits of Case::knobs: parameters at the ends of their ranges, each drawn from the seed.

@@ -42,7 +42,7 @@ Case random_case(Solver solver, uint32_t seed, uint32_t largest) {
   if (seed % 4 == 2) one.height = 1 + one.height % 3;  // and one that lies
   one.frames = 1 + reference::random_below(a[2], 4);
   // Each with one chance in three.
-  for (uint32_t bit = 0; bit < kFaults; ++bit)
+  for (uint32_t bit = 0; bit < faults_for(solver); ++bit)
     if (reference::random_below(reference::pcg3d(seed, bit, 2)[0], 3) == 0) one.faults |= 1U << bit;
   if (seed % 3 == 0)
     for (uint32_t bit = 0; bit < kKnobs; ++bit)
