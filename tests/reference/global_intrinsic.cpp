@@ -13,6 +13,9 @@ Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
 
+constexpr double kLeastTau = 0.02;  // of a channel
+constexpr double kMostLight = 1e4;  // that the solve takes
+
 /// What one look at the grid gives for the frame.
 struct Look {
   std::vector<int> labels;
@@ -195,10 +198,14 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const Light light = light_of(rgb, shading, width, height, grid, seen, params);
 
   std::vector<double> plain(3 * n);
+  std::vector<Vec3> tau(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_of(light.tint[i]);
-    for (std::size_t c = 0; c < 3; ++c)
-      plain[3 * i + c] = rgb[3 * i + c] / std::max(color[c], 0.02);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double in = rgb[3 * i + c];
+      tau[i][c] = std::max({color[c], kLeastTau, in / kMostLight});
+      plain[3 * i + c] = in / tau[i][c];
+    }
   }
   IntrinsicParams solve = params.solve;
   if (warm) solve.cycles = params.warm_cycles;
@@ -213,7 +220,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   result.reflectance.resize(3 * n), result.indirect.resize(3 * n), result.direct.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const PixelLight layers =
-        compose(std::exp(bright.log_shading[i] - log_scale), light.tint[i], light.indirect[i]);
+        compose(std::exp(bright.log_shading[i] - log_scale), tau[i], light.indirect[i]);
     result.direct[i] = layers.direct;
     for (std::size_t c = 0; c < 3; ++c) {
       result.indirect[3 * i + c] = layers.indirect[c];

@@ -1,4 +1,5 @@
 // soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
+//      [--device-slack MIB]
 //
 // Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
 // seeks among them, caps changes, start-stop cycles, extreme changes of scene. Exit status 1 where
@@ -149,6 +150,8 @@ Plan parse(int count, char** words) {
       plan.scenes = 120;
     } else if (word == "--decomposer" && more) {
       plan.decomposer = words[++i];
+    } else if (word == "--device-slack" && more) {
+      plan.slack.device_mib = number(words[++i]);
     } else if (word == "--frames" && more) {
       plan.frames = number(words[++i]);
     } else if (word == "--caps-changes" && more) {
@@ -160,7 +163,7 @@ Plan parse(int count, char** words) {
     } else {
       throw std::runtime_error(
           "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] "
-          "[--scenes N]");
+          "[--scenes N] [--device-slack MIB]");
     }
   }
   return plan;
