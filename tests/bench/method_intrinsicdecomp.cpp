@@ -176,15 +176,14 @@ class Settings {
       const char* name;
       void (*set)(Params&);
       bool stills;
-    } modes[] = {
-        {"off", [](Params& p) { p.adaptive = false; }, false},
-        {"on", [](Params&) {}, false},
-        {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }, false},
-        {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }, false},
-        {"cycles", [](Params& p) { only(p, &Params::settled); }, false},
-        {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }, false},
-        {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }, false},
-        {"half resolution", [](Params& p) { only(p, &Params::half_bound); }, false}};
+    } modes[] = {{"off", [](Params& p) { p.adaptive = false; }, false},
+                 {"on", [](Params&) {}, false},
+                 {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }, false},
+                 {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }, false},
+                 {"cycles", [](Params& p) { only(p, &Params::settled); }, false},
+                 {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }, false},
+                 {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }, false},
+                 {"half resolution", [](Params& p) { only(p, &Params::half_bound); }, false}};
     const bool any_stills =
         std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
     double order = 0;
