@@ -59,6 +59,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
       if (color.slot != region.cluster) job.candidates.push_back(color.slot);
     if (job.candidates.empty()) {
       hopeless_.emplace_back(region.number, region.since);
+      told_hopeless_.push_back(region.number);
       continue;
     }
     job.wanted = job.candidates.size();
@@ -82,6 +83,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
     GlobalThesis::Params params = method.params();
     params.keyframes = 0;
     params.refine_rounds = 0;
+    params.cut_fraction = 0;
     params.warm_start = params.energy = params.trace = false;
     at.method->set_params(params);
     at.method->set_base_colors(method.colors());
@@ -153,6 +155,7 @@ void MisclusteringCorrection::reset() {
   job_.reset();
   ++jobs_;
   hopeless_.clear();
+  told_hopeless_.clear();
   thin_.clear();
 }
 
