@@ -270,7 +270,7 @@ TEST_F(GlobalThesisTest, FindingColorsIsNoFrame) {
 TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
   const Extent extent{64, 48};
   constexpr size_t kCut = 12;
-  for (const float fraction : {0.3f, 0.0f}) {
+  for (const float fraction : {0.2f, 0.0f}) {
     GlobalThesis method(device, extent);
     GlobalThesisParams params;
     params.cut_fraction = fraction;
