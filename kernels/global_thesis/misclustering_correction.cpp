@@ -102,7 +102,8 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
   // Nobody collected that frame: once more.
   if (frame.pending && job_ && frame.job == jobs_) job_->candidates.push_back(frame.candidate);
   frame.pending = false;
-  if (!job_) begin(commands, method, regions);
+  // From a cut on until the scene's base colors are known, there is nothing to choose from.
+  if (!job_ && method.scene_since() != UINT64_MAX) begin(commands, method, regions);
   if (!job_ || job_->candidates.empty()) return number;
   Level& at = level(job_->level);
   const int candidate = job_->candidates.back();

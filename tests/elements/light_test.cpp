@@ -370,6 +370,16 @@ TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
   EXPECT_EQ(cuts, 1);
   EXPECT_EQ(regions(), 0u);
   EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("cut")}}));
+  // It settles on the new scene: a picture that comes again is kept.
+  gboolean kept = FALSE;
+  for (int k = 0; k < 100 && !kept; ++k) {
+    harness_.process(other);
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "kept", &kept));
+    gst_structure_free(stats);
+  }
+  EXPECT_TRUE(kept);
 }
 
 TEST_F(GlobalIntrinsicThesis, AFlushDropsClicksThatWait) {
