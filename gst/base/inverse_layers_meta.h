@@ -24,12 +24,15 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_MASK: x = matte 0...1
  * @GST_INVERSE_ROLE_MODEL_LIGHT: light as the decomposer made it
  * @GST_INVERSE_ROLE_LIGHT: of `global` frames: the color of light, RGB, so that reflectance times
- * shading times it is the frame; its mean is 1 where nothing was edited. w = share of the shading
- * that is direct and white
+ * shading times it is the frame; its mean or geometric mean is 1 where nothing was edited. w =
+ * share of the shading that is direct
  * @GST_INVERSE_ROLE_INDIRECT_0: shares of the shading that bounced off surfaces of base colors
  * 0...3; the next three planes go on to 15, and are absent where there are no such colors
  * @GST_INVERSE_ROLE_BASES: the 16 base colors, RGB; w = 1, or 0 where there is no such color. 16
  * pixels in place of width * height
+ * @GST_INVERSE_ROLE_MODEL_BASES: base colors as the decomposer made them
+ * @GST_INVERSE_ROLE_LAMP: the color of direct light, RGB of geometric mean 1, one pixel; absent
+ * where it is white
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -43,6 +46,8 @@ typedef enum {
   GST_INVERSE_ROLE_INDIRECT_2,
   GST_INVERSE_ROLE_INDIRECT_3,
   GST_INVERSE_ROLE_BASES,
+  GST_INVERSE_ROLE_MODEL_BASES,
+  GST_INVERSE_ROLE_LAMP,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;

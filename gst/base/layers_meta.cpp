@@ -30,12 +30,17 @@ GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
   }
 }
 
+/// Size of a layer of a frame.
+Extent extent_of(Role role, Extent frame) {
+  if (role == Role::bases || role == Role::model_bases) return {kMaxBases, 1};
+  return role == Role::lamp ? Extent{1, 1} : frame;
+}
+
 gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   if (!gst_buffer_is_writable(meta->buffer)) return FALSE;  // somebody else's frame, too
   Layers& layers = layers_in(meta);
   if (static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return FALSE;
-  const Extent extent =
-      static_cast<Role>(role) == Role::bases ? Extent{kMaxBases, 1} : layers.extent;
+  const Extent extent = extent_of(static_cast<Role>(role), layers.extent);
   if (!layers[Role::intrinsic] || g_bytes_get_size(data) != extent.pixels() * 16) return FALSE;
   try {
     const auto device = layers[Role::intrinsic]->buffer->device();

@@ -1,4 +1,5 @@
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
+#include "base/color.hpp"
 #include "global/ladder.hpp"
 #include "solve_properties.hpp"
 
@@ -31,6 +32,15 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
                       static_cast<double>(found.tint), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
+    GValue list = G_VALUE_INIT;
+    gst_value_array_init(&list, kMaxBases);
+    for (const auto& base : found.bases) {
+      GValue entry = G_VALUE_INIT;
+      g_value_init(&entry, G_TYPE_UINT);
+      g_value_set_uint(&entry, base[0] + base[1] + base[2] > 0 ? srgb_color(base) : 0);
+      gst_value_array_append_and_take_value(&list, &entry);
+    }
+    gst_structure_take_value(stats, "base-colors", &list);
   }
 
   const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const override {

@@ -2,8 +2,8 @@
 // color.
 #include <optional>
 
+#include "base/color.hpp"
 #include "base/filter.hpp"
-#include "color.hpp"
 #include "edit/light_edit.hpp"
 
 namespace inverse {

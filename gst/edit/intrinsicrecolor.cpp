@@ -2,8 +2,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/color.hpp"
 #include "base/filter.hpp"
-#include "color.hpp"
 #include "edit/recolor.hpp"
 
 namespace inverse {

@@ -9,7 +9,8 @@
 //   b'_k = b_k + strength w_k (s_k a − b_k).
 //
 // Where surfaces were edited (kBySurface), w_k is the share of the light of base color k's own surfaces that the selection
-// holds, Σ sel I / Σ I over a sample of the pixels whose reflectance is nearest to b_k in chromaticity, I = mean R S; and
+// holds, Σ sel I / Σ I over a sample of the pixels whose unedited reflectance is nearest to the unedited b_k in chromaticity,
+// I = mean R S; and
 // s_k = b_k·key / key·key, so that what was the key's light becomes the target's. Else base colors are chosen themselves, by
 // chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
 layout(constant_id = 1) const uint kBy = 0u;
@@ -19,8 +20,9 @@ PLANE_IN(0, bases);
 PLANE_IN(1, model);      // R.rgb, S before any edit
 PLANE_IN(2, selection);  // x = 0…1
 PLANE_IN(3, palette);    // kByClustersSurface: Palette::colors(), whose cluster `index` is the key
-PLANE_OUT(4, edited);
-PLANE_OUT(5, change);  // b' − b
+PLANE_IN(4, model_bases);  // before any edit
+PLANE_OUT(5, edited);
+PLANE_OUT(6, change);  // b' − b
 layout(push_constant) uniform Push {
   vec4 key;  // linear RGB; w = tolerance
   vec4 aim;  // a; w = strength
@@ -60,7 +62,7 @@ void main() {
       float light = min(mean3(own.rgb) * own.w, kLargest), least = 3.4e38;
       int nearest = -1;
       for (int k = 0; k < kMaxBases; ++k) {
-        vec4 b = finite(FETCH(bases, k));
+        vec4 b = finite(FETCH(model_bases, k));
         vec3 off = c - chroma(b.rgb);
         float distance2 = dot(off, off);
         if (b.w > 0.0 && distance2 < least) {

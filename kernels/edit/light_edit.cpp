@@ -84,10 +84,11 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
       device_->kernel(shaders::edit_retint, {inputs.matte ? 1U : 0U, planes});
   const gpu::BufferPtr& model = layers[Role::model]->buffer;
   const PlanePtr edited = bases_.acquire();
+  const PlanePtr& before = layers[layers[Role::model_bases] ? Role::model_bases : Role::bases];
   commands.dispatch(
       choose,
       {layers[Role::bases]->buffer, model, inputs.selection ? inputs.selection->buffer : model,
-       inputs.palette ? inputs.palette : model, edited->buffer, change_},
+       inputs.palette ? inputs.palette : model, before->buffer, edited->buffer, change_},
       push, {});
   const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };

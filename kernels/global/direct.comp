@@ -22,5 +22,5 @@ void main() {
   vec4 own = LOAD(light, n);
   float direct = max(shading * mean3(own.rgb) - own.w, 0.0) / max(shading, 1e-12);
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
-  STORE(light, n, vec4(white * own.rgb, min(direct, min(min(own.r, own.g), own.b))));
+  STORE(light, n, vec4(white * own.rgb, min(min(direct, 1.0), min(min(own.r, own.g), own.b))));
 }

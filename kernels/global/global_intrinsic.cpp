@@ -31,8 +31,8 @@ namespace inverse {
 namespace {
 
 // model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneTime = 2,
-                   kSceneColors = 8, kSceneSize = 24;
+constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneAmount = 0,
+                   kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 24;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
 
@@ -54,6 +54,29 @@ uint32_t factor_for(Extent extent) {
   return factor;
 }
 
+GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
+  const auto keep = [](auto& value, auto low, auto high) {
+    value = value > low ? std::min(value, high) : low;  // low for what is not a number
+  };
+  keep(params.reach, 0.02F, 2.0F);
+  keep(params.near, 0.0F, 1.0F);
+  keep(params.own, 0.0F, 0.95F);
+  keep(params.amount, 0.0F, 2.0F);
+  keep(params.neutral, 0.0F, 100.0F);
+  keep(params.typical, 0.05F, 2.0F);
+  keep(params.spread, 0.05F, 10.0F);
+  keep(params.trust, 0.0F, 100.0F);
+  keep(params.base_colors, 1, static_cast<int>(kSlots));
+  keep(params.least_share, 0.0F, 0.5F);
+  keep(params.same_color, 0.0F, 10.0F);
+  keep(params.renew, 0.01F, 1.0F);
+  keep(params.white_balance, 0.0F, 1.0F);
+  keep(params.cut, 0.0F, 1.0F);
+  keep(params.smoothing, 0.5F, 2.5F);
+  keep(params.residual, 0.0F, 1.0F);
+  return params;
+}
+
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
 
 }  // namespace
@@ -68,13 +91,16 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
       factor_(factor_for(extent)),
       solve_(device_, extent),
       planes_(device_, extent),
-      bases_(device_, {kMaxBases, 1}) {
+      bases_(device_, {kMaxBases, 1}),
+      lamps_(device_, {1, 1}) {
   grid_ = reduced(extent_, factor_);
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
   tint_ = device_->kernel(shaders::global_tint);
   white_ = device_->kernel(shaders::global_white, {}, lanes);
-  look_ = device_->kernel(shaders::global_look, {}, lanes);
+  look_ = device_->kernel(shaders::global_look, {1, 1}, lanes);
+  decide_ = device_->kernel(shaders::global_look, {1, 0}, lanes);
+  start_ = device_->kernel(shaders::global_look, {0, 1}, lanes);
   // Where points are eight pixels apart, four aligned ones lie between the same.
   untint_ = device_->kernel(shaders::global_untint, {factor_ >= 8 ? 1U : 0U});
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
@@ -182,35 +208,45 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
   commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
 }
 
-void GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params) {
+PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame,
+                               const Params& params) {
   const struct {
     Place place;
     float gauge;
   } grid{place(), params.gauge.value};
-  const bool forget = balanced_ && params.white_balance <= 0;  // colors, too, were others
   const auto make_grid = [&](size_t raw) {
     commands.dispatch(grid_kernel_[raw], {frame->buffer, memory_, scene_, colors_, points_}, grid,
                       line_of(grid_.pixels()));
   };
-  if (params.white_balance > 0) {
-    make_grid(1);
-    const struct {
-      int32_t count;
-      float share, renew;
-    } white{static_cast<int32_t>(grid_.pixels()), params.white_balance, params.renew};
-    commands.dispatch(white_, {colors_, scene_}, white, {});
-  } else if (forget) {
-    commands.fill(scene_);
-  }
-  balanced_ = params.white_balance > 0;
-  make_grid(0);
+  const auto count = static_cast<int32_t>(grid_.pixels());
+  const bool balances = params.white_balance > 0;
+  // Colors were others before.
+  const bool forget = balances != std::exchange(balanced_, balances) || frames_ == 0;
+  if (forget) commands.fill(scene_);
   const struct {
     int32_t count;
     float cut, renew;
     uint32_t first;
-  } look{static_cast<int32_t>(grid_.pixels()), params.cut, params.renew,
-         frames_ == 0 || forget ? 1U : 0U};
-  commands.dispatch(look_, {colors_, points_, before_, scene_}, look, {});
+  } look{count, params.cut, params.renew, forget ? 1U : 0U};
+  const auto look_at = [&](const gpu::KernelPtr& kernel) {
+    commands.dispatch(kernel, {colors_, points_, before_, scene_}, look, {});
+  };
+  if (!balances) {
+    make_grid(0);
+    look_at(look_);
+    return nullptr;
+  }
+  make_grid(1);
+  look_at(decide_);
+  PlanePtr lamp = lamps_.acquire();
+  const struct {
+    int32_t count;
+    float share;
+  } white{count, params.white_balance};
+  commands.dispatch(white_, {colors_, scene_, lamp->buffer}, white, {});
+  make_grid(0);
+  look_at(start_);
+  return lamp;
 }
 
 void GlobalIntrinsic::make_taps(const Params& params) {
@@ -252,7 +288,7 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
 uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   uint32_t slots = static_cast<uint32_t>(params.base_colors);
   // Colors keep their slots, and new ones take the lowest: what the last frame that is sure to be
-  // done had says what this one needs. Light of a color beyond stays in the remainder for so long.
+  // done had says what this one needs. Light of a color beyond counts to the others for so long.
   if (frames_ >= reports_.size()) slots = report(recorded_ - reports_.size()).slots();
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
 }
@@ -276,8 +312,9 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
   commands.stage("shares");
 }
 
-Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
                                const FrameInfo& info) {
+  const Params params = within_ranges(asked);
   if (info.reset) reset();
   const bool first = frames_ == 0;
   if (first)  // some of it is read before it is written, though not used
@@ -285,7 +322,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
   const Place here = place();
-  look(commands, input, params);
+  const PlanePtr lamp = look(commands, input, params);
   commands.stage("grid");
   gather(commands, params, false);
   measure_amount(commands, params);
@@ -308,9 +345,7 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (info.shares) {
     if (!fields_)
       fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
-    // The gather of a first frame does not know its base colors yet.
-    constexpr uint64_t kCut = 16 * uint64_t{kSceneTime};
-    commands.when(scene_, kCut, [&] { gather(commands, params, true); });
+    gather(commands, params, true);  // of the frame's own base colors
     const struct {
       Place place;
       float near, own;
@@ -332,8 +367,9 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   commands.stage("direct");
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
+  layers[Role::lamp] = lamp;
   if (shares > 0) {
-    layers[Role::bases] = bases;
+    layers[Role::bases] = layers[Role::model_bases] = bases;
     share_out(commands, layers, shares);
   }
   commands.keep(input);
@@ -348,8 +384,19 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
-  return {solve_.findings(of.solve),       found[0], found[1],
-          static_cast<uint32_t>(found[3]), found[4], of.stats.first || found[8] > 0};
+  const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
+  Findings findings{solve_.findings(of.solve), slot(kSceneAmount)[0],
+                    slot(kSceneAmount)[1],     static_cast<uint32_t>(slot(kSceneAmount)[3]),
+                    slot(kSceneTint)[0],       slot(kSceneTime)[0] > 0};
+  for (uint32_t k = 0; k < kSlots; ++k) {
+    const float* color = slot(kSceneColors + k);
+    if (!(color[2] > 0)) continue;
+    // color_of in model.glsl
+    const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];
+    const float most = std::max({v + u, v - u, -2 * v});
+    findings.bases[k] = {std::exp(v + u - most), std::exp(v - u - most), std::exp(-2 * v - most)};
+  }
+  return findings;
 }
 
 }  // namespace inverse

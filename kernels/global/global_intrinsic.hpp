@@ -17,6 +17,7 @@ namespace inverse {
 /// chapter 3's). For one size on one device. Not thread-safe.
 class GlobalIntrinsic {
  public:
+  /// Values outside their range are clamped.
   struct Params : ScaledIntrinsic::Params {
     /// Standard deviation of how far surfaces light each other, 0.02…2 of the frame's width.
     float reach = 0.4F;
@@ -61,6 +62,8 @@ class GlobalIntrinsic {
     uint32_t colors = 0;   ///< base colors
     float tint = 0;        ///< rms log chroma of light that is all indirect
     bool cut = false;      ///< of the scene: nothing was taken over from the frame before
+    /// Base colors by their slot: linear, largest channel 1; black where there is none.
+    std::array<std::array<float, 3>, kMaxBases> bases{};
   };
 
   /// Throws Error(limit) where frames of this size do not fit the device.
@@ -71,7 +74,7 @@ class GlobalIntrinsic {
   /// lamps' included; direct share), and where they are asked for base colors and their shares. Who
   /// edits in place copies first what others hold. The frame kFramesInFlight before this one must
   /// have been waited for.
-  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+  Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
@@ -97,7 +100,8 @@ class GlobalIntrinsic {
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   Place place() const;
   /// Points of the grid, and whether the frame continues the one before.
-  void look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
+  /// Returns the layer of the lamps' color where that is taken out.
+  PlanePtr look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
   /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
   /// this one's.
   void gather(gpu::Commands& commands, const Params& params, bool known);
@@ -113,10 +117,10 @@ class GlobalIntrinsic {
   Extent extent_, grid_, coarse_;
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
-  PlanePool planes_, bases_;
-  gpu::KernelPtr grid_kernel_[2], white_, look_, emit_[2], summary_, blur_[2], received_kernel_,
-      amount_, weigh_, tint_, statistics_, modes_, fields_kernel_, believe_, fit_[3], untint_,
-      direct_;
+  PlanePool planes_, bases_, lamps_;
+  gpu::KernelPtr grid_kernel_[2], white_, look_, decide_, start_, emit_[2], summary_, blur_[2],
+      received_kernel_, amount_, weigh_, tint_, statistics_, modes_, fields_kernel_, believe_,
+      fit_[3], untint_, direct_;
   gpu::BufferPtr memory_;                                                     // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid

@@ -5,7 +5,10 @@
 #include "model.glsl"
 
 // One workgroup: what the frame's points count on the average; whether it is a cut, by how much chroma changed where there
-// is light; and with it, what share the frame has in what is measured of the scene.
+// is light; and with it, what share the frame has in what is measured of the scene. Where the lamps' color is taken out, the
+// cut is looked for before that (kDecide alone), and the rest follows after it.
+layout(constant_id = 1) const bool kDecide = true;
+layout(constant_id = 2) const bool kStart = true;
 PLANE_IN(0, colors);
 PLANE_INOUT(1, points);  // .z becomes the shading to start from
 PLANE_INOUT(2, before);  // chroma, the last frame's
@@ -28,14 +31,15 @@ void main() {
   }
   sum = workgroup_sum(sum);
   float change = sum.y / (sum.x + 1e-9);
-  bool cut = push.first == 1u || !(change <= push.cut);
+  bool cut = kDecide ? push.first == 1u || !(change <= push.cut) : LOAD(scene, SCENE_TIME).x > 0.0;
   for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
     vec4 point = LOAD(points, i);
-    STORE(before, i, vec4(point.xy, 0.0, 0.0));
-    if (cut) LOAD(points, i).z = point.w;
+    if (kDecide) STORE(before, i, vec4(point.xy, 0.0, 0.0));
+    if (kStart && cut) LOAD(points, i).z = point.w;
   }
   if (gl_LocalInvocationID.x > 0u) return;
+  if (kStart) LOAD(scene, SCENE_AMOUNT).z = sum.x / float(push.count) + 1e-9;
+  if (!kDecide) return;
   float frames = cut ? 1.0 : LOAD(scene, SCENE_TIME).y + 1.0;
-  LOAD(scene, SCENE_AMOUNT).z = sum.x / float(push.count) + 1e-9;
   STORE(scene, SCENE_TIME, vec4(cut ? 1.0 : 0.0, min(frames, 1e6), max(push.renew, 1.0 / frames), change));
 }

@@ -22,6 +22,8 @@ layout(push_constant) uniform Push {
   float gauge, trust, trust_tint;
 } push;
 
+const float kLeastTau = 0.02;  // of a channel
+
 #define AROUND(name, where) name[0] = FETCH(where, around.x); name[1] = FETCH(where, around.y); \
   name[2] = FETCH(where, around.z); name[3] = FETCH(where, around.w);
 #define BLEND(name) mix(mix(name[0], name[1], u.y), mix(name[2], name[3], u.y), v.y)
@@ -62,7 +64,8 @@ void main() {
       vec4 fit = BLEND(fit_at);
       tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
     }
-    STORE(plain, n, vec4(rgb / max(tau, 0.02), pixel.w));
+    tau = max(tau, max(vec3(kLeastTau), rgb / kMostLight));  // what the solve takes, so that R S tau stays the frame
+    STORE(plain, n, vec4(rgb / tau, pixel.w));
     STORE(light, n, vec4(tau, mean3(indirect)));
   }
 }

@@ -5,13 +5,13 @@
 #include "model.glsl"
 
 // One workgroup: the color of the lamps, as the sixth-power mean of the grid's colors says it (shades of gray: Finlayson and
-// Trezzi 2004), mixed with that of before.
+// Trezzi 2004), mixed with that of before; and the lamps' layer.
 PLANE_IN(0, colors);
 PLANE_INOUT(1, scene);
+PLANE_OUT(2, lamp);
 layout(push_constant) uniform Push {
   int count;    // of points
   float share;  // of the color that is taken out
-  float renew;
 } push;
 
 void main() {
@@ -24,6 +24,7 @@ void main() {
   sum = workgroup_sum(sum) / float(push.count);
   if (gl_LocalInvocationID.x > 0u) return;
   vec2 seen = push.share * chroma_of(pow(max(sum.rgb, 1e-30), vec3(1.0 / 6.0)));
-  float renew = max(push.renew, 1.0 / (LOAD(scene, SCENE_TIME).y + 1.0));
-  LOAD(scene, SCENE_WHITE).xy = mix(LOAD(scene, SCENE_WHITE).xy, seen, renew);
+  vec2 white = mix(LOAD(scene, SCENE_WHITE).xy, seen, LOAD(scene, SCENE_TIME).z);
+  LOAD(scene, SCENE_WHITE).xy = white;
+  STORE(lamp, 0, vec4(color_of(white), 1.0));
 }

@@ -153,7 +153,7 @@ void GlobalThesis::write_layers(gpu::Commands& commands, Layers& layers) {
   }
   const PlanePtr bases = bases_pool_.acquire();
   commands.copy(current_->table, bases->buffer, 16 * kMaxBases, 16 * 2 * BaseColors::kMaxColors);
-  layers[Role::bases] = bases;
+  layers[Role::bases] = layers[Role::model_bases] = bases;
 }
 
 }  // namespace inverse

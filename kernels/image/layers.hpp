@@ -17,14 +17,16 @@ enum class Role : uint8_t {
   mask,       ///< x = matte 0…1 that the next editor may use
   model_light,  ///< light as the decomposer made it
   light,        ///< of frames with more than one bounce of light: rgb = the light's color, so that
-          ///< R·S·rgb ≈ input (mean 1 where nothing was edited), edited along the chain; w = share
-          ///< of S that is direct and white, 0…1
+          ///< R·S·rgb ≈ input (of mean or geometric mean 1 where nothing was edited), edited along
+          ///< the chain; w = share of S that is direct, 0…1
   indirect,  ///< the first of kIndirectPlanes: shares of S that bounced off the surfaces of base
              ///< color 4n, 4n + 1, 4n + 2, 4n + 3; what they and the direct share do not explain
              ///< of light.rgb is a remainder without a layer of its own
   bases = indirect + 4,  ///< kMaxBases × 1: the color that light has after bouncing off surfaces of
                          ///< base color k (linear, largest channel 1, edited along the chain);
                          ///< w = 1, or 0 where there is no such color
+  model_bases,  ///< bases as the decomposer made them
+  lamp,  ///< 1 × 1: the color of direct light, linear, geometric mean 1; absent where it is white
   count
 };
 
@@ -45,7 +47,7 @@ struct Layers {
   PlanePtr& operator[](Role role) { return planes[static_cast<size_t>(role)]; }
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }
   /// Whether the light has color and layers of its own.
-  bool global() const { return (*this)[Role::light] != nullptr; }
+  bool global() const { return (*this)[Role::light] && (*this)[Role::model_light]; }
   /// Whether an editor has been at it.
   bool edited() const {
     return (*this)[Role::intrinsic] != (*this)[Role::model] ||

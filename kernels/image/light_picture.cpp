@@ -12,10 +12,7 @@ constexpr uint32_t kRows = 4;  // light_picture.comp
 
 }  // namespace
 
-LightPicture::LightPicture(const std::shared_ptr<gpu::Device>& device) {
-  for (uint32_t what = 0; what < kernels_.size(); ++what)
-    kernels_[what] = device->kernel(shaders::image_light_picture, {what});
-}
+LightPicture::LightPicture(const std::shared_ptr<gpu::Device>& device) : device_(device) {}
 
 void LightPicture::record(gpu::Commands& commands, const Layers& layers, What what,
                           const Plane& target, uint32_t base) const {
@@ -30,10 +27,12 @@ void LightPicture::record(gpu::Commands& commands, const Layers& layers, What wh
   const Extent size = layers.extent;
   const struct { uint32_t width, height, base; } push{size.width, size.height, base};
   const bool layer = what == What::layer;
+  const PlanePtr& lamp = layers[Role::lamp];
   commands.dispatch(
-      kernels_[static_cast<size_t>(what)],
+      device_->kernel(shaders::image_light_picture, {static_cast<uint32_t>(what), lamp ? 1U : 0U}),
       {layers[Role::intrinsic]->buffer, light->buffer, layer ? shares->buffer : light->buffer,
-       layer ? layers[Role::bases]->buffer : light->buffer, target.buffer},
+       layer ? layers[Role::bases]->buffer : light->buffer, lamp ? lamp->buffer : light->buffer,
+       target.buffer},
       push, {size.width, (size.height - 1) / kRows + 1});
 }
 

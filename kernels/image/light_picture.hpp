@@ -1,5 +1,5 @@
 #pragma once
-#include <array>
+#include <memory>
 
 #include "../gpu/commands.hpp"
 #include "layers.hpp"
@@ -11,7 +11,7 @@ class LightPicture {
  public:
   enum class What : uint8_t {
     all,       ///< direct and indirect light, in color
-    direct,    ///< what comes straight from the lamps, as gray
+    direct,    ///< what comes straight from the lamps, in their color
     indirect,  ///< the rest, in color
     layer,     ///< what bounced off one base color; black where there is no such color
   };
@@ -22,7 +22,7 @@ class LightPicture {
               uint32_t base = 0) const;
 
  private:
-  std::array<gpu::KernelPtr, 4> kernels_;  // by What
+  std::shared_ptr<gpu::Device> device_;
 };
 
 }  // namespace inverse

@@ -288,7 +288,7 @@ void IntrinsicDecomposition::rescale(gpu::Commands& commands, const gpu::BufferP
 }
 
 bool IntrinsicDecomposition::may_settle(const Params& params) const {
-  if (recorded_ < reports_.size()) return true;
+  if (since_reset_ < reports_.size()) return true;  // of what was before a reset nothing follows
   const uint64_t before = recorded_ - reports_.size();  // done, or this frame could not begin
   const Findings found = findings(before);
   if (found.cycles < report(before).stats.cycles) return true;

@@ -7,7 +7,7 @@
 PLANE_IN(0, frame);
 PLANE_OUT(1, image);
 
-float finite(float v) { return v > 0.0 ? (v <= 3.402823e38 ? min(v, 65504.0) : 1.0) : 0.0; }
+float finite(float v) { return v > 0.0 ? (v <= 3.4028234e38 ? min(v, 65504.0) : 1.0) : 0.0; }
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);

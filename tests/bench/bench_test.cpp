@@ -5,11 +5,13 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
 #include "tests/bench/device_session.hpp"
+#include "tests/bench/peer_despill.hpp"
 #include "tests/bench/scene.hpp"
 
 namespace inverse::bench {
@@ -79,6 +81,32 @@ TEST(Scenes, ComeBackWithTheirLight) {
   EXPECT_FALSE(scenes[1].frames[0].direct.empty());
   EXPECT_TRUE(scenes[2].frames[0].direct.empty());
   EXPECT_TRUE(scenes[2].video);
+}
+
+/// Codes as linear light and back are what they were.
+float linear(float code) {
+  return code <= 0.04045F ? code / 12.92F : std::pow((code + 0.055F) / 1.055F, 2.4F);
+}
+Image pixel(float r, float g, float b) {
+  Image image(1, 1, 3);
+  image.data = {linear(r), linear(g), linear(b)};
+  return image;
+}
+void expect_codes(const Image& found, float r, float g, float b) {
+  constexpr float kNear = 1e-4F;
+  EXPECT_NEAR(found.data[0], linear(r), kNear);
+  EXPECT_NEAR(found.data[1], linear(g), kNear);
+  EXPECT_NEAR(found.data[2], linear(b), kNear);
+}
+
+TEST(Despill, OfOthersIsWhatTheirFormulasSay) {
+  expect_codes(ffmpeg_despill(pixel(0.4F, 0.9F, 0.2F)), 0.4F, 0.3F, 0.2F);
+  expect_codes(ffmpeg_despill(pixel(0.4F, 0.2F, 0.2F)), 0.4F, 0.2F, 0.2F);
+  expect_codes(green_limit(pixel(0.4F, 0.9F, 0.2F)), 0.4F, 0.4F, 0.2F);
+  // All of the key goes; of a gray with a green cast, all of the cast and of its luma.
+  expect_codes(gst_alpha_green(pixel(0, 1, 0)), 0, 0, 0);
+  expect_codes(gst_alpha_green(pixel(0.5F, 0.7F, 0.5F)), 0.5F, 0.5F, 0.5F);
+  expect_codes(gst_alpha_green(pixel(0.8F, 0.5F, 0.4F)), 0.8F, 0.5F, 0.4F);
 }
 
 TEST(InParallel, DoesEverythingOnceAndPassesErrorsOn) {

@@ -115,6 +115,7 @@ Method indirect_guesses(DeviceSession& session) {
                                .make = [&session, blur](Size size) -> std::unique_ptr<Solver> {
                                  return std::make_unique<Guess>(session, size, blur);
                                },
+                               .video = true,
                                .layers_only = true,
                                .effort = Setting::Effort::brief});
   return method;

@@ -1,10 +1,9 @@
 // intrinsicdecomp in the benchmark.
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 #include "kernels/intrinsic/ladder.hpp"
-#include "tests/bench/methods.hpp"
+#include "tests/bench/ladder_settings.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -65,38 +64,8 @@ class Settings {
 
   /// The levels that the element offers, as they ship; presets are some of them.
   void add_ladder() {
-    const auto& ladder = intrinsic_ladder();
-    std::set<std::string> stills;
-    for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
-      Params params;
-      ladder.levels[k].set(params);
-      Setting s{.curve = "ladder", .order = double(k), .make = make(params)};
-      for (const auto& [quality, name] : kQualities)
-        if (ladder.top(quality) == k) s.preset = name;
-      s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
-                      {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
-                      {"cycles", std::to_string(params.cycles)},
-                      {"warm-cycles", std::to_string(params.warm_cycles)},
-                      {"still-tolerance", text_of(double(params.still_tolerance))},
-                      {"settled", text_of(double(params.settled))}};
-      s.effort = s.preset.empty() ? Effort::usual : Effort::brief;
-      const std::string half = params.halvings() == 0   ? ""
-                               : params.halvings() == 1 ? "half, "
-                                                        : "quarter, ";
-      s.base = k == ladder.top(Quality::medium);
-      s.name = half + std::to_string(params.cycles);
-      // Levels that differ only in how they follow a video are one to stills.
-      const bool again = k + 1 < ladder.levels.size() && [&] {
-        Params next;
-        ladder.levels[k + 1].set(next);
-        return next.halvings() == params.halvings() && next.cycles == params.cycles;
-      }();
-      if (!again) all.push_back(s);
-      s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
-      s.name = half + std::to_string(params.warm_cycles) + ", " +
-               text_of(double(params.still_tolerance));
-      all.push_back(s);
-    }
+    all = ladder_settings(
+        intrinsic_ladder(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 
   /// Multigrid cycles, all of which run: how the solve converges.
@@ -191,6 +160,15 @@ class Settings {
         }
   }
 
+  /// Leaves all of adaptivity off but one.
+  template <typename Tolerance>
+  static void only(Params& params, Tolerance tolerance) {
+    const float kept = params.*tolerance;
+    params.tile_tolerance = params.still_tolerance = params.settled = 0;
+    params.chroma_tolerance = params.hold_tolerance = params.half_bound = 0;
+    params.*tolerance = kept;
+  }
+
   /// What leaving out saves: each mode against the one that does all the work. A new one is a line
   /// here; `stills` has it measured on single frames, too.
   void add_adaptive() {
@@ -201,8 +179,12 @@ class Settings {
     } modes[] = {
         {"off", [](Params& p) { p.adaptive = false; }, false},
         {"on", [](Params&) {}, false},
-        {"tiles only", [](Params& p) { p.settled = 0; }, false},
-        {"cycles only", [](Params& p) { p.still_tolerance = p.tile_tolerance = 0; }, false}};
+        {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }, false},
+        {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }, false},
+        {"cycles", [](Params& p) { only(p, &Params::settled); }, false},
+        {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }, false},
+        {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }, false},
+        {"half resolution", [](Params& p) { only(p, &Params::half_bound); }, false}};
     const bool any_stills =
         std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
     double order = 0;

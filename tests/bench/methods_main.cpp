@@ -13,7 +13,8 @@ int main(int argc, char** argv) {
   try {
     DeviceSession session("");
     return run_bench(argc, argv, session.device()->name(),
-                     {intrinsicdecomp(session), thesis(session, ThesisParams::Solver::pcg),
+                     {intrinsicdecomp(session), globalintrinsic(session),
+                      thesis(session, ThesisParams::Solver::pcg),
                       thesis(session, ThesisParams::Solver::schwarz), indirect_guesses(session)});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench-methods: %s\n", error.what());

@@ -35,6 +35,9 @@ double scale_invariant_mse(const Image& estimate, const Image& truth, const Imag
 /// Grosse et al. take k = 20, the thesis k = 10 (section 3.6.2).
 double lmse(const Image& estimate, const Image& truth, const Image& mask, int k = 20);
 
+/// The same with one factor for all channels of a window: counts wrong colors, too.
+double color_lmse(const Image& estimate, const Image& truth, const Image& mask, int k = 20);
+
 // Structure (metrics/structure.cpp).
 
 /// Structural similarity (Wang et al. 2004), mean over pixels and channels; 11 x 11 Gaussian

@@ -7,11 +7,8 @@
 #include <exception>
 #include <fstream>
 #include <random>
-#include <thread>
 
-#include "denoise.hpp"
-#include "tests/bench/scene.hpp"
-#include "transport.hpp"
+#include "tests/bench/rendered.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -23,37 +20,11 @@ using clip::Shape;
 using clip::Vec3;
 
 constexpr int kWidth = 320, kHeight = 240;
-constexpr int kDenoisePasses = 4;
 constexpr const char* kSet = "own";
 
 TruthFrame render(const clip::Scene& scene, clip::Quality quality) {
-  const int threads = std::max(1, int(std::thread::hardware_concurrency()));
-  clip::Layers layers = clip::render(scene, kWidth, kHeight, quality, threads);
-  clip::denoise(layers, kDenoisePasses, threads);
-  TruthFrame frame{Image(kWidth, kHeight, 3),
-                   Image(kWidth, kHeight, 3),
-                   Image(kWidth, kHeight, 1),
-                   {},
-                   Image(kWidth, kHeight, 3),
-                   Image(kWidth, kHeight, 3),
-                   {}};
-  for (std::size_t i = 0; i < layers.reflectance.size(); ++i) {
-    const Vec3 r = layers.reflectance[i], s = layers.lamp[i] + layers.indirect[i];
-    constexpr float kLuminance[] = {0.2126F, 0.7152F, 0.0722F};
-    for (int c = 0; c < 3; ++c) {
-      const float light = s[c] + layers.window[i];
-      frame.reflectance.data[3 * i + std::size_t(c)] = r[c];
-      frame.direct.data[3 * i + std::size_t(c)] = layers.lamp[i][c] + layers.window[i];
-      frame.indirect.data[3 * i + std::size_t(c)] = layers.indirect[i][c];
-      frame.input.data[3 * i + std::size_t(c)] = r[c] * light;
-      frame.shading.data[i] += kLuminance[c] * light;
-    }
-  }
-  frame.input = through_8_bits(frame.input);
-  return frame;
+  return rendered(scene, kWidth, kHeight, quality);
 }
-
-Paint plain(Vec3 color) { return {Pattern::kPlain, {color}, 1, ""}; }
 
 /// A floor and a wall, a near lamp to the left, a weak window to the right.
 clip::Scene stage(Vec3 wall, Paint floor) {

@@ -44,6 +44,24 @@ float srgb_to_linear(float v) {
   return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
 }
 
+std::uint8_t srgb_code(float linear) {
+  const float v = std::clamp(linear, 0.0F, 1.0F);
+  return std::uint8_t(
+      std::lround(255 * (v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F)));
+}
+
+void write_big_endian(std::ostream& out, std::uint32_t v) {
+  for (const int shift : {24, 16, 8, 0}) out.put(char(v >> shift & 255));
+}
+
+void write_chunk(std::ostream& out, std::string text, const std::vector<std::uint8_t>& data) {
+  write_big_endian(out, std::uint32_t(data.size()));
+  text.append(data.begin(), data.end());
+  out << text;
+  write_big_endian(
+      out, std::uint32_t(crc32(0, reinterpret_cast<const Bytef*>(text.data()), uInt(text.size()))));
+}
+
 }  // namespace
 
 Image read_png(const std::string& path, bool decode_srgb) {
@@ -86,6 +104,30 @@ Image read_png(const std::string& path, bool decode_srgb) {
       }
   }
   return image;
+}
+
+void write_png(const std::string& path, const Image& linear) {
+  std::vector<std::uint8_t> rows;
+  for (int y = 0; y < linear.height; ++y) {
+    rows.push_back(0);  // no filter
+    for (int x = 0; x < linear.width; ++x)
+      for (int c = 0; c < linear.channels; ++c) rows.push_back(srgb_code(linear.at(x, y, c)));
+  }
+  uLongf size = compressBound(rows.size());
+  std::vector<std::uint8_t> packed(size);
+  if (compress(packed.data(), &size, rows.data(), rows.size()) != Z_OK)
+    fail(path, "cannot be packed");
+  packed.resize(size);
+  std::vector<std::uint8_t> head;
+  for (const int v : {linear.width, linear.height})
+    for (const int shift : {24, 16, 8, 0}) head.push_back(std::uint8_t(v >> shift & 255));
+  for (const int v : {8, linear.channels == 3 ? 2 : 0, 0, 0, 0}) head.push_back(std::uint8_t(v));
+  std::ofstream out(path, std::ios::binary);
+  out << "\x89PNG\r\n\x1a\n";
+  write_chunk(out, "IHDR", head);
+  write_chunk(out, "IDAT", packed);
+  write_chunk(out, "IEND", {});
+  if (!out.flush()) fail(path, "cannot be written");
 }
 
 }  // namespace inverse::bench

@@ -93,6 +93,19 @@ Size size_of(const Scene& scene) {
   return {scene.frames.front().input.width, scene.frames.front().input.height};
 }
 
+Image sum(Image a, const Image& b) {
+  for (std::size_t i = 0; i < a.data.size(); ++i) a.data[i] += b.data[i];
+  return a;
+}
+
+/// RGB shading: the sum of its layers, or gray.
+Image colored_shading(const Decomposition& d) {
+  if (!d.direct.empty()) return sum(d.direct, d.indirect);
+  Image out(d.shading.width, d.shading.height, 3);
+  for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] = d.shading.data[i / 3];
+  return out;
+}
+
 bool has_layers(const Scene& scene) { return !scene.frames.front().direct.empty(); }
 
 bool wanted(const Setting& setting, const Scene& scene, const Options& options) {
@@ -271,6 +284,16 @@ class Bench {
       const LayerScores scores =
           score_layers(d.direct, d.indirect, truth.direct, truth.indirect, truth.mask);
       for (const auto& [name, field] : kLayerScoreFields) note(name, scores.*field);
+    }
+    // By layer; where the truth knows the color of light, wrong colors count.
+    if (truth.direct.empty()) {
+      note("lmse20_R", lmse(d.reflectance, truth.reflectance, truth.mask));
+      note("lmse20_S", lmse(d.shading, truth.shading, truth.mask));
+    } else {
+      note("lmse20_R", color_lmse(d.reflectance, truth.reflectance, truth.mask));
+      note("lmse20_S",
+           color_lmse(colored_shading(d), sum(truth.direct, truth.indirect), truth.mask));
+      if (!d.direct.empty()) note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
     }
     if (row.setting->layers_only) return;
     if (row.scene->video) {

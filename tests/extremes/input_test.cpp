@@ -31,6 +31,15 @@ TEST_P(Inputs, MixturesOfFaultsAndParameters) {
   EXPECT_FALSE(failure) << *failure;
 }
 
+TEST(InputsThatFailed, ARowOfTwoThatNextToNothingHolds) {
+  // Black and 1e4 above and below: single precision lost what else holds the row, and its block
+  // was solved for a pivot of 0.
+  const Lab lab;
+  const auto wrong =
+      check_with(lab)(parse_case("multigrid 2x31 frames=1 seed=57 faults=0x80 knobs=0x0"));
+  EXPECT_FALSE(wrong) << *wrong;
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Inputs, testing::ValuesIn(kSolvers),
                          [](const auto& info) { return std::string(name_of(info.param)); });
 

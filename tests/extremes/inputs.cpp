@@ -72,6 +72,23 @@ class Canvas {
         return some(0.05F, kPlusInfinity, random);
       case kMinusInfinite:
         return some(0.05F, -kPlusInfinity, random);
+      case kColorNoise:
+        return each_channel([&](float& v) { v += 0.6F * (unit(random) - 0.5F); });
+      case kSaturated: {
+        const float left = red - 0.5F, top = unit(random) - 0.5F;
+        const uint32_t full = 1 + random() % 7;
+        return each_pixel([&](uint32_t x, uint32_t y, float* p) {
+          const auto within = [](float from, uint32_t at, uint32_t size) {
+            const float u = (static_cast<float>(at) + 0.5F) / static_cast<float>(size) - from;
+            return u >= 0 && u <= 0.6F;
+          };
+          if (!within(left, x, one_.width) || !within(top, y, one_.height)) return;
+          for (uint32_t c = 0; c < 3; ++c)
+            if (full >> c & 1U) p[c] = 1;
+        });
+      }
+      case kGray:
+        return each_pixel([](uint32_t, uint32_t, float* p) { p[0] = p[2] = p[1]; });
       case kFaults:
         return;
     }
@@ -104,12 +121,16 @@ class Canvas {
 }  // namespace
 
 const char* name_of(Fault fault) {
-  constexpr const char* kNames[] = {"black",        "white",     "one color",     "faint noise",
-                                    "checkerboard", "flashing",  "half black",    "stripes",
-                                    "negative",     "hot pixel", "huge",          "denormal",
-                                    "NaN",          "infinite",  "minus infinite"};
+  constexpr const char* kNames[] = {
+      "black",      "white",    "one color",      "faint noise", "checkerboard", "flashing",
+      "half black", "stripes",  "negative",       "hot pixel",   "huge",         "denormal",
+      "NaN",        "infinite", "minus infinite", "color noise", "saturated",    "gray"};
   static_assert(std::size(kNames) == kFaults);
   return kNames[fault];
+}
+
+uint32_t faults_for(Solver solver) {
+  return solver == Solver::global || solver == Solver::global_thesis ? kFaults : kColorNoise;
 }
 
 Pixels frame_of(const Case& one, uint32_t frame) {
@@ -119,8 +140,11 @@ Pixels frame_of(const Case& one, uint32_t frame) {
   return canvas.take();
 }
 
-IntrinsicDecomposition::Params intrinsic_params_of(const Case& one) {
-  IntrinsicDecomposition::Params params;
+namespace {
+
+/// Of what solves: intrinsicdecomp's knobs, in whatever has its parameters.
+template <typename Params>
+void turn_knobs(const Case& one, Params& params) {
   std::mt19937 random(one.seed);
   const auto end = [&] { return random() % 2 ? 1e3F : 1e-3F; };  // drawn whether it is used or not
   const float ends[] = {end(), end(), end(), end(), end()};
@@ -136,6 +160,77 @@ IntrinsicDecomposition::Params intrinsic_params_of(const Case& one) {
     params.anchor.hold = 0.99F;
     params.anchor.hold_light = less ? 1e-3F : 10;
     params.gauge.quantile = less ? 0 : 1;
+  }
+}
+
+}  // namespace
+
+IntrinsicDecomposition::Params intrinsic_params_of(const Case& one) {
+  IntrinsicDecomposition::Params params;
+  turn_knobs(one, params);
+  return params;
+}
+
+GlobalIntrinsic::Params global_params_of(const Case& one) {
+  GlobalIntrinsic::Params params;
+  std::mt19937 random(~one.seed);
+  const auto either = [&](float low, float high) { return random() % 2 ? high : low; };
+  // Drawn whether they are used or not.
+  const float reach = either(0.02F, 2), near = either(0, 1), own = either(0, 0.95F),
+              amount = either(0.01F, 2), typical = either(0.05F, 2), trust = either(0, 100),
+              neutral = either(0, 10), share = either(0, 0.5F), same = either(0, 3),
+              white = either(0, 1), cut = either(0, 1), renew = either(0.01F, 1),
+              smoothing = either(0.5F, 2.5F), residual = either(0, 1);
+  const bool one_color = random() % 2;
+  if (one.knobs & 1U) params.reach = reach, params.near = near, params.own = own;
+  if (one.knobs & 2U) params.amount = amount;
+  if (one.knobs & 4U) params.typical = typical, params.trust = trust, params.neutral = neutral;
+  if (one.knobs & 8U) {
+    params.base_colors = one_color ? 1 : 16;
+    params.least_share = share;
+    params.same_color = same;
+  }
+  if (one.knobs & 16U) {
+    params.white_balance = white;
+    params.cut = cut;
+    params.renew = renew;
+    params.smoothing = smoothing;
+    params.residual = residual;
+  }
+  if (one.knobs & 32U) {
+    Case solve = one;
+    solve.knobs = one.seed % 63 + 1;
+    turn_knobs(solve, params);
+  }
+  return params;
+}
+
+GlobalThesisParams global_thesis_params_of(const Case& one) {
+  GlobalThesisParams params;
+  std::mt19937 random(~one.seed);
+  const auto end = [&] { return random() % 2 ? 1e6F : random() % 2 ? 1e-6F : 0.0F; };
+  const float ends[] = {end(), end(), end(), end(), end(), end(), end(), end()};
+  const uint32_t draw = random();
+  if (one.knobs & 1U) params.lambda_data = ends[0], params.lambda_clustering = ends[1];
+  if (one.knobs & 2U) params.lambda_r_sparsity = ends[2], params.lambda_r_consistency = ends[3];
+  if (one.knobs & 4U) params.lambda_monochrome = ends[4], params.lambda_i_sparsity = ends[5];
+  if (one.knobs & 8U) params.lambda_smoothness = ends[6], params.lambda_non_negativity = ends[7];
+  if (one.knobs & 16U) {
+    params.p = draw % 3 == 0 ? 0.0F : draw % 3 == 1 ? 2.0F : 1.0F;
+    params.epsilon = params.epsilon_r = draw & 4U ? 1e-4F : 1.0F;
+    params.irls =
+        draw & 8U ? GlobalThesisParams::Irls::printed : GlobalThesisParams::Irls::consistent;
+    params.warm_start = draw & 16U;
+    params.steps = draw & 32U ? 1 : 20;
+  }
+  if (one.knobs & 32U) {
+    params.alpha_sr = draw & 64U ? 1e4F : 0;
+    params.tau_cc = params.tau_merge = draw & 128U ? 3.0F : 0;
+    params.tau_neutral = draw & 256U ? 3.0F : 0;
+    params.log_floor = params.chroma_floor = draw & 512U ? 1e-6F : 0.5F;
+    params.indirect_start = draw & 1024U ? 1.0F : 0;
+    params.clusters = draw & 2048U ? 1 : 16;
+    params.keyframe_spacing = 1;
   }
   return params;
 }

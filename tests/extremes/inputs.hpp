@@ -2,6 +2,8 @@
 #pragma once
 #include <string>
 
+#include "global/global_intrinsic.hpp"
+#include "global_thesis/global_thesis_params.hpp"
 #include "intrinsic/intrinsic_decomposition.hpp"
 #include "intrinsic_thesis/thesis_params.hpp"
 #include "lab.hpp"
@@ -26,8 +28,14 @@ enum Fault : uint32_t {
   kNan,
   kInfinite,
   kMinusInfinite,
-  kFaults  ///< how many
+  kColorNoise,  ///< every channel by itself, up to 0.3
+  kSaturated,   ///< a rectangle where one or more channels are full
+  kGray,        ///< the green channel in all three
+  kFaults       ///< how many
 };
+/// How many of them a method's random cases draw from: those that spoil color, from kColorNoise on,
+/// are for methods that look for the light's.
+uint32_t faults_for(Solver solver);
 const char* name_of(Fault fault);
 
 /// Bits of Case::knobs: parameters at the ends of their ranges, each drawn from the seed.
@@ -40,6 +48,8 @@ Pixels frame_of(const Case& one, uint32_t frame);
 /// The parameters of a case: defaults, then its knobs.
 IntrinsicDecomposition::Params intrinsic_params_of(const Case& one);
 ThesisParams thesis_params_of(const Case& one);
+GlobalIntrinsic::Params global_params_of(const Case& one);
+GlobalThesisParams global_thesis_params_of(const Case& one);
 
 /// What of a value the methods take: NaN, negative and −Inf 0, +Inf 1, the rest at most `most`.
 float finite_light(float value, float most);

@@ -219,6 +219,10 @@ const char* name_of(Solver solver) {
       return "pcg";
     case Solver::schwarz:
       return "schwarz";
+    case Solver::global:
+      return "global";
+    case Solver::global_thesis:
+      return "global-thesis";
   }
   return "";
 }

@@ -1,6 +1,7 @@
-// extremes [--report FILE | --case TEXT] [GoogleTest's options]
+// extremes [--report FILE | --case TEXT | --search SOLVER FIRST COUNT] [GoogleTest's options]
 //
-// The stability suite. --case TEXT runs one random case, as a failure names it. --report FILE runs
+// The stability suite. --case TEXT runs one random case, as a failure names it. --search runs COUNT
+// of a solver's cases from seed FIRST on and shrinks the first that fails. --report FILE runs
 // the ladder of stiff systems instead of the tests and writes condition numbers against digits
 // kept, for every solver, as JSON.
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 
 #include "check.hpp"
 #include "error.hpp"
+#include "global_methods.hpp"
 #include "problem.hpp"
 
 namespace inverse::extremes {
@@ -44,9 +46,25 @@ int report(const char* path) {
   return fclose(file) == 0 ? 0 : 1;
 }
 
+Check check_for(Solver solver, const Lab& lab) {
+  const bool global = solver == Solver::global || solver == Solver::global_thesis;
+  return global ? check_global_with(lab) : check_with(lab);
+}
+
+int search(const std::string& solver, const char* first, const char* count) {
+  const Lab lab;
+  const Solver kind = parse_case(solver + " 1x1 frames=1 seed=1 faults=0x0 knobs=0x0").solver;
+  const auto failure =
+      first_failure(kind, static_cast<uint32_t>(std::stoul(first)),
+                    static_cast<uint32_t>(std::stoul(count)), 48, check_for(kind, lab));
+  printf("%s\n", failure ? failure->c_str() : "nothing is wrong");
+  return failure ? 1 : 0;
+}
+
 int run_case(const char* text) {
   const Lab lab;
-  const auto wrong = check_with(lab)(parse_case(text));
+  const Case one = parse_case(text);
+  const auto wrong = check_for(one.solver, lab)(one);
   printf("%s\n", wrong ? wrong->c_str() : "nothing is wrong");
   return wrong ? 1 : 0;
 }
@@ -58,6 +76,8 @@ int main(int count, char** words) {
   try {
     if (count == 3 && strcmp(words[1], "--report") == 0) return inverse::extremes::report(words[2]);
     if (count == 3 && strcmp(words[1], "--case") == 0) return inverse::extremes::run_case(words[2]);
+    if (count == 5 && strcmp(words[1], "--search") == 0)
+      return inverse::extremes::search(words[2], words[3], words[4]);
   } catch (const std::exception& error) {
     fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -14,8 +14,13 @@ enum class Solver : uint8_t {
   multigrid,  ///< intrinsicdecomp's
   pcg,        ///< of intrinsicdecompthesis
   schwarz,    ///< of intrinsicdecompthesis
+  global,     ///< globalintrinsic's: what it finds around a solve by multigrid
+  global_thesis,
 };
+/// What solves one system for each frame.
 inline constexpr Solver kSolvers[] = {Solver::multigrid, Solver::pcg, Solver::schwarz};
+/// What finds direct and indirect light beside it (global_methods.hpp).
+inline constexpr Solver kGlobalMethods[] = {Solver::global, Solver::global_thesis};
 const char* name_of(Solver solver);
 
 /// A x = b with a symmetric positive definite A whose entries a float holds exactly, or nearly.

@@ -22,7 +22,8 @@ Case parse_case(const std::string& text) {
   if (sscanf(text.c_str(), "%31s %ux%u frames=%u seed=%u faults=0x%x knobs=0x%x", solver,
              &one.width, &one.height, &one.frames, &one.seed, &one.faults, &one.knobs) == 7 &&
       one.width > 0 && one.height > 0 && one.frames > 0)
-    for (const Solver kind : kSolvers)
+    for (const Solver kind :
+         {Solver::multigrid, Solver::pcg, Solver::schwarz, Solver::global, Solver::global_thesis})
       if (name_of(kind) == std::string(solver)) {
         one.solver = kind;
         return one;
@@ -41,7 +42,7 @@ Case random_case(Solver solver, uint32_t seed, uint32_t largest) {
   if (seed % 4 == 2) one.height = 1 + one.height % 3;  // and one that lies
   one.frames = 1 + reference::random_below(a[2], 4);
   // Each with one chance in three.
-  for (uint32_t bit = 0; bit < kFaults; ++bit)
+  for (uint32_t bit = 0; bit < faults_for(solver); ++bit)
     if (reference::random_below(reference::pcg3d(seed, bit, 2)[0], 3) == 0) one.faults |= 1U << bit;
   if (seed % 3 == 0)
     for (uint32_t bit = 0; bit < kKnobs; ++bit)

@@ -43,13 +43,16 @@ TEST(Shrinking, CasesAreDescribedWholeAndReadBack) {
 }
 
 TEST(Shrinking, RandomCasesReachEveryFaultAndKnob) {
-  uint32_t faults = 0, knobs = 0;
-  for (uint32_t seed = 1; seed <= 30; ++seed) {
-    faults |= random_case(Solver::pcg, seed, 64).faults;
-    knobs |= random_case(Solver::pcg, seed, 64).knobs;
+  for (const Solver solver : {Solver::pcg, Solver::global}) {
+    uint32_t faults = 0, knobs = 0;
+    for (uint32_t seed = 1; seed <= 30; ++seed) {
+      faults |= random_case(solver, seed, 64).faults;
+      knobs |= random_case(solver, seed, 64).knobs;
+    }
+    EXPECT_EQ(faults, (1U << faults_for(solver)) - 1) << name_of(solver);
+    EXPECT_EQ(knobs, (1U << kKnobs) - 1) << name_of(solver);
   }
-  EXPECT_EQ(faults, (1U << kFaults) - 1);
-  EXPECT_EQ(knobs, (1U << kKnobs) - 1);
+  EXPECT_EQ(faults_for(Solver::global), static_cast<uint32_t>(kFaults));
 }
 
 }  // namespace

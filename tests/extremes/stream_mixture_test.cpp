@@ -223,7 +223,8 @@ TEST_P(StreamMixtures, GiveAFrameForAFrameOrOneClearError) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, StreamMixtures,
-                         ::testing::Values("intrinsicdecomp", "intrinsicdecompthesis"),
+                         ::testing::Values("intrinsicdecomp", "intrinsicdecompthesis",
+                                           "globalintrinsic", "globalintrinsicthesis"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

@@ -143,13 +143,19 @@ TEST_F(GlobalTest, TakesTheLampsColorOutAsTheReferenceDoes) {
   spec.white_balance = 0.7;
   GlobalIntrinsic method(device, extent);
   reference::GlobalState state;
-  for (unsigned frame = 0; frame < 3; ++frame) {
+  for (unsigned frame = 0; frame < 4; ++frame) {
     Room made = room(extent, frame);
+    if (frame == 3)  // another scene: nothing of the lamps before is taken over
+      for (size_t i = 0; i < made.frame.size(); i += 4)
+        std::swap(made.frame[i], made.frame[i + 2]),
+            std::swap(made.frame[i + 1], made.frame[i + 2]);
     for (size_t i = 0; i < made.frame.size(); i += 4)
       for (size_t c = 0; c < 3; ++c) made.frame[i + c] *= std::array{1.0F, 0.8F, 0.55F}[c];
     const Result got = decompose(method, made.frame, extent, params, {false});
     auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
                                                 int(extent.height), spec, &state);
+    EXPECT_EQ(got.found.cut, frame == 0 || frame == 3);
+    EXPECT_EQ(expected.cut, frame == 3);
     // There the lamps' color is beside the light, here it is in it.
     const auto white = reference::global::color_of(expected.white);
     Result plain = got;

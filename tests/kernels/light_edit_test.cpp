@@ -244,6 +244,43 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
   }
 }
 
+TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
+  // Two walls; one is painted blue, and red again.
+  const Extent extent{32, 8};
+  Pixels model(4 * extent.pixels()), light = model, shares = model, bases(4 * kMaxBases);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const bool red = n % 32 < 16;
+    const float own[] = {red ? 0.6F : 0.05F, 0.05F, red ? 0.05F : 0.5F, 1};
+    const float color[] = {0.5F + 0.3F + 0.02F, 0.5F + 0.03F + 0.02F, 0.5F + 0.03F + 0.2F, 0.5F};
+    std::copy_n(own, 4, &model[4 * n]);
+    std::copy_n(color, 4, &light[4 * n]);
+    shares[4 * n] = 0.3F, shares[4 * n + 1] = 0.2F;
+  }
+  const float red_base[] = {1, 0.1F, 0.1F, 1}, blue_base[] = {0.1F, 0.1F, 1, 1};
+  std::copy_n(red_base, 4, &bases[0]);
+  std::copy_n(blue_base, 4, &bases[4]);
+  Layers layers{extent, {}};
+  layers[Role::input] = shared_plane(extent, random_pixels(extent, 2));
+  layers[Role::intrinsic] = layers[Role::model] = shared_plane(extent, model);
+  layers[Role::light] = layers[Role::model_light] = shared_plane(extent, light);
+  layers[Role::indirect] = shared_plane(extent, shares);
+  layers[Role::bases] = layers[Role::model_bases] = shared_plane({kMaxBases, 1}, bases);
+  // Only the left wall, whatever it looks like.
+  Pixels left(4 * extent.pixels());
+  for (size_t n = 0; n < extent.pixels(); ++n) left[4 * n] = n % 32 < 16 ? 1.0F : 0.0F;
+  layers[Role::mask] = shared_plane(extent, left);
+  RecolorParams params;
+  params.tolerance = 0.5F;
+  Recolor recolor(device, extent);
+  for (const bool back : {false, true}) {
+    params.key = back ? std::array{0.05F, 0.05F, 0.6F} : std::array{0.6F, 0.05F, 0.05F};
+    params.target = back ? std::array{0.6F, 0.05F, 0.05F} : std::array{0.05F, 0.05F, 0.6F};
+    run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
+  }
+  const Pixels now = download(layers[Role::light]->buffer);
+  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 6e-3) << i;
+}
+
 TEST_F(LightEditTest, ComposeMultipliesByTheColorOfLight) {
   for (const Extent extent : kOddSizes) {
     Frame made = frame(extent, 3, 5);

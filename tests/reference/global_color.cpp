@@ -38,8 +38,8 @@ Split split(double shading, const Vec3& indirect) {
   return out;
 }
 
-PixelLight compose(double exp_s, const Chroma& tint, const Vec3& gathered) {
-  Vec3 light = color_of(tint);
+PixelLight compose(double exp_s, const Vec3& tau, const Vec3& gathered) {
+  Vec3 light = tau;
   for (double& v : light) v *= exp_s;
   PixelLight out;
   out.direct =

@@ -35,13 +35,13 @@ struct Split {
 };
 Split split(double shading, const Vec3& indirect);
 
-/// Light of mean exp(s) mean(color_of(tint)) in two layers whose sum is exp(s) color_of(tint): as
-/// much indirect light as gathered, and more where white direct light cannot explain the color.
+/// Light exp(s) tau in two layers: as much indirect light as gathered, and more where white direct
+/// light cannot explain the color.
 struct PixelLight {
   double direct = 0;
   Vec3 indirect{};
 };
-PixelLight compose(double exp_s, const Chroma& tint, const Vec3& gathered);
+PixelLight compose(double exp_s, const Vec3& tau, const Vec3& gathered);
 
 /// Log chroma of split(shading, indirect).
 Chroma tint_of(double shading, const Vec3& indirect);

@@ -13,6 +13,9 @@ Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
 
+constexpr double kLeastTau = 0.02;  // of a channel
+constexpr double kMostLight = 1e4;  // that the solve takes
+
 /// What one look at the grid gives for the frame.
 struct Look {
   std::vector<int> labels;
@@ -173,37 +176,36 @@ GlobalResult decompose_global(const double* input, int width, int height,
   std::vector<double> rgb(3 * n);
   for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] = sanitize_linear(input[i]);
   const int factor = grid_factor(width, height, params.grid);
+  // Whether it is a cut is seen by what the camera saw.
+  const Grid raw = make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor);
+  if (warm && change_of(raw, scene.chroma) > params.cut) {
+    result.cut = true;
+    scene = {};
+  }
+  scene.chroma = raw.chroma;
+  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
   if (params.white_balance > 0) {
-    const Chroma seen =
-        illuminant(make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor));
-    scene.white = scene.white + std::max(params.renew, 1.0 / (scene.frames + 1)) *
-                                    (params.white_balance * seen - scene.white);
+    scene.white = scene.white + renew * (params.white_balance * illuminant(raw) - scene.white);
     const Vec3 color = color_of(scene.white);
     for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] /= color[i % 3];
   }
   result.white = scene.white;
-
-  std::vector<double> shading = guess_shading(rgb, params, warm ? state : nullptr);
-  Grid grid = make_grid(rgb, shading, width, height, factor);
-  if (warm && change_of(grid, scene.chroma) > params.cut) {
-    result.cut = true;
-    const Chroma white = scene.white;
-    scene = {};
-    scene.white = white;
-    shading = guess_shading(rgb, params, nullptr);
-    grid = make_grid(rgb, shading, width, height, factor);
-  }
-  scene.chroma = grid.chroma;
-  const double renew = std::max(params.renew, 1.0 / (scene.frames + 1));
+  const std::vector<double> shading =
+      guess_shading(rgb, params, warm && !result.cut ? state : nullptr);
+  const Grid grid = make_grid(rgb, shading, width, height, factor);
   const Look seen = look(grid, params, renew, scene);
   ++scene.frames;
   const Light light = light_of(rgb, shading, width, height, grid, seen, params);
 
   std::vector<double> plain(3 * n);
+  std::vector<Vec3> tau(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_of(light.tint[i]);
-    for (std::size_t c = 0; c < 3; ++c)
-      plain[3 * i + c] = rgb[3 * i + c] / std::max(color[c], 0.02);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double in = rgb[3 * i + c];
+      tau[i][c] = std::max({color[c], kLeastTau, in / kMostLight});
+      plain[3 * i + c] = in / tau[i][c];
+    }
   }
   IntrinsicParams solve = params.solve;
   if (warm) solve.cycles = params.warm_cycles;
@@ -218,7 +220,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   result.reflectance.resize(3 * n), result.indirect.resize(3 * n), result.direct.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const PixelLight layers =
-        compose(std::exp(bright.log_shading[i] - log_scale), light.tint[i], light.indirect[i]);
+        compose(std::exp(bright.log_shading[i] - log_scale), tau[i], light.indirect[i]);
     result.direct[i] = layers.direct;
     for (std::size_t c = 0; c < 3; ++c) {
       result.indirect[3 * i + c] = layers.indirect[c];
@@ -228,9 +230,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   }
   result.label = light.label;
   result.colors = seen.colors;
-  // Layers are of the frame's own base colors, which the gather of a first frame does not know yet.
-  result.gather = scene.frames > 1 ? seen.gather
-                                   : Gather(grid, seen.labels, params.palette.most, params.gather);
+  // Layers are of the frame's own base colors, which the gather before does not know yet.
+  result.gather = Gather(grid, seen.labels, params.palette.most, params.gather);
   result.gather_factor = 2 * factor;
   result.amount = seen.amount;
   result.tint = seen.statistics.full;

@@ -1,4 +1,5 @@
 // soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
+//      [--device-slack MIB]
 //
 // Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
 // seeks among them, caps changes, start-stop cycles, extreme changes of scene. Exit status 1 where
@@ -145,9 +146,12 @@ Plan parse(int count, char** words) {
       plan.caps_changes = 24;
       plan.cycles = 8;
       plan.slack.resident_mib = 16;  // a few samples of what swings by 10 from one to the next
+      plan.slack.device_mib = 0.5;   // pools get planes as frames in flight first ask for them
       plan.scenes = 120;
     } else if (word == "--decomposer" && more) {
       plan.decomposer = words[++i];
+    } else if (word == "--device-slack" && more) {
+      plan.slack.device_mib = number(words[++i]);
     } else if (word == "--frames" && more) {
       plan.frames = number(words[++i]);
     } else if (word == "--caps-changes" && more) {
@@ -159,7 +163,7 @@ Plan parse(int count, char** words) {
     } else {
       throw std::runtime_error(
           "soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] "
-          "[--scenes N]");
+          "[--scenes N] [--device-slack MIB]");
     }
   }
   return plan;

@@ -40,6 +40,23 @@ TEST_F(Files, FlatDumpsComeBackAsTheyWere) {
   EXPECT_EQ(stacked({&image, &image}).at(4, 2, 3), image.at(4, 2, 1));
 }
 
+TEST_F(Files, PicturesComeBackToHalfACode) {
+  Image image(7, 5, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = float(i) / 104;
+  image.data[0] = -1, image.data[1] = 2;  // cut
+  write_png(path("a.png"), image);
+  const Image back = read_png(path("a.png"), true);
+  ASSERT_EQ(back.data.size(), image.data.size());
+  EXPECT_EQ(back.width, 7);
+  EXPECT_EQ(back.data[0], 0);
+  EXPECT_EQ(back.data[1], 1);
+  for (std::size_t i = 2; i < image.data.size(); ++i)
+    EXPECT_NEAR(back.data[i], image.data[i], 0.0046) << i;  // half a code at white: 2.27 / 255 / 2
+  write_png(path("gray.png"), channels(image, 2, 1));
+  EXPECT_EQ(read_png(path("gray.png"), true).channels, 1);
+  EXPECT_THROW(write_png(path("no folder/a.png"), image), std::runtime_error);
+}
+
 TEST_F(Files, ThatAreDamagedAreRefused) {
   EXPECT_THROW(read_flat(path("none.f32")), std::runtime_error);
   std::ofstream(path("short.f32")) << "F32 100 100 3 1\nabc";

@@ -114,6 +114,18 @@ TEST(Lmse, ThatIsLocalSeesNoSlowDrift) {
 }
 
 // Of constants only luminance differs: (2ab + c1) / (a² + b² + c1); contrast and structure are 1.
+TEST(Lmse, OfColorHasOneFactorForAllChannels) {
+  const Image truth = noise(50, 40, 3, 2);
+  EXPECT_DOUBLE_EQ(color_lmse(Image(50, 40, 3), truth, {}), 1);
+  Image scaled = truth, tinted(20, 20, 3);
+  for (float& v : scaled.data) v *= 3;
+  EXPECT_NEAR(color_lmse(scaled, truth, {}), 0, kNear);
+  // Gray for a color (1, 2, 3): what the best gray, their mean, leaves of it.
+  for (std::size_t i = 0; i < tinted.data.size(); ++i) tinted.data[i] = float(1 + i % 3);
+  EXPECT_NEAR(color_lmse(Image(20, 20, 3, 1), tinted, {}), 2.0 / 14, kNear);
+  EXPECT_NEAR(lmse(Image(20, 20, 3, 1), tinted, {}), 0, kNear);
+}
+
 TEST(Structure, OfConstantsIsLuminance) {
   const double a = 0.8, b = 0.4, c1 = 1e-4;
   const double luminance = (2 * a * b + c1) / (a * a + b * b + c1);

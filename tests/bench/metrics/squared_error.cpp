@@ -94,4 +94,22 @@ double lmse(const Image& estimate, const Image& truth, const Image& mask, int k)
   return total > 0 ? error / total : 0.0;
 }
 
+double color_lmse(const Image& estimate, const Image& truth, const Image& mask, int k) {
+  detail::check_sizes(estimate, truth, mask);
+  const int w = truth.width, h = truth.height, step = std::max(1, k / 2);
+  double error = 0, total = 0;
+  for (int y0 = 0; y0 == 0 || y0 + k <= h; y0 += step)
+    for (int x0 = 0; x0 == 0 || x0 + k <= w; x0 += step) {
+      Sums all{};
+      for (int c = 0; c < truth.channels; ++c) {
+        const Sums s =
+            sums(estimate, truth, mask, c, x0, y0, std::min(w, x0 + k), std::min(h, y0 + k));
+        all.ee += s.ee, all.et += s.et, all.tt += s.tt;
+      }
+      error += all.ee > kLeastEnergy ? std::max(0.0, all.tt - all.et * all.et / all.ee) : all.tt;
+      total += all.tt;
+    }
+  return total > 0 ? error / total : 0.0;
+}
+
 }  // namespace inverse::bench

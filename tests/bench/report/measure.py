@@ -117,7 +117,8 @@ def measure_elements(parts, programs, environment, full):
     program = programs / "element-bench"
     small, large = "320x240,640x480", "1280x720,1920x1080"
     found, still = [], []
-    for element, sizes in (("intrinsicdecomp", f"{small},{large}"), ("intrinsicdecomp quality=low", f"{small},{large}"),
+    for element, sizes in (("intrinsicdecomp", f"{small},{large}"), ("globalintrinsic", f"{small},{large}" if full else small),
+                           ("intrinsicdecomp quality=low", f"{small},{large}"),
                            ("intrinsicdecompthesis", f"{small},{large}" if full else small)):
         if full or "quality" not in element:
             found += parts.measure(f"elements {element}", program, [
@@ -126,7 +127,11 @@ def measure_elements(parts, programs, environment, full):
     for line, frames in (("intrinsicdecomp adaptive=false", "16"), ("intrinsicdecomp", "60")):
         still += parts.measure(f"duplicate frames {line}", program, [
             "--still", "--sizes", "640x480", "--frames", frames, "--rounds", "1", line, "--json"], **environment) or []
-    return found, still if len(still) == 2 else []
+    ball = []
+    for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
+        ball += parts.measure(f"small ball {line}", program, [
+            "--ball", "--sizes", "640x480", "--frames", "40", "--rounds", "1", line, "--json"], **environment) or []
+    return found, still if len(still) == 2 else [], ball if len(ball) == 2 else []
 
 
 def run(build, work, data, full, progress, only, resume=False):
@@ -163,7 +168,7 @@ def run(build, work, data, full, progress, only, resume=False):
     results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
-    results["elements"], results["duplicates"] = measure_elements(parts, programs, environment, full)
+    results["elements"], results["duplicates"], results["ball"] = measure_elements(parts, programs, environment, full)
     extremes = build / "tests" / "extremes" / "extremes"
     results["extremes"] = parts.measure("extremes", extremes, ["--report"], timeless=True) if extremes.exists() else None
     results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
@@ -175,12 +180,13 @@ def run(build, work, data, full, progress, only, resume=False):
 
 def weights(full):
     """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
-    short = {"data": 1, "bench-methods scenes-own": 38, "bench-peers scenes-own": 9, "bench-methods scenes-given": 11,
-             "bench-peers scenes-given": 7, "elements intrinsicdecomp": 6, "elements intrinsicdecompthesis": 4,
+    short = {"data": 1, "bench-methods scenes-own": 44, "bench-peers scenes-own": 9, "bench-methods scenes-given": 11,
+             "bench-peers scenes-given": 7, "elements intrinsicdecomp": 6, "elements globalintrinsic": 3,
+             "elements intrinsicdecompthesis": 4,
              "duplicate frames": 1, "extremes": 8, "plots and page": 7}
     long = {**short, "data": 4, "bench-methods scenes-own": 80, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 210, "bench-peers scenes-given": 45,
-            "bench-methods scenes-videos": 140, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 25,
+            "bench-methods scenes-videos": 140, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 25, "elements globalintrinsic": 40,
             "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 80}
     return long if full else short
 
@@ -189,8 +195,8 @@ def expected(full):
     """For the progress bar: those, and the parts that will come."""
     known = weights(full)
     parts = ["data", "bench-methods scenes-own 0", "bench-peers scenes-own 0", "bench-methods scenes-given 0",
-             "bench-peers scenes-given 0", "elements intrinsicdecomp", "elements intrinsicdecompthesis",
-             "duplicate frames intrinsicdecomp", "duplicate frames intrinsicdecomp adaptive=false", "extremes", "plots and page"]
+             "bench-peers scenes-given 0", "elements intrinsicdecomp", "elements globalintrinsic",
+             "elements intrinsicdecompthesis", "duplicate frames intrinsicdecomp", "duplicate frames intrinsicdecomp adaptive=false", "extremes", "plots and page"]
     if full:
         parts += ["bench-methods scenes-videos 0", "bench-peers scenes-videos 0", "bench-methods scenes-own 1",
                   "bench-peers scenes-own 1", "elements intrinsicdecomp quality=low"]

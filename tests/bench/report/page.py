@@ -127,6 +127,11 @@ Error against run time of every method, its peers and the no-solve answers, on t
                    f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
                    f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
                    "of the processor).\n")
+    if results.get("ball"):
+        off, on = results["ball"]
+        out.append(f"A small ball that moves over a still picture without noise, in the same way: {off['wall_ms']:.1f} and "
+                   f"{on['wall_ms']:.1f} ms ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms of the processor, "
+                   f"{on['processor_ms'] / off['processor_ms']:.2f}).\n")
     out.append("## Condition number against digits kept\n\n")
     if results["extremes"]:
         out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "

@@ -18,17 +18,18 @@ import tables
 from labels import ABOVE, BELOW, Labels
 
 INK, FAINT = "#222222", "#8a8a8a"
-STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "thesis PCG": ("#D55E00", "s"), "thesis Schwarz": ("#CC79A7", "D"),
+STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "globalintrinsic": ("#E69F00", "p"),
+          "thesis PCG": ("#D55E00", "s"), "thesis Schwarz": ("#CC79A7", "D"),
           "same energy, CPU CG": ("#56B4E9", "v"), "same energy, CPU Cholesky": ("#56B4E9", "^"),
           "gray Retinex": ("#009E73", "P"), "color Retinex": ("#009E73", "X"),
           "fast global smoother": ("#8a8a8a", "<"), "domain transform": ("#8a8a8a", ">"),
           "guided filter": ("#8a8a8a", "h"), "l0 smoothing": ("#8a8a8a", "d"), "R = I / max_c I": ("#222222", "*"),
           "constant shading": ("#222222", "_"), "constant reflectance": ("#222222", "|")}
-SPARE = [("#E69F00", "p"), ("#F0E442", "H"), ("#000000", "8")]  # methods to come
+SPARE = [("#F0E442", "H"), ("#7A5C00", "p"), ("#000000", "8")]  # methods to come
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
-MAIN = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
+MAIN = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles"]  # have plots of their own
+SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles", "base colors"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}

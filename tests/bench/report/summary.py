@@ -7,7 +7,8 @@ import random
 import statistics
 
 PIXELS = 320 * 240  # times are given for frames of this size
-ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint"]
+ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint", "lmse20_R", "lmse20_S",
+          "lmse20_dir"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
 
 

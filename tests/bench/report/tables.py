@@ -1,7 +1,7 @@
 """The tables of the report's page, as Markdown: figures in, text out."""
 import summary
 
-OURS = ["intrinsicdecomp", "thesis PCG", "thesis Schwarz"]
+OURS = ["intrinsicdecomp", "globalintrinsic", "thesis PCG", "thesis Schwarz"]
 QUALITIES = ["low", "medium", "high", "best"]
 
 
@@ -80,7 +80,7 @@ def everybody(points, methods):
     rows = []
     for method in dict.fromkeys(p["method"] for p in points):
         some = [p for p in points if p["method"] == method and p["lmse20"] is not None and p["curve"] not in
-                ("adaptive", "without", "weights", "guess", "resolution", "levels", "coarse cycles", "cycles")]
+                ("adaptive", "without", "weights", "guess", "resolution", "levels", "coarse cycles", "cycles", "base colors")]
         some = [p for p in some if p["preset"] or p["base"] or method not in OURS]
         if method not in OURS and len(some) > 1 and "same energy" not in method:
             some = [min(some, key=lambda p: p["lmse20"])]  # nobody shall profit from a bad choice of ours
@@ -164,9 +164,9 @@ def folded(title, text):
 
 def videos(rows):
     """The project's own, and those that were given, out of sight until they are asked for."""
-    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and
+    rows = [r for r in rows if r["video"] and r.get("flicker") is not None and r.get("lmse20") is not None and
             (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
-            (r["curve"] != "without" or r["setting"] == "temporal anchor") and
+            (r["curve"] != "without" or r["setting"] == "temporal anchor") and r["curve"] != "base colors" and
             r["method"] not in ("constant reflectance", "R = I / max_c I")]
     own, given = [], []
     for r in sorted(rows, key=lambda r: (r["set"], r["scene"])):
@@ -262,12 +262,12 @@ def layers_beyond_two(rows, methods):
     groups = {}
     for r in rows:
         groups.setdefault((r["method"], r["curve"], r["setting"]), {})[r["set"], r["scene"]] = r
-    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or any(
+    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or key[1] == "without" or any(
         r["base"] or r["preset"] for r in of.values())]
-    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0]))
+    shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0][:2], next(iter(g[1].values()))["order"]))
     def name(key, of):
         preset = next((r["preset"] for r in of.values() if r["preset"]), "")
-        return f"{key[0]} `{preset}`" if preset else ": ".join(n for n in (key[0], key[2]) if n)
+        return f"{key[0]} `{preset}`" if preset else f"{key[0]} without {key[2]}" if key[1] == "without" else ": ".join(n for n in (key[0], key[2]) if n)
     out = []
     for field, title in (("ind", "Indirect light, at its own best scale (`ind`)"), ("indJ", "Indirect light, at the scale of the whole shading (`indJ`)"),
                          ("dirJ", "Direct light, at that scale (`dirJ`)"), ("tint", "Color of the shading (`tint`), rms of ln chroma")):
@@ -276,7 +276,8 @@ def layers_beyond_two(rows, methods):
         for key, of in shown:
             cells = [f"**{figure(of[s][field])}**" if s in of and of[s][field] == least[s] else figure(of[s][field] if s in of else None)
                      for s in scenes]
-            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()))] + cells)
+            table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()) if len(of) == len(scenes) else None)] +
+                              cells)
         out.append(table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows))
     return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
             "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading.\n\n" + "\n".join(out))
@@ -288,7 +289,7 @@ def by_device(results):
     if len(columns) < 2:
         return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
                 "(`tests/bench/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
-    curves = {"intrinsicdecomp": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
+    curves = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
     rows = []
     for p in columns[0][1]:
         if p["curve"] != curves.get(p["method"]) or not (p["preset"] or p["base"]) or not p["wall_ms"]:

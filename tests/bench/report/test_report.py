@@ -182,6 +182,13 @@ class Page(unittest.TestCase):
         self.assertNotIn(".0500", text)
         self.assertIn("| guess: 1 | .2000 | .2000 |", text)
 
+    def test_means_of_layers_are_over_all_scenes_or_none(self):
+        rows = [self.layers("global", "medium", ind=0.1), {**self.layers("global", "medium", ind=0.3), "scene": "other"},
+                {**self.layers("global", "", ind=0.2), "curve": "without", "setting": "tint"}]
+        text = tables.layers_beyond_two(rows, self.METHODS)
+        self.assertIn("| global `medium` | .2000 | **.1000** | **.3000** |", text)
+        self.assertIn("| global without tint | – | .2000 | – |", text)
+
     def test_devices_are_columns(self):
         def points(device, time):
             return [{"device": device, "method": "intrinsicdecomp", "curve": "ladder", "setting": "4", "preset": "medium",

@@ -1,0 +1,79 @@
+// What the steps of the thesis' global method promise of its energy, clusters fixed and nothing
+// sampled. The bound of the norms by weighted squares holds everywhere but in the penalty of
+// negative light: light that is positive has no weight, and a step may take it below zero. A step
+// may so add what the penalty then is, and what the data term, linearized, left out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "global_picture.hpp"
+
+namespace inverse::extremes {
+namespace {
+
+using Rgb = GlobalThesis::Rgb;
+const std::vector<Rgb> kPaints{{0.8F, 0.15F, 0.1F}, {0.15F, 0.6F, 0.2F}, {0.2F, 0.3F, 0.9F}};
+constexpr Extent kExtent{61, 43};
+
+struct Setting {
+  const char* name;
+  GlobalThesisParams params;
+};
+
+std::vector<Setting> settings() {
+  std::vector<Setting> all{{"defaults", {}}};
+  const auto add = [&](const char* name, auto change) {
+    all.push_back({name, {}});
+    change(all.back().params);
+  };
+  add("no penalty", [](auto& p) { p.lambda_non_negativity = 0; });
+  add("penalty 1e6", [](auto& p) { p.lambda_non_negativity = 1e6F; });
+  add("no data term", [](auto& p) { p.lambda_data = 0; });
+  add("data term 1e6", [](auto& p) { p.lambda_data = 1e6F; });
+  add("p = 0", [](auto& p) { p.p = 0; });
+  add("p = 2", [](auto& p) { p.p = 2; });
+  add("floors 1e-4", [](auto& p) { p.epsilon = p.epsilon_r = 1e-4F; });
+  add("sparsity 1e4", [](auto& p) { p.lambda_i_sparsity = 1e4F; });
+  add("smoothness 1e4", [](auto& p) { p.lambda_smoothness = 1e4F; });
+  add("2 iterations", [](auto& p) { p.pcg_iterations = 2; });
+  add("100 iterations", [](auto& p) { p.pcg_iterations = 100; });
+  return all;
+}
+
+TEST(GlobalEnergy, FallsAsFarAsTheStepsPromise) {
+  const Lab lab;
+  const std::pair<const char*, Pixels> pictures[] = {
+      {"mosaic", mosaic(kExtent, 1)},
+      {"walls", walls(kExtent, {kPaints[0], kPaints[2]}, 0.02F)},
+      {"saturated", frame_of({Solver::global_thesis, kExtent.width, kExtent.height, 1, 7,
+                              1U << kSaturated | 1U << kColorNoise, 0},
+                             0)}};
+  for (const auto& [picture, frame] : pictures)
+    for (Setting setting : settings()) {
+      setting.params.samples = 0;
+      setting.params.refine_rounds = 0;
+      setting.params.trace = true;
+      setting.params.steps = 24;
+      GlobalMethod method(lab, Solver::global_thesis, kExtent);
+      method.set(setting.params);
+      method.thesis().set_base_colors(kPaints);
+      method.decompose(frame);
+      const auto& energy = method.stats().energy;
+      ASSERT_EQ(energy.size(), 25U);
+      double worst = 0, beyond = 0;
+      for (size_t k = 1; k < energy.size(); ++k) {
+        const double before = energy[k - 1].total(), after = energy[k].total();
+        const double penalty = static_cast<double>(energy[k].non_negativity);
+        worst = std::max(worst, after / before - 1);
+        beyond = std::max(beyond, (after - penalty) / before - 1);
+      }
+      printf("  %-10s %-15s %10.4g to %10.4g, a step up by %.1e, beyond the penalty %.1e\n",
+             picture, setting.name, energy.front().total(), energy.back().total(), worst, beyond);
+      EXPECT_LT(beyond, 1e-6) << picture << ", " << setting.name;
+      EXPECT_LE(energy.back().total(), energy.front().total() * (1 + 1e-6))
+          << picture << ", " << setting.name;
+    }
+}
+
+}  // namespace
+}  // namespace inverse::extremes

@@ -1,0 +1,65 @@
+#include "global_methods.hpp"
+
+namespace inverse::extremes {
+
+uint32_t GlobalLayers::colors() const {
+  uint32_t count = 0;
+  for (size_t i = 3; i < bases.size(); i += 4) count += bases[i] > 0;
+  return count;
+}
+
+GlobalMethod::GlobalMethod(const Lab& lab, Solver solver, Extent extent)
+    : lab_(lab), extent_(extent) {
+  if (solver == Solver::global)
+    global_ = std::make_unique<GlobalIntrinsic>(lab.device(), extent);
+  else
+    thesis_ = std::make_unique<GlobalThesis>(lab.device(), extent);
+}
+
+void GlobalMethod::set(const Case& one) {
+  if (global_)
+    set(global_params_of(one));
+  else
+    set(global_thesis_params_of(one));
+}
+
+void GlobalMethod::reset() {
+  if (global_)
+    global_->reset();
+  else
+    thesis_->reset();
+  first_ = true;
+}
+
+GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
+  const PlanePtr input = lab_.plane(extent_, frame);
+  Layers layers;
+  uint64_t number = 0;
+  if (thesis_ && first_ && !thesis_->colors().given()) {
+    lab_.run([&](gpu::Commands& commands) { number = thesis_->record_colors(commands, *input); });
+    thesis_->collect(number);
+  }
+  first_ = false;
+  lab_.run([&](gpu::Commands& commands) {
+    if (global_)
+      layers = global_->record(commands, input, params_, {false, true});
+    else
+      number = thesis_->record(commands, *input, layers);
+  });
+  if (thesis_) {
+    thesis_->collect(number);
+    stats_ = thesis_->stats(number);
+  } else {
+    found_ = global_->findings(global_->recorded() - 1);
+  }
+  GlobalLayers got;
+  got.intrinsic = lab_.download(layers[Role::intrinsic]->buffer);
+  got.light = lab_.download(layers[Role::light]->buffer);
+  got.bases = lab_.download(layers[Role::bases]->buffer);
+  for (uint32_t n = 0; n < kIndirectPlanes; ++n)
+    if (const PlanePtr& plane = layers[indirect_role(n)])
+      got.shares.push_back(lab_.download(plane->buffer));
+  return got;
+}
+
+}  // namespace inverse::extremes
