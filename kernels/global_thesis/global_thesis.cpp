@@ -432,4 +432,10 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   return stats;
 }
 
+uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
+  const auto fields = static_cast<uint64_t>(layers + 3) / 4 + 1;
+  // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
+  return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
+}
+
 }  // namespace inverse

@@ -124,6 +124,9 @@ class GlobalThesis {
   Plane image() const { return {extent_, image_}; }
   Extent extent() const { return extent_; }
 
+  /// Device memory of a pixel with K layers, in bytes.
+  static uint64_t bytes_per_pixel(int layers, int keyframes);
+
  private:
   struct Push;
   struct Kernels;
