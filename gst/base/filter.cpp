@@ -3,6 +3,7 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/navigation.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "errors.hpp"
@@ -201,6 +202,12 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
 
+/// A navigation event's coordinate, which may be anything, as a pixel's; −1 where it is none.
+int pixel_of(gdouble coordinate) {
+  if (std::isnan(coordinate)) return -1;
+  return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
+}
+
 gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
     GstQOSType type{};
@@ -215,13 +222,13 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
     gdouble x = 0, y = 0;
     if (gst_navigation_event_get_type(event) == GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS &&
         gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-      element_of(transform).filter().mark(static_cast<int>(std::floor(x)),
-                                          static_cast<int>(std::floor(y)));
+      element_of(transform).filter().click(pixel_of(x), pixel_of(y));
   }
   return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
 
 void mark(GstElement* element, gint x, gint y) { element_of(element).filter().mark(x, y); }
+void unmark(GstElement* element, gint region) { element_of(element).filter().unmark(region); }
 void refine(GstElement* element) { element_of(element).filter().refine(); }
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
@@ -311,6 +318,8 @@ void element_class_init(gpointer klass, gpointer data) {
     const GType type = G_TYPE_FROM_CLASS(klass);
     g_signal_new_class_handler("mark", type, kAction, G_CALLBACK(mark), nullptr, nullptr, nullptr,
                                G_TYPE_NONE, 2, G_TYPE_INT, G_TYPE_INT);
+    g_signal_new_class_handler("unmark", type, kAction, G_CALLBACK(unmark), nullptr, nullptr,
+                               nullptr, G_TYPE_NONE, 1, G_TYPE_INT);
     g_signal_new_class_handler("refine", type, kAction, G_CALLBACK(refine), nullptr, nullptr,
                                nullptr, G_TYPE_NONE, 0);
   }

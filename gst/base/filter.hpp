@@ -15,6 +15,11 @@
 
 namespace inverse {
 
+struct FreeStructure {
+  void operator()(GstStructure* structure) const { gst_structure_free(structure); }
+};
+using StructurePtr = std::unique_ptr<GstStructure, FreeStructure>;
+
 /// One frame on its way through a filter.
 struct FrameWork {
   gpu::Commands& commands;  ///< record here; submitted once by the base
@@ -23,8 +28,9 @@ struct FrameWork {
   uint64_t number;  ///< frames since `configure`, from 0
   bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
   bool draw;   ///< pixels go out: set `picture`
-  /// Out: what there is to tell the application, posted as element messages.
-  std::vector<GstStructure*>& messages;
+  /// Out: what there is to tell the application, posted as element messages, also where
+  /// `process` throws.
+  std::vector<StructurePtr>& messages;
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte
   /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
   /// empty where that is not known.
@@ -60,9 +66,16 @@ class Filter {
   virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
   /// Who shows the frames said (QoS) that one came so much too late; negative: early.
   virtual void late(double /*milliseconds*/) {}
-  /// Somebody clicked on a pixel of the frame. From any thread, as `refine`.
+  /// Somebody marked a pixel of the frame, or clicked on one of the picture that is shown. From any
+  /// thread, as the three after it.
   virtual void mark(int /*x*/, int /*y*/) {}
+  virtual void click(int /*x*/, int /*y*/) {}
+  virtual void unmark(int /*region*/) {}
   virtual void refine() {}
+  /// What was marked and not seen to yet was in another scene: a flush, a new stream, a
+  /// discontinuity. From the streaming thread or while it rests; `reset` follows with the next
+  /// frame.
+  virtual void flushed() {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
@@ -89,7 +102,8 @@ struct ElementInfo {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }
   std::unique_ptr<Filter> (*create)();
-  /// Whether it takes clicks: navigation events, and the action signals mark and refine.
+  /// Whether it takes clicks: navigation events, and the action signals mark, unmark and
+  /// refine.
   bool marks = false;
 };
 

@@ -266,17 +266,26 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   next_slot_ = (next_slot_ + 1) % slots_.size();
   finish(slot);
   slot.commands->begin();
-  if (breaks_off(in)) fresh_ = true;
+  if (breaks_off(in)) flush();
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  std::vector<GstStructure*> messages;
+  std::vector<StructurePtr> messages;
+  const auto post = [&] {
+    for (StructurePtr& message : messages)
+      gst_element_post_message(element_,
+                               gst_message_new_element(GST_OBJECT(element_), message.release()));
+  };
   FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   read_input(in, slot, frame);
-  filter_->process(frame);
-  for (GstStructure* message : messages)
-    gst_element_post_message(element_, gst_message_new_element(GST_OBJECT(element_), message));
+  try {
+    filter_->process(frame);
+  } catch (...) {
+    post();
+    throw;
+  }
+  post();
   send(out, slot, frame);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.

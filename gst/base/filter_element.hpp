@@ -30,7 +30,10 @@ class FilterElement {
   /// Takes one buffer through the filter into `out`, which has memory only where pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// The next frame starts afresh.
-  void flush() { fresh_ = true; }
+  void flush() {
+    fresh_ = true;
+    filter_->flushed();
+  }
   /// Downstream said how late a frame was (negative: early). From any thread.
   void late(double milliseconds);
 

@@ -108,6 +108,9 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   describe_method(stats, frame.method);
   gst_structure_set(stats, "kept", G_TYPE_BOOLEAN, frame.kept, "frames-kept", G_TYPE_UINT64,
                     frame.kept_so_far, nullptr);
+  // What its method's number tells of is the picture before.
+  if (frame.kept && gst_structure_has_field(stats, "cut"))
+    gst_structure_set(stats, "cut", G_TYPE_BOOLEAN, FALSE, nullptr);
   if (frame.kept)
     gst_structure_set(stats, "skipped", G_TYPE_STRING, "method: the picture of the frame before",
                       nullptr);

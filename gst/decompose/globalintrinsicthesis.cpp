@@ -1,12 +1,14 @@
 // globalintrinsicthesis: chapter 5 of the thesis to the letter.
 #include <array>
 #include <mutex>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
 #include "global_thesis/misclustering_correction.hpp"
+#include "image/mosaic.hpp"
 
 namespace inverse {
 namespace {
@@ -28,26 +30,41 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
+    extent_ = extent;
+    if (regions_) {
+      regions_->reset();
+      take_lost();
+      flushed();  // clicks on frames of another size
+    }
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
+    results_.clear();
     started_ = false;
   }
   void release() override {
     correction_.reset();
     regions_.reset();
+    results_.clear();
+    lost_.clear();
+    seen_ = false;
     MethodDecomposer::release();
   }
   void reset() override {
     MethodDecomposer::reset();
     regions_->reset();
     correction_->reset();
+    results_.clear();
     started_ = false;
   }
-  void mark(int x, int y) override {
+  void flushed() override {
+    // What was asked for before there was any frame is meant for the first one.
+    if (!seen_) return;
     std::lock_guard lock(mutex_);
-    // What nobody looks at for so long is no click on a picture any more.
-    if (clicks_.size() < kMostClicks) clicks_.emplace_back(x, y);
+    clicks_.clear();
   }
+  void mark(int x, int y) override { add_click({x, y, 0, Click::What::frame}); }
+  void click(int x, int y) override { add_click({x, y, 0, Click::What::picture}); }
+  void unmark(int region) override { add_click({0, 0, region, Click::What::unmark}); }
   void refine() override {
     std::lock_guard lock(mutex_);
     refine_ = true;
@@ -55,14 +72,20 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
 
  protected:
   // Marked regions and base colors go on being decided while a picture stays.
-  bool settled(std::optional<uint64_t>) const override {
+  bool settled(std::optional<uint64_t> done) const override {
     std::lock_guard lock(mutex_);
-    return !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
+    return done.value_or(0) >= method_->scene_since() && lost_.empty() && !regions_->has_lost() &&
+           !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
            !refine_ && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
     method_->collect(number);
+    if (method_->stats(number).cut) {
+      regions_->reset(MarkedRegions::Loss::cut);
+      correction_->reset();
+      results_.clear();
+    }
     const Numbers& numbers = numbers_[number % numbers_.size()];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
@@ -79,8 +102,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     gst_structure_set(stats, "indirect-layers", G_TYPE_INT, method.layers, "colors", G_TYPE_INT,
                       method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations",
                       G_TYPE_INT, method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes,
-                      "refining", G_TYPE_BOOLEAN, method.refining, "regions", G_TYPE_UINT, regions,
-                      "regions-decided", G_TYPE_UINT, decided, nullptr);
+                      "refining", G_TYPE_BOOLEAN, method.refining, "cut", G_TYPE_BOOLEAN,
+                      method.cut, "change", G_TYPE_DOUBLE, static_cast<double>(method.change),
+                      "regions", G_TYPE_UINT, regions, "regions-decided", G_TYPE_UINT, decided,
+                      nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
@@ -88,18 +113,19 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   uint64_t decompose(FrameWork& frame) override {
     method_->set_params(params());
     const Plane& input = *frame.layers[Role::input];
-    if (!started_) {
-      // The only frame that waits: the kernels are built for its base colors.
-      const uint64_t colors = method_->record_colors(frame.commands, input);
-      frame.commands.submit();
-      frame.commands.wait();
-      method_->collect(colors);
-      frame.commands.begin();
-      started_ = true;
-    }
+    seen_ = true;
     ++since_click_;
     take_clicks(frame);
     tell_results(frame);
+    if (!started_) {
+      // The only frame that waits: the kernels are built for its base colors.
+      method_->record_colors(frame.commands, input);
+      frame.commands.submit();
+      frame.commands.wait();
+      method_->collect_colors();
+      frame.commands.begin();
+      started_ = true;
+    }
     GlobalThesis::Hints hints;
     hints.regions = &*regions_;
     const PlanePtr kept = frame.layers[Role::input];
@@ -107,6 +133,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     frame.layers[Role::input] = kept;
     numbers_[number % numbers_.size()] = {regions_->last(),
                                           correction_->record(frame.commands, *method_, *regions_)};
+    for (const int region : correction_->take_hopeless())
+      regions_->remove(region, MarkedRegions::Loss::no_candidates);
     return number;
   }
 
@@ -115,19 +143,37 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   // Frames after a click in which its region is found and its colors are begun to be tried.
   static constexpr uint64_t kPatience = 50;
 
+  struct Click {
+    enum class What : uint8_t { frame, picture, unmark };
+    int x, y, region;
+    What what;
+  };
+
+  void add_click(const Click& click) {
+    std::lock_guard lock(mutex_);
+    // What nobody looks at for so long is no click on a picture any more.
+    if (clicks_.size() < kMostClicks) clicks_.push_back(click);
+  }
+
   void take_clicks(FrameWork& frame) {
-    std::vector<std::pair<int, int>> clicks;
+    std::vector<Click> clicks;
     {
       std::lock_guard lock(mutex_);
       std::swap(clicks, clicks_);
       if (std::exchange(refine_, false)) method_->refine();
     }
     if (!clicks.empty()) since_click_ = 0;
-    for (const auto& [x, y] : clicks) {
+    for (auto [x, y, region, what] : clicks) {
+      if (what == Click::What::unmark) {
+        if (!regions_->remove(region)) GST_WARNING("no region %d is marked", region);
+        continue;
+      }
+      if (what == Click::What::picture && frame.draw && params().show == Show::mosaic)
+        std::tie(x, y) = Mosaic::shown_at(x, y, extent_);
       const int number = regions_->click(x, y);
-      frame.messages.push_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x, "y",
-                                                 G_TYPE_INT, y, "region", G_TYPE_INT, number,
-                                                 nullptr));
+      frame.messages.emplace_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x,
+                                                    "y", G_TYPE_INT, y, "region", G_TYPE_INT,
+                                                    number, nullptr));
       if (number == 0)
         GST_WARNING("a click at %d, %d was refused: outside the frame, or %d regions are marked", x,
                     y, MarkedRegions::kMaxRegions);
@@ -137,10 +183,38 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   /// What has become of marked regions.
   void tell_results(FrameWork& frame) {
     for (const auto& result : results_)
-      frame.messages.push_back(gst_structure_new(
+      frame.messages.emplace_back(gst_structure_new(
           "inverse-region-corrected", "region", G_TYPE_INT, result.number, "cluster", G_TYPE_INT,
           result.cluster, "color", G_TYPE_INT, result.color, nullptr));
     results_.clear();
+    take_lost();
+    for (const MarkedRegions::Lost& lost : lost_)
+      frame.messages.emplace_back(gst_structure_new("inverse-region-lost", "region", G_TYPE_INT,
+                                                    lost.number, "reason", G_TYPE_STRING,
+                                                    reason(lost.loss), nullptr));
+    lost_.clear();
+  }
+  void take_lost() {
+    for (const MarkedRegions::Lost& lost : regions_->take_lost()) lost_.push_back(lost);
+  }
+  static const char* reason(MarkedRegions::Loss loss) {
+    switch (loss) {
+      case MarkedRegions::Loss::nothing_there:
+        return "nothing-there";
+      case MarkedRegions::Loss::taken_over:
+        return "taken-over";
+      case MarkedRegions::Loss::lost:
+        return "lost";
+      case MarkedRegions::Loss::no_candidates:
+        return "no-candidates";
+      case MarkedRegions::Loss::unmarked:
+        return "unmarked";
+      case MarkedRegions::Loss::cut:
+        return "cut";
+      case MarkedRegions::Loss::reset:
+        return "reset";
+    }
+    return "";
   }
 
   static const PropertyTable<Params>& table() {
@@ -189,6 +263,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                   "most, one a frame; 0 = none"),
         number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
                   "They end where no channel of a base color changes by more"),
+        number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
+                  "Mean change of chroma, in halves of a natural log unit, from which on a frame "
+                  "counts as a cut of the scene; 0 = never"),
         choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
                   {{static_cast<int>(P::Irls::consistent), "consistent",
                     "Weights that minimize the energy (p/2)"},
@@ -238,10 +315,13 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   };
   std::array<Numbers, gpu::kFramesInFlight> numbers_;
   std::vector<MisclusteringCorrection::Result> results_;  // to be told
-  bool started_ = false;                                  // the scene's base colors are known
-  uint64_t since_click_ = kPatience + 1;                  // frames
+  std::vector<MarkedRegions::Lost> lost_;                 // to be told
+  Extent extent_{};
+  bool seen_ = false;                     // a frame since the stream began
+  bool started_ = false;                  // the scene's base colors are known
+  uint64_t since_click_ = kPatience + 1;  // frames
   mutable std::mutex mutex_;
-  std::vector<std::pair<int, int>> clicks_;  // waiting for the next frame
+  std::vector<Click> clicks_;  // waiting for the next frame
   bool refine_ = false;
 };
 

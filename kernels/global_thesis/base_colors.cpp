@@ -96,6 +96,10 @@ void BaseColors::fix() {
   for (Color& color : colors_) color.fixed = true;
 }
 
+void BaseColors::loosen() {
+  for (Color& color : colors_) color.fixed = false;
+}
+
 float BaseColors::refine(std::span<const Rgb> delta) {
   float largest = 0;
   for (Color& color : colors_) {
@@ -103,6 +107,10 @@ float BaseColors::refine(std::span<const Rgb> delta) {
     const Rgb& change = delta[static_cast<size_t>(color.layer)];
     for (size_t c = 0; c < 3; ++c) {
       const float before = color.color[c];
+      if (!std::isfinite(change[c])) {
+        largest = 1;
+        continue;
+      }
       color.color[c] = std::clamp(before + change[c], kDarkest, 1.0f);
       largest = std::max(largest, std::abs(color.color[c] - before));
     }

@@ -36,9 +36,11 @@ class BaseColors {
   void set(std::span<const Rgb> colors);
   /// The palette moves the present colors no more: their refinement begins.
   void fix();
-  /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1. Returns the largest
-  /// change of a channel.
+  /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1; a channel that would
+  /// not be finite stays as it is. Returns the largest change of a channel, 1 where one stayed.
   float refine(std::span<const Rgb> delta);
+  /// The palette may move all colors again: of another scene.
+  void loosen();
   /// Keeps the present colors whatever the palette says, until `reset`.
   void hold() { given_ = true; }
   void reset();

@@ -44,7 +44,7 @@ layout(push_constant) uniform Push {
   int ring_start;     // slot of the oldest keyframe, from 0
   int ring_capacity;  // keyframe slots
   int slot;           // slot to write, 0 is the current frame
-  uint stream;        // 0
+  uint stream;        // of random positions (sample_frames.glsl): 0, as there is only one
   uint seed;
   int centers;        // slots of clusters
   int layers;         // K

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
@@ -31,6 +32,8 @@ INVERSE_SHADER(global_thesis_residual);
 INVERSE_SHADER(global_thesis_outer);
 INVERSE_SHADER(global_thesis_outer_total);
 INVERSE_SHADER(global_thesis_score);
+INVERSE_SHADER(global_thesis_cells);
+INVERSE_SHADER(global_thesis_change);
 
 namespace inverse {
 using namespace global_thesis;
@@ -53,6 +56,8 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
     *buffer = planes(1);
   for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  colors_readback_.buffer =
+      gpu::Buffer::create(device, gpu::Element::vec4, kColors, gpu::Memory::readback);
   set_params({});
 }
 
@@ -85,7 +90,9 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
                                              kernel(shaders::global_thesis_residual),
                                              kernel(shaders::global_thesis_outer),
                                              kernel(shaders::global_thesis_outer_total, kOneGroup),
-                                             kernel(shaders::global_thesis_score)});
+                                             kernel(shaders::global_thesis_score),
+                                             kernel(shaders::global_thesis_cells),
+                                             kernel(shaders::global_thesis_change, kOneGroup)});
   }
   return *held;
 }
@@ -99,7 +106,7 @@ void GlobalThesis::set_params(const Params& params) {
   }
   p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
   p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
-  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled})
+  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled, &p.cut_fraction})
     *share = std::clamp(*share, 0.0f, 1.0f);
   for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
   for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
@@ -149,15 +156,29 @@ void GlobalThesis::set_params(const Params& params) {
   }
 }
 
-void GlobalThesis::reset() {
+/// All but the base colors.
+void GlobalThesis::forget_frames() {
   palette_.reset();
-  colors_.reset();
   since_reset_ = 0;
   stored_keyframes_ = 0;
   rounds_ = 0;
   system_pending_ = false;
   has_state_ = false;
+  looked_ = false;
   ++epoch_;
+}
+
+void GlobalThesis::reset() {
+  forget_frames();
+  colors_.reset();
+  scene_since_ = 0;
+}
+
+void GlobalThesis::cut() {
+  forget_frames();
+  if (colors_.given()) return;
+  colors_.loosen();
+  scene_since_ = UINT64_MAX;
 }
 
 void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
@@ -228,12 +249,34 @@ GlobalThesis::Push GlobalThesis::push_for() const {
 GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
   Readback& readback = readback_[number % readback_.size()];
   if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
-  readback.stats = {};
-  readback.collected = false;
-  readback.refining = false;
-  readback.scored = false;
-  readback.epoch = epoch_;
+  clear(readback, epoch_);
   return readback;
+}
+
+void GlobalThesis::clear(Readback& readback, uint32_t epoch) {
+  readback.stats = {};
+  readback.collected = readback.refining = readback.scored = readback.compared = false;
+  readback.epoch = epoch;
+}
+
+/// Compares the frame with the one before.
+void GlobalThesis::look(gpu::Commands& commands, uint64_t number) {
+  if (params_.cut_fraction == 0) {
+    looked_ = false;
+    return;
+  }
+  if (!cells_) {
+    cells_ = gpu::Buffer::create(device_, gpu::Element::vec4, 2 * kCells);
+    change_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
+    commands.fill(cells_);
+  }
+  Push push = push_for();
+  push.slot = static_cast<int32_t>(number % 2);
+  push.count = static_cast<int32_t>(kCells);
+  commands.dispatch(kernels(0).cells, {chroma_, image_, cells_}, push, {kCells});
+  commands.dispatch(kernels(0).change, {cells_, change_}, push, {kOneGroup});
+  commands.copy(change_, current_->buffer, 16, 0, 16 * kChangeAt);
+  current_->compared = std::exchange(looked_, true);
 }
 
 /// The image, and what the palette makes of it.
@@ -247,12 +290,17 @@ void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
   commands.copy(palette_.colors(), current_->buffer, 16 * kColors, 0, 16 * kColorsAt);
 }
 
-uint64_t GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame) {
-  const uint64_t number = recorded_++;
-  current_ = &next_readback(number);
+void GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame) {
+  current_ = &colors_readback_;
+  clear(*current_, epoch_);
   prepare(commands, frame);
   commands.stage("clusters");
-  return number;
+}
+
+void GlobalThesis::collect_colors() {
+  if (std::exchange(colors_readback_.collected, true) || colors_readback_.epoch != epoch_) return;
+  const auto* values = colors_readback_.buffer->map_as<float>();
+  colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
 }
 
 uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
@@ -279,6 +327,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   colors_.write_table(current_->table->map_as<float>());
 
   prepare(commands, frame);
+  look(commands, number);
   commands.stage("clusters");
   Push push = push_for();
   commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
@@ -317,7 +366,8 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   ++since_reset_;
   commands.stage("steps");
 
-  if (refining() && !system_pending_) record_refinement(commands);
+  // Colors of the scene before are on their way out.
+  if (refining() && !system_pending_ && scene_since_ != UINT64_MAX) record_refinement(commands);
   if (regions && hints.scored_region > 0) {
     if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
     push.slot = hints.scored_region;
@@ -343,6 +393,12 @@ void GlobalThesis::collect(uint64_t frame) {
   if (readback.refining) system_pending_ = false;
   if (readback.epoch != epoch_) return;  // of a scene that is over
   const auto* values = readback.buffer->map_as<float>();
+  const bool looks = readback.compared && params_.cut_fraction > 0;
+  if (looks && values[4 * kChangeAt] > params_.cut_fraction) {
+    readback.stats.cut = true;
+    cut();
+    return;
+  }
   if (readback.refining && readback.version == colors_.version()) {
     const size_t layers = readback.colors.size();
     const auto delta = solve_refinement({values + 4 * kSystemAt, 4 * layers * (layers + 1)},
@@ -354,6 +410,7 @@ void GlobalThesis::collect(uint64_t frame) {
   if (frame < collected_) return;  // a later frame's palette is known already
   collected_ = frame + 1;
   colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
+  if (scene_since_ == UINT64_MAX) scene_since_ = recorded_;
 }
 
 GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
@@ -364,6 +421,7 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   const Readback& readback = readback_[frame % readback_.size()];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
+  if (readback.compared) stats.change = values[4 * kChangeAt];
   if (readback.scored) {
     stats.score = values[4 * kScoreAt];
     stats.region = values[4 * kScoreAt + 1];

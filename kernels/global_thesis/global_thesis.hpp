@@ -22,7 +22,11 @@ namespace inverse {
 /// decomposed with those that are known when it is recorded, and what it tells about them (its
 /// palette, the system of their refinement) is taken in by `collect` when the device is done with
 /// it, so that no frame waits. Who wants the very first frame decomposed with its own colors
-/// records `record_colors` before, waits and collects.
+/// records `record_colors` before, waits and calls `collect_colors`.
+///
+/// A cut of the scene is found in the same way, and so as late as its frame is collected: from the
+/// next frame on, keyframes and palette are the new scene's, and base colors when that frame's
+/// palette is known; until then, those of the old scene serve. Colors that were given stay.
 class GlobalThesis {
  public:
   using Params = GlobalThesisParams;
@@ -48,6 +52,8 @@ class GlobalThesis {
     bool warm = false;           ///< began where the last frame ended
     bool refining = false;       ///< the frame recorded the system of the base colors
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
+    bool cut = false;            ///< a cut was found here when the frame was collected
+    float change = 0;            ///< of chroma from the frame before, as Params::cut_fraction
     float score = 0;             ///< Σ_k |T_k| over the region asked for in `record` (5.5.2.2)
     float region = 0;            ///< its pixels
   };
@@ -78,8 +84,10 @@ class GlobalThesis {
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
     return record(commands, frame, layers, Hints{});
   }
-  /// Only finds the base colors of `frame`. Returns a number for `collect`.
-  uint64_t record_colors(gpu::Commands& commands, const Plane& frame);
+  /// Only finds the base colors of `frame`: no frame for `collect` and `stats`.
+  void record_colors(gpu::Commands& commands, const Plane& frame);
+  /// Takes them in, once the Commands have been waited for.
+  void collect_colors();
 
   /// Takes in what one of the last three frames told about the base colors, once its Commands have
   /// been waited for. Frames that were collected before, or that are older than what is known
@@ -99,8 +107,11 @@ class GlobalThesis {
   /// Refines the base colors again, for at most Params::refine_rounds frames.
   void refine() { rounds_ = 0; }
   bool refining() const { return rounds_ < params_.refine_rounds && colors_.layers() > 0; }
-  /// Forgets keyframes, palette and base colors, and refines the next ones: at a flush, a
-  /// discontinuity or a scene cut.
+  /// Number of the first frame that was recorded with base colors of the scene: 0 before the first
+  /// cut, UINT64_MAX from a cut until they are known.
+  uint64_t scene_since() const { return scene_since_; }
+  /// Forgets keyframes, palette and base colors, and refines the next ones: at a flush or a
+  /// discontinuity.
   void reset();
 
   /// The field of the last frame, plane behind plane: (r, T_0), T_1 … T_4, …. Valid until the next
@@ -123,7 +134,7 @@ class GlobalThesis {
     gpu::BufferPtr buffer, table;
     Stats stats;
     std::vector<Rgb> initial, colors;  // of the layers that the system is for
-    bool collected = true, refining = false, scored = false;
+    bool collected = true, refining = false, scored = false, compared = false;
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
@@ -132,7 +143,11 @@ class GlobalThesis {
   void hold_fields(int groups);
   Push push_for() const;
   std::vector<gpu::BufferPtr> frame_buffers() const;
+  static void clear(Readback& readback, uint32_t epoch);
   Readback& next_readback(uint64_t number);
+  void forget_frames();
+  void cut();
+  void look(gpu::Commands& commands, uint64_t number);
   void prepare(gpu::Commands& commands, const Plane& frame);
   void pack(gpu::Commands& commands, int slot);
   void evaluate(gpu::Commands& commands, int step);
@@ -161,6 +176,7 @@ class GlobalThesis {
   std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
   int slots_ = 0;
   std::array<Readback, gpu::kFramesInFlight> readback_;
+  Readback colors_readback_;     // of record_colors
   Readback* current_ = nullptr;  // of the frame being recorded
   uint64_t recorded_ = 0;        // frames since construction
   uint64_t collected_ = 0;       // the oldest number that may still bring something new
@@ -171,6 +187,9 @@ class GlobalThesis {
   bool system_pending_ = false;  // a system is under way
   uint32_t state_order_ = 0;     // of the colors that the solution is for
   bool has_state_ = false;
+  gpu::BufferPtr cells_, change_;  // of this frame and the one before, by the parity of its number
+  bool looked_ = false;            // at the frame before
+  uint64_t scene_since_ = 0;
 };
 
 }  // namespace inverse

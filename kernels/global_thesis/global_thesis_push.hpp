@@ -22,17 +22,19 @@ struct GlobalThesis::Push {
 struct GlobalThesis::Kernels {
   gpu::KernelPtr sanitize, setup, aim, start, pack, sample, sample_past, reweight, mix, product,
       update, settle, scalars, energy, energy_pulls, total, layers, indirect, residual, outer,
-      outer_total, score;
+      outer_total, score, cells, change;
 };
 
 namespace global_thesis {
 
-constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as one workgroup
+constexpr uint32_t kOneGroup = 128;   // invocations of the kernels that run as one workgroup
+constexpr uint32_t kCells = 32 * 32;  // of a frame, as in cells.comp
 // Layout of a readback buffer, in vec4.
 constexpr uint64_t kMaxLayers = Palette::kMaxClusters;
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
 constexpr uint64_t kColorsAt = 0, kSystemAt = kColors,
-                   kScoreAt = kSystemAt + kMaxLayers * (kMaxLayers + 1), kTraceAt = kScoreAt + 1;
+                   kScoreAt = kSystemAt + kMaxLayers * (kMaxLayers + 1), kChangeAt = kScoreAt + 1,
+                   kTraceAt = kScoreAt + 2;
 
 }  // namespace global_thesis
 }  // namespace inverse

@@ -17,6 +17,7 @@ namespace {
 
 // As in regions.glsl.
 constexpr uint64_t kNumbers = MarkedRegions::kMaxRegions + 1;
+constexpr uint64_t kCounts = 2 * kNumbers;
 constexpr uint64_t kClicksAt = 2 * kNumbers;
 constexpr uint64_t kOrders = kClicksAt + 3 * MarkedRegions::kMaxClicks;
 
@@ -39,17 +40,19 @@ MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent 
       claims_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       plane_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())),
       clusters_(gpu::Buffer::create(device, gpu::Element::word, kNumbers)),
-      counts_(gpu::Buffer::create(device, gpu::Element::word, kNumbers)) {
+      counts_(gpu::Buffer::create(device, gpu::Element::word, kCounts)) {
+  static_assert(kMaxClicks >= kMaxRegions);  // every waiting click has a number
   for (Frame& frame : frames_) {
     frame.orders = gpu::Buffer::create(device, gpu::Element::word, kOrders, gpu::Memory::upload);
-    for (auto* buffer : {&frame.clusters, &frame.counts})
-      *buffer = gpu::Buffer::create(device, gpu::Element::word, kNumbers, gpu::Memory::readback);
+    frame.clusters =
+        gpu::Buffer::create(device, gpu::Element::word, kNumbers, gpu::Memory::readback);
+    frame.counts = gpu::Buffer::create(device, gpu::Element::word, kCounts, gpu::Memory::readback);
   }
 }
 
 int MarkedRegions::click(int x, int y) {
   if (x < 0 || y < 0 || static_cast<uint32_t>(x) >= extent_.width ||
-      static_cast<uint32_t>(y) >= extent_.height || waiting_.size() >= kMaxWaitingClicks) {
+      static_cast<uint32_t>(y) >= extent_.height) {
     return 0;
   }
   int number = 1;
@@ -67,12 +70,16 @@ void MarkedRegions::set_color(int number, int slot) {
     if (region.number == number) region.color = std::max(slot, -1);
 }
 
-void MarkedRegions::remove(int number) {
-  std::erase_if(regions_, [&](const Region& region) { return region.number == number; });
+bool MarkedRegions::remove(int number, Loss loss) {
   std::erase_if(waiting_, [&](const Click& click) { return click.number == number; });
+  if (!std::erase_if(regions_, [&](const Region& region) { return region.number == number; }))
+    return false;
+  lost_.push_back({number, loss});
+  return true;
 }
 
-void MarkedRegions::reset() {
+void MarkedRegions::reset(Loss loss) {
+  for (const Region& region : regions_) lost_.push_back({region.number, loss});
   regions_.clear();
   waiting_.clear();
   clear_ = true;
@@ -95,7 +102,7 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   frame.collected = false;
   auto* orders = frame.orders->map_as<uint32_t>();
   std::memset(orders, 0, kOrders * sizeof(uint32_t));
-  const size_t clicks = std::min(waiting_.size(), kMaxClicks);
+  const size_t clicks = waiting_.size();
   for (size_t i = 0; i < clicks; ++i) {
     uint32_t* order = orders + kClicksAt + 3 * i;
     order[0] = static_cast<uint32_t>(waiting_[i].x);
@@ -108,13 +115,14 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
     for (size_t i = 0; i < clicks; ++i)
       if (waiting_[i].number == region.number) region.since = number;
   }
-  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(clicks));
+  waiting_.clear();
 
   commands.dispatch(start_, {roots_}, push, pixels);
   commands.dispatch(join_, {features.buffer, roots_}, push, pixels);
   commands.fill(claims_);
   commands.fill(counts_);
-  commands.dispatch(probe_, {features.buffer, plane_, clusters_, roots_, claims_, frame.orders},
+  commands.dispatch(probe_,
+                    {features.buffer, plane_, clusters_, roots_, claims_, frame.orders, counts_},
                     push, pixels);
   if (clicks > 0) {
     push.clicks = static_cast<int32_t>(clicks);
@@ -123,7 +131,7 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   }
   commands.dispatch(mark_, {claims_, frame.orders, roots_, plane_, counts_}, push, pixels);
   commands.copy(clusters_, frame.clusters, kNumbers * sizeof(uint32_t));
-  commands.copy(counts_, frame.counts, kNumbers * sizeof(uint32_t));
+  commands.copy(counts_, frame.counts, kCounts * sizeof(uint32_t));
 }
 
 void MarkedRegions::collect(uint64_t number) {
@@ -138,6 +146,12 @@ void MarkedRegions::collect(uint64_t number) {
     if (region.since > number) continue;
     region.cluster = static_cast<int>(clusters[region.number]) - 1;
     region.pixels = counts[region.number];
+    if (region.pixels > 0) continue;
+    const bool claimed = region.since == number
+                             ? region.cluster >= 0
+                             : counts[kNumbers + static_cast<size_t>(region.number)] > 0;
+    const Loss alone = region.since == number ? Loss::nothing_there : Loss::lost;
+    lost_.push_back({region.number, claimed ? Loss::taken_over : alone});
   }
   std::erase_if(regions_,
                 [&](const Region& region) { return region.since <= number && region.pixels == 0; });

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "../gpu/commands.hpp"
@@ -14,9 +15,8 @@ namespace inverse {
 /// is done on the device.
 class MarkedRegions {
  public:
-  static constexpr int kMaxRegions = 15;           ///< numbers 1 … 15
-  static constexpr size_t kMaxClicks = 16;         ///< taken in a frame; further ones wait
-  static constexpr size_t kMaxWaitingClicks = 64;  ///< further ones are refused
+  static constexpr int kMaxRegions = 15;    ///< numbers 1 … 15
+  static constexpr size_t kMaxClicks = 16;  ///< taken in a frame: more than there are numbers
 
   struct Region {
     int number;   ///< 1 … kMaxRegions
@@ -26,19 +26,35 @@ class MarkedRegions {
     uint64_t since = UINT64_MAX;  ///< number of the frame that took its click in
   };
 
+  /// Why a region went.
+  enum class Loss : uint8_t {
+    nothing_there,  ///< no cluster was under the click
+    taken_over,     ///< its pixels went to another region
+    lost,           ///< no pixel of it was left to follow
+    no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
+    unmarked,       ///< somebody removed it
+    cut,            ///< of the scene
+    reset,          ///< a flush, a discontinuity, another frame size
+  };
+  struct Lost {
+    int number;
+    Loss loss;
+  };
+
   /// Throws Error(limit, out_of_memory).
   MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 where the
-  /// pixel is outside the frame, all numbers are taken or too many clicks wait. A click into a
-  /// region that is marked already makes another one, which takes its pixels over.
+  /// pixel is outside the frame or all numbers are taken. A click into a region that is marked
+  /// already makes another one, which takes its pixels over.
   int click(int x, int y);
   /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
   /// Numbers that mark nothing are ignored.
   void set_color(int number, int slot);
-  void remove(int number);
+  /// False where the number marks nothing.
+  bool remove(int number, Loss loss = Loss::unmarked);
   /// Forgets all regions: at a flush, a discontinuity or a scene cut.
-  void reset();
+  void reset(Loss loss = Loss::reset);
 
   /// Takes in a frame: w of `features` is each pixel's cluster, −1 where there is none.
   void record(gpu::Commands& commands, const Plane& features);
@@ -50,6 +66,9 @@ class MarkedRegions {
   void collect(uint64_t frame);
 
   const std::vector<Region>& regions() const { return regions_; }
+  /// Regions that went since this was last asked for, in that order.
+  std::vector<Lost> take_lost() { return std::exchange(lost_, {}); }
+  bool has_lost() const { return !lost_.empty(); }
   /// (slot of the color that overrules the cluster or −1, number or 0) of each pixel of the last
   /// frame.
   Plane plane() const { return {extent_, plane_}; }
@@ -70,7 +89,8 @@ class MarkedRegions {
   gpu::BufferPtr roots_, claims_, plane_, clusters_, counts_;
   std::array<Frame, gpu::kFramesInFlight> frames_;
   std::vector<Region> regions_;  // by number
-  std::vector<Click> waiting_;
+  std::vector<Click> waiting_;   // for the next frame
+  std::vector<Lost> lost_;       // not asked for yet
   uint64_t recorded_ = 0;
   uint32_t epoch_ = 0;  // resets
   bool clear_ = true;

@@ -59,6 +59,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
       if (color.slot != region.cluster) job.candidates.push_back(color.slot);
     if (job.candidates.empty()) {
       hopeless_.emplace_back(region.number, region.since);
+      told_hopeless_.push_back(region.number);
       continue;
     }
     job.wanted = job.candidates.size();
@@ -82,6 +83,7 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
     GlobalThesis::Params params = method.params();
     params.keyframes = 0;
     params.refine_rounds = 0;
+    params.cut_fraction = 0;
     params.warm_start = params.energy = params.trace = false;
     at.method->set_params(params);
     at.method->set_base_colors(method.colors());
@@ -100,7 +102,8 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
   // Nobody collected that frame: once more.
   if (frame.pending && job_ && frame.job == jobs_) job_->candidates.push_back(frame.candidate);
   frame.pending = false;
-  if (!job_) begin(commands, method, regions);
+  // From a cut on until the scene's base colors are known, there is nothing to choose from.
+  if (!job_ && method.scene_since() != UINT64_MAX) begin(commands, method, regions);
   if (!job_ || job_->candidates.empty()) return number;
   Level& at = level(job_->level);
   const int candidate = job_->candidates.back();
@@ -153,6 +156,7 @@ void MisclusteringCorrection::reset() {
   job_.reset();
   ++jobs_;
   hopeless_.clear();
+  told_hopeless_.clear();
   thin_.clear();
 }
 

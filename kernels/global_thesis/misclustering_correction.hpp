@@ -42,6 +42,8 @@ class MisclusteringCorrection {
   /// Drops what is under way: at a flush, a discontinuity or a scene cut.
   void reset();
   bool busy() const { return job_.has_value(); }
+  /// Numbers of regions that no base color is left to be tried for, since this was last asked for.
+  std::vector<int> take_hopeless() { return std::exchange(told_hopeless_, {}); }
 
  private:
   static constexpr int kMaxHalvings = 2;
@@ -78,6 +80,7 @@ class MisclusteringCorrection {
   std::optional<Job> job_;
   uint32_t jobs_ = 0;
   std::vector<RegionName> hopeless_;  ///< regions without candidates
+  std::vector<int> told_hopeless_;    ///< those not asked for yet
   std::vector<RegionName> thin_;      ///< not to be seen in a smaller frame
   std::array<Frame, gpu::kFramesInFlight> frames_;
   uint64_t recorded_ = 0;

@@ -5,7 +5,7 @@
 #define ROOTS_SLOT 3
 #include "components.glsl"
 
-// One invocation for each click: the component under it becomes a region with its cluster.
+// One invocation for each click: the component under it becomes a region with its cluster, also where it is in one.
 PLANE_IN(0, features);
 WORD_IN(1, orders);
 WORD_OUT(2, clusters);
@@ -19,5 +19,5 @@ void main() {
   uint number = FETCH1(orders, at + 2);
   uint cluster = uint(FETCH(features, int(n)).w + 1.0);
   STORE(clusters, number, cluster);
-  if (cluster > 0u) atomicMax(claims_data[root_of(n)], number);
+  if (cluster > 0u) atomicMax(claims_data[root_of(n)], clicked_claim(number));
 }

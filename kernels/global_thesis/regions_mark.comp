@@ -15,8 +15,8 @@ void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
-  uint number = FETCH1(claims, int(root_of(uint(n))));
+  uint number = claiming_region(FETCH1(claims, int(root_of(uint(n)))));
   float color = number > 0u ? float(FETCH1(orders, int(number))) - 1.0 : -1.0;
   STORE(regions, n, vec4(color, float(number), 0.0, 0.0));
-  if (number > 0u) atomicAdd(counts_data[number], 1u);
+  if (number > 0u) atomicAdd(counts_data[pixels_at(number)], 1u);
 }

@@ -11,6 +11,7 @@ PLANE_IN(1, regions);
 WORD_IN(2, clusters);  // + 1, of each region
 WORD_INOUT(4, claims);
 WORD_IN(5, orders);
+WORD_OUT(6, counts);
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
@@ -18,6 +19,8 @@ void main() {
   int n = at.y * push.size.x + at.x;
   int number = int(FETCH(regions, n).y);
   uint cluster = uint(FETCH(features, n).w + 1.0);
-  if (number > 0 && cluster > 0u && FETCH1(clusters, number) == cluster && FETCH1(orders, kMaxRegions + number) != 0u)
-    atomicMax(claims_data[root_of(uint(n))], uint(number));
+  if (number > 0 && cluster > 0u && FETCH1(clusters, number) == cluster && FETCH1(orders, kMaxRegions + number) != 0u) {
+    atomicMax(claims_data[root_of(uint(n))], tracked_claim(uint(number)));
+    STORE(counts, claimed_at(uint(number)), 1u);
+  }
 }

@@ -39,4 +39,14 @@ void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
   }
 }
 
+std::pair<int, int> Mosaic::shown_at(int x, int y, Extent target) {
+  const int width = static_cast<int>(target.width), height = static_cast<int>(target.height);
+  if (x < 0 || y < 0 || x >= width || y >= height) return {x, y};
+  const Extent large = half_of(target);
+  const auto in_tile = [](int at, uint32_t first) {
+    return 2 * (at < static_cast<int>(first) ? at : at - static_cast<int>(first));
+  };
+  return {in_tile(x, large.width), in_tile(y, large.height)};
+}
+
 }  // namespace inverse

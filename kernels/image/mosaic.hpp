@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <utility>
 
 #include "../gpu/commands.hpp"
 #include "convert.hpp"
@@ -19,6 +20,9 @@ class Mosaic {
   };
   explicit Mosaic(const std::shared_ptr<gpu::Device>& device);
   void record(gpu::Commands& commands, const std::array<Tile, 4>& tiles, const Plane& target) const;
+  /// The pixel of the pictures whose 2×2 a pixel of the target shows: the top left one. A place
+  /// outside the target stays as it is.
+  static std::pair<int, int> shown_at(int x, int y, Extent target);
 
  private:
   gpu::KernelPtr kernel_;

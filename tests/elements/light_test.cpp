@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "base/inverse_layers_meta.h"
@@ -256,6 +257,20 @@ std::vector<int> told(GstBus* bus, const char* name, const char* field) {
   return values;
 }
 
+/// Of inverse-region-lost since the last call: region and reason.
+std::vector<std::pair<int, std::string>> lost_regions(GstBus* bus) {
+  std::vector<std::pair<int, std::string>> lost;
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+    const GstStructure* text = gst_message_get_structure(message);
+    int region = 0;
+    if (gst_structure_has_name(text, "inverse-region-lost") &&
+        gst_structure_get_int(text, "region", &region))
+      lost.emplace_back(region, gst_structure_get_string(text, "reason"));
+    gst_message_unref(message);
+  }
+  return lost;
+}
+
 class GlobalIntrinsicThesis : public ::testing::Test {
  protected:
   static constexpr int kSide = 48;
@@ -315,6 +330,107 @@ TEST_F(GlobalIntrinsicThesis, ClicksNobodyCanMeetAreRefusedWithAMessage) {
   harness_.flush();
   EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
   EXPECT_EQ(regions(), 0u) << "a seek forgets what was marked";
+}
+
+TEST_F(GlobalIntrinsicThesis, TellsOfRegionsThatGo) {
+  harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  ASSERT_EQ(regions(), 1u);
+  g_signal_emit_by_name(element_, "unmark", 7);  // marks nothing
+  g_signal_emit_by_name(element_, "unmark", 1);
+  harness_.process(frame_);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("unmarked")}}));
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  EXPECT_EQ(regions(), 1u);
+  harness_.flush();
+  harness_.process(frame_);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("reset")}}));
+}
+
+TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
+  for (int k = 0; k < 3; ++k) harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  ASSERT_EQ(regions(), 1u);
+  EXPECT_TRUE(told(bus_, "inverse-region-lost", "region").empty());
+  std::vector<uint8_t> other = frame_;
+  for (size_t i = 0; i + 3 < other.size(); i += 4) std::swap(other[i], other[i + 1]);
+  int cuts = 0;
+  for (int k = 0; k < 12; ++k) {
+    harness_.process(other);
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    gboolean cut = FALSE;
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "cut", &cut));
+    gst_structure_free(stats);
+    cuts += cut;
+  }
+  EXPECT_EQ(cuts, 1);
+  EXPECT_EQ(regions(), 0u);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("cut")}}));
+  // It settles on the new scene: a picture that comes again is kept.
+  gboolean kept = FALSE;
+  for (int k = 0; k < 100 && !kept; ++k) {
+    harness_.process(other);
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "kept", &kept));
+    gst_structure_free(stats);
+  }
+  EXPECT_TRUE(kept);
+}
+
+TEST_F(GlobalIntrinsicThesis, AFlushDropsClicksThatWait) {
+  mark(2, 3);  // before there is any frame
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{2});
+  mark(5, 5);
+  harness_.flush();
+  mark(6, 5);
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{6});
+}
+
+TEST_F(GlobalIntrinsicThesis, ClicksOnTheMosaicMarkThePixelUnderThem) {
+  gst_util_set_object_arg(G_OBJECT(element_), "show", "mosaic");
+  const auto click = [&](double x, double y) {
+    gst_harness_push_upstream_event(harness_.harness(), gst_navigation_event_new_mouse_button_press(
+                                                            1, x, y, GST_NAVIGATION_MODIFIER_NONE));
+  };
+  harness_.process(frame_);
+  click(kSide / 2 + 6.3, 2.9);
+  click(3, kSide - 1);
+  click(std::numeric_limits<double>::quiet_NaN(), 3);
+  click(3, -1e300);
+  click(1e300, 3);
+  mark(30, 7);  // pixels of the frame, whatever is shown
+  harness_.process(frame_);
+  std::vector<std::array<int, 3>> clicks;
+  while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ELEMENT)) {
+    std::array<int, 3> at{};
+    const GstStructure* text = gst_message_get_structure(message);
+    if (gst_structure_has_name(text, "inverse-region-marked") &&
+        gst_structure_get(text, "x", G_TYPE_INT, &at[0], "y", G_TYPE_INT, &at[1], "region",
+                          G_TYPE_INT, &at[2], nullptr))
+      clicks.push_back(at);
+    gst_message_unref(message);
+  }
+  const std::vector<std::array<int, 3>> expected{{12, 4, 1}, {6, kSide - 2, 2}, {-1, 3, 0},
+                                                 {3, -1, 0}, {G_MAXINT, 3, 0},  {30, 7, 3}};
+  EXPECT_EQ(clicks, expected);
+}
+
+TEST(GlobalIntrinsicThesisStreams, MayFollowEachOtherWhileFramesAreInFlight) {
+  const std::string source =
+      "videotestsrc num-buffers=6 ! video/x-raw,format=RGBA,width=32,height=24 ! c. ";
+  const LineResult result = run_line(
+      "concat name=c ! globalintrinsicthesis steps=1 ! "
+      "video/x-raw(meta:InverseLayers) ! fakesink " +
+      source + source);
+  EXPECT_TRUE(result.eos);
+  EXPECT_TRUE(result.errors.empty()) << result.first_error();
 }
 
 TEST_F(GlobalIntrinsicThesis, CapsMayChangeWhileItRefinesAndCorrects) {

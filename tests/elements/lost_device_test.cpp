@@ -40,6 +40,17 @@ TEST(LostDevice, EveryElementThatMeetsTheLossSaysSoAndNothingHangs) {
             (Names{"intrinsicdecomp", "intrinsicsplit"}));
 }
 
+TEST(LostDevice, WhatThereWasToTellIsToldAllTheSame) {
+  // Lost with the first frame's base colors, while the frame is being recorded, and later.
+  for (const char* submit : {"1", "2", "3"}) {
+    const auto [status, text] =
+        run_self({{"INVERSE_LOSE_DEVICE", submit}},
+                 {kMarkOption, kSource + "globalintrinsicthesis name=marked steps=1 ! fakesink"});
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(text.substr(0, 28), "inverse-region-marked\nerror\n") << submit << ": " << text;
+  }
+}
+
 TEST(LostDevice, OnATeeNoBranchHangs) {
   // Which branch comes first is up to the threads.
   const Names noticed =

@@ -35,6 +35,29 @@ int restart(const std::string& state, const char* line) {
   return 0;
 }
 
+/// Marks a pixel before there is any frame.
+int mark(const char* line) {
+  GstElement* pipeline = gst_parse_launch(line, nullptr);
+  GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), "marked");
+  g_signal_emit_by_name(element, "mark", 3, 3);
+  gst_object_unref(element);
+  GstBus* bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  for (bool ended = false; !ended;) {
+    GstMessage* message = gst_bus_timed_pop_filtered(
+        bus, GST_CLOCK_TIME_NONE,
+        static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_ELEMENT));
+    ended = GST_MESSAGE_TYPE(message) != GST_MESSAGE_ELEMENT;
+    printf("%s\n", ended ? GST_MESSAGE_TYPE_NAME(message)
+                         : gst_structure_get_name(gst_message_get_structure(message)));
+    gst_message_unref(message);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(bus);
+  gst_object_unref(pipeline);
+  return 0;
+}
+
 }  // namespace
 
 Ended run_self(const std::map<std::string, std::string>& environment,
@@ -61,8 +84,10 @@ Ended run_self(const std::map<std::string, std::string>& environment,
 
 int serve(int count, char** arguments) {
   const std::string option = count > 1 ? arguments[1] : "";
-  if (option == kLaunchOption || option == kRestartOption) alarm(kPatience);
+  if (option == kLaunchOption || option == kRestartOption || option == kMarkOption)
+    alarm(kPatience);
   if (option == kLaunchOption && count == 3) return launch(arguments[2]);
+  if (option == kMarkOption && count == 3) return mark(arguments[2]);
   if (option == kRestartOption && count == 4) return restart(arguments[2], arguments[3]);
   return -1;
 }

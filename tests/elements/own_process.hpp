@@ -25,6 +25,11 @@ inline constexpr const char* kLaunchOption = "--launch";
 /// to that state in between, and prints "error" or "end" for each time.
 inline constexpr const char* kRestartOption = "--restart";
 
+/// Started with this option and a launch line, it marks a pixel of the element named "marked", runs
+/// the line to its end or first error, and prints the names of the element messages, then "eos" or
+/// "error".
+inline constexpr const char* kMarkOption = "--mark";
+
 /// Does what the options above ask for; −1 where they do not stand in the arguments.
 int serve(int count, char** arguments);
 

@@ -36,8 +36,8 @@ GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
   Layers layers;
   uint64_t number = 0;
   if (thesis_ && first_ && !thesis_->colors().given()) {
-    lab_.run([&](gpu::Commands& commands) { number = thesis_->record_colors(commands, *input); });
-    thesis_->collect(number);
+    lab_.run([&](gpu::Commands& commands) { thesis_->record_colors(commands, *input); });
+    thesis_->collect_colors();
   }
   first_ = false;
   lab_.run([&](gpu::Commands& commands) {

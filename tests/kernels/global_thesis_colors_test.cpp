@@ -1,4 +1,6 @@
 // Base colors of the thesis' global decomposition: found, refined, overruled; and its state.
+#include <limits>
+
 #include "global_thesis_fixture.hpp"
 
 namespace inverse::testing {
@@ -9,8 +11,8 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
   const auto decompose = [&](const Pixels& pixels, Layers& output) {
     const Plane frame = plane(extent, pixels);
     uint64_t number = 0;
-    run([&](gpu::Commands& commands) { number = method.record_colors(commands, frame); });
-    method.collect(number);
+    run([&](gpu::Commands& commands) { method.record_colors(commands, frame); });
+    method.collect_colors();
     run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
     method.collect(number);
     return method.stats(number);
@@ -244,10 +246,138 @@ TEST_F(GlobalThesisTest, ResetForgetsThePast) {
   EXPECT_EQ(a, twice(used, second));
 }
 
+TEST_F(GlobalThesisTest, FindingColorsIsNoFrame) {
+  // Three frames are in flight when the scene begins anew.
+  const Extent extent{32, 24};
+  GlobalThesis method(device, extent);
+  const Plane frame = plane(extent, room(extent, 1));
+  std::vector<uint64_t> numbers;
+  for (size_t t = 0; t < gpu::kFramesInFlight; ++t)
+    run([&](gpu::Commands& commands) {
+      Layers output;
+      numbers.push_back(method.record(commands, frame, output));
+    });
+  method.reset();
+  run([&](gpu::Commands& commands) { method.record_colors(commands, frame); });
+  method.collect_colors();
+  EXPECT_GE(method.colors().layers(), 2);
+  for (const uint64_t number : numbers) {
+    EXPECT_NO_THROW(method.stats(number));
+    method.collect(number);
+  }
+}
+
+TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
+  const Extent extent{64, 48};
+  constexpr size_t kCut = 12;
+  for (const float fraction : {0.2f, 0.0f}) {
+    GlobalThesis method(device, extent);
+    GlobalThesisParams params;
+    params.cut_fraction = fraction;
+    params.refine_rounds = 2;
+    params.keyframe_spacing = 1;
+    params.steps = 2;
+    method.set_params(params);
+    std::vector<std::unique_ptr<gpu::Commands>> commands;
+    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+      commands.push_back(std::make_unique<gpu::Commands>(device));
+    std::vector<Plane> frames;
+    std::vector<GlobalThesis::Stats> seen;
+    const auto take = [&](size_t t) {
+      commands[t % commands.size()]->wait();
+      method.collect(t);
+      seen.push_back(method.stats(t));
+    };
+    for (size_t t = 0; t < 30; ++t) {
+      gpu::Commands& own = *commands[t % commands.size()];
+      if (t >= commands.size()) take(t - commands.size());
+      if (t == kCut) EXPECT_FALSE(method.refining());
+      Pixels pixels = room(extent, static_cast<unsigned>(t), static_cast<uint32_t>(t) / 2);
+      for (size_t n = 0; t >= kCut && n < extent.pixels(); ++n)
+        std::swap(pixels[4 * n], pixels[4 * n + 1]);
+      frames.push_back(plane(extent, pixels));
+      own.begin();
+      Layers output;
+      ASSERT_EQ(method.record(own, frames.back(), output), t);
+      own.submit();
+    }
+    for (size_t t = 27; t < 30; ++t) take(t);
+    double nearest = 1;  // to the new scene's green wall
+    for (const Rgb& color : method.colors().layer_colors())
+      nearest = std::min<double>(
+          nearest, std::max({std::abs(color[0] - kRoom[0][1]), std::abs(color[1] - kRoom[0][0]),
+                             std::abs(color[2] - kRoom[0][2])}));
+    float steady = 0;
+    for (size_t t = 0; t < seen.size(); ++t) {
+      EXPECT_EQ(seen[t].cut, fraction > 0 && t == kCut) << t;
+      if (t != kCut) steady = std::max(steady, seen[t].change);
+    }
+    if (fraction == 0) {
+      EXPECT_EQ(seen[kCut + 3].keyframes, 5);
+      EXPECT_EQ(method.scene_since(), 0u);
+      continue;
+    }
+    printf("  change %.3f at the cut, at most %.3f elsewhere\n",
+           static_cast<double>(seen[kCut].change), static_cast<double>(steady));
+    EXPECT_GT(seen[kCut].change, 0.5f);
+    EXPECT_LT(steady, 0.2f);  // noise, and walls that move
+    EXPECT_EQ(seen[kCut + 2].keyframes, 5);
+    EXPECT_EQ(seen[kCut + 3].keyframes, 0);  // the first after it was found
+    EXPECT_EQ(method.scene_since(), kCut + 6);
+    int refined = 0;
+    for (size_t t = kCut; t < seen.size(); ++t) {
+      refined += seen[t].refining;
+      EXPECT_GT(seen[t].layers, 0) << t;
+      if (t < kCut + 6) EXPECT_FALSE(seen[t].refining) << t;
+    }
+    EXPECT_EQ(refined, 2);
+    EXPECT_LT(nearest, 0.2);
+  }
+}
+
+TEST_F(GlobalThesisTest, ACutKeepsTheColorsThatWereGiven) {
+  const Extent extent{32, 24};
+  GlobalThesis method(device, extent);
+  method.set_base_colors(kRoom);
+  const auto given = method.colors().layer_colors();
+  GlobalThesis::Stats stats;
+  for (int t = 0; t < 2; ++t) {
+    Pixels pixels = room(extent, 1);
+    for (size_t n = 0; t == 1 && n < extent.pixels(); ++n)
+      std::swap(pixels[4 * n], pixels[4 * n + 1]);
+    const Plane frame = plane(extent, pixels);
+    uint64_t number = 0;
+    Layers output;
+    GlobalThesisParams params;
+    params.refine_rounds = 0;
+    method.set_params(params);
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+    method.collect(number);
+    stats = method.stats(number);
+  }
+  EXPECT_TRUE(stats.cut);
+  EXPECT_EQ(method.colors().layer_colors(), given);
+  EXPECT_EQ(method.scene_since(), 0u);
+}
+
+TEST(BaseColors, RefinementKeepsWhatWouldNotBeFinite) {
+  BaseColors colors;
+  colors.set(kRoom);
+  const auto before = colors.layer_colors();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(colors.refine(std::vector<Rgb>{{nan, 0.1f, -infinity}, {0, 0, 0}, {0, infinity, 0}}),
+            1.0f);
+  const auto after = colors.layer_colors();
+  EXPECT_EQ(after[0][0], before[0][0]);
+  EXPECT_FLOAT_EQ(after[0][1], before[0][1] + 0.1f);
+  EXPECT_EQ(after[0][2], before[0][2]);
+  EXPECT_EQ(after[1], before[1]);
+  EXPECT_EQ(after[2], before[2]);
+}
+
 TEST_F(GlobalThesisTest, CostFollowsTheLayers) {
   // Memory, in fields of four layers; and a frame of another size is refused.
-  EXPECT_LT(GlobalThesis::bytes_per_pixel(0, 5), GlobalThesis::bytes_per_pixel(1, 5));
-  EXPECT_EQ(GlobalThesis::bytes_per_pixel(1, 5), GlobalThesis::bytes_per_pixel(4, 5));
   const Extent extent{64, 48};
   uint64_t before = 0;
   for (const size_t count : {0, 4, 16}) {

@@ -185,6 +185,62 @@ TEST_F(MarkedRegionsTest, BadClicksAndManyAreRefused) {
   for (const int number : numbers(regions, extent, clusters)) ASSERT_EQ(number, 0);
 }
 
+TEST_F(MarkedRegionsTest, AClickTakesOverWhateverTheNumbers) {
+  const Extent extent{40, 20};
+  std::vector<int> clusters(extent.pixels());
+  for (size_t n = 0; n < clusters.size(); ++n) clusters[n] = n % 40 < 20 ? 0 : 1;
+  MarkedRegions regions(device, extent);
+  ASSERT_EQ(regions.click(5, 5), 1);
+  ASSERT_EQ(regions.click(30, 5), 2);
+  numbers(regions, extent, clusters);
+  EXPECT_TRUE(regions.remove(1));
+  EXPECT_FALSE(regions.remove(1));
+  ASSERT_EQ(regions.click(30, 15), 1);  // lower than the number of the region there
+  for (int t = 0; t < 2; ++t) {
+    const std::vector<int> got = numbers(regions, extent, clusters);
+    for (size_t n = 0; n < got.size(); ++n) ASSERT_EQ(got[n], clusters[n]) << "frame " << t;
+  }
+  ASSERT_EQ(regions.regions().size(), 1u);
+  const auto lost = regions.take_lost();
+  ASSERT_EQ(lost.size(), 2u);
+  EXPECT_EQ(lost[0].number, 1);
+  EXPECT_EQ(lost[0].loss, MarkedRegions::Loss::unmarked);
+  EXPECT_EQ(lost[1].number, 2);
+  EXPECT_EQ(lost[1].loss, MarkedRegions::Loss::taken_over);
+}
+
+TEST_F(MarkedRegionsTest, TellsWhyARegionWent) {
+  using Loss = MarkedRegions::Loss;
+  const Extent extent{40, 20};
+  const std::vector<int> none(extent.pixels(), -1), red(extent.pixels(), 0),
+      blue(extent.pixels(), 1);
+  MarkedRegions regions(device, extent);
+  const auto losses = [&] {
+    std::vector<std::pair<int, Loss>> result;
+    for (const auto& lost : regions.take_lost()) result.emplace_back(lost.number, lost.loss);
+    return result;
+  };
+  using Losses = std::vector<std::pair<int, Loss>>;
+  regions.click(5, 5);
+  numbers(regions, extent, none);
+  EXPECT_EQ(losses(), (Losses{{1, Loss::nothing_there}}));
+  // Two clicks on one component in one frame.
+  regions.click(5, 5);
+  regions.click(15, 5);
+  numbers(regions, extent, red);
+  EXPECT_EQ(losses(), (Losses{{1, Loss::taken_over}}));
+  // The region's cluster is gone, while another region is clicked.
+  regions.click(3, 3);
+  numbers(regions, extent, blue);
+  EXPECT_EQ(losses(), (Losses{{2, Loss::lost}}));
+  numbers(regions, extent, blue);
+  EXPECT_FALSE(regions.has_lost());
+  regions.reset(Loss::cut);
+  EXPECT_EQ(losses(), (Losses{{1, Loss::cut}}));
+  numbers(regions, extent, blue);
+  EXPECT_FALSE(regions.has_lost());
+}
+
 /// A light floor between a red and a blue wall, with a strip in the shade that sees the red wall
 /// only and is taken for red.
 class MisclusteringTest : public GlobalThesisTest {
@@ -335,6 +391,8 @@ TEST_F(MisclusteringTest, TheCorrectionLeavesWhatIsGone) {
   for (int t = 0; t < 4; ++t) EXPECT_FALSE(step());
   EXPECT_FALSE(correction.busy());
   EXPECT_EQ(regions.regions().size(), 1u);
+  EXPECT_EQ(correction.take_hopeless(), std::vector{regions.regions()[0].number});
+  EXPECT_TRUE(correction.take_hopeless().empty());
 }
 
 }  // namespace inverse::testing
