@@ -184,9 +184,9 @@ class PropertyStore {
 template <typename P>
 class Parameters final : public PropertyStore {
  public:
-  using Preset = P (*)(const P& set_so_far);
+  using Preset = std::function<P(const P& set_so_far)>;
   explicit Parameters(const PropertyTable<P>& table, Preset preset = nullptr)
-      : table_(table), preset_(preset), explicitly_(table.size()) {}
+      : table_(table), preset_(std::move(preset)), explicitly_(table.size()) {}
 
   /// The values in force now.
   P snapshot() const {

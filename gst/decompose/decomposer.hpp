@@ -144,9 +144,8 @@ class Decomposer : public Filter {
 template <typename Method, typename P>
 class MethodDecomposer : public Decomposer {
  public:
-  MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder,
-                   typename Parameters<P>::Preset preset)
-      : Decomposer(ladder.costs()), parameters_(table, preset), ladder_(ladder) {}
+  MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder)
+      : Decomposer(ladder.costs()), parameters_(table, preset_of(ladder)), ladder_(ladder) {}
   PropertyStore& parameters() override { return parameters_; }
   bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
 
@@ -181,6 +180,16 @@ class MethodDecomposer : public Decomposer {
   Parameters<P> parameters_;
 
  private:
+  /// What a quality stands for.
+  static typename Parameters<P>::Preset preset_of(const Ladder<typename Method::Params>& ladder) {
+    return [&ladder](const P& set) {
+      P params;
+      params.quality = set.quality;
+      ladder.set(params, set.quality);
+      return params;
+    };
+  }
+
   const Ladder<typename Method::Params>& ladder_;
   P params_;
 };

@@ -8,16 +8,9 @@ namespace {
 
 struct Params : GlobalIntrinsic::Params, SolveParams {};
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  global_ladder().set(params, set.quality);
-  return params;
-}
-
 class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
  public:
-  GlobalElement() : SolvingDecomposer(table(), global_ladder(), preset) {}
+  GlobalElement() : SolvingDecomposer(table(), global_ladder()) {}
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {

@@ -17,16 +17,9 @@ struct Params : GlobalThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  global_thesis_ladder().set(params, set.quality);
-  return params;
-}
-
 class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
  public:
-  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_ladder(), preset) {}
+  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_ladder()) {}
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);

@@ -7,16 +7,9 @@ namespace {
 
 struct Params : ScaledIntrinsic::Params, SolveParams {};
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  intrinsic_ladder().set(params, set.quality);
-  return params;
-}
-
 class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params> {
  public:
-  IntrinsicElement() : SolvingDecomposer(table(), intrinsic_ladder(), preset) {}
+  IntrinsicElement() : SolvingDecomposer(table(), intrinsic_ladder()) {}
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {

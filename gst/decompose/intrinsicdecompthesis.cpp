@@ -10,16 +10,9 @@ struct Params : ThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
-Params preset(const Params& set) {
-  Params params;
-  params.quality = set.quality;
-  thesis_ladder().set(params, set.quality);
-  return params;
-}
-
 class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
  public:
-  ThesisElement() : MethodDecomposer(table(), thesis_ladder(), preset) {}
+  ThesisElement() : MethodDecomposer(table(), thesis_ladder()) {}
 
  protected:
   // It does not start from the frame before: the same picture again would gain nothing but another

@@ -36,7 +36,8 @@ TEST(DeviceSession, SplitsShadingByItsLight) {
       [&](gpu::Commands&, const PlanePtr& input) {
         Layers layers =
             intrinsic_layers(input, upload(session.device(), extent, {0.2F, 0.3F, 0.4F, 2}));
-        layers[Role::light] = upload(session.device(), extent, {1.2F, 0.9F, 0.9F, 0.75F});
+        layers[Role::light] = layers[Role::model_light] =
+            upload(session.device(), extent, {1.2F, 0.9F, 0.9F, 0.75F});
         return layers;
       },
       cost);

@@ -291,7 +291,9 @@ TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
     for (size_t t = 0; t < 30; ++t) {
       gpu::Commands& own = *commands[t % commands.size()];
       if (t >= commands.size()) take(t - commands.size());
-      if (t == kCut) EXPECT_FALSE(method.refining());
+      if (t == kCut) {
+        EXPECT_FALSE(method.refining());
+      }
       Pixels pixels = room(extent, static_cast<unsigned>(t), static_cast<uint32_t>(t) / 2);
       for (size_t n = 0; t >= kCut && n < extent.pixels(); ++n)
         std::swap(pixels[4 * n], pixels[4 * n + 1]);
@@ -328,7 +330,9 @@ TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
     for (size_t t = kCut; t < seen.size(); ++t) {
       refined += seen[t].refining;
       EXPECT_GT(seen[t].layers, 0) << t;
-      if (t < kCut + 6) EXPECT_FALSE(seen[t].refining) << t;
+      if (t < kCut + 6) {
+        EXPECT_FALSE(seen[t].refining) << t;
+      }
     }
     EXPECT_EQ(refined, 2);
     EXPECT_LT(nearest, 0.2);
