@@ -8,6 +8,7 @@
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
 #include "global_thesis/misclustering_correction.hpp"
+#include "global_thesis/region_proposals.hpp"
 #include "global_thesis/warm_up.hpp"
 #include "image/mosaic.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 struct Params : GlobalThesisParams, DecomposerParams {
   bool adaptive = true;
+  RegionProposals::Mode propose = RegionProposals::Mode::off;
 };
 
 class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
@@ -32,7 +34,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     }
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
-    results_.clear();
+    proposals_.emplace(device, extent);
+    forget_news();
     started_ = false;
     most_colors_ = GlobalThesis::most_layers(*device, extent);
     told_most_ = 0;
@@ -44,8 +47,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   }
   void release() override {
     correction_.reset();
+    proposals_.reset();
     regions_.reset();
-    results_.clear();
+    forget_news();
     lost_.clear();
     seen_ = false;
     MethodDecomposer::release();
@@ -54,7 +58,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     MethodDecomposer::reset();
     regions_->reset();
     correction_->reset();
-    results_.clear();
+    proposals_->reset();
+    forget_news();
     started_ = false;
   }
   void flushed() override {
@@ -77,7 +82,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     std::lock_guard lock(mutex_);
     return done.value_or(0) >= method_->scene_since() && lost_.empty() && !regions_->has_lost() &&
            !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
-           !refine_ && since_click_ > kPatience;
+           !proposals_->pending() && news_.empty() && !refine_ && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
@@ -85,12 +90,15 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     if (method_->stats(number).cut) {
       regions_->reset(MarkedRegions::Loss::cut);
       correction_->reset();
-      results_.clear();
+      proposals_->reset();
+      forget_news();
     }
     const Numbers& numbers = numbers_[number % numbers_.size()];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
       results_.push_back(*result);
+    for (const auto& proposal : proposals_->collect(numbers.proposals, *regions_))
+      news_.push_back(proposal);
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -106,6 +114,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                       "refining", G_TYPE_BOOLEAN, method.refining, "cut", G_TYPE_BOOLEAN,
                       method.cut, "change", G_TYPE_DOUBLE, static_cast<double>(method.change),
                       "regions", G_TYPE_UINT, regions, "regions-decided", G_TYPE_UINT, decided,
+                      "regions-proposed", G_TYPE_UINT, static_cast<guint>(proposals_->count()),
                       nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
@@ -133,8 +142,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     const PlanePtr kept = frame.layers[Role::input];
     const uint64_t number = method_->record(frame.commands, input, frame.layers, hints);
     frame.layers[Role::input] = kept;
-    numbers_[number % numbers_.size()] = {regions_->last(),
-                                          correction_->record(frame.commands, *method_, *regions_)};
+    numbers_[number % numbers_.size()] = {
+        regions_->last(), correction_->record(frame.commands, *method_, *regions_),
+        proposals_->record(frame.commands, *method_, *regions_, params().propose)};
     for (const int region : correction_->take_hopeless())
       regions_->remove(region, MarkedRegions::Loss::no_candidates);
     return number;
@@ -167,6 +177,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     if (!clicks.empty()) since_click_ = 0;
     for (auto [x, y, region, what] : clicks) {
       if (what == Click::What::unmark) {
+        proposals_->refuse(region);
         if (!regions_->remove(region)) GST_WARNING("no region %d is marked", region);
         continue;
       }
@@ -189,6 +200,13 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
           "inverse-region-corrected", "region", G_TYPE_INT, result.number, "cluster", G_TYPE_INT,
           result.cluster, "color", G_TYPE_INT, result.color, nullptr));
     results_.clear();
+    for (const auto& proposal : news_)
+      frame.messages.emplace_back(gst_structure_new(
+          "inverse-region-proposed", "x", G_TYPE_INT, proposal.x, "y", G_TYPE_INT, proposal.y,
+          "pixels", G_TYPE_UINT64, proposal.pixels, "cluster", G_TYPE_INT, proposal.cluster,
+          "color", G_TYPE_INT, proposal.color, "score", G_TYPE_DOUBLE,
+          static_cast<double>(proposal.score), "region", G_TYPE_INT, proposal.region, nullptr));
+    news_.clear();
     take_lost();
     for (const MarkedRegions::Lost& lost : lost_)
       frame.messages.emplace_back(gst_structure_new("inverse-region-lost", "region", G_TYPE_INT,
@@ -208,6 +226,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                                                   G_TYPE_INT, wanted, "used", G_TYPE_INT,
                                                   most_colors_, nullptr));
   }
+  void forget_news() {
+    results_.clear();
+    news_.clear();
+  }
   void take_lost() {
     for (const MarkedRegions::Lost& lost : regions_->take_lost()) lost_.push_back(lost);
   }
@@ -219,10 +241,16 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
         return "taken-over";
       case MarkedRegions::Loss::lost:
         return "lost";
+      case MarkedRegions::Loss::spilled:
+        return "spilled";
       case MarkedRegions::Loss::no_candidates:
         return "no-candidates";
       case MarkedRegions::Loss::unmarked:
         return "unmarked";
+      case MarkedRegions::Loss::withdrawn:
+        return "withdrawn";
+      case MarkedRegions::Loss::made_room:
+        return "made-room";
       case MarkedRegions::Loss::cut:
         return "cut";
       case MarkedRegions::Loss::reset:
@@ -253,6 +281,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
         number<P>(
             "base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
             "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
+        choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
+                  {{static_cast<int>(RegionProposals::Mode::off), "off",
+                    "Only clicks mark regions (5.5.2)"},
+                   {static_cast<int>(RegionProposals::Mode::report), "report",
+                    "Tell by message which regions seem to be taken for the wrong color"},
+                   {static_cast<int>(RegionProposals::Mode::correct), "correct",
+                    "Mark them as well, with the color that they seem to have"}},
+                  "Look for regions that strong bounced light makes look like another base color"),
         number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f, "Weight of the data term (Eq. 5.4)"),
         number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
                   "Weight of the distance to clustered reflectance (Eq. 5.6)"),
@@ -323,12 +359,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
 
   std::optional<MarkedRegions> regions_;
   std::optional<MisclusteringCorrection> correction_;
+  std::optional<RegionProposals> proposals_;
   /// What a frame is to those, by the method's number.
   struct Numbers {
-    uint64_t regions = 0, correction = 0;
+    uint64_t regions = 0, correction = 0, proposals = 0;
   };
   std::array<Numbers, gpu::kFramesInFlight> numbers_;
   std::vector<MisclusteringCorrection::Result> results_;  // to be told
+  std::vector<RegionProposals::Proposal> news_;           // to be told
   std::vector<MarkedRegions::Lost> lost_;                 // to be told
   Extent extent_{};
   int most_colors_ = 0;                   // that the device has room for

@@ -15,11 +15,12 @@ INVERSE_SHADER(global_thesis_regions_mark);
 namespace inverse {
 namespace {
 
+constexpr uint32_t kFewPixels = 32;  // as a few may well become many
 // As in regions.glsl.
 constexpr uint64_t kNumbers = MarkedRegions::kMaxRegions + 1;
 constexpr uint64_t kCounts = 2 * kNumbers;
 constexpr uint64_t kClicksAt = 2 * kNumbers;
-constexpr uint64_t kOrders = kClicksAt + 3 * MarkedRegions::kMaxClicks;
+constexpr uint64_t kOrders = kClicksAt + 4 * MarkedRegions::kMaxClicks;
 
 struct Push {
   int32_t size[2];
@@ -50,19 +51,35 @@ MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent 
   }
 }
 
-int MarkedRegions::click(int x, int y) {
-  if (x < 0 || y < 0 || static_cast<uint32_t>(x) >= extent_.width ||
-      static_cast<uint32_t>(y) >= extent_.height) {
+/// `number` is chosen here. Returns it, or 0.
+int MarkedRegions::add(const Click& click, int color, bool proposed) {
+  if (click.x < 0 || click.y < 0 || static_cast<uint32_t>(click.x) >= extent_.width ||
+      static_cast<uint32_t>(click.y) >= extent_.height) {
     return 0;
   }
   int number = 1;
   while (number <= kMaxRegions && std::any_of(regions_.begin(), regions_.end(),
                                               [&](const Region& r) { return r.number == number; }))
     ++number;
-  if (number > kMaxRegions) return 0;
-  regions_.push_back({number, -1, -1});
-  waiting_.push_back({x, y, number});
+  if (number > kMaxRegions) {
+    const Region* least = nullptr;
+    for (const Region& region : regions_)
+      if (region.proposed && (!least || region.pixels < least->pixels)) least = &region;
+    if (proposed || !least) return 0;
+    number = least->number;
+    remove(number, Loss::made_room);
+  }
+  Region region{number, -1, color};
+  region.proposed = proposed;
+  regions_.push_back(region);
+  waiting_.push_back({click.x, click.y, number, click.cluster});
   return number;
+}
+
+int MarkedRegions::click(int x, int y) { return add({x, y, 0, -1}, -1, false); }
+
+int MarkedRegions::propose(int x, int y, int cluster, int color) {
+  return add({x, y, 0, std::max(cluster, -1)}, std::max(color, -1), true);
 }
 
 void MarkedRegions::set_color(int number, int slot) {
@@ -104,10 +121,11 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   std::memset(orders, 0, kOrders * sizeof(uint32_t));
   const size_t clicks = waiting_.size();
   for (size_t i = 0; i < clicks; ++i) {
-    uint32_t* order = orders + kClicksAt + 3 * i;
+    uint32_t* order = orders + kClicksAt + 4 * i;
     order[0] = static_cast<uint32_t>(waiting_[i].x);
     order[1] = static_cast<uint32_t>(waiting_[i].y);
     order[2] = static_cast<uint32_t>(waiting_[i].number);
+    order[3] = static_cast<uint32_t>(waiting_[i].cluster + 1);
   }
   for (Region& region : regions_) {
     orders[region.number] = static_cast<uint32_t>(region.color + 1);
@@ -145,7 +163,13 @@ void MarkedRegions::collect(uint64_t number) {
   for (Region& region : regions_) {
     if (region.since > number) continue;
     region.cluster = static_cast<int>(clusters[region.number]) - 1;
-    region.pixels = counts[region.number];
+    const uint32_t before = std::exchange(region.pixels, counts[region.number]);
+    if (region.since < number && before > 0 &&
+        region.pixels > kMostGrowth * std::max(before, kFewPixels)) {
+      lost_.push_back({region.number, Loss::spilled});
+      region.pixels = 0;
+      continue;
+    }
     if (region.pixels > 0) continue;
     const bool claimed = region.since == number
                              ? region.cluster >= 0

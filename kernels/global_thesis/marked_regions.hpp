@@ -17,6 +17,9 @@ class MarkedRegions {
  public:
   static constexpr int kMaxRegions = 15;    ///< numbers 1 … 15
   static constexpr size_t kMaxClicks = 16;  ///< taken in a frame: more than there are numbers
+  /// A tracked region that grows by more from one frame to the next is no longer what was marked:
+  /// its component has joined another one, and goes.
+  static constexpr uint32_t kMostGrowth = 3;
 
   struct Region {
     int number;   ///< 1 … kMaxRegions
@@ -24,6 +27,7 @@ class MarkedRegions {
     int color;    ///< slot of the base color that it is given; −1: none yet
     uint32_t pixels = 0;          ///< in the last frame that was collected
     uint64_t since = UINT64_MAX;  ///< number of the frame that took its click in
+    bool proposed = false;        ///< by `propose`: gives way to clicks
   };
 
   /// Why a region went.
@@ -31,8 +35,11 @@ class MarkedRegions {
     nothing_there,  ///< no cluster was under the click
     taken_over,     ///< its pixels went to another region
     lost,           ///< no pixel of it was left to follow
+    spilled,        ///< it ran over into what has the same cluster around it (kMostGrowth)
     no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
     unmarked,       ///< somebody removed it
+    withdrawn,      ///< it was proposed and does not look misclustered any more (RegionProposals)
+    made_room,      ///< it was proposed, and a click needed its number
     cut,            ///< of the scene
     reset,          ///< a flush, a discontinuity, another frame size
   };
@@ -46,8 +53,12 @@ class MarkedRegions {
 
   /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 where the
   /// pixel is outside the frame or all numbers are taken. A click into a region that is marked
-  /// already makes another one, which takes its pixels over.
+  /// already makes another one, which takes its pixels over. Where all numbers are taken, the
+  /// smallest region that was only proposed gives its own away.
   int click(int x, int y);
+  /// The same without anybody's click, where a number is free and if the pixel still has that
+  /// cluster then (Loss::nothing_there if not); gives the region a base color at once.
+  int propose(int x, int y, int cluster, int color);
   /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
   /// Numbers that mark nothing are ignored.
   void set_color(int number, int slot);
@@ -76,7 +87,9 @@ class MarkedRegions {
  private:
   struct Click {
     int x, y, number;
+    int cluster;  // that there must be, −1: any
   };
+  int add(const Click& click, int color, bool proposed);
   struct Frame {
     gpu::BufferPtr orders, clusters, counts;
     uint32_t epoch = 0;

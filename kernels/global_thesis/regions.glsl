@@ -18,7 +18,7 @@ int pixels_at(uint number) { return int(number); }
 int claimed_at(uint number) { return kMaxRegions + int(number); }
 
 // The host's orders for a frame are words: for each region the slot of its color + 1, then whether it goes on from the frame
-// before, then (x, y, number) of each click.
+// before, then (x, y, number, the only cluster that it may have + 1, or 0) of each click.
 
 layout(push_constant) uniform Push {
   ivec2 size;

@@ -14,10 +14,12 @@ WORD_INOUT(4, claims);
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.clicks) return;
-  int at = 2 * kMaxRegions + 3 * i;
+  int at = 2 * kMaxRegions + 4 * i;
   uint n = FETCH1(orders, at + 1) * uint(push.size.x) + FETCH1(orders, at);
   uint number = FETCH1(orders, at + 2);
   uint cluster = uint(FETCH(features, int(n)).w + 1.0);
+  uint expected = FETCH1(orders, at + 3);
+  cluster = expected == 0u || expected == cluster ? cluster : 0u;
   STORE(clusters, number, cluster);
   if (cluster > 0u) atomicMax(claims_data[root_of(n)], clicked_claim(number));
 }

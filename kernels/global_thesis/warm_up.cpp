@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "misclustering_correction.hpp"
+#include "region_proposals.hpp"
 
 namespace inverse {
 namespace {
@@ -83,6 +84,7 @@ void warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
   method.set_base_colors(colors);
   MarkedRegions regions(device, kTiny);
   MisclusteringCorrection correction(device, kTiny);
+  RegionProposals proposals(device, kTiny);
   const Plane frame = picture(device);
   regions.click(1, 1);
   GlobalThesis::Hints hints;
@@ -94,6 +96,7 @@ void warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
     const uint64_t number = run([&](gpu::Commands& commands) {
       const uint64_t recorded = method.record(commands, frame, output, hints);
       corrected = correction.record(commands, method, regions);
+      proposals.record(commands, method, regions, RegionProposals::Mode::report);
       return recorded;
     });
     method.collect(number);

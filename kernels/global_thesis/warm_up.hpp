@@ -5,9 +5,9 @@
 
 namespace inverse {
 
-/// As GlobalThesis::warm_up, for marked regions and MisclusteringCorrection: corrects a region of a
-/// tiny frame once. Waits for the device. Throws Error(out_of_memory), and Error(internal) where
-/// the correction does not end.
+/// As GlobalThesis::warm_up, for marked regions, RegionProposals and MisclusteringCorrection:
+/// corrects a region of a tiny frame once. Waits for the device. Throws Error(out_of_memory), and
+/// Error(internal) where the correction does not end.
 void warm_up_correction(const std::shared_ptr<gpu::Device>& device);
 
 }  // namespace inverse

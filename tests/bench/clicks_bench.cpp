@@ -1,247 +1,257 @@
 // How many clicks the thesis' misclustering correction (5.5.2, Table 5.1) wants of a user, how long
-// they hold, and how many of them the automatic mode makes by itself.
+// they take, and how well the automatic mode does in the user's place.
 //
-//   clicks-bench SCENE... [--least SHARE] [--frames N] [--png FOLDER]
+//   clicks-bench SCENE... [--least SHARE] [--frames N] [--json FILE] [--png FOLDER]
 //
 // SCENE are flat dumps of rendered sequences (import-scenes, own-scenes, edit-scenes). Their true
 // reflectance tells which clusters are wrong: a component of equal cluster of which more than half
-// has a reflectance that is nearer to another base color. The user clicks the largest such
-// component of a frame that is no smaller than SHARE (default .005) of it, one after the other,
-// until none is left; then the video goes on for up to N frames (default 24).
+// has a reflectance that is nearer to another base color (by .1 in ln chromaticity). The user
+// clicks the largest such component of the first frame that is no smaller than SHARE (default .005)
+// of it, one after the other, until none is left; then the video goes on for up to N frames
+// (default 24), and what becomes wrong is clicked there.
+//
+// Ways: without correction; clicks; clicks where somebody who knows names the color; proposals; and
+// proposals whose color is chosen as that of clicks is, by sparsity (5.11). Of each: wrong pixels
+// and error of reflectance. Of proposals, on the first frame: precision and recall by region and by
+// pixel, against the regions that are wrong.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
 #include <exception>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "kernels/global_thesis/misclustering_correction.hpp"
-#include "tests/bench/png_file.hpp"
-#include "tests/bench/scene.hpp"
+#include "tests/bench/clicks_stage.hpp"
+#include "tests/bench/metrics.hpp"
 
 namespace {
 
 using namespace inverse;
-using bench::Image;
-using bench::TruthFrame;
+using namespace inverse::bench;
 
-/// By how much nearer, in ln chromaticity, another base color must be for a pixel to be wrong.
-constexpr float kMargin = 0.1F;
+constexpr int kMostFrames = 400;  // of the first picture, until everything is decided
+constexpr size_t kMeasured = 2;   // frames of a video whose reflectance is solved for
 
 struct Options {
   double least = 0.005;
   size_t frames = 24;
-  std::string png;
+  std::string png, json;
 };
 
-/// A frame as the method sees it and as it should.
-struct Clusters {
-  std::vector<int> seen;   ///< slot by pixel, −1: none
-  std::vector<int> truth;  ///< slot that the pixel's reflectance is nearest to
-  std::vector<uint8_t> wrong;
+enum class Way { none, clicks, named, proposals, sparse_proposals };
+constexpr const char* kWays[] = {"none", "clicks", "named", "proposals", "sparse"};
+
+struct Outcome {
+  int clicks = 0, later = 0, refused = 0;  ///< on the first frame; on those after it
+  int right = 0;      ///< of the marked regions on the first frame, given the true color
+  int marked = 0;     ///< marked regions on the first frame
+  double frames = 0;  ///< from a click to its decision, on the average
+  double wrong_first = 0, wrong = 0;  ///< share of pixels, on the first frame and in all
+  double lmse = 0, color_lmse = 0;
+  double host_ms = 0;  ///< of the proposals' part on the host
 };
 
-/// Pixels that hang together.
-struct Component {
-  int cluster = -1;
-  std::vector<int> pixels;
-  int right = -1;    ///< slot that most of its wrong pixels should have
-  size_t wrong = 0;  ///< pixels that should have it
+/// Of proposals, on the first frame.
+struct Quality {
+  int proposed = 0, rightly = 0, wrong = 0, found = 0;
+  double pixels = 0, rightly_pixels = 0, wrong_pixels = 0, found_pixels = 0;
 };
 
-class Stage {
+class Run {
  public:
-  Stage(const std::shared_ptr<gpu::Device>& device, Extent extent)
-      : device_(device),
-        extent_(extent),
-        commands_(device),
-        method_(device, extent),
-        regions_(device, extent),
-        correction_(device, extent) {
-    const auto create = [&](gpu::Memory memory) {
-      return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), memory);
-    };
-    input_ = {extent, create(gpu::Memory::upload)};
-    features_ = create(gpu::Memory::readback);
-    marks_ = create(gpu::Memory::readback);
-    // Clusters do not depend on the solution: it is cheap here, and whole in the correction.
-    cheap_.steps = cheap_.pcg_iterations = 1;
-    cheap_.refine_rounds = 0;
-    cheap_.cut_fraction = 0;
-  }
+  Run(ClicksStage& stage, const Scene& scene, const Options& options, Way way)
+      : stage_(stage), scene_(scene), options_(options), way_(way) {}
 
-  /// The colors of the scene's first frame.
-  void begin(const Image& frame) {
-    method_.reset();
-    regions_.reset();
-    correction_.reset();
-    method_.set_params(cheap_);
-    upload(frame);
-    commands_.begin();
-    method_.record_colors(commands_, input_);
-    commands_.submit();
-    commands_.wait();
-    method_.collect_colors();
-  }
-
-  /// One frame of the stream. Gives what the correction decided.
-  std::optional<MisclusteringCorrection::Result> run(const Image& frame) {
-    upload(frame);
-    commands_.begin();
-    Layers layers;
-    GlobalThesis::Hints hints;
-    hints.regions = &regions_;
-    method_.set_params(cheap_);
-    const uint64_t number = method_.record(commands_, input_, layers, hints);
-    method_.set_params(whole_);
-    const uint64_t corrected = correction_.record(commands_, method_, regions_);
-    commands_.copy(method_.features(), features_, features_->bytes());
-    commands_.copy(regions_.plane().buffer, marks_, marks_->bytes());
-    commands_.submit();
-    colors_ = method_.colors().colors();
-    commands_.wait();
-    method_.collect(number);
-    regions_.collect(regions_.last());
-    return correction_.collect(corrected, regions_);
-  }
-
-  Clusters clusters(const TruthFrame& truth) const {
-    const auto* features = features_->map_as<float>();
-    const auto* marks = marks_->map_as<float>();
-    Clusters result;
-    for (size_t n = 0; n < extent_.pixels(); ++n) {
-      const int demanded = static_cast<int>(marks[4 * n]);
-      const int seen = demanded >= 0 ? demanded : static_cast<int>(features[4 * n + 3]);
-      const float* r = &truth.reflectance.data[3 * n];
-      const float mean = (r[0] + r[1] + r[2]) / 3 + cheap_.chroma_floor;
-      float own = 0, least = 3.4e38F;
-      int nearest = -1;
-      for (const auto& color : colors_) {
-        float d2 = 0;
-        for (size_t c = 0; c < 3; ++c) {
-          const float d = std::log((r[c] + cheap_.chroma_floor) / mean) - color.center[c];
-          d2 += d * d;
-        }
-        if (color.slot == seen) own = std::sqrt(d2);
-        if (d2 >= least) continue;
-        least = d2;
-        nearest = color.slot;
-      }
-      result.seen.push_back(seen);
-      result.truth.push_back(nearest);
-      result.wrong.push_back(nearest != seen && own > std::sqrt(least) + kMargin);
+  Outcome play(Quality* quality) {
+    const bool proposes = way_ == Way::proposals || way_ == Way::sparse_proposals;
+    using Mode = ClicksStage::Mode;
+    stage_.begin(first().input, proposes ? Mode::correct : Mode::off);
+    int idle = 0;
+    for (int frame = 0; frame < kMostFrames && idle < 20; ++frame) {
+      stage_.run(first().input, false);
+      const size_t made = stage_.proposals().size();
+      const bool news = act(first(), outcome_.clicks) || made != proposed_;
+      proposed_ = made;
+      idle = news || stage_.deciding() || undecided() ? 0 : idle + 1;
     }
-    return result;
-  }
-
-  std::vector<Component> components(const Clusters& clusters) const {
-    const int w = static_cast<int>(extent_.width), h = static_cast<int>(extent_.height);
-    std::vector<uint8_t> seen(clusters.seen.size());
-    std::vector<Component> result;
-    for (int first = 0; first < w * h; ++first) {
-      if (seen[static_cast<size_t>(first)]) continue;
-      Component component;
-      component.cluster = clusters.seen[static_cast<size_t>(first)];
-      component.pixels = {first};
-      seen[static_cast<size_t>(first)] = 1;
-      std::map<int, size_t> votes;
-      for (size_t i = 0; i < component.pixels.size(); ++i) {
-        const int n = component.pixels[i], x = n % w, y = n / w;
-        const auto at = static_cast<size_t>(n);
-        if (clusters.wrong[at]) ++votes[clusters.truth[at]];
-        const std::array<std::pair<bool, int>, 4> neighbors{
-            {{x > 0, n - 1}, {x + 1 < w, n + 1}, {y > 0, n - w}, {y + 1 < h, n + w}}};
-        for (const auto& [inside, m] : neighbors) {
-          if (!inside || seen[static_cast<size_t>(m)] ||
-              clusters.seen[static_cast<size_t>(m)] != component.cluster)
-            continue;
-          seen[static_cast<size_t>(m)] = 1;
-          component.pixels.push_back(m);
-        }
-      }
-      for (const auto& [slot, count] : votes)
-        if (count > component.wrong) {
-          component.wrong = count;
-          component.right = slot;
-        }
-      result.push_back(std::move(component));
+    const Clusters clusters = stage_.clusters(first());
+    look_at_regions(clusters);
+    if (quality) *quality = judge(clusters);
+    if (!options_.png.empty() && way_ != Way::none)
+      stage_.write(options_.png + "/" + scene_.set + "-" + scene_.name + "-" +
+                       kWays[static_cast<size_t>(way_)] + ".png",
+                   first(), clusters);
+    outcome_.wrong_first = share(clusters.wrong);
+    const size_t count = scene_.video ? std::min(scene_.frames.size(), options_.frames) : 1;
+    const size_t measured = std::min(count, kMeasured);
+    for (size_t t = 0; t < count; ++t) {
+      const TruthFrame& frame = scene_.frames[t];
+      const bool whole = measured * t / count != measured * (t + 1) / count;
+      stage_.run(frame.input, whole);
+      if (t > 0) act(frame, outcome_.later);
+      outcome_.wrong += share(stage_.clusters(frame).wrong) / static_cast<double>(count);
+      if (!whole) continue;
+      const Image r = stage_.reflectance();
+      const auto part = 1 / static_cast<double>(measured);
+      outcome_.lmse += part * lmse(r, frame.reflectance, frame.mask);
+      outcome_.color_lmse += part * color_lmse(r, frame.reflectance, frame.mask);
     }
-    return result;
+    outcome_.frames /= std::max(decided_, 1);
+    outcome_.host_ms = stage_.proposal_ms();
+    return outcome_;
   }
-
-  /// Input, clusters, what they should be, and where they are wrong, side by side.
-  void write(const std::string& path, const TruthFrame& truth, const Clusters& clusters) const {
-    const int w = static_cast<int>(extent_.width), h = static_cast<int>(extent_.height);
-    Image picture(4 * w, h, 3);
-    const auto color = [&](int slot) {
-      for (const auto& c : colors_)
-        if (c.slot == slot) return c.color;
-      return GlobalThesis::Rgb{};
-    };
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const auto n = static_cast<size_t>(y * w + x);
-        for (int c = 0; c < 3; ++c) {
-          const auto channel = static_cast<size_t>(c);
-          picture.at(x, y, c) = truth.input.data[3 * n + channel];
-          picture.at(w + x, y, c) = color(clusters.seen[n])[channel];
-          picture.at(2 * w + x, y, c) = color(clusters.truth[n])[channel];
-          picture.at(3 * w + x, y, c) = clusters.wrong[n] ? 1 : 0.1F;
-        }
-      }
-    bench::write_png(path, picture);
-  }
-
-  MarkedRegions& regions() { return regions_; }
-  const std::vector<BaseColors::Color>& colors() const { return colors_; }
 
  private:
-  void upload(const Image& frame) {
-    auto* pixel = input_.buffer->map_as<float>();
-    for (size_t n = 0; n < extent_.pixels(); ++n) {
-      for (size_t c = 0; c < 3; ++c) pixel[4 * n + c] = frame.data[3 * n + c];
-      pixel[4 * n + 3] = 1;
+  const TruthFrame& first() const { return scene_.frames.front(); }
+
+  static double share(const std::vector<uint8_t>& wrong) {
+    size_t sum = 0;
+    for (const uint8_t w : wrong) sum += w;
+    return static_cast<double>(sum) / static_cast<double>(wrong.size());
+  }
+  double least_pixels() const {
+    return options_.least * first().input.width * first().input.height;
+  }
+
+  bool undecided() {
+    const auto& regions = stage_.regions().regions();
+    return std::any_of(regions.begin(), regions.end(), [](const auto& r) { return r.color < 0; });
+  }
+
+  /// What the user does after a frame. True where something was clicked or is being waited for.
+  bool act(const TruthFrame& frame, int& clicks) {
+    if (way_ != Way::clicks && way_ != Way::named) return false;
+    if (clicked_ > 0) {
+      ++waited_;
+      for (const auto& region : stage_.regions().regions()) {
+        if (region.number != clicked_) continue;
+        if (region.color < 0) return true;
+        outcome_.frames += waited_;
+        ++decided_;
+      }
+      clicked_ = 0;  // decided, or gone
+    }
+    if (outcome_.refused > 0) return false;
+    const Clusters clusters = stage_.clusters(frame);
+    std::vector<Component> components =
+        stage_.components(clusters.raw, clusters.wrong, clusters.truth);
+    std::stable_sort(
+        components.begin(), components.end(),
+        [](const Component& a, const Component& b) { return a.pixels.size() > b.pixels.size(); });
+    for (const Component& c : components) {
+      if (static_cast<double>(c.pixels.size()) < least_pixels()) break;
+      const auto at = static_cast<size_t>(c.pixels[c.pixels.size() / 2]);
+      if (c.cluster < 0 || !c.mostly_wrong() || clusters.region[at] > 0) continue;
+      const int w = frame.input.width, n = static_cast<int>(at);
+      clicked_ = stage_.regions().click(n % w, n / w);
+      if (clicked_ == 0) {
+        ++outcome_.refused;
+        return false;
+      }
+      if (way_ == Way::named) stage_.regions().set_color(clicked_, c.right);
+      ++clicks;
+      waited_ = 0;
+      return true;
+    }
+    return false;
+  }
+
+  /// Whether marked regions have the color that they should.
+  void look_at_regions(const Clusters& clusters) {
+    for (const auto& region : stage_.regions().regions()) {
+      if (region.color < 0) continue;
+      size_t pixels = 0, wrong = 0;
+      for (size_t n = 0; n < clusters.region.size(); ++n) {
+        if (clusters.region[n] != region.number) continue;
+        ++pixels;
+        wrong += clusters.wrong[n];
+      }
+      ++outcome_.marked;
+      outcome_.right += 2 * wrong < pixels;
     }
   }
 
-  std::shared_ptr<gpu::Device> device_;
-  Extent extent_;
-  gpu::Commands commands_;
-  GlobalThesis method_;
-  MarkedRegions regions_;
-  MisclusteringCorrection correction_;
-  GlobalThesisParams cheap_, whole_;
-  Plane input_;
-  gpu::BufferPtr features_, marks_;
-  std::vector<BaseColors::Color> colors_;
+  Quality judge(const Clusters& clusters) {
+    Quality q;
+    for (const auto& region : stage_.regions().regions()) {
+      size_t pixels = 0, wrong = 0;
+      for (size_t n = 0; n < clusters.region.size(); ++n) {
+        if (clusters.region[n] != region.number) continue;
+        ++pixels;
+        wrong += clusters.raw_wrong[n];
+      }
+      const bool rightly = 2 * wrong > pixels;
+      ++q.proposed;
+      q.rightly += rightly;
+      q.pixels += static_cast<double>(pixels);
+      q.rightly_pixels += rightly ? static_cast<double>(pixels) : 0;
+    }
+    for (const Component& c : stage_.components(clusters.raw, clusters.raw_wrong, clusters.truth)) {
+      if (static_cast<double>(c.pixels.size()) < least_pixels() || c.cluster < 0 ||
+          !c.mostly_wrong())
+        continue;
+      size_t in = 0;
+      for (const int n : c.pixels) in += clusters.region[static_cast<size_t>(n)] > 0;
+      const bool found = 2 * in > c.pixels.size();
+      ++q.wrong;
+      q.found += found;
+      q.wrong_pixels += static_cast<double>(c.pixels.size());
+      q.found_pixels += found ? static_cast<double>(c.pixels.size()) : 0;
+    }
+    return q;
+  }
+
+  ClicksStage& stage_;
+  const Scene& scene_;
+  const Options& options_;
+  Way way_;
+  Outcome outcome_;
+  size_t proposed_ = 0;
+  int clicked_ = 0;  // the region that is being waited for
+  int waited_ = 0;   // frames
+  int decided_ = 0;
 };
 
-void measure(const std::shared_ptr<gpu::Device>& device, const bench::Scene& scene,
-             const Options& options) {
-  const TruthFrame& first = scene.frames.front();
-  const Extent extent{static_cast<uint32_t>(first.input.width),
-                      static_cast<uint32_t>(first.input.height)};
-  Stage stage(device, extent);
-  stage.begin(first.input);
-  stage.run(first.input);
-  const Clusters clusters = stage.clusters(first);
-  const auto pixels = static_cast<double>(extent.pixels());
-  size_t wrong = 0;
-  for (const uint8_t w : clusters.wrong) wrong += w;
-  printf("%s %s: %zu colors, %.2f %% of pixels wrong\n", scene.set.c_str(), scene.name.c_str(),
-         stage.colors().size(), 100 * static_cast<double>(wrong) / pixels);
-  for (const Component& c : stage.components(clusters)) {
-    if (static_cast<double>(c.wrong) < options.least * pixels) continue;
-    printf("   at %d, %d: %zu pixels of %d, %zu of which should be %d\n",
-           c.pixels[0] % first.input.width, c.pixels[0] / first.input.width, c.pixels.size(),
-           c.cluster, c.wrong, c.right);
+void measure(const std::shared_ptr<gpu::Device>& device, const Scene& scene, const Options& options,
+             FILE* json) {
+  const Image& first = scene.frames.front().input;
+  ClicksStage stage(device,
+                    {static_cast<uint32_t>(first.width), static_cast<uint32_t>(first.height)});
+  printf("%s %s\n", scene.set.c_str(), scene.name.c_str());
+  Quality quality;
+  for (const Way way :
+       {Way::none, Way::clicks, Way::named, Way::proposals, Way::sparse_proposals}) {
+    const char* name = kWays[static_cast<size_t>(way)];
+    if (way == Way::sparse_proposals) stage.choose_by_sparsity();
+    const Outcome o =
+        Run(stage, scene, options, way).play(way == Way::proposals ? &quality : nullptr);
+    printf(
+        "  %-9s wrong %5.2f %% of the first frame, %5.2f %% of all; LMSE %.4f, of color %.4f; "
+        "%d + %d clicks (%d refused), %.1f frames each; %d of %d regions right\n",
+        name, 100 * o.wrong_first, 100 * o.wrong, o.lmse, o.color_lmse, o.clicks, o.later,
+        o.refused, o.frames, o.right, o.marked);
+    if (json)
+      fprintf(json,
+              "{\"set\": \"%s\", \"scene\": \"%s\", \"colors\": %zu, \"way\": \"%s\", "
+              "\"wrong_first\": %.5f, \"wrong\": %.5f, \"lmse\": %.5f, \"color_lmse\": %.5f, "
+              "\"clicks\": %d, \"later\": %d, \"frames\": %.1f, \"right\": %d, \"marked\": %d}\n",
+              scene.set.c_str(), scene.name.c_str(), stage.colors(), name, o.wrong_first, o.wrong,
+              o.lmse, o.color_lmse, o.clicks, o.later, o.frames, o.right, o.marked);
   }
-  if (!options.png.empty())
-    stage.write(options.png + "/" + scene.set + "-" + scene.name + ".png", first, clusters);
+  printf(
+      "  proposed %d regions, %d rightly (pixels %.0f, %.0f); wrong %d, found %d (pixels %.0f, "
+      "%.0f); the host %.1f ms in all\n",
+      quality.proposed, quality.rightly, quality.pixels, quality.rightly_pixels, quality.wrong,
+      quality.found, quality.wrong_pixels, quality.found_pixels, stage.proposal_ms());
+  if (json)
+    fprintf(json,
+            "{\"set\": \"%s\", \"scene\": \"%s\", \"proposed\": %d, \"rightly\": %d, "
+            "\"proposed_pixels\": %.0f, \"rightly_pixels\": %.0f, \"wrong\": %d, \"found\": %d, "
+            "\"wrong_pixels\": %.0f, \"found_pixels\": %.0f}\n",
+            scene.set.c_str(), scene.name.c_str(), quality.proposed, quality.rightly,
+            quality.pixels, quality.rightly_pixels, quality.wrong, quality.found,
+            quality.wrong_pixels, quality.found_pixels);
+  fflush(stdout);
 }
 
 }  // namespace
@@ -254,18 +264,27 @@ int main(int argc, char** argv) {
     if (word == "--least" && i + 1 < argc)
       options.least = std::atof(argv[++i]);
     else if (word == "--frames" && i + 1 < argc)
-      options.frames = static_cast<size_t>(std::atoi(argv[++i]));
+      options.frames = static_cast<size_t>(std::max(std::atoi(argv[++i]), 1));
+    else if (word == "--json" && i + 1 < argc)
+      options.json = argv[++i];
     else if (word == "--png" && i + 1 < argc)
       options.png = argv[++i];
     else
       scenes.push_back(word);
   }
-  try {
-    const auto device = gpu::Device::open();
-    for (const std::string& path : scenes) measure(device, bench::read_scene(path), options);
-  } catch (const std::exception& failure) {
-    fprintf(stderr, "clicks-bench: %s\n", failure.what());
+  FILE* json = options.json.empty() ? nullptr : fopen(options.json.c_str(), "w");
+  if (!options.json.empty() && !json) {
+    fprintf(stderr, "clicks-bench: cannot write %s\n", options.json.c_str());
     return 1;
   }
-  return 0;
+  int status = 0;
+  try {
+    const auto device = gpu::Device::open();
+    for (const std::string& path : scenes) measure(device, read_scene(path), options, json);
+  } catch (const std::exception& failure) {
+    fprintf(stderr, "clicks-bench: %s\n", failure.what());
+    status = 1;
+  }
+  if (json) fclose(json);
+  return status;
 }
