@@ -8,6 +8,7 @@
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
 #include "global_thesis/misclustering_correction.hpp"
+#include "global_thesis/warm_up.hpp"
 #include "image/mosaic.hpp"
 
 namespace inverse {
@@ -33,6 +34,13 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     correction_.emplace(device, extent);
     results_.clear();
     started_ = false;
+    most_colors_ = GlobalThesis::most_layers(*device, extent);
+    told_most_ = 0;
+    // All that frames may need later is built now: scenes with other colors, refinement,
+    // correction.
+    method_->set_params(parameters_.snapshot());
+    method_->warm_up();
+    warm_up_correction(device);
   }
   void release() override {
     correction_.reset();
@@ -110,6 +118,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     ++since_click_;
     take_clicks(frame);
     tell_results(frame);
+    tell_most(frame);
     if (!started_) {
       // The only frame that waits: the kernels are built for its base colors.
       method_->record_colors(frame.commands, input);
@@ -186,6 +195,18 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                                                     lost.number, "reason", G_TYPE_STRING,
                                                     reason(lost.loss), nullptr));
     lost_.clear();
+  }
+  /// Fewer base colors than were asked for.
+  void tell_most(FrameWork& frame) {
+    const int wanted = params().clusters;
+    if (wanted <= most_colors_ || wanted == std::exchange(told_most_, wanted)) return;
+    GST_WARNING(
+        "base-colors=%d, but the device can bind the layers of %d at %ux%u: make the frame smaller "
+        "for more",
+        wanted, most_colors_, extent_.width, extent_.height);
+    frame.messages.emplace_back(gst_structure_new("inverse-base-colors-limited", "wanted",
+                                                  G_TYPE_INT, wanted, "used", G_TYPE_INT,
+                                                  most_colors_, nullptr));
   }
   void take_lost() {
     for (const MarkedRegions::Lost& lost : regions_->take_lost()) lost_.push_back(lost);
@@ -310,6 +331,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   std::vector<MisclusteringCorrection::Result> results_;  // to be told
   std::vector<MarkedRegions::Lost> lost_;                 // to be told
   Extent extent_{};
+  int most_colors_ = 0;                   // that the device has room for
+  int told_most_ = 0;                     // base-colors when it was said that they are too many
   bool seen_ = false;                     // a frame since the stream began
   bool started_ = false;                  // the scene's base colors are known
   uint64_t since_click_ = kPatience + 1;  // frames

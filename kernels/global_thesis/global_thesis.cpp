@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "../gpu/reduce.hpp"
@@ -54,7 +55,8 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
   };
   for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &pulls_, &constant_pulls_})
     *buffer = planes(1);
-  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);
+  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);  // also what four layers need
+  most_layers_ = most_layers(*device, extent);
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
   colors_readback_.buffer =
       gpu::Buffer::create(device, gpu::Element::vec4, kColors, gpu::Memory::readback);
@@ -63,38 +65,57 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
 
 const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
   std::shared_ptr<Kernels>& held = kernels_.at(static_cast<size_t>(groups));
-  if (!held) {
-    const std::vector<uint32_t> constants = {
-        static_cast<uint32_t>(slots_), static_cast<uint32_t>(groups), params_.p == 1 ? 1u : 0u};
-    const auto kernel = [&](const gpu::KernelSource& source, uint32_t workgroup = 0) {
-      return device_->kernel(source, constants, workgroup);
-    };
-    held = std::make_shared<Kernels>(Kernels{kernel(shaders::global_thesis_sanitize),
-                                             kernel(shaders::global_thesis_setup),
-                                             kernel(shaders::global_thesis_aim),
-                                             kernel(shaders::global_thesis_start),
-                                             kernel(shaders::global_thesis_pack),
-                                             kernel(shaders::global_thesis_sample),
-                                             kernel(shaders::global_thesis_sample_past),
-                                             kernel(shaders::global_thesis_reweight),
-                                             kernel(shaders::global_thesis_mix),
-                                             kernel(shaders::global_thesis_product),
-                                             kernel(shaders::global_thesis_update),
-                                             kernel(shaders::global_thesis_settle),
-                                             kernel(shaders::global_thesis_scalars, kOneGroup),
-                                             kernel(shaders::global_thesis_energy),
-                                             kernel(shaders::global_thesis_energy_pulls),
-                                             kernel(shaders::global_thesis_total, kOneGroup),
-                                             kernel(shaders::global_thesis_layers),
-                                             kernel(shaders::global_thesis_indirect),
-                                             kernel(shaders::global_thesis_residual),
-                                             kernel(shaders::global_thesis_outer),
-                                             kernel(shaders::global_thesis_outer_total, kOneGroup),
-                                             kernel(shaders::global_thesis_score),
-                                             kernel(shaders::global_thesis_cells),
-                                             kernel(shaders::global_thesis_change, kOneGroup)});
-  }
+  if (held) return *held;
+  // Kernels are told only what they depend on, so that as few as possible are built: frames of a
+  // buffer, planes of indirect layers, whether p is 1 (energy.glsl, sample_frames.glsl).
+  constexpr uint32_t kAnySlots = 6, kAnyGroups = 4;
+  const auto planes = static_cast<uint32_t>(groups);
+  const uint32_t unit = params_.p == 1 ? 1 : 0;
+  const auto plain = [&](const gpu::KernelSource& source, uint32_t workgroup = 0) {
+    return device_->kernel(source, {}, workgroup);
+  };
+  const auto sampling = [&](const gpu::KernelSource& source) {
+    return device_->kernel(source, {static_cast<uint32_t>(slots_)});
+  };
+  const auto layered = [&](const gpu::KernelSource& source) {
+    return device_->kernel(source, {kAnySlots, planes});
+  };
+  Kernels k;
+  k.sanitize = plain(shaders::global_thesis_sanitize);
+  k.setup = plain(shaders::global_thesis_setup);
+  k.aim = plain(shaders::global_thesis_aim);
+  k.start = layered(shaders::global_thesis_start);
+  k.pack = plain(shaders::global_thesis_pack);
+  k.sample = sampling(shaders::global_thesis_sample);
+  k.sample_past = sampling(shaders::global_thesis_sample_past);
+  k.reweight = device_->kernel(shaders::global_thesis_reweight, {kAnySlots, planes, unit});
+  k.mix = layered(shaders::global_thesis_mix);
+  k.product = device_->kernel(shaders::global_thesis_product, {kAnySlots, kAnyGroups, unit});
+  k.update = layered(shaders::global_thesis_update);
+  k.settle = plain(shaders::global_thesis_settle);
+  k.scalars = plain(shaders::global_thesis_scalars, kOneGroup);
+  k.energy = layered(shaders::global_thesis_energy);
+  k.energy_pulls = sampling(shaders::global_thesis_energy_pulls);
+  k.total = plain(shaders::global_thesis_total, kOneGroup);
+  k.layers = layered(shaders::global_thesis_layers);
+  k.indirect = plain(shaders::global_thesis_indirect);
+  k.residual = layered(shaders::global_thesis_residual);
+  k.outer = plain(shaders::global_thesis_outer);
+  k.outer_total = plain(shaders::global_thesis_outer_total, kOneGroup);
+  k.score = layered(shaders::global_thesis_score);
+  k.cells = plain(shaders::global_thesis_cells);
+  k.change = plain(shaders::global_thesis_change, kOneGroup);
+  held = std::make_shared<Kernels>(std::move(k));
   return *held;
+}
+
+int GlobalThesis::most_layers(const gpu::Device& device, Extent extent) {
+  const uint64_t plane = 16 * extent.pixels();
+  const uint64_t texels = device.variant().portable ? std::numeric_limits<uint64_t>::max() / 16
+                                                    : device.limits().texel_elements;
+  const uint64_t bytes = std::min(device.limits().storage_buffer_bytes, 16 * texels);
+  const uint64_t planes = std::min<uint64_t>(bytes / plane, 1 + kIndirectPlanes);
+  return 4 * (static_cast<int>(planes) - 1);
 }
 
 void GlobalThesis::set_params(const Params& params) {
@@ -114,7 +135,7 @@ void GlobalThesis::set_params(const Params& params) {
     *distance = std::clamp(*distance, 0.0f, 3.0f);
   p.p = std::clamp(p.p, 0.0f, 2.0f);
   p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
-  p.clusters = std::clamp(p.clusters, 1, BaseColors::kMaxColors);
+  p.clusters = std::clamp(p.clusters, 1, most_layers_);
   p.steps = std::clamp(p.steps, 1, 64);
   p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
   p.samples = std::clamp(p.samples, 0, 64);
@@ -133,16 +154,7 @@ void GlobalThesis::set_params(const Params& params) {
   palette_.set_params(palette);
   if (rebuild) {
     const auto slots = static_cast<uint64_t>(p.keyframes) + 1;
-    slots_ = sample_slots_per_buffer(*device_, slots, extent_.pixels());
-    const auto per_buffer = std::min(static_cast<uint64_t>(slots_), slots);
-    frames_.clear();
-    for (uint64_t first = 0; first < slots; first += per_buffer) {
-      frames_.push_back(
-          gpu::Buffer::create(device_, gpu::Element::vec4, per_buffer * extent_.pixels()));
-    }
-    kernels_ = {};
-    stored_keyframes_ = 0;
-    since_reset_ = 0;
+    hold_frames(sample_slots_per_buffer(*device_, slots, extent_.pixels()));
   }
   const uint64_t entries = 2 * (p.trace ? static_cast<uint64_t>(p.steps) + 1 : 1);
   if (trace_ && trace_->count() >= entries) return;
@@ -154,6 +166,21 @@ void GlobalThesis::set_params(const Params& params) {
     readback.table = gpu::Buffer::create(device_, gpu::Element::vec4, BaseColors::kTableEntries,
                                          gpu::Memory::upload);
   }
+}
+
+/// Sample frames, so many to a buffer; those before are forgotten.
+void GlobalThesis::hold_frames(int slots_per_buffer) {
+  const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
+  const auto per_buffer = std::min(static_cast<uint64_t>(slots_per_buffer), slots);
+  if (slots_ != slots_per_buffer) kernels_ = {};
+  slots_ = slots_per_buffer;
+  frames_.clear();
+  for (uint64_t first = 0; first < slots; first += per_buffer) {
+    frames_.push_back(
+        gpu::Buffer::create(device_, gpu::Element::vec4, per_buffer * extent_.pixels()));
+  }
+  stored_keyframes_ = 0;
+  since_reset_ = 0;
 }
 
 /// All but the base colors.
@@ -182,6 +209,12 @@ void GlobalThesis::cut() {
 }
 
 void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
+  if (colors.size() > static_cast<size_t>(most_layers_))
+    throw Error(ErrorKind::limit, "the device can bind the layers of " +
+                                      std::to_string(most_layers_) + " base colors at " +
+                                      std::to_string(extent_.width) + "x" +
+                                      std::to_string(extent_.height) + ", and " +
+                                      std::to_string(colors.size()) + " were given");
   colors_.set(colors);
   rounds_ = 0;
 }

@@ -61,6 +61,11 @@ class GlobalThesis {
   /// Throws Error(limit, out_of_memory).
   GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
+  /// Layers of indirect light that the device can bind for frames of this size, a multiple of 4 up
+  /// to kMaxBases; 0 or less where it cannot hold such frames at all. Params::clusters is kept
+  /// within it.
+  static int most_layers(const gpu::Device& device, Extent extent);
+
   /// Takes effect with the next frame. A change of keyframes forgets the past.
   void set_params(const Params& params);
   const Params& params() const { return params_; }
@@ -78,8 +83,7 @@ class GlobalThesis {
   /// of the light Σ_k b_k T_k / S and T_0 / S; the roles of indirect light = T_k / S, four layers a
   /// plane, as many planes as there are layers; Role::bases = b_1 … b_K; and the same as model. R
   /// has the scale of the base colors, whose largest channel is 1. Returns the frame's number for
-  /// `collect` and `stats`. Throws Error(limit, out_of_memory) where the device cannot hold a field
-  /// of that many layers.
+  /// `collect` and `stats`. Throws Error(out_of_memory).
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers, const Hints& hints);
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
     return record(commands, frame, layers, Hints{});
@@ -98,7 +102,8 @@ class GlobalThesis {
   /// first frame. Throws Error(internal) for older ones.
   Stats stats(uint64_t frame) const;
 
-  /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`.
+  /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`. Throws
+  /// Error(limit) where they are more than `most_layers`.
   void set_base_colors(std::span<const Rgb> colors);
   /// Uses those of another decomposition, slot by slot, until `reset`.
   void set_base_colors(const BaseColors& colors);
@@ -124,6 +129,11 @@ class GlobalThesis {
   Plane image() const { return {extent_, image_}; }
   Extent extent() const { return extent_; }
 
+  /// Builds the kernels for any number of base colors and runs each once on a tiny frame, which is
+  /// when a software device compiles them; for the present exponent p. Otherwise that is done when
+  /// a frame first needs them. Waits for the device.
+  void warm_up() const;
+
   /// Device memory of a pixel with K layers, in bytes.
   static uint64_t bytes_per_pixel(int layers, int keyframes);
 
@@ -140,6 +150,7 @@ class GlobalThesis {
   };
 
   const Kernels& kernels(int groups);
+  void hold_frames(int slots_per_buffer);
   void hold_fields(int groups);
   Push push_for() const;
   std::vector<gpu::BufferPtr> frame_buffers() const;
@@ -157,6 +168,7 @@ class GlobalThesis {
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
+  int most_layers_ = 0;
   Params params_;
   Palette palette_;
   PlanePool pool_, bases_pool_;

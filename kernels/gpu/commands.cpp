@@ -170,6 +170,7 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffe
     throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
                                          std::to_string(slots.size()) + " bindings and was given " +
                                          std::to_string(buffers.size()));
+  if (kernel->first_use()) device_->count_kernel_used();
   const VkDescriptorSet set = descriptor_set(kernel->set_layout());
   VkDescriptorBufferInfo infos[kSlotsPerSet];
   VkBufferView views[kSlotsPerSet];

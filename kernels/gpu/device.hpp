@@ -101,6 +101,10 @@ class Device : public std::enable_shared_from_this<Device> {
                                  const std::vector<uint32_t>& constants = {},
                                  uint32_t workgroup = 0);
 
+  /// Kernels that were recorded at least once. A software device compiles a kernel with its first
+  /// dispatch: while this number stays, nothing is built.
+  uint64_t kernels_used() const { return kernels_used_.load(); }
+
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
   uint64_t memory_peak_bytes() const { return memory_peak_bytes_.load(); }
@@ -113,6 +117,7 @@ class Device : public std::enable_shared_from_this<Device> {
   VkQueue queue() const { return handles_.queue; }
   const VkPhysicalDeviceMemoryProperties& memory_properties() const { return memory_; }
   void count_memory(int64_t bytes);
+  void count_kernel_used() { ++kernels_used_; }
   /// Around commands that run where the word at `offset` is not 0; where `variant().conditional`.
   void begin_conditional(VkCommandBuffer commands, VkBuffer condition, uint64_t offset) const;
   void end_conditional(VkCommandBuffer commands) const;
@@ -136,6 +141,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
   std::atomic<bool> lost_{false}, silent_{false};
+  std::atomic<uint64_t> kernels_used_{0};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};
 };

@@ -1,6 +1,7 @@
 #pragma once
 #include <vulkan/vulkan.h>
 
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -39,6 +40,8 @@ class Kernel {
   const char* name() const { return name_; }
   uint32_t workgroup() const { return workgroup_; }
   const std::vector<Slot>& slots() const { return slots_; }
+  /// True for the first caller only.
+  bool first_use() { return !used_.exchange(true); }
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
   VkDescriptorSetLayout set_layout() const { return set_layout_; }
@@ -55,6 +58,7 @@ class Kernel {
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
+  std::atomic<bool> used_{false};
 };
 
 using KernelPtr = std::shared_ptr<Kernel>;
