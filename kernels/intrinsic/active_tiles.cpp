@@ -20,7 +20,7 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
       active_(device->kernel(shaders::intrinsic_active)),
       spread_(device->kernel(shaders::intrinsic_spread)),
       look_(device, shaders::intrinsic_activity, {}, 1, 1),
-      activity_(gpu::Buffer::create(device, gpu::Element::scalar, tiles())),
+      activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       busy_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (auto& changed : changed_)
     changed = gpu::Buffer::create(device, gpu::Element::word, tiles(), gpu::Memory::upload);
@@ -39,14 +39,14 @@ float ActiveTiles::take(std::span<const uint8_t> changed) {
 }
 
 void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& correction,
-                              float tolerance, float moves) {
+                              float tolerance, float hold) {
   now_ = 1 - now_;
   const TileList& list = lists_[now_];
   const Extent cells = half_of(half_of(extent_));
   const struct {
     uint32_t columns, rows, cell_quads, cell_rows;
-    float tolerance, moves;
-  } push{list.columns(), list.rows(), quads_of(cells.width), cells.height, tolerance, moves};
+    float tolerance, hold;
+  } push{list.columns(), list.rows(), quads_of(cells.width), cells.height, tolerance, hold};
   commands.dispatch(active_, {changed_[frame_], correction, activity_, list.flags()}, push,
                     line_of(tiles()));
   list.record(commands);

@@ -27,11 +27,13 @@ class ActiveTiles {
   /// this concerns, 0…1, which is 1 where it is not known. Throws Error(internal) where there are
   /// too few or too many.
   float take(std::span<const uint8_t> changed);
-  /// Records making the list of tiles that move by more than `tolerance` (log units) or whose input
-  /// has changed. `correction` is Multigrid's, of the frame before; of it the share `moves` would
-  /// show in a tile whose input stays the same.
+  /// Records making the list of tiles whose input has changed, and of those that by now lack more
+  /// than `tolerance` (rms of log shading; negative: all) of what frames would have given them.
+  /// `correction` is Multigrid's, of the frame before, `hold` TemporalAnchor's.
   void record_list(gpu::Commands& commands, const gpu::BufferPtr& correction, float tolerance,
-                   float moves);
+                   float hold);
+  /// A vec4 a tile (activity.glsl).
+  const gpu::BufferPtr& activity() const { return activity_; }
   /// Of this frame, after `record_list`; the tiles where a drawing of it differs from one of the
   /// frame before; and the list of the frame before, null where that was worked on as a whole.
   const TileList& list() const { return lists_[now_]; }

@@ -4,12 +4,12 @@
 #include "temporal.glsl"
 #include "quad.glsl"
 
-// How much the log shading of tiles has changed by a frame, which shows in the brightness of reflectance where the input is
-// the same. Counts the tiles that will not be left out. One tile an invocation.
+// How much the log shading of tiles has changed by a frame, for each of those that it stood for, which shows in the brightness
+// of reflectance where the input is the same. Counts the tiles that the next frame will not leave out. One tile an invocation.
 WORD_IN(0, changed);
 PLANE_IN(1, before);  // memory of the last frame
 PLANE_IN(2, now);
-SCALAR_OUT(3, activity);
+PLANE_INOUT(3, activity);
 WORD_INOUT(4, busy);  // one word
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
@@ -34,7 +34,9 @@ void main() {
       sum += MASKED(step * step, INSIDE(x, push.size.x));
     }
   uvec2 pixels = min(push.size - 16u * tile, uvec2(16u));
-  float moved = near_change(ivec2(tile), ivec2(push.tiles)) ? kBusy : sqrt(dot(sum, vec4(1.0)) / float(pixels.x * pixels.y));
-  STORE(activity, tile.y * push.tiles.x + tile.x, moved);
+  uint at = tile.y * push.tiles.x + tile.x;
+  float frames = kTileAcross == 0u ? 1.0 : LOAD(activity, at).y;
+  float moved = near_change(ivec2(tile), ivec2(push.tiles)) ? kBusy : sqrt(dot(sum, vec4(1.0)) / float(pixels.x * pixels.y)) / frames;
+  STORE(activity, at, vec4(moved, 0.0, frames, 0.0));
   if (!(moved <= push.tolerance)) atomicAdd(LOAD(busy, 0), 1u);
 }

@@ -1,7 +1,7 @@
-// What is known of a tile's activity from frame to frame, a float a tile: the rms change of its log shading by the last frame
-// that worked on it; kBusy where its input changed, too; kLeftOut where the last frame did not work on it.
+// What is known of a tile's activity from frame to frame, a vec4 a tile: how much its log shading (rms) changed a frame by the
+// last frame that worked on it, kBusy where its input changed, too; for how many frames the one at work has to stand, this one
+// and those before it that left the tile out (active.comp counts them); and for how many the last one that worked on it stood.
 const float kBusy = 1e30;
-const float kLeftOut = -1.0;
 
 // Whether the input changed in this tile or one beside it: no stencil that starts from pixels reaches further.
 bool near_change(ivec2 tile, ivec2 tiles) {

@@ -22,8 +22,9 @@ PLANE_OUT(8, terms);
 PLANE_OUT(9, start);
 PLANE_INOUT(10, force);  // the last frame's, a good guess where this one continues it
 PLANE_OUT(11, sums);     // of gate^2, -, -, -
+PLANE_IN(12, activity);  // of tiles (activity.glsl)
 #define TILE_CONSTANT 3
-#define TILE_BINDING 12
+#define TILE_BINDING 13
 #include "tiles.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
@@ -79,12 +80,23 @@ vec4 make(uint quads, uvec2 position) {
   vec4 from = kAnchored ? mix(target, FETCH(means, at) + FETCH(correction, at), verdict_now.y * alike) : target;
   STORE(start, START_STRIDE * at + START_VALUE, from - most);
   STORE(start, START_STRIDE * at + START_GATE, gate);
-  STORE(start, START_STRIDE * at + START_HOLD, gate * push.hold / (1.0 + change * change));
+  vec4 hold = gate * push.hold / (1.0 + change * change), share = vec4(1.0);
+  if (kAnchored && kTileAcross > 0u) {
+    // Where the frame stands for n, reflectance goes as far as it would have in n: hold^n of it stays, and against the weaker
+    // anchor the slow parts of the solution, of which a frame lets through (1 - hold) of next to nothing, get n times that.
+    float n = FETCH(activity, tile).y;
+    if (n > 1.0) {
+      vec4 held = pow(hold, vec4(n));
+      share = (1.0 - held) / (n * (1.0 - hold));
+      hold = held;
+    }
+  }
+  STORE(start, START_STRIDE * at + START_HOLD, hold);
   vec4 pull_before = kAnchored ? gate * LOAD(force, FORCE_STRIDE * at + FORCE_PULL) : vec4(0.0);
   STORE(force, FORCE_STRIDE * at + FORCE_PULL, MASKED(pull_before, inside));
   STORE(force, FORCE_STRIDE * at + FORCE_SCREEN, v + g);
   float weight = push.anchor * min(verdict_now.w / push.frames, 1.0);
-  STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, weight * MASKED(gate, inside));
+  STORE(force, FORCE_STRIDE * at + FORCE_ANCHOR, weight * MASKED(share * gate, inside));
   return MASKED(gate, inside);
 }
 

@@ -44,6 +44,10 @@ constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundE
 /// Share of tiles from which on a list of them saves nothing worth its trouble: where input has
 /// changed, and of all that need work.
 constexpr float kMostChanged = 0.25F, kMostBusy = 0.5F;
+/// Frames of which only tiles are worked on, from one of which all are to the next; and the
+/// tolerance that lists all.
+constexpr uint64_t kAllEvery = 32;
+constexpr float kAllTiles = -1;
 /// How far the output's scale (log units) may be from what the frame would have before it moves,
 /// and with it layers that are not written anew.
 constexpr float kGaugeRest = 0.02F;
@@ -107,7 +111,7 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
       .dispatch(commands, list(),
                 {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
                  anchor_.kept(), multigrid_.cell_means(), multigrid_.cell_correction(), terms_,
-                 start_, multigrid_.cell_force(), gate_sums_},
+                 start_, multigrid_.cell_force(), gate_sums_, active_.activity()},
                 push, line_of(quads_of(cells)));
   if (look)
     commands.dispatch(total_, {gate_sums_, gate_total_}, static_cast<uint32_t>(gate_sums_->count()),
@@ -127,7 +131,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   if (stats_.cycles == 1) multigrid.slowest = 0;
   // The cells' problem of tiles left out is that of the frame before, and its solution so far is
   // kept: solving it again costs more than all else.
-  if (listed()) multigrid.cell_cycles = 1;
+  if (listed() && !refreshes_) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
                        stats_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
@@ -167,6 +171,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   const bool weighs = params.prior.chroma_weight > 0;
   stats_.holds = stats_.history && (!params.adaptive || holds_);
   mode_ = next_mode(params, info, before);
+  since_all_ = listed() ? since_all_ + 1 : 0;
+  refreshes_ = since_all_ % kAllEvery == kAllEvery - 1;
   // Over tiles that changed alone, there is nothing to be seen of the whole.
   const bool look = !listed() && params.adaptive &&
                     (since_reset_ == kLookAgain ||  // the first one with a settled history
@@ -183,8 +189,8 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (!stats_.bins) prior.chroma_weight = 0;
   if ((stats_.listed = listed())) {
     stats_.skipped.emplace_back("tiles: those that stay as they are");
-    active_.record_list(commands, multigrid_.cell_correction(), params.tile_tolerance,
-                        1 - params.anchor.hold);
+    active_.record_list(commands, multigrid_.cell_correction(),
+                        refreshes_ ? kAllTiles : params.tile_tolerance, params.anchor.hold);
     multigrid_.record_residual(commands, active_.list_before());
     commands.stage("tiles");
   }

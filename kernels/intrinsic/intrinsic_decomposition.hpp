@@ -45,9 +45,10 @@ class IntrinsicDecomposition {
     /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
     /// the frame before; 0: never.
     float hold_tolerance = 0.06F;
-    /// Rms change of a tile's log shading from frame to frame, 0…1, up to which the tile is left
-    /// out where its input stays the same (FrameInfo::changed); 0: none is.
-    float tile_tolerance = 0.003F;
+    /// What a tile may lack, by estimate, of what frames that leave it out would have changed of
+    /// its log shading, rms, 0…1, before one works on it again, for all of them at once; only where
+    /// its input stays the same (FrameInfo::changed). 0: no tile is left out.
+    float tile_tolerance = 0.02F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
@@ -163,7 +164,9 @@ class IntrinsicDecomposition {
   bool cleared_ = false;                                 // unused slots of sums
   bool binds_ = true, holds_ = true, restless_ = false;  // what `judge` has found
   ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;    // of the frame being recorded
-  uint64_t calm_ = 0;  // consecutive frames that were not worked on as a whole without a look
+  uint64_t calm_ = 0;       // consecutive frames that were not worked on as a whole without a look
+  uint64_t since_all_ = 0;  // frames since one of which all tiles were worked on
+  bool refreshes_ = false;  // all tiles of the frame being recorded are listed
   bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
   PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
   Stats stats_;    // of the frame being recorded
