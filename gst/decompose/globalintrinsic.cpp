@@ -24,7 +24,8 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
-                      static_cast<double>(found.tint), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
+                      static_cast<double>(found.tint), "chroma", G_TYPE_DOUBLE,
+                      static_cast<double>(found.chroma), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
     GValue list = G_VALUE_INIT;
     gst_value_array_init(&list, kMaxBases);
     for (const auto& base : found.bases) {
@@ -50,7 +51,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
 
   uint64_t decompose(FrameWork& frame) override {
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force(frame),
-                                   {frame.fresh, !frame.draw || shows_layer_});
+                                   {frame.fresh, !frame.draw || shows_layer_, frame.changed});
     return method_->recorded() - 1;
   }
 

@@ -15,8 +15,10 @@ const int kCandidates = 16;  // for the amount of indirect light
 
 // The scene's buffer.
 #define SCENE_AMOUNT 0  // kappa, its confidence, points' mean weight, base colors in use
-#define SCENE_TINT 1    // rms tint where all light is indirect, share of the residual that is taken
-#define SCENE_TIME 2    // 1 where nothing is taken over from earlier frames, frames since then, this one's share, change
+#define SCENE_TINT 1    // rms tint where all light is indirect, share of the residual that is taken; what color there is to go by, 0…1, and
+                        // how far chroma spreads
+#define SCENE_TIME 2    // 1 where nothing is taken over from earlier frames, frames since then with color to go by, this one's
+                        // share, change
 #define SCENE_WHITE 3   // log chroma of the lamps, as far as it is taken out
 #define SCENE_COSTS 4   // four vec4: of the candidates
 #define SCENE_COLORS 8  // log chroma, 1 where there is such a color, share of the frame
