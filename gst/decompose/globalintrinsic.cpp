@@ -76,7 +76,9 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
         number<P>("typical-amount", &P::typical, 0.05f, 2.f,
                   "The amount of a scene that says nothing of it, as where nothing has color"),
         number<P>("trust", &P::trust, 0.f, 100.f,
-                  "How much the scene's colors count beside typical-amount when it is measured"),
+                  "How much the scene's colors count beside typical-amount when it is measured; 0 "
+                  "= not, and "
+                  "bounced light is gray"),
         number<P>("white-balance", &P::white_balance, 0.f, 1.f,
                   "Share of the lamps' color, as the frame lets guess it, that is taken out of "
                   "reflectance first; 0 = lamps are white"),

@@ -41,6 +41,9 @@ vec3 light_of(float shading, vec3 indirect) {
   float all = mean3(indirect), kept = all > shading ? shading / all : 1.0;
   return shading - kept * all + kept * indirect;
 }
+// Indirect light of a color that is sure only as far as the amount is: gray where the frame says nothing of it.
+const float kSure = 0.03;  // confidence that is enough
+vec3 colored_by(float confidence, vec3 light) { return mix(vec3(mean3(light)), light, smoothstep(0.0, kSure, confidence)); }
 float fraction_of(float shading, vec3 indirect) { return min(1.0, mean3(indirect) / max(shading, 1e-6)); }
 
 // Where a chroma lies in a histogram, in bins (gray is a bin's center, or it would be the corner of four); and the bin whose

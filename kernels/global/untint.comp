@@ -55,7 +55,7 @@ void main() {
       vec2 z = chroma_of(rgb);
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
-      indirect *= known.x;
+      indirect = known.x * colored_by(known.y, indirect);
       if (known.w > 1.5) {  // a frame of one color says nothing of its light's
         vec2 tint = chroma_of(light_of(shading, indirect));
         float fraction = fraction_of(shading, indirect);

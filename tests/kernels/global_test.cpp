@@ -287,6 +287,33 @@ TEST_F(GlobalTest, ColorFadesWithoutAJump) {
   EXPECT_GT(before, 0.2F);
 }
 
+TEST_F(GlobalTest, LightIsGrayWhereItsAmountIsNotKnown) {
+  const Extent extent{160, 120};
+  const Room made = room(extent, 3);
+  GlobalIntrinsic::Params params = to_the_letter();
+  reference::GlobalParams spec;
+  // Little trust leaves little more than the prior: confidences below and above what is enough.
+  float least = 1, most = 0;
+  for (const float trust : {0.0F, 0.05F, 0.1F, 0.2F, 0.4F, 1.0F}) {
+    params.trust = trust;
+    spec.amount.trust = double(trust);
+    GlobalIntrinsic method(device, extent);
+    const Result got = decompose(method, made.frame, extent, params, {true});
+    const auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                                      int(extent.height), spec, nullptr);
+    expect_agreement(got, expected, "trust " + std::to_string(trust));
+    float color = 0;
+    for (size_t i = 0; i < got.light.size(); ++i)
+      if (i % 4 != 3) color = std::max(color, std::abs(got.light[i] - 1));
+    EXPECT_TRUE(trust > 0 || color < 1e-5F) << color;
+    EXPECT_TRUE(trust < 1 || color > 0.05F) << color;
+    least = std::min(least, got.found.confidence);
+    most = std::max(most, got.found.confidence);
+  }
+  EXPECT_LT(least, 0.01F);
+  EXPECT_GT(most, 0.03F);
+}
+
 TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
   const Extent extent{90, 70};
   const Pixels gray = colorless(room(extent, 2).frame);

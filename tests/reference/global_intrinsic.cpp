@@ -8,7 +8,6 @@ namespace {
 
 using namespace global;
 
-Vec3 scaled(double f, const Vec3& v) { return {f * v[0], f * v[1], f * v[2]}; }
 Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
@@ -28,6 +27,16 @@ struct Look {
 };
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
+
+/// Received light times the amount, of a color that is sure only as far as that is.
+Vec3 indirect_of(const Amount& amount, const Vec3& received) {
+  constexpr double kSure = 0.03;  // confidence that is enough
+  const double x = std::min(amount.confidence / kSure, 1.0), share = x * x * (3 - 2 * x);
+  Vec3 light;
+  for (std::size_t c = 0; c < 3; ++c)
+    light[c] = amount.value * (mean(received) + share * (received[c] - mean(received)));
+  return light;
+}
 
 /// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
 /// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
@@ -57,7 +66,7 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, double usa
   out.tint.resize(n), out.fraction.resize(n);
   ChromaHistogram now = empty_histogram(params.palette);
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 light = scaled(out.amount.value, received[i]);
+    const Vec3 light = indirect_of(out.amount, received[i]);
     out.tint[i] = tint_of(grid.shading[i], light);
     out.fraction[i] = split(grid.shading[i], light).fraction;
     // Direct light shows the true color.
@@ -146,7 +155,7 @@ Light light_of(const std::vector<double>& rgb, const std::vector<double>& shadin
       int& label = out.label[i];
       label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
       Vec3& light = out.indirect[i];
-      light = scaled(seen.amount.value, seen.gather.received(label, x, y, 2 * grid.factor));
+      light = indirect_of(seen.amount, seen.gather.received(label, x, y, 2 * grid.factor));
       if (gray) {
         light = Vec3{mean(light), mean(light), mean(light)};
         continue;
