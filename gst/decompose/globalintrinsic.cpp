@@ -24,7 +24,8 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     gst_structure_set(stats, "amount", G_TYPE_DOUBLE, static_cast<double>(found.amount),
                       "confidence", G_TYPE_DOUBLE, static_cast<double>(found.confidence), "colors",
                       G_TYPE_UINT, found.colors, "tint", G_TYPE_DOUBLE,
-                      static_cast<double>(found.tint), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
+                      static_cast<double>(found.tint), "chroma", G_TYPE_DOUBLE,
+                      static_cast<double>(found.chroma), "cut", G_TYPE_BOOLEAN, found.cut, nullptr);
     GValue list = G_VALUE_INIT;
     gst_value_array_init(&list, kMaxBases);
     for (const auto& base : found.bases) {
@@ -50,7 +51,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
 
   uint64_t decompose(FrameWork& frame) override {
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force(frame),
-                                   {frame.fresh, !frame.draw || shows_layer_});
+                                   {frame.fresh, !frame.draw || shows_layer_, frame.changed});
     return method_->recorded() - 1;
   }
 
@@ -75,7 +76,9 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
         number<P>("typical-amount", &P::typical, 0.05f, 2.f,
                   "The amount of a scene that says nothing of it, as where nothing has color"),
         number<P>("trust", &P::trust, 0.f, 100.f,
-                  "How much the scene's colors count beside typical-amount when it is measured"),
+                  "How much the scene's colors count beside typical-amount when it is measured; 0 "
+                  "= not, and "
+                  "bounced light is gray"),
         number<P>("white-balance", &P::white_balance, 0.f, 1.f,
                   "Share of the lamps' color, as the frame lets guess it, that is taken out of "
                   "reflectance first; 0 = lamps are white"),

@@ -1,6 +1,7 @@
 #include "global_intrinsic.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -34,7 +35,10 @@ namespace {
 constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneAmount = 0,
                    kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 24;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
+constexpr uint64_t kUsable = 16 * kSceneTint + 8;          // bytes into the scene's buffer
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
+/// Frames in a row without color to go by after which that alone is looked at.
+constexpr uint32_t kRest = 8;
 
 // Of candidate amounts: the least, and each to the one before.
 constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
@@ -74,6 +78,8 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   keep(params.cut, 0.0F, 1.0F);
   keep(params.smoothing, 0.5F, 2.5F);
   keep(params.residual, 0.0F, 1.0F);
+  keep(params.no_color, 0.0F, 1.0F);
+  keep(params.full_color, params.no_color + 1e-3F, 2.0F);
   return params;
 }
 
@@ -117,6 +123,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     emit_[k] = device_->kernel(shaders::global_emit, {k});
     blur_[k] = device_->kernel(shaders::global_blur, {k});
   }
+  plain_grid_ = device_->kernel(shaders::global_grid, {0, 1});
   for (const uint32_t pass : {0U, 1U, 2U})
     fit_[pass] = device_->kernel(shaders::global_fit, {pass});
 
@@ -147,6 +154,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
 void GlobalIntrinsic::reset() {
   solve_.reset();
   frames_ = 0;
+  gray_ = 0;
 }
 
 GlobalIntrinsic::Place GlobalIntrinsic::place() const {
@@ -175,7 +183,6 @@ void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool
 }
 
 void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params) {
-  commands.fill(candidates_);
   const struct {
     Place place;
     float least, ratio, neutral;
@@ -190,7 +197,6 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
 }
 
 void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
-  commands.fill(counts_);
   commands.dispatch(tint_, {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_},
                     place(), line_of(grid_.pixels()));
   const struct {
@@ -208,14 +214,15 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
   commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
 }
 
-PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame,
-                               const Params& params) {
+PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
+                               bool plain) {
   const struct {
     Place place;
     float gauge;
   } grid{place(), params.gauge.value};
   const auto make_grid = [&](size_t raw) {
-    commands.dispatch(grid_kernel_[raw], {frame->buffer, memory_, scene_, colors_, points_}, grid,
+    commands.dispatch(plain ? plain_grid_ : grid_kernel_[raw],
+                      {frame->buffer, memory_, scene_, colors_, points_}, grid,
                       line_of(grid_.pixels()));
   };
   const auto count = static_cast<int32_t>(grid_.pixels());
@@ -223,11 +230,16 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame,
   // Colors were others before.
   const bool forget = balances != std::exchange(balanced_, balances) || frames_ == 0;
   if (forget) commands.fill(scene_);
+  // How bright reflectance was is not known where it was not asked for.
+  const bool blind = std::exchange(rested_, plain) && !plain;
   const struct {
     int32_t count;
     float cut, renew;
     uint32_t first;
-  } look{count, params.cut, params.renew, forget ? 1U : 0U};
+    float none, full;
+  } look{count,           params.cut,
+         params.renew,    forget || blind ? 1U : 0U,
+         params.no_color, params.amount > 0 ? 0 : params.full_color};
   const auto look_at = [&](const gpu::KernelPtr& kernel) {
     commands.dispatch(kernel, {colors_, points_, before_, scene_}, look, {});
   };
@@ -293,6 +305,38 @@ uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
 }
 
+bool GlobalIntrinsic::colorless(const Params& params) {
+  // The lamps' color may be all that there is.
+  if (params.amount > 0 || params.white_balance > 0) gray_ = 0;
+  // Judged by the last frame that is sure to be done, so that the same video always gives the same.
+  if (frames_ < reports_.size() || params.amount > 0 || params.white_balance > 0) return false;
+  const bool usable = report(recorded_ - reports_.size()).found->map_as<float>()[kUsable / 4] > 0;
+  gray_ = usable ? 0 : std::min(gray_ + 1, kRest);
+  return gray_ == kRest;
+}
+
+PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
+  if (!white_light_) {
+    white_light_ = std::make_shared<Plane>(
+        Plane{extent_, gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels())});
+    commands.fill(white_light_->buffer, std::bit_cast<uint32_t>(1.0F));
+  }
+  return white_light_;
+}
+
+void GlobalIntrinsic::find_scene(gpu::Commands& commands, const Params& params) {
+  commands.fill(candidates_);
+  commands.fill(counts_);
+  commands.when(scene_, kUsable, [&] {
+    gather(commands, params, false);
+    measure_amount(commands, params);
+    find_tint(commands, params);
+    find_colors(commands, params);
+    find_residual(commands);
+  });
+  commands.stage("scene");
+}
+
 uint32_t GlobalIntrinsic::Report::slots() const {
   const float* colors = found->map_as<float>() + 4 * size_t{kSceneColors};
   uint32_t slots = 0;
@@ -321,16 +365,37 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
-  const Place here = place();
-  const PlanePtr lamp = look(commands, input, params);
+  const bool plain = colorless(params);
+  const PlanePtr lamp = look(commands, input, params, plain);
   commands.stage("grid");
-  gather(commands, params, false);
-  measure_amount(commands, params);
-  find_tint(commands, params);
-  find_colors(commands, params);
-  find_residual(commands);
-  commands.stage("scene");
+  Report& report = reports_[recorded_ % reports_.size()];
+  if (!report.found)
+    report.found =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
+  Layers layers;
+  if (plain) {
+    layers = solve_.record(commands, input, params, {false, info.changed});
+    layers[Role::light] = layers[Role::model_light] = white_light(commands);
+  } else {
+    white_light_.reset();
+    find_scene(commands, params);
+    layers = record_light(commands, input, params, info.shares);
+    layers[Role::lamp] = lamp;
+  }
+  commands.copy(scene_, report.found, report.found->bytes());
+  report.solve = solve_.recorded() - 1;
+  report.stats = {solve_.stats(report.solve), first, plain};
+  if (plain)
+    report.stats.solve.skipped.emplace_back("indirect light: the scene has no color to go by");
+  commands.keep(layers[Role::light]);
+  ++recorded_;
+  ++frames_;
+  return layers;
+}
 
+Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& input,
+                                     const Params& params, bool shares) {
+  const Place here = place();
   const PlanePtr plain = planes_.acquire(), light = planes_.acquire();
   const struct {
     Place place;
@@ -341,8 +406,9 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                      plain->buffer, light->buffer},
                     untint, {(extent_.width + 3) / 4, extent_.height});
   commands.stage("untint");
-  const PlanePtr bases = bases_.acquire();
-  if (info.shares) {
+  const uint32_t planes = shares ? planes_needed(params) : 0;
+  const PlanePtr bases = planes > 0 ? bases_.acquire() : nullptr;
+  if (bases) {
     if (!fields_)
       fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
     gather(commands, params, true);  // of the frame's own base colors
@@ -353,31 +419,20 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     commands.dispatch(fields_kernel_, {emitted_, means_, received_, scene_, fields_, bases->buffer},
                       push, line_of(coarse_.pixels() * kSlots));
   }
-  const uint32_t shares = info.shares ? planes_needed(params) : 0;
-  Report& report = reports_[recorded_++ % reports_.size()];
-  if (!report.found)
-    report.found =
-        gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
-  commands.copy(scene_, report.found, report.found->bytes());
 
-  Layers layers = solve_.record(commands, plain, params, {false});
+  Layers layers = solve_.record(commands, plain, params, {false, {}});
   const PlanePtr& intrinsic = layers[Role::intrinsic];
   commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, scene_, light->buffer, memory_},
                     std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(extent_));
   commands.stage("direct");
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
-  layers[Role::lamp] = lamp;
-  if (shares > 0) {
+  if (bases) {
     layers[Role::bases] = layers[Role::model_bases] = bases;
-    share_out(commands, layers, shares);
+    share_out(commands, layers, planes);
   }
   commands.keep(input);
   commands.keep(plain);
-  commands.keep(light);
-  report.solve = solve_.recorded() - 1;
-  report.stats = {solve_.stats(report.solve), first};
-  ++frames_;
   return layers;
 }
 
@@ -387,7 +442,8 @@ GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
   Findings findings{solve_.findings(of.solve), slot(kSceneAmount)[0],
                     slot(kSceneAmount)[1],     static_cast<uint32_t>(slot(kSceneAmount)[3]),
-                    slot(kSceneTint)[0],       slot(kSceneTime)[0] > 0};
+                    slot(kSceneTint)[0],       slot(kSceneTime)[0] > 0,
+                    slot(kSceneTint)[3]};
   for (uint32_t k = 0; k < kSlots; ++k) {
     const float* color = slot(kSceneColors + k);
     if (!(color[2] > 0)) continue;

@@ -45,15 +45,22 @@ class GlobalIntrinsic {
     float smoothing = 1.2F;
     /// Share of the slowly varying rest of chroma that is taken for light in tinted scenes, 0…1.
     float residual = 1;
+    /// How far chroma spreads over the frame (standard deviation, log units) where there is no
+    /// color to go by, and all light counts as direct, 0…1; and from where on there is. `amount`
+    /// set by hand goes without.
+    float no_color = 0.03F, full_color = 0.06F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;   ///< no relation to the frame before (discontinuity)
     bool shares = false;  ///< somebody needs indirect light as one layer for each base color
+    /// As IntrinsicDecomposition::FrameInfo::changed.
+    std::span<const uint8_t> changed = {};
   };
   struct Stats {
     ScaledIntrinsic::Stats solve;
     bool first = false;  ///< nothing of an earlier frame was known
+    bool plain = false;  ///< there was no color to go by: all was left out but the solve
   };
   struct Findings {
     ScaledIntrinsic::Findings solve;
@@ -62,6 +69,7 @@ class GlobalIntrinsic {
     uint32_t colors = 0;   ///< base colors
     float tint = 0;        ///< rms log chroma of light that is all indirect
     bool cut = false;      ///< of the scene: nothing was taken over from the frame before
+    float chroma = 0;      ///< how far it spreads over the frame, log units
     /// Base colors by their slot: linear, largest channel 1; black where there is none.
     std::array<std::array<float, 3>, kMaxBases> bases{};
   };
@@ -101,7 +109,15 @@ class GlobalIntrinsic {
   Place place() const;
   /// Points of the grid, and whether the frame continues the one before.
   /// Returns the layer of the lamps' color where that is taken out.
-  PlanePtr look(gpu::Commands& commands, const PlanePtr& frame, const Params& params);
+  PlanePtr look(gpu::Commands& commands, const PlanePtr& frame, const Params& params, bool plain);
+  /// Whether the last frames had no color to go by: then only that is looked at.
+  bool colorless(const Params& params);
+  /// The scene of a frame: amount, base colors and the tint at the points of the grid.
+  void find_scene(gpu::Commands& commands, const Params& params);
+  PlanePtr white_light(gpu::Commands& commands);
+  /// The frame's layers by what was found of the scene.
+  Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                      bool shares);
   /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
   /// this one's.
   void gather(gpu::Commands& commands, const Params& params, bool known);
@@ -118,9 +134,9 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_, lamps_;
-  gpu::KernelPtr grid_kernel_[2], white_, look_, decide_, start_, emit_[2], summary_, blur_[2],
-      received_kernel_, amount_, weigh_, tint_, statistics_, modes_, fields_kernel_, believe_,
-      fit_[3], untint_, direct_;
+  gpu::KernelPtr grid_kernel_[2], plain_grid_, white_, look_, decide_, start_, emit_[2], summary_,
+      blur_[2], received_kernel_, amount_, weigh_, tint_, statistics_, modes_, fields_kernel_,
+      believe_, fit_[3], untint_, direct_;
   gpu::BufferPtr memory_;                                                     // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
   gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
@@ -131,6 +147,9 @@ class GlobalIntrinsic {
   uint64_t recorded_ = 0;
   uint64_t frames_ = 0;  // since a reset
   bool balanced_ = false;
+  uint32_t gray_ = 0;    // frames in a row without color to go by, as far as known
+  bool rested_ = false;  // the frame before was
+  PlanePtr white_light_;
 };
 
 }  // namespace inverse

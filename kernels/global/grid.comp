@@ -5,7 +5,8 @@
 
 // The points of the grid: mean color and how much it counts, its log chroma, and what the mean shading of its pixels seems
 // to be, with what is known of earlier frames and without. One point an invocation.
-layout(constant_id = 1) const bool kRaw = false;  // as the lamps color it
+layout(constant_id = 1) const bool kRaw = false;   // as the lamps color it
+layout(constant_id = 2) const bool kPlain = false;  // colors alone, of lamps that are white
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);  // mean ln R
 PLANE_IN(2, scene);
@@ -22,14 +23,16 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.grid.x * push.grid.y) return;
   ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
-  vec3 white = kRaw ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);
+  vec3 white = kRaw || kPlain ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);
   vec4 sum = vec4(0.0);
   float guessed = 0.0;
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       int n = y * push.size.x + x;
       vec3 rgb = sanitize(FETCH(frame, n).rgb) / white;
-      sum += vec4(rgb, shading_before(rgb, FETCH1(memory, n)));
+      sum.rgb += rgb;
+      if (kPlain) continue;
+      sum.w += shading_before(rgb, FETCH1(memory, n));
       guessed += shading_guessed(rgb, push.gauge);
     }
   float share = 1.0 / float((last.x - first.x) * (last.y - first.y));

@@ -78,11 +78,11 @@ void choose() {
     mode_count = 1;
   }
   uint taken = 0u;
-  bool cut = LOAD(scene, SCENE_TIME).x > 0.0;
+  bool anew = LOAD(scene, SCENE_TIME).y < 1.5, usable = LOAD(scene, SCENE_TINT).z > 0.0;
   for (int m = 0; m < mode_count; ++m) {
     float nearest = push.same * push.same;
     int slot = -1;
-    for (int s = 0; s < push.most && !cut; ++s) {
+    for (int s = 0; s < push.most && !anew; ++s) {
       vec4 color = LOAD(scene, SCENE_COLORS + s);
       if (color.z == 0.0 || (taken & (1u << s)) != 0u) continue;
       vec2 off = color.xy - modes[m].xy;
@@ -101,8 +101,8 @@ void choose() {
       taken |= 1u << slot;
     }
   for (int s = 0; s < kSlots; ++s) LOAD(scene, SCENE_COLORS + s) = vec4(0.0);
-  for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z);
-  LOAD(scene, SCENE_AMOUNT).w = float(mode_count);
+  for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z) * float(usable);
+  LOAD(scene, SCENE_AMOUNT).w = usable ? float(mode_count) : 0.0;
 }
 
 void main() {

@@ -39,30 +39,31 @@ void main() {
   int last = min(first.x + 4, push.size.x);
   for (int x = first.x; x < last; ++x) {
     int n = first.y * push.size.x + x;
-    vec2 u = between(x, float(push.factor), push.grid.x);
-    if (!kWide || x == first.x) {
-      ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
-      ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));
-      AROUND(tint_at, tints)
-      AROUND(smooth_at, smooth_part)
-      AROUND(fit_at, coefficients)
-    }
+    vec3 tau = vec3(1.0), indirect = vec3(0.0);
     vec4 pixel = FETCH(frame, n);
     vec3 rgb = sanitize(pixel.rgb) / white;
-    float shading = cut ? shading_guessed(rgb, push.gauge) : shading_before(rgb, FETCH1(memory, n));
-    vec2 z = chroma_of(rgb);
-    int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
-    vec3 indirect;
-    RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
-    indirect *= known.x;
-    vec3 tau = vec3(1.0);
-    if (known.w > 1.5) {  // a frame of one color says nothing of its light's
-      vec2 tint = chroma_of(light_of(shading, indirect));
-      float fraction = fraction_of(shading, indirect);
-      vec2 e = z - tint - FETCH(scene, SCENE_COLORS + label).xy;
-      e = mix(BLEND(smooth_at).xy, e, belief(e, fraction, statistics.x, push.trust, push.trust_tint));
-      vec4 fit = BLEND(fit_at);
-      tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
+    if (known.x > 0.0) {
+      vec2 u = between(x, float(push.factor), push.grid.x);
+      if (!kWide || x == first.x) {
+        ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
+        ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));
+        AROUND(tint_at, tints)
+        AROUND(smooth_at, smooth_part)
+        AROUND(fit_at, coefficients)
+      }
+      float shading = cut ? shading_guessed(rgb, push.gauge) : shading_before(rgb, FETCH1(memory, n));
+      vec2 z = chroma_of(rgb);
+      int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
+      RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
+      indirect = known.x * colored_by(known.y, indirect);
+      if (known.w > 1.5) {  // a frame of one color says nothing of its light's
+        vec2 tint = chroma_of(light_of(shading, indirect));
+        float fraction = fraction_of(shading, indirect);
+        vec2 e = z - tint - FETCH(scene, SCENE_COLORS + label).xy;
+        e = mix(BLEND(smooth_at).xy, e, belief(e, fraction, statistics.x, push.trust, push.trust_tint));
+        vec4 fit = BLEND(fit_at);
+        tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
+      }
     }
     tau = max(tau, max(vec3(kLeastTau), rgb / kMostLight));  // what the solve takes, so that R S tau stays the frame
     STORE(plain, n, vec4(rgb / tau, pixel.w));

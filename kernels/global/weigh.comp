@@ -53,5 +53,7 @@ void main() {
   blind.yz /= blind.x;
   float variance = max(0.0, seen.z - seen.y * seen.y);
   float confidence = clamp(1.0 - variance / (blind.z - blind.y * blind.y), 0.0, 1.0);
-  LOAD(scene, SCENE_AMOUNT).xy = push.manual > 0.0 ? vec2(push.manual, 1.0) : vec2(exp(seen.y), confidence);
+  // What hardly any color is left to see by goes before the color does.
+  float usable = LOAD(scene, SCENE_TINT).z;
+  LOAD(scene, SCENE_AMOUNT).xy = push.manual > 0.0 ? vec2(push.manual, 1.0) : usable * vec2(exp(seen.y), confidence);
 }

@@ -135,12 +135,14 @@ Check check_global_with(const Lab& lab) {
       const float amount = global_params_of(one).amount;
       constexpr float kLeast = 0.06F;
       const float kMost = kLeast * std::pow(1.24F, 15.0F);
-      if (amount > 0 ? found.amount != amount
-                     : !(found.amount >= 0.999F * kLeast && found.amount <= 1.001F * kMost))
+      const bool fades = found.chroma < 1.001F * GlobalIntrinsic::Params{}.full_color;
+      if (amount > 0
+              ? found.amount != amount
+              : !(found.amount >= (fades ? 0 : 0.999F * kLeast) && found.amount <= 1.001F * kMost))
         return at("amount beside its candidates", frame, 0, static_cast<double>(found.amount));
       if (!(found.confidence >= 0 && found.confidence <= 1))
         return at("confidence", frame, 0, static_cast<double>(found.confidence));
-      if (found.colors < 1 ||
+      if ((found.colors == 0) != (found.amount == 0) ||
           found.colors > static_cast<uint32_t>(global_params_of(one).base_colors) ||
           found.colors != got.colors())
         return at("base colors", frame, found.colors, static_cast<double>(got.colors()));

@@ -103,7 +103,7 @@ TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
     EXPECT_GE(most, 2U) << name_of(solver) << ": more than four colors before";
     // The thesis' method is told of a cut, as its element tells it.
     if (solver == Solver::global_thesis) method.reset();
-    for (unsigned frame = 0; frame < 6; ++frame) {
+    for (unsigned frame = 0; frame < 14; ++frame) {
       const GlobalLayers got = method.decompose(gray_picture(frame));
       EXPECT_LT(worst_light_off_gray(got), 1e-5) << name_of(solver) << ", frame " << frame;
       if (solver == Solver::global_thesis) {
@@ -111,9 +111,10 @@ TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
         EXPECT_TRUE(got.shares.empty());
         EXPECT_EQ(got.colors(), 0U);
       } else {
-        EXPECT_EQ(method.found().colors, 1U);
+        EXPECT_EQ(method.found().colors, 0U);
         // What frames in flight may still need is known when they are done.
-        EXPECT_TRUE(frame < gpu::kFramesInFlight || got.shares.size() == 1) << frame;
+        EXPECT_TRUE(frame < gpu::kFramesInFlight || got.shares.size() <= 1) << frame;
+        EXPECT_TRUE(frame < 12 || got.shares.empty()) << frame;
       }
     }
   }

@@ -55,7 +55,7 @@ GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
   GlobalLayers got;
   got.intrinsic = lab_.download(layers[Role::intrinsic]->buffer);
   got.light = lab_.download(layers[Role::light]->buffer);
-  got.bases = lab_.download(layers[Role::bases]->buffer);
+  if (layers[Role::bases]) got.bases = lab_.download(layers[Role::bases]->buffer);
   for (uint32_t n = 0; n < kIndirectPlanes; ++n)
     if (const PlanePtr& plane = layers[indirect_role(n)])
       got.shares.push_back(lab_.download(plane->buffer));

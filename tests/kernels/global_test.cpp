@@ -206,17 +206,130 @@ TEST_F(GlobalTest, LayersMakeUpTheFrame) {
   }
 }
 
-TEST_F(GlobalTest, GrayFramesHaveGrayLight) {
+/// The same frame without color: as black-and-white film, or toned as sepia.
+Pixels colorless(Pixels frame, const std::array<float, 3>& tone = {1, 1, 1}) {
+  for (size_t i = 0; i < frame.size(); i += 4)
+    for (const size_t c : {2, 1, 0}) frame[i + c] = frame[i] * tone[c];
+  return frame;
+}
+
+TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
   const Extent extent{90, 70};
-  Pixels frame = scene(extent, 2);
-  for (size_t i = 0; i < frame.size(); i += 4) frame[i + 1] = frame[i + 2] = frame[i];
-  GlobalIntrinsic method(device, extent);
-  for (int k = 0; k < 3; ++k) {
-    const Result got = decompose(method, frame, extent, {}, {false, true});
-    EXPECT_EQ(got.found.colors, 1U);
-    for (size_t i = 0; i < extent.pixels(); ++i)
-      for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got.light[4 * i + c], 1, 1e-5);
+  for (const auto& tone : {std::array{1.0F, 1.0F, 1.0F}, std::array{1.0F, 0.85F, 0.65F}}) {
+    const Pixels frame = colorless(room(extent, 2).frame, tone);
+    GlobalIntrinsic method(device, extent);
+    ScaledIntrinsic alone(device, extent);
+    for (int k = 0; k < 16; ++k) {
+      const Result got = decompose(method, frame, extent, {}, {false, true});
+      EXPECT_EQ(got.found.colors, 0U);
+      EXPECT_EQ(got.found.amount, 0);
+      EXPECT_EQ(got.found.confidence, 0);
+      EXPECT_LT(got.found.chroma, 0.02F);
+      for (const float light : got.light) ASSERT_EQ(light, 1) << "frame " << k;
+      const bool plain = method.stats(method.recorded() - 1).plain;
+      EXPECT_EQ(plain, k >= 10) << "frame " << k;
+      EXPECT_EQ(plain, !got.layers[indirect_role(0)]) << "frame " << k;
+      EXPECT_EQ(plain, !got.layers[Role::bases]) << "frame " << k;
+      Pixels expected;
+      Layers two;
+      run([&](gpu::Commands& commands) {
+        two = alone.record(commands, input(extent, frame), {}, {false, {}});
+      });
+      expected = download(two[Role::intrinsic]->buffer);
+      for (size_t i = 0; i < expected.size(); ++i)
+        ASSERT_NEAR(got.intrinsic[i], expected[i], 1e-4 + 1e-3 * expected[i]) << "frame " << k;
+    }
   }
+}
+
+TEST_F(GlobalTest, ColorThatComesBackIsSeen) {
+  const Extent extent{160, 120};
+  const Pixels frame = room(extent, 3).frame, gray = colorless(frame);
+  GlobalIntrinsic method(device, extent), fresh(device, extent);
+  for (int k = 0; k < 14; ++k) decompose(method, gray, extent, {}, {false, true});
+  EXPECT_TRUE(method.stats(method.recorded() - 1).plain);
+  Result got, expected;
+  for (int k = 0; k < 10; ++k) {
+    got = decompose(method, frame, extent, {}, {false, true});
+    EXPECT_EQ(method.stats(method.recorded() - 1).plain, k < int(gpu::kFramesInFlight));
+    for (size_t i = 0; i < frame.size(); ++i) {
+      const size_t pixel = i / 4 * 4;
+      if (i == pixel + 3) continue;
+      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[pixel + 3] * got.light[i], frame[i], 1e-5);
+    }
+  }
+  for (int k = 0; k < 7; ++k) expected = decompose(fresh, frame, extent, {}, {false, true});
+  EXPECT_NEAR(got.found.amount, expected.found.amount, 0.05F * expected.found.amount);
+  EXPECT_EQ(got.found.colors, expected.found.colors);
+  EXPECT_TRUE(got.layers[Role::bases]);
+}
+
+TEST_F(GlobalTest, ColorFadesWithoutAJump) {
+  const Extent extent{160, 120};
+  const Room made = room(extent, 3);
+  const Pixels gray = colorless(made.frame);
+  // Where the spread of chroma goes through both thresholds, each as often as not conditional.
+  float before = 0;
+  for (int k = 0; k <= 24; ++k) {
+    Pixels frame = made.frame;
+    const float share = 0.25F * float(k) / 24;
+    for (size_t i = 0; i < frame.size(); ++i) frame[i] = gray[i] + share * (frame[i] - gray[i]);
+    GlobalIntrinsic method(device, extent);
+    const Result got = decompose(method, frame, extent, to_the_letter(), {true});
+    const auto expected =
+        reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
+                                    reference::GlobalParams{}, nullptr);
+    EXPECT_NEAR(got.found.amount, expected.amount.value, 5e-3) << share;
+    EXPECT_NEAR(got.found.amount, before, 0.25F) << share;
+    EXPECT_EQ(got.found.amount > 0, got.found.colors > 0) << share;
+    before = got.found.amount;
+  }
+  EXPECT_GT(before, 0.2F);
+}
+
+TEST_F(GlobalTest, LightIsGrayWhereItsAmountIsNotKnown) {
+  const Extent extent{160, 120};
+  const Room made = room(extent, 3);
+  GlobalIntrinsic::Params params = to_the_letter();
+  reference::GlobalParams spec;
+  // Little trust leaves little more than the prior: confidences below and above what is enough.
+  float least = 1, most = 0;
+  for (const float trust : {0.0F, 0.05F, 0.1F, 0.2F, 0.4F, 1.0F}) {
+    params.trust = trust;
+    spec.amount.trust = double(trust);
+    GlobalIntrinsic method(device, extent);
+    const Result got = decompose(method, made.frame, extent, params, {true});
+    const auto expected = reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                                      int(extent.height), spec, nullptr);
+    expect_agreement(got, expected, "trust " + std::to_string(trust));
+    float color = 0;
+    for (size_t i = 0; i < got.light.size(); ++i)
+      if (i % 4 != 3) color = std::max(color, std::abs(got.light[i] - 1));
+    EXPECT_TRUE(trust > 0 || color < 1e-5F) << color;
+    EXPECT_TRUE(trust < 1 || color > 0.05F) << color;
+    least = std::min(least, got.found.confidence);
+    most = std::max(most, got.found.confidence);
+  }
+  EXPECT_LT(least, 0.01F);
+  EXPECT_GT(most, 0.03F);
+}
+
+TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
+  const Extent extent{90, 70};
+  const Pixels gray = colorless(room(extent, 2).frame);
+  GlobalIntrinsic method(device, extent);
+  GlobalIntrinsic::Params params;
+  params.amount = 0.6F;
+  Result got;
+  for (int k = 0; k < 14; ++k) got = decompose(method, gray, extent, params, {false, true});
+  EXPECT_EQ(got.found.amount, 0.6F);
+  EXPECT_FALSE(method.stats(method.recorded() - 1).plain);
+  double direct = 0;
+  for (size_t i = 0; i < gray.size(); i += 4) {
+    for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got.light[i + c], 1, 1e-5);
+    direct += got.light[i + 3] / double(extent.pixels());
+  }
+  EXPECT_LT(direct, 0.8);
 }
 
 TEST_F(GlobalTest, AnyFrameGivesFiniteLayers) {

@@ -58,4 +58,21 @@ Amount amount_of(const AmountCost& cost, const AmountParams& params) {
   return {std::exp(seen.mean), std::clamp(1 - seen.variance / blind.variance, 0.0, 1.0)};
 }
 
+double usable_color(const Grid& grid, const AmountParams& params) {
+  if (params.manual > 0) return 1;
+  double all = 1e-9;
+  Chroma mean{};
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    mean = mean + grid.weight[i] * grid.chroma[i];
+    all += grid.weight[i];
+  }
+  mean = (1 / all) * mean;
+  double variance = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    variance += grid.weight[i] * norm2(grid.chroma[i] - mean) / all;
+  const double x = std::clamp(
+      (std::sqrt(variance) - params.no_color) / (params.full_color - params.no_color), 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
 }  // namespace inverse::reference::global

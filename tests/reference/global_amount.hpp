@@ -13,6 +13,8 @@ struct AmountParams {
   double typical = 0.5;        ///< Amount of a scene that says nothing.
   double spread = 0.65;        ///< Standard deviation of ln amount among scenes.
   double trust = 8;            ///< Log-likelihood of a difference of cost of 1.
+  double no_color = 0.03;      ///< Spread of chroma where there is no color to go by,
+  double full_color = 0.06;    ///< and from where on there is; in between the amount fades.
 };
 
 inline constexpr int kCandidates = 16;
@@ -31,6 +33,9 @@ struct Amount {
 /// z - t, less the share of it that is neutral.
 AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
                        const AmountParams& params);
+
+/// What color there is to go by, 0 ... 1: all of it where `manual` asks for no measurement.
+double usable_color(const Grid& grid, const AmountParams& params);
 
 /// Mean of ln kappa under the log-likelihood -trust cost and a normal prior; and by how much its
 /// variance is below the prior's.

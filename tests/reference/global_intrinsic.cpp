@@ -8,7 +8,6 @@ namespace {
 
 using namespace global;
 
-Vec3 scaled(double f, const Vec3& v) { return {f * v[0], f * v[1], f * v[2]}; }
 Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
@@ -29,10 +28,21 @@ struct Look {
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
 
+/// Received light times the amount, of a color that is sure only as far as that is.
+Vec3 indirect_of(const Amount& amount, const Vec3& received) {
+  constexpr double kSure = 0.03;  // confidence that is enough
+  const double x = std::min(amount.confidence / kSure, 1.0), share = x * x * (3 - 2 * x);
+  Vec3 light;
+  for (std::size_t c = 0; c < 3; ++c)
+    light[c] = amount.value * (mean(received) + share * (received[c] - mean(received)));
+  return light;
+}
+
 /// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
 /// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
 /// what this frame says.
-Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScene& scene) {
+Look look(const Grid& grid, const GlobalParams& params, double renew, double usable,
+          GlobalScene& scene) {
   const std::size_t n = grid.size();
   scene.labels.resize(n, 0);
   std::vector<int>& labels = scene.labels;
@@ -48,6 +58,7 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
   const AmountCost cost = amount_cost(grid, received, params.amount);
   for (std::size_t k = 0; k < cost.size(); ++k) scene.cost[k] += renew * (cost[k] - scene.cost[k]);
   out.amount = amount_of(scene.cost, params.amount);
+  out.amount.value *= usable, out.amount.confidence *= usable;
 
   double mean_weight = 1e-9;
   for (const double w : grid.weight) mean_weight += w / double(n);
@@ -55,7 +66,7 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, GlobalScen
   out.tint.resize(n), out.fraction.resize(n);
   ChromaHistogram now = empty_histogram(params.palette);
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 light = scaled(out.amount.value, received[i]);
+    const Vec3 light = indirect_of(out.amount, received[i]);
     out.tint[i] = tint_of(grid.shading[i], light);
     out.fraction[i] = split(grid.shading[i], light).fraction;
     // Direct light shows the true color.
@@ -144,7 +155,7 @@ Light light_of(const std::vector<double>& rgb, const std::vector<double>& shadin
       int& label = out.label[i];
       label = seen.colors.label[bins.nearest(z - blend(seen.tint, grid, x, y))];
       Vec3& light = out.indirect[i];
-      light = scaled(seen.amount.value, seen.gather.received(label, x, y, 2 * grid.factor));
+      light = indirect_of(seen.amount, seen.gather.received(label, x, y, 2 * grid.factor));
       if (gray) {
         light = Vec3{mean(light), mean(light), mean(light)};
         continue;
@@ -167,8 +178,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
                               const GlobalParams& params, GlobalState* state) {
   const std::size_t n = std::size_t(width) * std::size_t(height);
   GlobalState still;
-  const bool warm = state && state->scene.frames > 0 && state->solve.width == width &&
-                    state->solve.height == height && state->solve.s.size() == n;
+  const bool warm = state && state->solve.width == width && state->solve.height == height &&
+                    state->solve.s.size() == n;
   if (state && !warm) *state = {};
   GlobalScene& scene = state ? state->scene : still.scene;
   GlobalResult result;
@@ -193,9 +204,15 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const std::vector<double> shading =
       guess_shading(rgb, params, warm && !result.cut ? state : nullptr);
   const Grid grid = make_grid(rgb, shading, width, height, factor);
-  const Look seen = look(grid, params, renew, scene);
-  ++scene.frames;
-  const Light light = light_of(rgb, shading, width, height, grid, seen, params);
+  const double usable = usable_color(grid, params.amount);
+  if (usable <= 0) scene = {.chroma = raw.chroma, .white = scene.white};
+  Look seen;
+  Light light{std::vector<Vec3>(n), std::vector<Chroma>(n), std::vector<int>(n, 0)};
+  if (usable > 0) {
+    seen = look(grid, params, renew, usable, scene);
+    ++scene.frames;
+    light = light_of(rgb, shading, width, height, grid, seen, params);
+  }
 
   std::vector<double> plain(3 * n);
   std::vector<Vec3> tau(n);
@@ -231,7 +248,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   result.label = light.label;
   result.colors = seen.colors;
   // Layers are of the frame's own base colors, which the gather before does not know yet.
-  result.gather = Gather(grid, seen.labels, params.palette.most, params.gather);
+  if (usable > 0) result.gather = Gather(grid, seen.labels, params.palette.most, params.gather);
   result.gather_factor = 2 * factor;
   result.amount = seen.amount;
   result.tint = seen.statistics.full;
