@@ -110,6 +110,7 @@ bool has_layers(const Scene& scene) { return !scene.frames.front().direct.empty(
 
 bool wanted(const Setting& setting, const Scene& scene, const Options& options) {
   if (setting.layers_only && (options.brief || !has_layers(scene))) return false;
+  if (!setting.sets.empty() && !setting.sets.count(scene.set)) return false;
   if (!(scene.video ? setting.video : setting.stills)) return false;
   if (options.brief) return setting.effort == Setting::Effort::brief;
   if (options.full) return true;
@@ -261,6 +262,7 @@ class Bench {
     constexpr double kSlow = 40;  // milliseconds
     const bool video = row.scene->video;
     Cost cost;
+    row.solver->show(row.scene->frames[k]);
     Decomposition d = row.solver->run(row.scene->frames[k].input, video && k > 0, cost);
     // The first frame of a solver compiles kernels and touches memory, which hardly matters to slow
     // ones (fast settings of the same kernels ran before); the first frame of a video has no
@@ -285,16 +287,26 @@ class Bench {
           score_layers(d.direct, d.indirect, truth.direct, truth.indirect, truth.mask);
       for (const auto& [name, field] : kLayerScoreFields) note(name, scores.*field);
     }
+    for (const auto& [name, values] : d.figures)
+      row.errors[name].insert(row.errors[name].end(), values.begin(), values.end());
     // By layer; where the truth knows the color of light, wrong colors count.
-    if (truth.direct.empty()) {
-      note("lmse20_R", lmse(d.reflectance, truth.reflectance, truth.mask));
-      note("lmse20_S", lmse(d.shading, truth.shading, truth.mask));
+    const bool colored = !truth.direct.empty();
+    const Image shading = colored ? colored_shading(d) : d.shading;
+    const Image true_shading = colored ? sum(truth.direct, truth.indirect) : truth.shading;
+    if (row.scene->video) {
+      const auto error = colored ? color_lmse : lmse;
+      note("lmse20_R", error(d.reflectance, truth.reflectance, truth.mask, 20));
+      note("lmse20_S", error(shading, true_shading, truth.mask, 20));
     } else {
-      note("lmse20_R", color_lmse(d.reflectance, truth.reflectance, truth.mask));
-      note("lmse20_S",
-           color_lmse(colored_shading(d), sum(truth.direct, truth.indirect), truth.mask));
-      if (!d.direct.empty()) note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
+      const LayerError r = score_layer(d.reflectance, truth.reflectance, truth.mask, colored);
+      const LayerError s = score_layer(shading, true_shading, truth.mask, colored);
+      for (const auto& [name, field] : kLayerErrorFields) {
+        note((std::string(name) + "_R").c_str(), r.*field);
+        note((std::string(name) + "_S").c_str(), s.*field);
+      }
     }
+    if (colored && !d.direct.empty())
+      note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
     if (row.setting->layers_only) return;
     if (row.scene->video) {
       note("lmse20",
