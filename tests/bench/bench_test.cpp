@@ -57,6 +57,14 @@ TEST(DeviceSession, SplitsShadingByItsLight) {
   EXPECT_FLOAT_EQ(plain.shading.at(0, 0), 2);
 }
 
+TEST(Scenes, ArePlayedToAndFro) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < 9; ++k) shown.push_back(to_and_fro(k, 4));
+  EXPECT_EQ(shown, (std::vector<std::size_t>{0, 1, 2, 3, 2, 1, 0, 1, 2}));
+  EXPECT_EQ(to_and_fro(7, 1), 0U);
+  EXPECT_EQ(to_and_fro(7, 2), 1U);
+}
+
 TEST(Scenes, ComeBackWithTheirLight) {
   const std::string folder =
       (std::filesystem::temp_directory_path() / ("bench-scenes-" + std::to_string(getpid())))

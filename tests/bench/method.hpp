@@ -68,6 +68,9 @@ struct Setting {
   /// layers alone.
   bool layers_only = false;
   std::set<std::string> sets = {};  ///< is measured on these sets of scenes only; empty: on all
+  /// A video of the project's own that is shorter is played to and fro until so many frames were
+  /// shown, and its last ones are judged: what settles with time shows. 0: once.
+  std::size_t frames = 0;
   enum class Effort : std::uint8_t {
     brief,  ///< in every run, on all data
     usual,  ///< in every run, on the project's own data; with --full on all
