@@ -13,6 +13,7 @@
 #include "tests/bench/device_session.hpp"
 #include "tests/bench/peer_despill.hpp"
 #include "tests/bench/scene.hpp"
+#include "tests/bench/truth_clicks.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -54,6 +55,14 @@ TEST(DeviceSession, SplitsShadingByItsLight) {
       cost);
   EXPECT_TRUE(plain.direct.empty());
   EXPECT_FLOAT_EQ(plain.shading.at(0, 0), 2);
+}
+
+TEST(Scenes, ArePlayedToAndFro) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < 9; ++k) shown.push_back(to_and_fro(k, 4));
+  EXPECT_EQ(shown, (std::vector<std::size_t>{0, 1, 2, 3, 2, 1, 0, 1, 2}));
+  EXPECT_EQ(to_and_fro(7, 1), 0U);
+  EXPECT_EQ(to_and_fro(7, 2), 1U);
 }
 
 TEST(Scenes, ComeBackWithTheirLight) {
@@ -120,6 +129,74 @@ TEST(InParallel, DoesEverythingOnceAndPassesErrorsOn) {
                              if (k == 1) throw std::runtime_error("no");
                            }),
                std::runtime_error);
+}
+
+/// Slots 0 red, 1 green and 2 white; white has no layer.
+std::vector<BaseColors::Color> three_colors() {
+  std::vector<BaseColors::Color> colors(3);
+  const float paint[3][3] = {{0.8F, 0.1F, 0.1F}, {0.1F, 0.6F, 0.1F}, {0.5F, 0.5F, 0.5F}};
+  for (int k = 0; k < 3; ++k) {
+    BaseColors::Color& color = colors[std::size_t(k)];
+    color.slot = k, color.layer = k < 2 ? k : -1;
+    const auto c = chromaticity(paint[k][0], paint[k][1], paint[k][2]);
+    for (std::size_t j = 0; j < 3; ++j) {
+      color.center[j] = float(std::log(c[j]));
+      color.color[j] = color.initial[j] = paint[k][j];
+    }
+  }
+  return colors;
+}
+
+TEST(TruthClicks, PaintFindsItsBaseColor) {
+  Image paint(4, 1, 3);
+  const float values[4][3] = {{0.4F, 0.05F, 0.05F}, {0.2F, 0.9F, 0.2F}, {0.1F, 0.1F, 0.11F}, {}};
+  for (int x = 0; x < 4; ++x)
+    for (int c = 0; c < 3; ++c) paint.at(x, 0, c) = values[x][c];
+  EXPECT_EQ(true_slots(paint, three_colors()), (std::vector<int>{0, 1, 2, -1}));
+}
+
+TEST(TruthClicks, AreOnTheWrongRegionsLargestFirst) {
+  // Of 8 x 4 pixels the right half is green and the top left 2 x 2 white; all were taken for red
+  // and the bottom left row for green, which is too small to click on.
+  constexpr int kWidth = 8, kHeight = 4;
+  std::vector<int> slots(kWidth * kHeight, 0), truth(slots.size(), 0);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const std::size_t n = std::size_t(y * kWidth + x);
+      if (x >= 4) truth[n] = 1, slots[n] = 2;
+      if (x < 2 && y < 2) truth[n] = 2, slots[n] = 1;
+      if (x < 3 && y == 3) slots[n] = 1;
+    }
+  const auto clicks = clicks_of_truth(slots, truth, kWidth, kHeight, 4, 10);
+  ASSERT_EQ(clicks.size(), 2U);
+  EXPECT_EQ(clicks[0].pixels, 16U);
+  EXPECT_EQ(clicks[0].slot, 1);
+  EXPECT_TRUE(clicks[0].x == 5 || clicks[0].x == 6) << clicks[0].x;
+  EXPECT_TRUE(clicks[0].y == 1 || clicks[0].y == 2) << clicks[0].y;
+  EXPECT_EQ(clicks[1].pixels, 4U);
+  EXPECT_EQ(clicks[1].slot, 2);
+  EXPECT_EQ(clicks_of_truth(slots, truth, kWidth, kHeight, 4, 1).size(), 1U);
+  EXPECT_TRUE(clicks_of_truth(truth, truth, kWidth, kHeight, 1, 10).empty());
+}
+
+TEST(TruthClicks, BaseColorsAreComparedWithThePaint) {
+  auto colors = three_colors();
+  Image paint(4, 1, 3);
+  for (int x = 0; x < 4; ++x) {
+    paint.at(x, 0, 0) = 0.4F;
+    paint.at(x, 0, 1) = paint.at(x, 0, 2) = 0.05F;  // red of half the brightness
+  }
+  const std::vector<int> slots{0, 0, 0, 1};
+  // Only the layers' colors: red is exact, green has too few pixels.
+  auto errors = base_color_errors(paint, slots, colors, false, 2);
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_NEAR(errors[0], 0, 1e-6);
+  EXPECT_TRUE(std::isnan(errors[1]));
+  // Gray (1, 1, 1) is (1.4, .7, .7) from red's (2.4, .3, .3); what was before counts alone.
+  colors[0].initial = {0.3F, 0.3F, 0.3F};
+  EXPECT_NEAR(base_color_errors(paint, slots, colors, true, 2)[0],
+              std::sqrt(1.4 * 1.4 + 2 * 0.7 * 0.7), 1e-5);
+  EXPECT_NEAR(base_color_errors(paint, slots, colors, false, 2)[0], 0, 1e-6);
 }
 
 }  // namespace

@@ -27,6 +27,23 @@ void split_light(const float* intrinsic, const float* light, Decomposition& d) {
 DeviceSession::DeviceSession(const std::string& select)
     : device_(gpu::Device::open(select)), commands_(device_) {}
 
+void DeviceSession::fill(const Image& frame, const Plane& plane) {
+  float* pixel = plane.buffer->map_as<float>();
+  for (std::size_t i = 0; i < plane.extent.pixels(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) pixel[4 * i + c] = frame.data[3 * i + c];
+    pixel[4 * i + 3] = 1;
+  }
+}
+
+PlanePtr DeviceSession::upload(const Image& frame) const {
+  const Extent extent{uint32_t(frame.width), uint32_t(frame.height)};
+  auto plane = std::make_shared<Plane>(Plane{
+      extent,
+      gpu::Buffer::create(device_, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload)});
+  fill(frame, *plane);
+  return plane;
+}
+
 Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost& cost) {
   const Extent extent{uint32_t(frame.width), uint32_t(frame.height)};
   if (!input_ || input_->extent != extent) {
@@ -37,11 +54,7 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     output_ = create(gpu::Memory::readback);
     light_ = nullptr;
   }
-  float* pixel = input_->buffer->map_as<float>();
-  for (std::size_t i = 0; i < extent.pixels(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) pixel[4 * i + c] = frame.data[3 * i + c];
-    pixel[4 * i + 3] = 1;
-  }
+  fill(frame, *input_);
   bool global = false;
   cost = measure([&] {
     commands_.begin();

@@ -17,6 +17,9 @@ class DeviceSession {
   explicit DeviceSession(const std::string& select);
   const std::shared_ptr<gpu::Device>& device() const { return device_; }
 
+  /// A frame (3 channels) as a plane of its own, w = 1.
+  PlanePtr upload(const Image& frame) const;
+
   /// Uploads a frame, records a method's work on it, submits, waits and downloads the layers
   /// Role::intrinsic and, of a method that tells direct from indirect light, Role::light. The cost
   /// is from the first command recorded to the layers in memory that the host can read; to and from
@@ -25,6 +28,8 @@ class DeviceSession {
   Decomposition run(const Image& frame, const Record& record, Cost& cost);
 
  private:
+  static void fill(const Image& frame, const Plane& plane);
+
   std::shared_ptr<gpu::Device> device_;
   gpu::Commands commands_;
   PlanePtr input_;

@@ -6,12 +6,9 @@
 //                      [--ball] [--json FILE] [ELEMENT …]
 // With --still one frame of the clip comes again and again; with --ball a small ball moves over it.
 #include <gst/check/gstharness.h>
-#include <gst/video/video.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -19,6 +16,7 @@
 #include <vector>
 
 #include "clip_frames.hpp"
+#include "clip_scenes.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -45,47 +43,11 @@ std::string caps_of(Size size, const char* format) {
          ", height=" + std::to_string(size.height) + ", framerate=25/1";
 }
 
-/// Draws a shaded ball, a twentieth of the frame's width across, into an NV12 frame: the `number`th
-/// place on its way.
-void draw_ball(GstBuffer* buffer, Size size, int number) {
-  GstVideoInfo info;
-  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_NV12, static_cast<guint>(size.width),
-                            static_cast<guint>(size.height));
-  GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READWRITE)) return;
-  const double radius = size.width / 20.0;
-  const auto bounce = [](double way, double room) {
-    way = std::fmod(way, 2 * room);
-    return way < room ? way : 2 * room - way;
-  };
-  const double x0 =
-      radius + bounce(0.2 * size.width + 0.2 * radius * number, size.width - 2 * radius);
-  const double y0 =
-      radius + bounce(0.25 * size.height + 0.13 * radius * number, size.height - 2 * radius);
-  for (int plane = 0; plane < 2; ++plane) {
-    const int half = plane + 1;
-    auto* data = static_cast<uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
-    for (int y = 0; y < size.height / half; ++y)
-      for (int x = 0; x < size.width / half; ++x) {
-        const double u = (x * half - x0) / radius, v = (y * half - y0) / radius;
-        if (u * u + v * v >= 1) continue;
-        uint8_t* sample = data + y * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) + x * half;
-        const double light =
-            0.35 + 0.65 * std::max(0.0, -0.5 * u - 0.6 * v + 0.62 * std::sqrt(1 - u * u - v * v));
-        if (plane == 0)
-          *sample = static_cast<uint8_t>(16 + 150 * light);
-        else
-          sample[0] = static_cast<uint8_t>(128 - 18 * light),
-          sample[1] = static_cast<uint8_t>(128 + 30 * light);
-      }
-  }
-  gst_video_frame_unmap(&frame);
-}
-
 struct Figures {
   std::vector<double> wall, processor, device, first;
   std::map<std::string, std::vector<double>> stages;
   double device_bytes = 0, host_bytes = 0;
+  int layers = 0;  ///< of indirect light; 0 of an element that has none
 };
 
 void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& frames,
@@ -122,6 +84,8 @@ void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& 
     guint64 bytes = 0;
     if (gst_structure_get_uint64(stats, "device-bytes-peak", &bytes))
       figures.device_bytes = static_cast<double>(bytes);
+    if (!gst_structure_get_int(stats, "indirect-layers", &figures.layers))
+      gst_structure_get_int(stats, "colors", &figures.layers);
     gst_structure_free(stats);
   }
   figures.host_bytes = std::max(figures.host_bytes, resident() - before);
@@ -184,7 +148,7 @@ int main(int count, char** arguments) {
     if (ball)
       for (size_t k = 0; k < video.size(); ++k) {
         GstBuffer* copy = gst_buffer_copy_deep(video[k]);
-        draw_ball(copy, size, static_cast<int>(k));
+        inverse::bench::draw_ball(copy, size.width, size.height, static_cast<int>(k));
         gst_buffer_unref(video[k]);
         video[k] = copy;
       }
@@ -196,7 +160,7 @@ int main(int count, char** arguments) {
     for (int round = 0; round < rounds; ++round)
       for (size_t i = 0; i < lines.size(); ++i) {
         // The thesis' method takes seconds a frame at large sizes: a few say enough.
-        const bool slow = lines[i].starts_with("intrinsicdecompthesis");
+        const bool slow = lines[i].find("thesis") != std::string::npos;
         const size_t few = slow ? std::min<size_t>(video.size(), 6) : video.size();
         measure(lines[i], size, {video.begin(), video.begin() + static_cast<ptrdiff_t>(few)},
                 figures[i]);
@@ -215,10 +179,10 @@ int main(int count, char** arguments) {
       std::snprintf(row, sizeof row,
                     "%s{\"element\": \"%s\", \"width\": %d, \"height\": %d, \"wall_ms\": %.3f, "
                     "\"processor_ms\": %.3f, \"device_ms\": %.3f, \"first_frame_ms\": %.1f, "
-                    "\"device_bytes_per_pixel\": %.1f}",
+                    "\"device_bytes_per_pixel\": %.1f, \"layers\": %d}",
                     rows.empty() ? "" : ",\n", lines[i].c_str(), size.width, size.height,
                     median(f.wall), median(f.processor), median(f.device), f.first.front(),
-                    f.device_bytes / pixels);
+                    f.device_bytes / pixels, f.layers);
       rows += row;
     }
     for (GstBuffer* buffer : video) gst_buffer_unref(buffer);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +21,12 @@ struct Decomposition {
   /// Parts of RGB shading, which is their sum: by light straight from its source, and by light from
   /// other surfaces. 3 channels, linear; both empty of a method that does not tell them apart.
   Image direct, indirect;
+  /// What else can be told of the frame, by name, several values each: an error of each base color.
+  /// Goes to the row of results beside the scores.
+  std::map<std::string, std::vector<double>> figures;
 };
+
+struct TruthFrame;
 
 /// What a frame cost, milliseconds.
 struct Cost {
@@ -37,6 +43,9 @@ class Solver {
   virtual ~Solver() = default;
   /// Decomposes a frame; with `continues` it follows the one before, otherwise nothing does.
   virtual Decomposition run(const Image& frame, bool continues, Cost& cost) = 0;
+  /// Before `run`, the frame with its truth: for a method that somebody helps who sees more than
+  /// the method does, by clicks, and for figures of its own.
+  virtual void show(const TruthFrame& /*truth*/) {}
 };
 
 struct Size {
@@ -55,8 +64,13 @@ struct Setting {
   bool base = false;   ///< the method's default for stills, a point of all of its curves
   bool stills = true;  ///< is measured on stills
   bool video = false;  ///< is measured on videos
-  /// Is measured only where the truth tells direct from indirect light, and by no other measures.
+  /// Is measured only where the truth tells direct from indirect light, and by the measures of
+  /// layers alone.
   bool layers_only = false;
+  std::set<std::string> sets = {};  ///< is measured on these sets of scenes only; empty: on all
+  /// A video of the project's own that is shorter is played to and fro until so many frames were
+  /// shown, and its last ones are judged: what settles with time shows. 0: once.
+  std::size_t frames = 0;
   enum class Effort : std::uint8_t {
     brief,  ///< in every run, on all data
     usual,  ///< in every run, on the project's own data; with --full on all

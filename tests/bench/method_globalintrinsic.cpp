@@ -60,9 +60,10 @@ Method globalintrinsic(DeviceSession& session) {
               .name = part,
               .order = order++,
               .parameters = {{"without", part}},
-              .make = make(params)};
+              .make = make(params),
+              .effort = Effort::full};
     all.push_back(s);
-    s.stills = false, s.video = true, s.effort = Effort::full;
+    s.stills = false, s.video = true;
     all.push_back(s);
   }
   // What layers of their own for indirect light cost, by how many there may be; 0: none.

@@ -74,11 +74,13 @@ class Settings {
       Params params;
       params.cycles = cycles;
       params.adaptive = false;
+      const bool between = cycles == 3 || cycles == 6 || cycles == 12;
       all.push_back({.curve = "cycles",
                      .name = std::to_string(cycles),
                      .order = double(cycles),
                      .parameters = {{"cycles", std::to_string(cycles)}, {"adaptive", "false"}},
-                     .make = make(params)});
+                     .make = make(params),
+                     .effort = between ? Effort::full : Effort::usual});
     }
   }
 
@@ -133,7 +135,8 @@ class Settings {
                      .parameters = {{"without", term}},
                      .make = make(params),
                      .stills = !video,
-                     .video = video});
+                     .video = video,
+                     .effort = Effort::full});
     }
   }
 
@@ -169,9 +172,10 @@ class Settings {
     params.*tolerance = kept;
   }
 
-  /// What leaving out saves: each mode against the one that does all the work. A new one is a line
-  /// here; `stills` has it measured on single frames, too.
+  /// What leaving out saves: each mode against the one that does all the work, in videos that go on
+  /// for a while. A new one is a line here; `stills` has it measured on single frames, too.
   void add_adaptive() {
+    constexpr std::size_t kFrames = 48;
     const struct {
       const char* name;
       void (*set)(Params&);
@@ -200,7 +204,8 @@ class Settings {
                      .make = make(params),
                      .stills = off ? any_stills : stills,
                      .video = true,
-                     .effort = Effort::brief,
+                     .frames = kFrames,
+                     .effort = off || name == std::string("on") ? Effort::brief : Effort::full,
                      .against = off ? "" : "adaptive/off"});
     }
   }

@@ -103,8 +103,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
         preset = name;
     }
     // On everybody's data only the default; others take seconds.
-    const bool odd =
-        iterations == 4 || irls == 3 || (!pcg && irls == 1) || (irls == 16 && !*preset);
+    const bool odd = (!*preset || irls == 16) && irls != base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,
         odd                            ? Effort::full
@@ -115,8 +114,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
   for (const int levels : {1, 2, 3, 4, 5}) {
     ThesisParams params = base;
     params.levels = levels;
-    add("levels", params, std::to_string(levels), levels,
-        levels <= 2 && pcg ? Effort::usual : Effort::full);
+    add("levels", params, std::to_string(levels), levels, Effort::full);
   }
   for (const int times : {1, 2})
     method.settings.push_back(
@@ -126,7 +124,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
          .parameters = {{"resolution", times == 1 ? "1/2" : "1/4"}},
          .make = [make, base,
                   times](Size size) { return at_lower_resolution(size, times, make(base)); },
-         .effort = pcg ? Effort::usual : Effort::full});
+         .effort = Effort::full});
   if (pcg) add_ablations(method, base, make);
   ThesisParams alone = base;
   alone.keyframes = 0;
@@ -143,7 +141,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                              .preset = pcg ? "medium" : "",
                              .stills = false,
                              .video = true,
-                             .effort = pcg ? Effort::usual : Effort::full});
+                             .effort = Effort::full});
   ThesisParams converged = base;
   converged.irls_iterations = pcg ? 24 : 32;
   converged.pcg_iterations = pcg ? 16 : 8;

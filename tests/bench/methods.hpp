@@ -19,6 +19,7 @@ inline constexpr std::array<std::pair<Quality, const char*>, 4> kQualities{
 
 Method intrinsicdecomp(DeviceSession& session);
 Method globalintrinsic(DeviceSession& session);
+Method globalintrinsicthesis(DeviceSession& session);
 Method thesis(DeviceSession& session, ThesisParams::Solver solver);
 /// What methods with direct and indirect light must beat.
 Method indirect_guesses(DeviceSession& session);

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     DeviceSession session("");
     return run_bench(argc, argv, session.device()->name(),
                      {intrinsicdecomp(session), globalintrinsic(session),
-                      thesis(session, ThesisParams::Solver::pcg),
+                      globalintrinsicthesis(session), thesis(session, ThesisParams::Solver::pcg),
                       thesis(session, ThesisParams::Solver::schwarz), indirect_guesses(session)});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench-methods: %s\n", error.what());

@@ -162,7 +162,7 @@ Method method_of(const char* name, const char* description, bool cholesky,
          .make = without_memory([cholesky, tolerance = tolerance](const Image& input) {
            return decompose(input, cholesky, tolerance);
          }),
-         .effort = tolerance < 1e-3 && !cholesky ? Setting::Effort::full : Setting::Effort::usual});
+         .effort = tolerance < 1e-3 ? Setting::Effort::full : Setting::Effort::usual});
   return method;
 }
 

@@ -80,6 +80,14 @@ struct Row {
   bool warm = false;               // the solver has run
   bool slow = false;               // once a frame is enough
   bool failed() const { return !failure.empty(); }
+  /// How many frames are shown, and how many of them, the last ones, are judged.
+  std::size_t shown() const {
+    const bool longer = scene->video && scene->set == "own" && scene->frames.size() > 1;
+    return longer ? std::max(setting->frames, judged()) : judged();
+  }
+  std::size_t judged() const { return scene->frames.size(); }
+  /// The frame of the scene that is shown k-th.
+  std::size_t at(std::size_t k) const { return to_and_fro(k, scene->frames.size()); }
 
   void sample(const Cost& cost) {
     wall.push_back(cost.wall);
@@ -110,6 +118,7 @@ bool has_layers(const Scene& scene) { return !scene.frames.front().direct.empty(
 
 bool wanted(const Setting& setting, const Scene& scene, const Options& options) {
   if (setting.layers_only && (options.brief || !has_layers(scene))) return false;
+  if (!setting.sets.empty() && !setting.sets.count(scene.set)) return false;
   if (!(scene.video ? setting.video : setting.stills)) return false;
   if (options.brief) return setting.effort == Setting::Effort::brief;
   if (options.full) return true;
@@ -214,12 +223,14 @@ class Bench {
           });
         }
     // All settings take turns on every frame, so that what disturbs the machine disturbs all alike.
+    std::size_t most = 0;
+    for (const Row& row : rows) most = std::max(most, row.shown());
     for (int round = 0; round < options_.rounds; ++round)
-      for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+      for (std::size_t k = 0; k < most; ++k) {
         for (Row& row : rows)
-          if (!row.failed() && (round == 0 || again(row)))
+          if (k < row.shown() && !row.failed() && (round == 0 || again(row)))
             attempt(row, [&] { step(row, k, round == 0 && !options_.brief); });
-        in_parallel(rows.size(), [&](std::size_t n) { judge(rows[n], k, converged); });
+        in_parallel(rows.size(), [&](std::size_t n) { judge(rows[n], rows[n].at(k), converged); });
       }
     if (scene.video) add_temporal(scene, rows);
     for (Row& row : rows) write(row);
@@ -252,23 +263,28 @@ class Bench {
   }
 
   /// Whether a row gets another round: slow ones have enough samples after one, and so have videos'
-  /// many frames, but for those whose times are compared with each other.
-  static bool again(const Row& row) {
-    return !row.slow && (!row.scene->video || row.setting->effort == Setting::Effort::brief);
+  /// many frames, but with --full those whose times are compared with each other.
+  bool again(const Row& row) const {
+    if (row.slow) return false;
+    if (!row.scene->video) return true;
+    return options_.full && row.shown() == row.judged() &&
+           row.setting->effort == Setting::Effort::brief;
   }
 
   void step(Row& row, std::size_t k, bool judged) {
     constexpr double kSlow = 40;  // milliseconds
     const bool video = row.scene->video;
     Cost cost;
-    Decomposition d = row.solver->run(row.scene->frames[k].input, video && k > 0, cost);
+    const TruthFrame& frame = row.scene->frames[row.at(k)];
+    row.solver->show(frame);
+    Decomposition d = row.solver->run(frame.input, video && k > 0, cost);
     // The first frame of a solver compiles kernels and touches memory, which hardly matters to slow
     // ones (fast settings of the same kernels ran before); the first frame of a video has no
     // history, and the second finds things that it left.
     row.slow = row.slow || cost.wall > kSlow;
     if (video ? k > 1 : row.warm || row.slow) row.sample(cost);
     row.warm = true;
-    if (!judged) return;
+    if (!judged || k + row.judged() < row.shown()) return;
     if (video) row.reflectance.push_back(d.reflectance);
     if (video && k % 3 != 2) return;  // frames are alike, and scores are dear
     row.found = std::move(d);
@@ -285,16 +301,26 @@ class Bench {
           score_layers(d.direct, d.indirect, truth.direct, truth.indirect, truth.mask);
       for (const auto& [name, field] : kLayerScoreFields) note(name, scores.*field);
     }
+    for (const auto& [name, values] : d.figures)
+      row.errors[name].insert(row.errors[name].end(), values.begin(), values.end());
     // By layer; where the truth knows the color of light, wrong colors count.
-    if (truth.direct.empty()) {
-      note("lmse20_R", lmse(d.reflectance, truth.reflectance, truth.mask));
-      note("lmse20_S", lmse(d.shading, truth.shading, truth.mask));
+    const bool colored = !truth.direct.empty();
+    const Image shading = colored ? colored_shading(d) : d.shading;
+    const Image true_shading = colored ? sum(truth.direct, truth.indirect) : truth.shading;
+    if (row.scene->video) {
+      const auto error = colored ? color_lmse : lmse;
+      note("lmse20_R", error(d.reflectance, truth.reflectance, truth.mask, 20));
+      note("lmse20_S", error(shading, true_shading, truth.mask, 20));
     } else {
-      note("lmse20_R", color_lmse(d.reflectance, truth.reflectance, truth.mask));
-      note("lmse20_S",
-           color_lmse(colored_shading(d), sum(truth.direct, truth.indirect), truth.mask));
-      if (!d.direct.empty()) note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
+      const LayerError r = score_layer(d.reflectance, truth.reflectance, truth.mask, colored);
+      const LayerError s = score_layer(shading, true_shading, truth.mask, colored);
+      for (const auto& [name, field] : kLayerErrorFields) {
+        note((std::string(name) + "_R").c_str(), r.*field);
+        note((std::string(name) + "_S").c_str(), s.*field);
+      }
     }
+    if (colored && !d.direct.empty())
+      note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
     if (row.setting->layers_only) return;
     if (row.scene->video) {
       note("lmse20",
@@ -342,7 +368,7 @@ class Bench {
         .add("video", scene.video ? "true" : "false")
         .add("width", json::number(size_of(scene).width))
         .add("height", json::number(size_of(scene).height))
-        .add("frames", json::number(double(scene.frames.size())))
+        .add("frames", json::number(double(row.shown())))
         .add("wall_ms", json::list(row.wall))
         .add("processor_ms", json::list(row.processor))
         .add("device_ms", json::list(row.device));

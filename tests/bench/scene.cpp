@@ -90,6 +90,12 @@ std::vector<Scene> read_scenes(const std::string& folder) {
   return scenes;
 }
 
+std::size_t to_and_fro(std::size_t k, std::size_t count) {
+  if (count < 2) return 0;
+  k %= 2 * (count - 1);
+  return k < count ? k : 2 * (count - 1) - k;
+}
+
 Image halve(const Image& image, bool is_mask) {
   Image out(image.width / 2, image.height / 2, image.channels);
   for (int y = 0; y < out.height; ++y)

@@ -39,6 +39,10 @@ void write_scene(const std::string& folder, const Scene& scene);
 /// Every dump in a folder, by name.
 std::vector<Scene> read_scenes(const std::string& folder);
 
+/// The number of the frame that is shown k-th (from 0) of `count` frames that are played to and fro
+/// without repeating the first or the last: 0 1 2 1 0 1 … of three.
+std::size_t to_and_fro(std::size_t k, std::size_t count);
+
 /// Halves the size by 2 x 2 means; an odd last row or column is dropped. A mask stays 1 where all
 /// four are.
 Image halve(const Image& image, bool is_mask = false);

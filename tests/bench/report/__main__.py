@@ -1,24 +1,25 @@
 """Measures every method and writes docs/report: ./dev bench [--full] [--data DIR] [--against FILE] …"""
 import argparse
 import json
+import multiprocessing
 import pathlib
 import sys
 
 import ablations
 import against
 import intervals
+import light
 import measure
 import page
 import progress as progress_bar
 import summary
-import tables
 
 
 def options():
     parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--full", action="store_true",
-                        help="two frames and the video of every given sequence, every setting, every size: a quarter of an hour")
+                        help="two frames and the video of every given sequence, every setting, every size: some twenty-five minutes")
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with the same options stopped")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
                         help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")
@@ -64,24 +65,51 @@ def add(results, paths):
         if not given["full"]:
             results["kept"] = given.get("kept")  # what it had kept itself
             continue
-        sizes = {(e["element"], e["width"]) for e in results["elements"]}
+        sizes = {(e["element"], e["width"], e["height"]) for e in results["elements"]}
         results["kept"] = {"commit": given["machine"]["commit"], "device": given["device"],
-                           "rows": [r for r in given["rows"] if ablations.wanted(r)],
-                           "elements": [e for e in given["elements"] if (e["element"], e["width"]) not in sizes]}
+                           "rows": [r for r in given["rows"] if ablations.wanted(r) or light.wanted(r)],
+                           "by_colors": given.get("by_colors"), "background": given.get("background"),
+                           "through_elements": given.get("through_elements"),
+                           "elements": [e for e in given["elements"] if (e["element"], e["width"], e["height"]) not in sizes]}
 
 
 def draw(results, folder, work):
+    """Draws what there is to draw, on all cores; returns what was drawn, by name."""
     import plots  # after measuring, as it takes a second
-    own = results["summary"]["own"]
-    has = {"convergence": plots.convergence(own, folder), "adaptivity": 
-           plots.adaptivity(results["adaptivity"], summary.steady_time(results["device"]), folder),
-           "regimes": plots.regimes(results["summary"]["regimes"], folder), "picture": (folder / "layers.jpg").exists()}
-    plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}")
-    plots.knobs(own, summary.steady_time(results["device"]), folder)
-    plots.other_clocks(own, folder)
-    plots.sizes(tables.all_elements(results), folder)
-    if results["extremes"]:
-        plots.conditions(results["extremes"]["cases"], folder)
+    import plots_light
+    import tables
+    own, clock, kept = results["summary"]["own"], summary.steady_time(results["device"]), results.get("kept") or {}
+    left_out = results["adaptivity"] + [{**e, "setting": f"adaptive={e['setting']}"} for e in results.get("through_elements") or []]
+    held = results.get("background") or kept.get("background")
+    jobs = {"work_precision": lambda: plots.work_precision(own, folder, f"What a millisecond buys on {results['device'].split(' (')[0]}"),
+            "convergence": lambda: plots.convergence(own, folder),
+            "adaptivity": lambda: plots.adaptivity(left_out, clock, folder),
+            "regimes": lambda: plots.regimes(results["summary"]["regimes"], folder),
+            "fronts": lambda: plots_light.fronts(results["summary"]["videos"], results["summary"]["regimes"], folder),
+            "light": lambda: plots_light.work_precision(light.chosen(results)[0], results["device"], folder),
+            "colors": lambda: plots_light.colors(results.get("by_colors") or kept.get("by_colors") or [], folder),
+            "background": lambda: bool(held) and plots_light.background(held, folder),
+            "knobs": lambda: plots.knobs(own, clock, folder),
+            "other_clocks": lambda: plots.other_clocks(own, folder),
+            "sizes": lambda: plots.sizes(tables.all_elements(results), folder),
+            "conditions": lambda: bool(results["extremes"]) and plots.conditions(results["extremes"]["cases"], folder),
+            "picture": lambda: picture(folder, work)}
+    waiting.update(jobs)
+    with multiprocessing.get_context("fork").Pool() as pool:  # which inherits what is waiting
+        has = dict(zip(jobs, pool.map(job, jobs, chunksize=1)))
+    has["picture"] = has["picture"] or (folder / "layers.jpg").exists()
+    return has
+
+
+waiting = {}  # what the pool is to draw, by name
+
+
+def job(name):
+    return bool(waiting[name]())
+
+
+def picture(folder, work):
+    """The layers that methods make of one own still, side by side, where they were kept."""
     scene = work / "scenes-own" / "own-still_life.f32"
     columns = [("truth", None)]
     for title, name in [("intrinsicdecomp", "intrinsicdecomp-ladder-4"), ("thesis", "thesis_PCG-iterations-4x8"),
@@ -90,11 +118,11 @@ def draw(results, folder, work):
         dump = work / "layers" / f"own-still_life-{name}.f32"
         if dump.exists():
             columns.append((title, dump))
-    if scene.exists() and len(columns) > 1:
-        import picture
-        picture.layers(scene, columns, folder, "layers")
-        has["picture"] = True
-    return has
+    if not scene.exists() or len(columns) == 1:
+        return False
+    import picture as pictures
+    pictures.layers(scene, columns, folder, "layers")
+    return True
 
 
 def main():

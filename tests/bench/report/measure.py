@@ -4,6 +4,7 @@ import os
 import pathlib
 import platform
 import subprocess
+import time
 
 import summary
 
@@ -12,13 +13,13 @@ class Failed(RuntimeError):
     pass
 
 
-spent = {}  # processor seconds of programs, by part
+spent, took = {}, {}  # processor seconds of programs, and seconds on the clock, by part
 
 
 def follow(arguments, progress, **environment):
     """Runs a program whose standard error has lines '@progress SHARE TEXT'; others are shown if it fails."""
     said = []
-    before = os.times()
+    before, start = os.times(), time.monotonic()
     with subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env={**os.environ, **environment}) as process:
         for line in process.stderr:
@@ -31,6 +32,7 @@ def follow(arguments, progress, **environment):
     after = os.times()
     spent[progress.part] = (spent.get(progress.part, 0) + after.children_user + after.children_system -
                             before.children_user - before.children_system)
+    took[progress.part] = took.get(progress.part, 0) + time.monotonic() - start
     if process.returncode:
         raise Failed(f"{arguments[0]} failed (exit status {process.returncode}):\n{''.join(said[-20:])}{out[-2000:]}")
     return out
@@ -112,26 +114,47 @@ def scene_parts(programs, own, given, videos, full):
                     yield f"{runner} {folder.name} {number}", programs / runner, folder, ["--brief"] if number else []
 
 
+LARGE = "1280x720,1920x1080"
+ELEMENTS = {  # by line: sizes always, and those of --full
+    "intrinsicdecomp": ("320x240,640x480," + LARGE, "640x512"),
+    "globalintrinsic": ("320x240,640x480", "640x512," + LARGE),
+    "intrinsicdecompthesis": ("320x240", "640x480,640x512," + LARGE),
+    "intrinsicdecomp quality=low": ("", "320x240,640x480," + LARGE),
+    "globalintrinsicthesis": ("", "160x120,320x240,640x512")}
+COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
+BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tau-merge=0 tau-neutral=0 base-colors={}",
+             "globalintrinsic with layers of light": "globalintrinsic base-colors={} ! intrinsiccompose"}
+
+
+def element_parts(full):
+    """(name, program, arguments) of what is measured through the elements, by where its results go."""
+    parts = {"elements": [], "by_colors": [], "still": [], "background": []}
+    for line, (always, more) in ELEMENTS.items():
+        sizes = ",".join(x for x in (always, more if full else "") if x)
+        if sizes:
+            slow = "globalintrinsicthesis" in line
+            parts["elements"].append((f"elements {line}", "element-bench", [
+                "--sizes", sizes, "--frames", "40" if full and not slow else "8", "--rounds",
+                "2" if full and not slow else "1", line, "--json"]))
+    if full:
+        for name, line in BY_COLORS.items():
+            parts["by_colors"].append((f"base colors {name}", "element-bench", [
+                "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
+        parts["background"].append(("background", "background-bench", ["--frames", "45", "--json"]))
+        for size, more in (("640x480", ["--parts"]), ("1280x720", [])):
+            parts["still"].append((f"adaptive {size}", "adaptive-bench", ["--size", size, "--frames", "48", *more, "--json"]))
+    else:
+        parts["still"].append(("adaptive 640x480", "adaptive-bench", ["--size", "640x480", "--frames", "40", "--brief", "--json"]))
+    return parts
+
+
 def measure_elements(parts, programs, environment, full):
-    """Through the elements: by size, and frames that come again."""
-    program = programs / "element-bench"
-    small, large = "320x240,640x480", "1280x720,1920x1080"
-    found, still = [], []
-    for element, sizes in (("intrinsicdecomp", f"{small},{large}"), ("globalintrinsic", f"{small},{large}" if full else small),
-                           ("intrinsicdecomp quality=low", f"{small},{large}"),
-                           ("intrinsicdecompthesis", f"{small},{large}" if full else small)):
-        if full or "quality" not in element:
-            found += parts.measure(f"elements {element}", program, [
-                "--sizes", sizes, "--frames", "40" if full else "8", "--rounds", "2" if full else "1", element, "--json"],
-                **environment) or []
-    for line, frames in (("intrinsicdecomp adaptive=false", "16"), ("intrinsicdecomp", "60")):
-        still += parts.measure(f"duplicate frames {line}", program, [
-            "--still", "--sizes", "640x480", "--frames", frames, "--rounds", "1", line, "--json"], **environment) or []
-    ball = []
-    for line in ("intrinsicdecomp adaptive=false", "intrinsicdecomp"):
-        ball += parts.measure(f"small ball {line}", program, [
-            "--ball", "--sizes", "640x480", "--frames", "40", "--rounds", "1", line, "--json"], **environment) or []
-    return found, still if len(still) == 2 else [], ball if len(ball) == 2 else []
+    """Through the elements: by size, by base colors, what leaving out saves, and what goes on in the background."""
+    found = {}
+    for place, some in element_parts(full).items():
+        results = [parts.measure(name, programs / program, arguments, **environment) for name, program, arguments in some]
+        found[place] = results[0] if place == "background" and results else sum((r or [] for r in results), [])
+    return found
 
 
 def run(build, work, data, full, progress, only, resume=False):
@@ -168,11 +191,15 @@ def run(build, work, data, full, progress, only, resume=False):
     results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
-    results["elements"], results["duplicates"], results["ball"] = measure_elements(parts, programs, environment, full)
+    found = measure_elements(parts, programs, environment, full)
+    results["elements"], results["by_colors"] = found["elements"], found["by_colors"]
+    results["through_elements"] = summary.against_off(found["still"])
+    results["background"] = found["background"] or None
     extremes = build / "tests" / "extremes" / "extremes"
     results["extremes"] = parts.measure("extremes", extremes, ["--report"], timeless=True) if extremes.exists() else None
     results["failures"] = parts.failures + [f for p in passes for f in p.get("failures", [])]
     results["processor_seconds"] = {name: round(seconds, 1) for name, seconds in spent.items()}
+    results["part_seconds"] = {name: round(seconds, 1) for name, seconds in took.items()}
     results["machine"]["load_after"] = os.getloadavg()[0]
     results["machine"]["seconds"] = round(progress.seconds())
     return results
@@ -180,27 +207,26 @@ def run(build, work, data, full, progress, only, resume=False):
 
 def weights(full):
     """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
-    short = {"data": 1, "bench-methods scenes-own": 44, "bench-peers scenes-own": 9, "bench-methods scenes-given": 11,
-             "bench-peers scenes-given": 7, "elements intrinsicdecomp": 6, "elements globalintrinsic": 3,
-             "elements intrinsicdecompthesis": 4,
-             "duplicate frames": 1, "extremes": 8, "plots and page": 7}
-    long = {**short, "data": 4, "bench-methods scenes-own": 80, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
-            "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 210, "bench-peers scenes-given": 45,
-            "bench-methods scenes-videos": 140, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 25, "elements globalintrinsic": 40,
-            "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 80}
+    short = {"data": 1, "bench-methods scenes-own": 28, "bench-peers scenes-own": 5, "bench-methods scenes-given": 11,
+             "bench-peers scenes-given": 5, "elements intrinsicdecomp": 4, "elements globalintrinsic": 2,
+             "elements intrinsicdecompthesis": 2, "adaptive 640x480": 4, "extremes": 8, "plots and page": 6}
+    long = {**short, "data": 5, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
+            "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
+            "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
+            "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
+            "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive 640x480": 55, "adaptive 1280x720": 30,
+            "background": 50}
     return long if full else short
 
 
 def expected(full):
     """For the progress bar: those, and the parts that will come."""
-    known = weights(full)
-    parts = ["data", "bench-methods scenes-own 0", "bench-peers scenes-own 0", "bench-methods scenes-given 0",
-             "bench-peers scenes-given 0", "elements intrinsicdecomp", "elements globalintrinsic",
-             "elements intrinsicdecompthesis", "duplicate frames intrinsicdecomp", "duplicate frames intrinsicdecomp adaptive=false", "extremes", "plots and page"]
-    if full:
-        parts += ["bench-methods scenes-videos 0", "bench-peers scenes-videos 0", "bench-methods scenes-own 1",
-                  "bench-peers scenes-own 1", "elements intrinsicdecomp quality=low"]
-    return known, parts
+    parts = ["data"]
+    for number in range(2 if full else 1):
+        for folder in ["own", "given", "videos"] if full and number == 0 else ["own", "given"] if number == 0 else ["own"]:
+            parts += [f"{program} scenes-{folder} {number}" for program in ("bench-methods", "bench-peers")]
+    parts += [name for some in element_parts(full).values() for name, _, _ in some]
+    return weights(full), parts + ["extremes", "plots and page"]
 
 
 def compact(value):

@@ -1,8 +1,9 @@
 """The report's page, docs/report/README.md."""
 import ablations
+import light
 import summary
-from tables import (adaptivity, all_elements, by_device, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, headline,
-                    ladder_by_regime, layers_beyond_two, left_out, other_measures, videos, without, without_on_videos)
+from tables import (adaptivity, all_elements, by_device, by_parts, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, headline,
+                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, through_elements, videos, without, without_on_videos)
 
 
 def terms(results):
@@ -44,7 +45,7 @@ def failures(results):
     return "## What failed\n\nEverything else was measured nevertheless:\n\n" + "\n".join(lines) + "\n"
 
 
-def why_medium(stills, videos):
+def why_medium(stills, videos, has, regimes):
     """What the default buys beside the preset below it, in figures of this run."""
     def preset(points, curve, name):
         return next((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == curve and p["preset"] == name), None)
@@ -53,11 +54,49 @@ def why_medium(stills, videos):
     wanted = [low, medium, low_video, medium_video]
     if not all(wanted) or None in (low["to_converged"], medium["to_converged"], low_video["flicker"], medium_video["flicker"]):
         return ""
-    return (f"\nBy LMSE of these few scenes alone `low` would do ({low['lmse20']:.4f} against {medium['lmse20']:.4f} on stills). What "
-            f"`medium`, the default, buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
-            f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
-            f"{low['to_converged']:.3f}), and shadows and small things at full sharpness, which real objects (MIT) and hard shadows "
-            "show (by regime, below).\n")
+    text = (f"\nBy LMSE of these few scenes alone `low` would do ({low['lmse20']:.4f} against {medium['lmse20']:.4f} on stills): `medium`, the "
+            "default, does not lie on the front above. ")
+    if has.get("fronts"):
+        text += ("It lies on the fronts of what LMSE of soft, single frames does not show:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
+                 "objects by run time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
+    return text + (f"What it buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
+                   f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
+                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" +
+                   (sharper(regimes) or ", which real objects (MIT) and hard shadows show (by regime, below)") + ".\n")
+
+
+def sharper(regimes):
+    """LMSE of both presets on hard shadows and real objects, in brackets; empty where they were not measured."""
+    out = []
+    for regime, name in (("hard shadow", "hard shadows"), ("MIT objects", "real objects")):
+        low, medium = (next((p["lmse20"] for p in regimes.get(regime, []) if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder" and
+                             p["preset"] == preset), None) for preset in ("low", "medium"))
+        if low and medium:
+            out.append(f"{name} {medium:.4f} against {low:.4f}")
+    return f" ({', '.join(out)})" if out else ""
+
+
+def leaving_out(results, has):
+    """The section on adaptivity: through the element, of the kernels by scene with errors, and part by part."""
+    entries, whole = results["adaptivity"], results.get("through_elements") or []
+    kept = (results.get("kept") or {}).get("through_elements") or []
+    out = ["## What leaving out saves\n"]
+    if has["adaptivity"]:
+        out.append("![Adaptivity](adaptivity.png)\n")
+    if whole:
+        out.append("Whole `intrinsicdecomp` elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second): a frame "
+                   "that comes again, a ball that moves over a still picture (a tenth of the width), the same picture under a camera's noise (every "
+                   "pixel changes in every frame), the clip (light moves everywhere). In bold: three times or more.\n\n" + through_elements(whole))
+        parts = by_parts(whole, "processor_ratio", left_out_where) or by_parts(kept, "processor_ratio", left_out_where)
+        if parts:
+            out.append("Each property alone, all others 0, processor time in relation to `adaptive=false`:\n\n" + parts)
+    out.append("The kernels alone at 320×240, videos of 48 frames (the project's own are played to and fro; errors are those of the last ten):\n\n" +
+               adaptivity(entries))
+    parts = by_parts([e for e in entries if e["processor_ratio"]], "processor_ratio", left_out_where)
+    if parts:
+        out.append("<details><summary>Each part alone</summary>\n\n" + parts + "\n</details>\n")
+    out.append("Frames of all settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
+    return "\n".join(out)
 
 
 def write(results, folder, has):
@@ -82,7 +121,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "(`quality=low|medium|high|best`; what is set explicitly wins), and the steps between them that live trade "
                "(`target-fps`, `latency-budget`) takes. Single frames, own stills:\n\n" + exchange(points, "ladder") +
                "\nFrames that continue a video, own videos:\n\n" +
-               exchange(results["summary"]["videos"], "video ladder") + why_medium(points, results["summary"]["videos"]) +
+               exchange(results["summary"]["videos"], "video ladder") + why_medium(points, results["summary"]["videos"], has, results["summary"]["regimes"]) +
                "\n## Each further cycle\n\nThe solve alone, at full resolution and with every cycle run:\n\n" +
                exchange(points, "cycles"))
     if knee:
@@ -123,6 +162,12 @@ Error against run time of every method, its peers and the no-solve answers, on t
     worth = terms(results)
     if worth:
         out.append(worth)
+    known = light.paint_and_light(results)
+    if known:
+        out.append(known)
+    if has.get("light"):
+        out.append("![Methods that know of bounced light](light.png)\n\n*Mean over cornell, room and the own stills: the ladders of the methods that tell "
+                   "bounced light from direct light; stars: guesses that need no solve.*\n")
     beyond = layers_beyond_two(rows, results["methods"])
     if beyond:
         out.append(beyond)
@@ -132,22 +177,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                (" Given sequences under *slow light* have five interpolated steps for every one of theirs, those under *noise* are "
                 "their first frame eight times under shot and read noise; true reflectance stands still in both."
                 if any(r["scene"] == "slow light" for r in rows) else "") + "\n")
-    out.append("## What leaving out saves\n\n")
-    if has["adaptivity"]:
-        out.append("![Adaptivity](adaptivity.png)\n\n")
-    out.append(adaptivity(results["adaptivity"]) +
-               "\nFrames of both settings were taken in turns; ratios are medians of pairs, intervals bootstrapped.\n")
-    if results.get("duplicates"):
-        off, on = results["duplicates"]
-        out.append(f"A frame that comes again needs nothing once the solve has settled (medians): through the element at {off['width']}×"
-                   f"{off['height']}, from memory to memory, {off['wall_ms']:.1f} ms with `adaptive=false` and "
-                   f"{on['wall_ms']:.1f} ms with `adaptive=true` ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms "
-                   "of the processor).\n")
-    if results.get("ball"):
-        off, on = results["ball"]
-        out.append(f"A small ball that moves over a still picture without noise, in the same way: {off['wall_ms']:.1f} and "
-                   f"{on['wall_ms']:.1f} ms ({off['processor_ms']:.1f} and {on['processor_ms']:.1f} ms of the processor, "
-                   f"{on['processor_ms'] / off['processor_ms']:.2f}).\n")
+    out.append(leaving_out(results, has))
     out.append("## Condition number against digits kept\n\n")
     if results["extremes"]:
         out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "
@@ -159,6 +189,9 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "\nFrames of the bundled clip as NV12 from system memory to system memory." +
                (f" Sizes with an asterisk: from an earlier `--full` run (commit {results['kept']['commit']}).\n"
                 if (results.get("kept") or {}).get("elements") else "\n"))
+    base_colors = light.costs(results, has)
+    if base_colors:
+        out.append(base_colors)
     out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
     out.append("## By device\n\n" + by_device(results))
     for other in results.get("others") or []:
@@ -169,7 +202,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes some one and a half minutes on two idle cores, `./dev bench --full` a quarter of an hour: two frames and the whole video of every given
+`./dev bench` takes a bit more than a minute on two idle cores, `./dev bench --full` some twenty-five minutes: two frames and the whole video of every given
 sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
 `--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
 run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and

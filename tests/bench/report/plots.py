@@ -18,18 +18,19 @@ import tables
 from labels import ABOVE, BELOW, Labels
 
 INK, FAINT = "#222222", "#8a8a8a"
-STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "globalintrinsic": ("#E69F00", "p"),
+STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "globalintrinsic": ("#E69F00", "p"), "globalintrinsicthesis": ("#7A5C00", "H"),
           "thesis PCG": ("#D55E00", "s"), "thesis Schwarz": ("#CC79A7", "D"),
           "same energy, CPU CG": ("#56B4E9", "v"), "same energy, CPU Cholesky": ("#56B4E9", "^"),
           "gray Retinex": ("#009E73", "P"), "color Retinex": ("#009E73", "X"),
           "fast global smoother": ("#8a8a8a", "<"), "domain transform": ("#8a8a8a", ">"),
           "guided filter": ("#8a8a8a", "h"), "l0 smoothing": ("#8a8a8a", "d"), "R = I / max_c I": ("#222222", "*"),
           "constant shading": ("#222222", "_"), "constant reflectance": ("#222222", "|")}
-SPARE = [("#F0E442", "H"), ("#7A5C00", "p"), ("#000000", "8")]  # methods to come
+SPARE = [("#F0E442", "H"), ("#000000", "8")]  # methods to come
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
 MAIN = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
-SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles", "base colors"]  # have plots of their own
+SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles", "base colors",
+        "with", "video", "video ladder"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
@@ -261,7 +262,7 @@ def regimes(by_regime, folder):
 def adaptivity(entries, clock, folder):
     """What leaving out saves: time with it over time without, by scene."""
     ratio = clock.replace("_ms", "_ratio")
-    entries = sorted((e for e in entries if e[ratio] and e["setting"] == "adaptive=on"), key=lambda e: -e[ratio][1])
+    entries = sorted((e for e in entries if e.get(ratio) and e["setting"] == "adaptive=on"), key=lambda e: -e[ratio][1])
     if not entries:
         return False
     figure, ax = plt.subplots(figsize=(8, 0.46 * len(entries) + 1.3))
@@ -273,8 +274,7 @@ def adaptivity(entries, clock, folder):
         ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [(e["scene"] if e["set"] == "own" else tables.given_video(e)) + f": {e['regime']}"
-                                        for e in entries])
+    ax.set_yticks(range(len(entries)), [tables.left_out_where(e) for e in entries])
     ax.set_ylim(-0.6, len(entries) - 0.3)
     ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
     ax.grid(axis="y", visible=False)

@@ -8,7 +8,9 @@ import statistics
 
 PIXELS = 320 * 240  # times are given for frames of this size
 ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", "dirJ", "indJ", "tint", "lmse20_R", "lmse20_S",
-          "lmse20_dir"]
+          "lmse20_dir", "mse_R", "mse_S", "dssim_R", "dssim_S"]
+# What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
+FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
 
 
@@ -39,7 +41,7 @@ def merged(passes):
                 known[name] += row[name]
             for name, values in row["stages_ms"].items():
                 known["stages_ms"].setdefault(name, []).extend(values)
-            for name in ERRORS + ["to_converged", "flicker", "jitter"]:
+            for name in ERRORS + FIGURES + ["to_converged", "flicker", "jitter"]:
                 if name in row and name not in known:
                     known[name] = row[name]
     return list(rows.values())
@@ -52,11 +54,11 @@ def mean(values):
 
 def condensed(row):
     """A row with samples turned into quartiles and errors into means over frames."""
-    out = {k: v for k, v in row.items() if k not in TIMES + ERRORS + ["to_converged", "stages_ms"]}
+    out = {k: v for k, v in row.items() if k not in TIMES + ERRORS + FIGURES + ["to_converged", "stages_ms"]}
     for name in TIMES:
         out[name] = quartiles(row[name])
     out["stages_ms"] = {n: quartiles(v)[1] for n, v in row["stages_ms"].items() if quartiles(v)}
-    for name in ERRORS + ["to_converged"]:
+    for name in ERRORS + FIGURES + ["to_converged"]:
         if name in row:
             out[name] = mean(row[name])
     return out
@@ -154,5 +156,21 @@ def adaptivity(rows):
             if name in row and name in other:
                 take = mean if name == "lmse20" else (lambda v: v)
                 entry[name + "_added"] = take(row[name]) - take(other[name])
+        out.append(entry)
+    return out
+
+
+def against_off(rows):
+    """What leaving out saves through the element: each setting of a scene and size against "off", by pairs of frames."""
+    off = {(r["scene"], r["width"], r["height"]): r for r in rows if r["setting"] == "off"}
+    out = []
+    for row in rows:
+        other = off.get((row["scene"], row["width"], row["height"]))
+        if row["setting"] == "off" or not other:
+            continue
+        entry = {k: row[k] for k in ("scene", "width", "height", "frames", "setting")}
+        for name in ("wall_ms", "processor_ms"):
+            entry[name] = [quartiles(r[name])[1] for r in (other, row)]
+            entry[name.replace("_ms", "_ratio")] = bootstrap_ratio(row[name], other[name])
         out.append(entry)
     return out

@@ -180,20 +180,61 @@ def videos(rows):
     return table(head, own) + (folded("Given sequences", table(head, given)) if given else "")
 
 
-def adaptivity(entries):
+def left_out_where(entry):
+    """An entry's scene and what happens in it."""
+    if "regime" not in entry:
+        return f"{entry['scene']}, {entry['width']}×{entry['height']}, element"
+    return f"{entry['scene'] if entry['set'] == 'own' else given_video(entry)}: {entry['regime']}"
+
+
+def ratio(found, digits=2):
+    """.41 (≤ .45): a ratio of times and its 95 % bound."""
+    return f"{figure(found[1], digits)} (≤ {figure(found[2], digits)})" if found else "–"
+
+
+def times_faster(found):
+    """In bold where it is three times or more."""
+    if not found or not found[1]:
+        return "–"
+    text = f"{1 / found[1]:.1f}×" if 1 / found[1] < 100 else f"{1 / found[1]:.0f}×"
+    return f"**{text}**" if 1 / found[1] >= 3 else text
+
+
+def by_parts(entries, ratio_name, where):
+    """Ratios of times, a row for each scene, a column for each part that is left out alone."""
+    settings = [s for s in dict.fromkeys(e["setting"].removeprefix("adaptive=") for e in entries) if s != "on"]
+    if not settings:
+        return ""
+    rows = {}
+    for e in entries:
+        rows.setdefault(where(e), {})[e["setting"].removeprefix("adaptive=")] = e.get(ratio_name)
+    return table(["processor time"] + ["all"] + settings,
+                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings] for name, of in rows.items()])
+
+
+def through_elements(entries):
     rows = []
-    for e in (e for e in entries if e["wall_ratio"]):
-        low, middle, high = e["wall_ratio"] or (None,) * 3
-        cpu = e["processor_ratio"]
-        rows.append([e["method"], f"`{e['setting']}`", (e["scene"] if e["set"] == "own" else given_video(e)),
+    for e in (e for e in entries if e["setting"] == "on"):
+        wall, cpu = e["wall_ms"], e["processor_ms"]
+        rows.append([e["scene"], f"{e['width']}×{e['height']}", f"{wall[0]:.1f} → {wall[1]:.1f}", f"{cpu[0]:.1f} → {cpu[1]:.1f}",
+                     ratio(e["processor_ratio"], 3), times_faster(e["processor_ratio"])])
+    return table(["scene", "size", "ms without → with", "processor ms", "ratio (95 % bound)", "faster"], rows)
+
+
+def adaptivity(entries):
+    """What leaving out saves by scene, all of it together, and what it does to errors."""
+    rows = []
+    for e in (e for e in entries if e["wall_ratio"] and e["setting"] == "adaptive=on"):
+        low, middle, high = e["wall_ratio"]
+        rows.append([(e["scene"] if e["set"] == "own" else given_video(e)),
                      e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
                      if None not in e["wall_ms"] else "–",
-                     f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})" if middle else "–",
-                     f"{cpu[1]:.2f} (≤ {cpu[2]:.2f})" if cpu else "–",
+                     f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})",
+                     ratio(e["processor_ratio"]), times_faster(e["processor_ratio"]),
                      f"{e['lmse20_added']:+.4f}" if "lmse20_added" in e else "–",
                      f"{e['flicker_added']:+.4f}" if "flicker_added" in e else "–"])
-    return table(["method", "setting", "scene", "what happens", "ms without → with", "time saved (95 %)",
-                  "processor-time ratio (95 % bound)", "LMSE added", "flicker added"], rows)
+    return table(["scene", "what happens", "ms without → with", "time saved (95 %)",
+                  "processor-time ratio (95 % bound)", "faster", "LMSE added", "flicker added"], rows)
 
 
 def extremes(cases):
@@ -262,12 +303,12 @@ def layers_beyond_two(rows, methods):
     groups = {}
     for r in rows:
         groups.setdefault((r["method"], r["curve"], r["setting"]), {})[r["set"], r["scene"]] = r
-    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or key[1] == "without" or any(
+    shown = [(key, of) for key, of in groups.items() if methods[key[0]]["family"] != "method" or key[1] in ("with", "without") or any(
         r["base"] or r["preset"] for r in of.values())]
     shown.sort(key=lambda g: (methods[g[0][0]]["family"] != "method", g[0][:2], next(iter(g[1].values()))["order"]))
     def name(key, of):
         preset = next((r["preset"] for r in of.values() if r["preset"]), "")
-        return f"{key[0]} `{preset}`" if preset else f"{key[0]} without {key[2]}" if key[1] == "without" else ": ".join(n for n in (key[0], key[2]) if n)
+        return f"{key[0]} `{preset}`" if preset else f"{key[0]} {key[1]} {key[2]}" if key[1] in ("with", "without") else ": ".join(n for n in (key[0], key[2]) if n)
     out = []
     for field, title in (("ind", "Indirect light, at its own best scale (`ind`)"), ("indJ", "Indirect light, at the scale of the whole shading (`indJ`)"),
                          ("dirJ", "Direct light, at that scale (`dirJ`)"), ("tint", "Color of the shading (`tint`), rms of ln chroma")):

@@ -1,0 +1,183 @@
+// What leaving out saves whoever embeds intrinsicdecomp: whole elements, system memory in and out,
+// videos that go on for a while. Each frame goes to every setting in turn, so that what else the
+// machine does hits all alike.
+//
+// usage: adaptive-bench [--clip FILE] [--size 640x480] [--frames N] [--parts] [--brief] [--json
+// FILE]
+// With --parts each property that leaves something out is measured alone as well; with --brief only
+// scenes in which much can be left out.
+#include <gst/check/gstharness.h>
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clip_frames.hpp"
+#include "clip_scenes.hpp"
+#include "timing.hpp"
+
+namespace {
+
+using inverse::bench::Clock;
+using inverse::bench::median;
+using inverse::bench::milliseconds;
+using inverse::bench::processor_ms;
+
+constexpr int kSettling = 24;  // frames that are not measured: solves settle within a second
+
+struct Size {
+  int width, height;
+};
+
+struct Setting {
+  std::string name, line;
+};
+
+/// An element that is being measured.
+struct Run {
+  GstHarness* harness;
+  std::vector<double> wall, processor;
+};
+
+std::vector<Setting> settings(bool parts) {
+  std::vector<Setting> all{{"off", "intrinsicdecomp adaptive=false"}, {"on", "intrinsicdecomp"}};
+  if (!parts) return all;
+  const std::pair<const char*, const char*> named[] = {
+      {"whole frames", "keep-tolerance"},          {"tiles", "tile-tolerance"},
+      {"edges of tiles", "still-tolerance"},       {"cycles", "settled"},
+      {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "hold-tolerance"},
+      {"half resolution", "half-resolution-bound"}};
+  for (const auto& [name, kept] : named) {
+    std::string line = "intrinsicdecomp";
+    for (const auto& [other, property] : named)
+      if (property != kept) line += std::string(" ") + property + "=0";
+    all.push_back({name, line});
+  }
+  return all;
+}
+
+struct Scene {
+  const char* name;
+  bool brief;                           ///< much can be left out
+  void (*draw)(GstBuffer*, Size, int);  ///< over the first frame of the clip; null: the clip moves
+};
+
+constexpr Scene kScenes[] = {
+    {"frames come again", true, [](GstBuffer*, Size, int) {}},
+    {"small ball", true,
+     [](GstBuffer* b, Size s, int k) { inverse::bench::draw_ball(b, s.width, s.height, k); }},
+    {"camera noise", false,
+     [](GstBuffer* b, Size s, int k) {
+       inverse::bench::add_noise(b, s.width, s.height, static_cast<unsigned>(k));
+     }},
+    {"moving light", false, nullptr}};
+
+void push(Run& run, GstBuffer* frame, int number) {
+  GstBuffer* buffer = gst_buffer_copy_deep(frame);
+  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(number) * (GST_SECOND / 25);
+  GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
+  const double processor = processor_ms();
+  const auto start = Clock::now();
+  gst_harness_push(run.harness, buffer);
+  gst_buffer_unref(gst_harness_pull(run.harness));
+  if (number < kSettling) return;
+  run.wall.push_back(milliseconds(Clock::now() - start));
+  run.processor.push_back(processor_ms() - processor);
+}
+
+std::string list(const std::vector<double>& values) {
+  std::string text;
+  char number[32];
+  for (const double v : values) {
+    std::snprintf(number, sizeof number, "%s%.3f", text.empty() ? "" : ", ", v);
+    text += number;
+  }
+  return "[" + text + "]";
+}
+
+/// Rows of JSON, one for each setting.
+std::string measure(const Scene& scene, Size size, const std::string& caps, int frames,
+                    const std::vector<GstBuffer*>& clip, const std::vector<Setting>& all) {
+  std::vector<Run> runs;
+  for (const Setting& setting : all) {
+    GstHarness* harness = gst_harness_new_parse(setting.line.c_str());
+    gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
+    runs.push_back({harness, {}, {}});
+  }
+  for (int k = 0; k < frames; ++k) {
+    const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
+    GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
+    if (scene.draw) scene.draw(frame, size, k);
+    for (Run& run : runs) push(run, frame, k);
+    gst_buffer_unref(frame);
+  }
+  std::string rows;
+  for (size_t i = 0; i < all.size(); ++i) {
+    std::printf("| %s | %dx%d | %s | %.1f | %.1f |\n", scene.name, size.width, size.height,
+                all[i].name.c_str(), median(runs[i].wall), median(runs[i].processor));
+    rows += std::string(i > 0 ? ",\n" : "") + "{\"scene\": \"" + scene.name +
+            "\", \"width\": " + std::to_string(size.width) +
+            ", \"height\": " + std::to_string(size.height) +
+            ", \"frames\": " + std::to_string(frames) + ", \"setting\": \"" + all[i].name +
+            "\", \"wall_ms\": " + list(runs[i].wall) +
+            ", \"processor_ms\": " + list(runs[i].processor) + "}";
+    gst_harness_teardown(runs[i].harness);
+  }
+  std::fflush(stdout);
+  return rows;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  gst_init(&count, &arguments);
+  std::string clip = "media/clip.webm", json;
+  Size size{640, 480};
+  int frames = 48;
+  bool parts = false, brief = false;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
+    if (argument == "--clip")
+      clip = next();
+    else if (argument == "--size" &&
+             std::sscanf(next().c_str(), "%dx%d", &size.width, &size.height) == 2)
+      continue;
+    else if (argument == "--frames")
+      frames = std::max(kSettling + 4, std::stoi(next()));
+    else if (argument == "--parts")
+      parts = true;
+    else if (argument == "--brief")
+      brief = true;
+    else if (argument == "--json")
+      json = next();
+    else
+      return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
+  }
+  const std::string caps = "video/x-raw, format=NV12, width=" + std::to_string(size.width) +
+                           ", height=" + std::to_string(size.height) + ", framerate=25/1";
+  const auto video = inverse::bench::load_clip(clip, caps, static_cast<size_t>(frames));
+  if (video.empty()) {
+    std::fprintf(stderr, "cannot read %s\n", clip.c_str());
+    return 1;
+  }
+  std::printf(
+      "| scene | size | adaptive | wall ms a frame | processor ms |\n|---|---|---|---|---|\n");
+  const auto all = settings(parts);
+  std::string rows;
+  for (const Scene& scene : kScenes) {
+    if (brief && !scene.brief) continue;
+    std::fprintf(stderr, "@progress %.3f %s\n",
+                 static_cast<double>(&scene - kScenes) / static_cast<double>(std::size(kScenes)),
+                 scene.name);
+    rows += (rows.empty() ? "" : ",\n") + measure(scene, size, caps, frames, video, all);
+  }
+  for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
+  if (!json.empty() && !(std::ofstream(json) << "[" << rows << "]\n").flush()) {
+    std::fprintf(stderr, "cannot write %s\n", json.c_str());
+    return 1;
+  }
+  return 0;
+}
