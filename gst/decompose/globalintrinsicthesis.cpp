@@ -111,11 +111,11 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     gst_structure_set(stats, "indirect-layers", G_TYPE_INT, method.layers, "colors", G_TYPE_INT,
                       method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations",
                       G_TYPE_INT, method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes,
-                      "refining", G_TYPE_BOOLEAN, method.refining, "cut", G_TYPE_BOOLEAN,
-                      method.cut, "change", G_TYPE_DOUBLE, static_cast<double>(method.change),
-                      "regions", G_TYPE_UINT, regions, "regions-decided", G_TYPE_UINT, decided,
-                      "regions-proposed", G_TYPE_UINT, static_cast<guint>(proposals_->count()),
-                      nullptr);
+                      "shortened-steps", G_TYPE_INT, method.shortened, "refining", G_TYPE_BOOLEAN,
+                      method.refining, "cut", G_TYPE_BOOLEAN, method.cut, "change", G_TYPE_DOUBLE,
+                      static_cast<double>(method.change), "regions", G_TYPE_UINT, regions,
+                      "regions-decided", G_TYPE_UINT, decided, "regions-proposed", G_TYPE_UINT,
+                      static_cast<guint>(proposals_->count()), nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
@@ -344,6 +344,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                   "Added to intensities before chromaticities are taken, 1 = full scale"),
         number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
                   "Share of direct light that all indirect layers together start as"),
+        flag<P>("line-search", &P::line_search,
+                "Shorten steps that would raise the energy, as they may where light spans decades"),
         flag<P>("warm-start", &P::warm_start,
                 "Begin where the last frame ended instead of at the clusters"),
         number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
