@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/color.hpp"
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
 #include "global_thesis/misclustering_correction.hpp"
@@ -116,6 +117,15 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                       static_cast<double>(method.change), "regions", G_TYPE_UINT, regions,
                       "regions-decided", G_TYPE_UINT, decided, "regions-proposed", G_TYPE_UINT,
                       static_cast<guint>(proposals_->count()), nullptr);
+    GValue list = G_VALUE_INIT;
+    gst_value_array_init(&list, kMaxBases);
+    for (const auto& color : method_->colors().layer_colors()) {
+      GValue entry = G_VALUE_INIT;
+      g_value_init(&entry, G_TYPE_UINT);
+      g_value_set_uint(&entry, srgb_color(color));
+      gst_value_array_append_and_take_value(&list, &entry);
+    }
+    gst_structure_take_value(stats, "base-colors", &list);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
