@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/color.hpp"
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
 #include "global_thesis/misclustering_correction.hpp"
@@ -111,11 +112,20 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     gst_structure_set(stats, "indirect-layers", G_TYPE_INT, method.layers, "colors", G_TYPE_INT,
                       method.colors, "steps", G_TYPE_INT, method.steps, "pcg-iterations",
                       G_TYPE_INT, method.pcg_iterations, "keyframes", G_TYPE_INT, method.keyframes,
-                      "refining", G_TYPE_BOOLEAN, method.refining, "cut", G_TYPE_BOOLEAN,
-                      method.cut, "change", G_TYPE_DOUBLE, static_cast<double>(method.change),
-                      "regions", G_TYPE_UINT, regions, "regions-decided", G_TYPE_UINT, decided,
-                      "regions-proposed", G_TYPE_UINT, static_cast<guint>(proposals_->count()),
-                      nullptr);
+                      "shortened-steps", G_TYPE_INT, method.shortened, "refining", G_TYPE_BOOLEAN,
+                      method.refining, "cut", G_TYPE_BOOLEAN, method.cut, "change", G_TYPE_DOUBLE,
+                      static_cast<double>(method.change), "regions", G_TYPE_UINT, regions,
+                      "regions-decided", G_TYPE_UINT, decided, "regions-proposed", G_TYPE_UINT,
+                      static_cast<guint>(proposals_->count()), nullptr);
+    GValue list = G_VALUE_INIT;
+    gst_value_array_init(&list, kMaxBases);
+    for (const auto& color : method_->colors().layer_colors()) {
+      GValue entry = G_VALUE_INIT;
+      g_value_init(&entry, G_TYPE_UINT);
+      g_value_set_uint(&entry, srgb_color(color));
+      gst_value_array_append_and_take_value(&list, &entry);
+    }
+    gst_structure_take_value(stats, "base-colors", &list);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
@@ -344,6 +354,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                   "Added to intensities before chromaticities are taken, 1 = full scale"),
         number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
                   "Share of direct light that all indirect layers together start as"),
+        flag<P>("line-search", &P::line_search,
+                "Shorten steps that would raise the energy, as they may where light spans decades"),
         flag<P>("warm-start", &P::warm_start,
                 "Begin where the last frame ended instead of at the clusters"),
         number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),

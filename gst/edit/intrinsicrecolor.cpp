@@ -1,6 +1,7 @@
 // intrinsicrecolor: gives one color of the scene another; light and shadow stay.
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/color.hpp"
 #include "base/filter.hpp"
@@ -29,8 +30,13 @@ const PropertyTable<Params>& table() {
                 "two either way; 20 = any"),
       number<P>("softness", &P::softness, 0, 3,
                 "Over what distance beyond the tolerances the selection falls to nothing, in their "
-                "units; with a cluster, over what difference between the distances to the nearest "
-                "two in ln R; 0 = hard edges"),
+                "units; with a cluster or a base color, over what difference between the distances "
+                "to the nearest two in ln R or ln chromaticity; 0 = hard edges"),
+      number<P>("base-color", &P::base, P::kByKey, static_cast<int>(kMaxBases) - 1,
+                "Recolor the surfaces of this base color of bounced light, by the number that "
+                "layer of globalintrinsic and globalintrinsicthesis has for it, instead of those "
+                "near the key; comes before cluster. -1 = by cluster or key. Frames that have no "
+                "such base color stay as they are"),
       number<P>("cluster", &P::cluster, P::kByKey, static_cast<int>(Palette::kMaxClusters) - 1,
                 "Recolor the pixels nearest to this cluster of the scene's reflectances instead of "
                 "those near the key; -1 = by key. The field clusters of stats lists their colors"),
@@ -67,6 +73,7 @@ class RecolorElement final : public Filter {
   void release() override {
     recolor_.reset();
     copies_ = {};
+    told_ = false;
   }
   void reset() override { recolor_->reset(); }
 
@@ -74,11 +81,18 @@ class RecolorElement final : public Filter {
     Params params = parameters_.snapshot();
     params.key = linear_color(params.key_color);
     params.target = linear_color(params.target_color);
+    if (params.base >= 0 && !frame.layers[Role::bases] && !std::exchange(told_, true))
+      GST_WARNING(
+          "base-color=%d selects nothing: what decomposed this video finds no base colors, "
+          "as globalintrinsic and globalintrinsicthesis do",
+          params.base);
     const uint32_t before = frame.commands.dispatches();
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
     Copy& copy = copies_[frame.number % copies_.size()];
-    copy.clusters = worked && params.cluster >= 0 ? recolor_->palette()->params().clusters : 0;
+    copy.clusters = worked && params.base < 0 && params.cluster >= 0
+                        ? recolor_->palette()->params().clusters
+                        : 0;
     if (copy.clusters)
       frame.commands.copy(recolor_->palette()->colors(), copy.colors, copy.colors->bytes());
     if (worked) frame.commands.stage("recolor");
@@ -103,6 +117,7 @@ class RecolorElement final : public Filter {
  private:
   Parameters<Params> parameters_{table()};
   std::optional<Recolor> recolor_;
+  bool told_ = false;  // that there are no base colors
   /// The clusters of a frame, for its stats.
   struct Copy {
     gpu::BufferPtr colors;

@@ -14,7 +14,7 @@
 // s_k = b_k·key / key·key, so that what was the key's light becomes the target's. Else base colors are chosen themselves, by
 // chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
 layout(constant_id = 1) const uint kBy = 0u;
-const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u;
+const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u, kByBasesSurface = 4u;
 const int kMaxBases = 16;
 PLANE_IN(0, bases);
 PLANE_IN(1, model);      // R.rgb, S before any edit
@@ -46,12 +46,13 @@ float falling(float t) {
 void main() {
   vec4 held[kMaxBases / 4], all[kMaxBases / 4];
   for (int q = 0; q < kMaxBases / 4; ++q) held[q] = all[q] = vec4(0.0);
-  const bool by_surface = kBy == kBySurface || kBy == kByClustersSurface;
+  const bool by_surface = kBy == kBySurface || kBy == kByClustersSurface || kBy == kByBasesSurface;
   vec3 key = push.key.rgb;
   if (kBy == kByClustersSurface) {
     int chosen = int(FETCH(palette, push.index).w);  // what it was merged into; −1: it has no pixels
     key = chosen < 0 ? vec3(0.0) : exp(FETCH(palette, kMaxBases + chosen).rgb);
   }
+  if (kBy == kByBasesSurface) key = finite(FETCH(model_bases, push.index)).rgb;
   if (by_surface) {
     uvec2 grid = min(push.size, uvec2(kSide));
     for (uint i = gl_LocalInvocationID.x; i < grid.x * grid.y; i += gl_WorkGroupSize.x) {

@@ -12,9 +12,10 @@ INVERSE_SHADER(edit_retint);
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 4;                                                         // edit.glsl
-constexpr uint32_t kBySurface = 0, kByKey = 1, kByIndex = 2, kByClustersSurface = 3;  // bases.comp
-constexpr float kLargest = 65504.0f;                                                  // edit.glsl
+constexpr uint32_t kRows = 4;  // edit.glsl
+constexpr uint32_t kBySurface = 0, kByKey = 1, kByIndex = 2, kByClustersSurface = 3,
+                   kByBasesSurface = 4;  // bases.comp
+constexpr float kLargest = 65504.0f;     // edit.glsl
 constexpr float kHardestEdge = 1e-6f;
 
 /// `value` within [low, high]; `low` where it is not a number.
@@ -50,9 +51,11 @@ LightEdit::LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent)
 void LightEdit::repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
                         const std::array<float, 3>& aim, float strength) {
   Push push(surfaces.key, aim, strength, layers.extent);
-  push.index = surfaces.cluster;
-  run(commands, layers, surfaces.cluster < 0 ? kBySurface : kByClustersSurface, push,
-      {.selection = &surfaces.selection, .palette = surfaces.palette});
+  push.index = surfaces.base < 0 ? surfaces.cluster : surfaces.base;
+  const uint32_t by = surfaces.base >= 0      ? kByBasesSurface
+                      : surfaces.cluster >= 0 ? kByClustersSurface
+                                              : kBySurface;
+  run(commands, layers, by, push, {.selection = &surfaces.selection, .palette = surfaces.palette});
 }
 
 void LightEdit::change(gpu::Commands& commands, Layers& layers, const Key& key,

@@ -24,6 +24,8 @@ class LightEdit {
     /// … or of which cluster, −1: none, of which Palette::colors().
     int cluster = -1;
     gpu::BufferPtr palette = nullptr;
+    /// … or of which base color before any edit, −1: none.
+    int base = -1;
   };
   /// Base colors with a chromaticity c = b / mean b near to the key's.
   struct Key {
@@ -58,7 +60,7 @@ class LightEdit {
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_, bases_;
   gpu::BufferPtr change_;
-  std::array<gpu::KernelPtr, 4> choose_;  // by kBy in bases.comp, made when first needed
+  std::array<gpu::KernelPtr, 5> choose_;  // by kBy in bases.comp, made when first needed
 };
 
 }  // namespace inverse

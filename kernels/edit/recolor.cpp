@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../gpu/shaders.hpp"
 
 INVERSE_SHADER(edit_recolor);
+INVERSE_SHADER(edit_recolor_base);
 INVERSE_SHADER(edit_recolor_cluster);
 
 namespace inverse {
@@ -66,10 +68,12 @@ PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes) {
 Recolor::Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       planes_(device, extent),
-      nothing_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
+      nothing_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
+      no_bases_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxBases)) {
   for (uint32_t i = 0; i < by_key_.size(); ++i) {
     by_key_[i] = device->kernel(shaders::edit_recolor, {i & 1, i >> 1});
     by_cluster_[i] = device->kernel(shaders::edit_recolor_cluster, {i & 1, i >> 1});
+    by_base_[i] = device->kernel(shaders::edit_recolor_base, {i & 1, i >> 1});
   }
 }
 
@@ -79,7 +83,8 @@ void Recolor::reset() {
 
 void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParams& params) {
   if (!(params.strength > 0) && !params.write_mask) return;
-  const bool by_cluster = params.cluster >= 0;
+  const bool by_base = params.base >= 0;
+  const bool by_cluster = !by_base && params.cluster >= 0;
   const bool matte = params.use_mask && layers[Role::mask];
   // Decided before anything here refers to the plane a second time.
   const PlanePtr edited = plane_to_edit(layers[Role::intrinsic], planes_);
@@ -98,16 +103,24 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
     push.cluster = std::min(params.cluster, kMaxClusters - 1);
     buffers.insert(buffers.end(), {model.buffer, palette_->palette().colors()});
   }
-  commands.dispatch(by_cluster ? by_cluster_[variant] : by_key_[variant], buffers,
-                    std::as_bytes(std::span(&push, 1)),
+  if (by_base) {
+    if (!std::exchange(cleared_, true)) commands.fill(no_bases_);
+    const Role role = layers[Role::model_bases] ? Role::model_bases : Role::bases;
+    push.cluster = std::min(params.base, static_cast<int>(kMaxBases) - 1);
+    buffers.insert(buffers.end(),
+                   {layers[Role::model]->buffer, layers[role] ? layers[role]->buffer : no_bases_});
+  }
+  const auto& kernels = by_base ? by_base_ : by_cluster ? by_cluster_ : by_key_;
+  commands.dispatch(kernels[variant], buffers, std::as_bytes(std::span(&push, 1)),
                     {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   layers[Role::intrinsic] = edited;
   if (lights) {
     if (!light_) light_.emplace(device_, layers.extent);
-    light_->repaint(commands, layers,
-                    {*mask, params.key, by_cluster ? push.cluster : -1,
-                     by_cluster ? palette_->palette().colors() : nullptr},
-                    params.target, params.strength);
+    light_->repaint(
+        commands, layers,
+        {*mask, params.key, by_cluster ? push.cluster : -1,
+         by_cluster ? palette_->palette().colors() : nullptr, by_base ? push.cluster : -1},
+        params.target, params.strength);
   }
   if (params.write_mask) layers[Role::mask] = mask;
 }

@@ -12,6 +12,10 @@ namespace inverse {
 /// What to recolor, and into what. Colors are linear RGB reflectances in the scale of the intrinsic
 /// layer.
 struct RecolorParams {
+  /// −1: what `cluster` or the key says. 0…kMaxBases − 1: the surfaces of that base color of
+  /// bounced light (Role::bases), by the chromaticity of unedited reflectance; its color takes the
+  /// key's place and the tolerances are not used. Frames without such a color stay as they are.
+  int base = kByKey;
   /// −1: what the key says. 0…clusters − 1: the pixels nearest to that cluster of the unedited
   /// reflectance; its mean color takes the key's place and the tolerances are not used.
   int cluster = kByKey;
@@ -26,8 +30,8 @@ struct RecolorParams {
   /// How far a pixel's mean reflectance may be from the key's: |ln ratio|. kAnyValue: no limit.
   float value_tolerance = kAnyValue;
   /// Over what distance beyond either tolerance the selection falls to 0, in the same units; with
-  /// clusters, over what difference between the distances to the nearest two, in ln R. 0: a hard
-  /// edge.
+  /// clusters, over what difference between the distances to the nearest two, in ln R; with base
+  /// colors, in ln chromaticity. 0: a hard edge.
   float softness = 0.3f;
   /// The reflectance that the key becomes.
   std::array<float, 3> target{0.05f, 0.2f, 0.5f};
@@ -57,8 +61,8 @@ class Recolor {
   /// are where strength is 0 and no mask is asked for. Values that are not finite are taken as 0
   /// (infinity: as 65504), colors and numbers of `params` are clamped to their ranges.
   ///
-  /// With a cluster, Role::model must be there too: it feeds the palette, so that editors one after
-  /// the other mean the same color by the same index.
+  /// With a cluster or a base color, Role::model must be there too: it feeds the palette, so that
+  /// editors one after the other mean the same color by the same index.
   void record(gpu::Commands& commands, Layers& layers, const RecolorParams& params);
 
   /// Forgets the clusters of earlier frames.
@@ -70,10 +74,11 @@ class Recolor {
  private:
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  gpu::BufferPtr nothing_;
-  std::array<gpu::KernelPtr, 4> by_key_, by_cluster_;  // by MATTE + 2 PUBLISH
-  std::optional<ScenePalette> palette_;                // made when a cluster is first asked for
-  std::optional<LightEdit> light_;                     // made when light first has layers
+  gpu::BufferPtr nothing_, no_bases_;
+  bool cleared_ = false;                                         // no_bases_
+  std::array<gpu::KernelPtr, 4> by_key_, by_cluster_, by_base_;  // by MATTE + 2 PUBLISH
+  std::optional<ScenePalette> palette_;  // made when a cluster is first asked for
+  std::optional<LightEdit> light_;       // made when light first has layers
 };
 
 /// The plane to write the edited `plane` to: itself where nobody else holds it, else a fresh one.

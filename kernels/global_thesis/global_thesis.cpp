@@ -35,12 +35,15 @@ INVERSE_SHADER(global_thesis_outer_total);
 INVERSE_SHADER(global_thesis_score);
 INVERSE_SHADER(global_thesis_cells);
 INVERSE_SHADER(global_thesis_change);
+INVERSE_SHADER(global_thesis_search);
+INVERSE_SHADER(global_thesis_shorten);
 
 namespace inverse {
 using namespace global_thesis;
 namespace {
 
 constexpr uint64_t kScalars = 3;  // as in scalars.comp
+constexpr uint64_t kSearch = 4;   // as in search.comp, and one for the sake of its copy
 
 }  // namespace
 
@@ -58,6 +61,8 @@ GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent ex
   for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);  // also what four layers need
   most_layers_ = most_layers(*device, extent);
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  search_ = gpu::Buffer::create(device, gpu::Element::scalar, kSearch);
+  shorten_ = gpu::Buffer::create(device, gpu::Element::word, 1);
   colors_readback_.buffer =
       gpu::Buffer::create(device, gpu::Element::vec4, kColors, gpu::Memory::readback);
   set_params({});
@@ -105,6 +110,8 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
   k.score = layered(shaders::global_thesis_score);
   k.cells = plain(shaders::global_thesis_cells);
   k.change = plain(shaders::global_thesis_change, kOneGroup);
+  k.search = plain(shaders::global_thesis_search, kOneGroup);
+  k.shorten = plain(shaders::global_thesis_shorten);
   held = std::make_shared<Kernels>(std::move(k));
   return *held;
 }
@@ -288,7 +295,8 @@ GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
 
 void GlobalThesis::clear(Readback& readback, uint32_t epoch) {
   readback.stats = {};
-  readback.collected = readback.refining = readback.scored = readback.compared = false;
+  readback.collected = readback.refining = readback.scored = readback.compared = readback.searched =
+      false;
   readback.epoch = epoch;
 }
 
@@ -383,11 +391,16 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   commands.dispatch(at_->sample_past, buffers, std::as_bytes(std::span(&push, 1)), pixels);
   commands.stage("setup");
 
+  if (params_.line_search) begin_search(commands);
   for (int n = 0; n <= params_.steps; ++n) {
     const bool last = n == params_.steps;
     pack(commands, 0);
     if (params_.trace || (last && params_.energy)) evaluate(commands, n - 1);
     if (!last) step(commands);
+  }
+  if (params_.line_search) {
+    commands.copy(search_, current_->buffer, search_->bytes(), 0, 16 * kSearchAt);
+    current_->searched = true;
   }
   has_state_ = true;
   state_order_ = colors_.order();
@@ -455,6 +468,7 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   if (readback.compared) stats.change = values[4 * kChangeAt];
+  if (readback.searched) stats.shortened = static_cast<int>(values[4 * kSearchAt + 2]);
   if (readback.scored) {
     stats.score = values[4 * kScoreAt];
     stats.region = values[4 * kScoreAt + 1];

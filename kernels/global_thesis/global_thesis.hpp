@@ -51,6 +51,7 @@ class GlobalThesis {
     int keyframes = 0;           ///< that samples were drawn from
     bool warm = false;           ///< began where the last frame ended
     bool refining = false;       ///< the frame recorded the system of the base colors
+    int shortened = 0;           ///< steps that would have raised the energy
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
     bool cut = false;            ///< a cut was found here when the frame was collected
     float change = 0;            ///< of chroma from the frame before, as Params::cut_fraction
@@ -144,7 +145,7 @@ class GlobalThesis {
     gpu::BufferPtr buffer, table;
     Stats stats;
     std::vector<Rgb> initial, colors;  // of the layers that the system is for
-    bool collected = true, refining = false, scored = false, compared = false;
+    bool collected = true, refining = false, scored = false, compared = false, searched = false;
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
@@ -162,6 +163,10 @@ class GlobalThesis {
   void prepare(gpu::Commands& commands, const Plane& frame);
   void pack(gpu::Commands& commands, int slot);
   void evaluate(gpu::Commands& commands, int step);
+  void hold_energies(gpu::Commands& commands);
+  void sum_energy(gpu::Commands& commands, const gpu::BufferPtr& x);
+  void begin_search(gpu::Commands& commands);
+  void search(gpu::Commands& commands);
   void step(gpu::Commands& commands);
   void record_refinement(gpu::Commands& commands);
   void write_layers(gpu::Commands& commands, Layers& layers);
@@ -184,6 +189,7 @@ class GlobalThesis {
   size_t current_state_ = 0;
   gpu::BufferPtr scalars_, partials_;
   std::array<gpu::BufferPtr, 3> energy_partials_;
+  gpu::BufferPtr search_, shorten_;  // as in search.comp
   gpu::BufferPtr trace_, residuals_, reflectances_, outer_partials_, system_, score_;
   std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
   int slots_ = 0;

@@ -45,6 +45,7 @@ struct GlobalThesisParams {
   int clusters = 10;             ///< K, at most: superfluous ones go (5.5.1), 1…16
   int steps = 8;                 ///< Gauss–Newton steps a frame, 1…64
   int pcg_iterations = 16;       ///< conjugate-gradient steps for each (5.7.1), 1…256
+  bool line_search = true;       ///< shorten steps that would raise the energy, see search.comp
   bool warm_start = false;       ///< begin where the last frame ended instead of at its clusters
   int samples = 9;               ///< N_s a pixel (3.12), 0…64
   int keyframes = 5;             ///< past frames to sample from, 0…5; 0 for stills

@@ -22,7 +22,7 @@ struct GlobalThesis::Push {
 struct GlobalThesis::Kernels {
   gpu::KernelPtr sanitize, setup, aim, start, pack, sample, sample_past, reweight, mix, product,
       update, settle, scalars, energy, energy_pulls, total, layers, indirect, residual, outer,
-      outer_total, score, cells, change;
+      outer_total, score, cells, change, search, shorten;
 };
 
 namespace global_thesis {
@@ -34,7 +34,7 @@ constexpr uint64_t kMaxLayers = Palette::kMaxClusters;
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
 constexpr uint64_t kColorsAt = 0, kSystemAt = kColors,
                    kScoreAt = kSystemAt + kMaxLayers * (kMaxLayers + 1), kChangeAt = kScoreAt + 1,
-                   kTraceAt = kScoreAt + 2;
+                   kSearchAt = kScoreAt + 2, kTraceAt = kScoreAt + 3;
 
 }  // namespace global_thesis
 }  // namespace inverse

@@ -27,20 +27,28 @@ void GlobalThesis::pack(gpu::Commands& commands, int slot) {
                     push, {extent_.width, extent_.height});
 }
 
+void GlobalThesis::hold_energies(gpu::Commands& commands) {
+  if (energy_partials_[0]) return;
+  for (auto& buffer : energy_partials_) {
+    buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
+                                 gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
+    commands.fill(buffer);
+  }
+}
+
+/// Partial sums of the energy of x without samples.
+void GlobalThesis::sum_energy(gpu::Commands& commands, const gpu::BufferPtr& x) {
+  commands.dispatch(
+      at_->energy,
+      {current_->table, x, image_, targets_, features_, energy_partials_[0], energy_partials_[1]},
+      push_for(), {extent_.width, extent_.height});
+}
+
 void GlobalThesis::evaluate(gpu::Commands& commands, int step) {
   const gpu::Items pixels{extent_.width, extent_.height};
-  if (!energy_partials_[0]) {
-    for (auto& buffer : energy_partials_) {
-      buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
-                                   gpu::partial_count(*at_->energy, pixels));
-      commands.fill(buffer);
-    }
-  }
+  hold_energies(commands);
   Push push = push_for();
-  commands.dispatch(at_->energy,
-                    {current_->table, solution(), image_, targets_, features_, energy_partials_[0],
-                     energy_partials_[1]},
-                    push, pixels);
+  sum_energy(commands, solution());
   std::vector<gpu::BufferPtr> buffers = frame_buffers();
   buffers.insert(buffers.end(), {features_, solution(), energy_partials_[2]});
   commands.dispatch(at_->energy_pulls, buffers, std::as_bytes(std::span(&push, 1)), pixels);
@@ -51,6 +59,40 @@ void GlobalThesis::evaluate(gpu::Commands& commands, int step) {
                     {energy_partials_[0], energy_partials_[2], energy_partials_[1], trace_}, push,
                     {kOneGroup});
   trace.push_back({step, 0, 0, 0, 0, 0, 0, 0, 0});
+}
+
+void GlobalThesis::begin_search(gpu::Commands& commands) {
+  hold_energies(commands);
+  sum_energy(commands, solution());
+  Push push = push_for();
+  push.count =
+      static_cast<int32_t>(gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
+  commands.dispatch(at_->search, {energy_partials_[0], energy_partials_[1], search_, shorten_},
+                    push, {kOneGroup});
+}
+
+/// Shortens the step from the present state to the next one where it has to be.
+void GlobalThesis::search(gpu::Commands& commands) {
+  const gpu::BufferPtr& from = states_[current_state_];
+  const gpu::BufferPtr& next = states_[1 - current_state_];
+  const gpu::Items field{extent_.width, extent_.height, static_cast<uint32_t>(groups_) + 1};
+  Push push = push_for();
+  push.count =
+      static_cast<int32_t>(gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
+  const auto judge = [&](int mode) {
+    sum_energy(commands, next);
+    push.mode = mode;
+    commands.dispatch(at_->search, {energy_partials_[0], energy_partials_[1], search_, shorten_},
+                      push, {kOneGroup});
+  };
+  judge(1);
+  commands.when(shorten_, 0, [&] {
+    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+    judge(2);
+    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+    judge(3);
+    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+  });
 }
 
 void GlobalThesis::step(gpu::Commands& commands) {
@@ -92,6 +134,7 @@ void GlobalThesis::step(gpu::Commands& commands) {
     commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
   }
   commands.dispatch(at_->settle, {from, next, next}, push, {extent_.width, extent_.height, planes});
+  if (params_.line_search) search(commands);
   current_state_ = 1 - current_state_;
 }
 

@@ -136,13 +136,16 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
   return news;
 }
 
-/// Of regions that are gone for another reason, or are another one's by now.
+/// Regions that are gone for another reason, or are another one's by now: they may be proposed once
+/// more.
 void RegionProposals::forget_lost(const MarkedRegions& regions) {
-  std::erase_if(seen_, [&](const Seen& seen) {
-    if (seen.region == 0 || seen.refused) return false;
+  for (Seen& seen : seen_) {
+    if (seen.region == 0) continue;
     const MarkedRegions::Region* region = find(regions, seen.region);
-    return !region || !region->proposed;
-  });
+    if (region && region->proposed) continue;
+    seen.region = 0;
+    seen.refused = ++seen.failures >= kMostFailures;
+  }
 }
 
 void RegionProposals::refuse(int region) {

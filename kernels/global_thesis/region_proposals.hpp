@@ -56,6 +56,7 @@ class RegionProposals {
   static constexpr uint64_t kMostPixels = 160 * 160;  ///< of a small frame
   static constexpr uint64_t kSoon = 4, kLater = 15;   ///< frames from one to the next
   static constexpr int kMisses = 3;                   ///< after which a proposal is over
+  static constexpr int kMostFailures = 2;             ///< after which it is refused
   static constexpr size_t kMostSeen = 256;
   struct Frame {
     gpu::BufferPtr pixels;
@@ -71,6 +72,7 @@ class RegionProposals {
     int region;
     int misses;
     bool refused;
+    int failures = 0;  ///< regions that were lost
   };
 
   void forget_lost(const MarkedRegions& regions);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "global_picture.hpp"
 
@@ -73,6 +74,72 @@ TEST(GlobalEnergy, FallsAsFarAsTheStepsPromise) {
       EXPECT_LE(energy.back().total(), energy.front().total() * (1 + 1e-6))
           << picture << ", " << setting.name;
     }
+}
+
+/// Light that spans `decades`: in patches, so that dark ones border on bright ones.
+Pixels spanning(Extent extent, float decades, unsigned seed) {
+  Pixels pixels = mosaic(extent, seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  float lights[20];
+  for (float& light : lights) light = std::pow(10.0F, decades * (unit(random) - 0.5F));
+  lights[3] = std::pow(10.0F, 0.5F * decades);
+  lights[4] = std::pow(10.0F, -0.5F * decades);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x)
+      for (size_t c = 0; c < 3; ++c)
+        pixels[4 * (size_t{y} * extent.width + x) + c] *= lights[(x / 17 + 3 * (y / 11)) % 20];
+  return pixels;
+}
+
+// Where light spans decades, a step's linearization is off by far: steps are shortened then.
+TEST(GlobalEnergy, DoesNotRiseWhereLightSpansDecades) {
+  const Lab lab;
+  const auto hot = [](float value) {
+    Pixels frame = walls(kExtent, {kPaints[0], kPaints[2]}, 0.02F);
+    for (size_t c = 0; c < 3; ++c) frame[4 * (20 * kExtent.width + 30) + c] = value;
+    return frame;
+  };
+  const std::pair<const char*, Pixels> pictures[] = {{"2 decades", spanning(kExtent, 2, 1)},
+                                                     {"4 decades", spanning(kExtent, 4, 2)},
+                                                     {"6 decades", spanning(kExtent, 6, 3)},
+                                                     {"8 decades", spanning(kExtent, 8, 4)},
+                                                     {"hot pixel", hot(1e4F)},
+                                                     {"hotter", hot(6e4F)}};
+  int rises = 0;  // without
+  for (const auto& [picture, frame] : pictures) {
+    for (const auto& [samples, search] : {std::pair{0, false}, {0, true}, {9, false}, {9, true}}) {
+      GlobalThesisParams params;
+      params.line_search = search;
+      params.samples = samples;
+      params.refine_rounds = 0;
+      params.trace = true;
+      params.steps = 24;
+      GlobalMethod method(lab, Solver::global_thesis, kExtent);
+      method.set(params);
+      method.thesis().set_base_colors(kPaints);
+      method.decompose(frame);
+      const auto& energy = method.stats().energy;
+      ASSERT_EQ(energy.size(), 25U);
+      double worst = 0;
+      for (size_t k = 1; k < energy.size(); ++k) {
+        const double penalty = static_cast<double>(energy[k].non_negativity);
+        worst = std::max(worst, (energy[k].total() - penalty) / energy[k - 1].total() - 1);
+      }
+      printf(
+          "  %-10s %d samples, search %d: %10.4g to %10.4g, a step up by %.1e, %d of 24 steps "
+          "shortened\n",
+          picture, samples, search, energy.front().total(), energy.back().total(), worst,
+          method.stats().shortened);
+      if (!search) {
+        rises += worst > 0.01;
+        continue;
+      }
+      EXPECT_LT(worst, samples ? 0.05 : 1e-5) << picture;
+      EXPECT_LE(energy.back().total(), energy.front().total() * (1 + 1e-6)) << picture;
+    }
+  }
+  EXPECT_GT(rises, 0) << "these pictures do not need it";
 }
 
 }  // namespace

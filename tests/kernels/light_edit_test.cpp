@@ -218,10 +218,13 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
   RecolorParams params;
   params.key = {0.6f, 0.06f, 0.06f};
   params.target = {0.06f, 0.06f, 0.6f};
-  for (const bool by_cluster : {false, true}) {
+  enum class By { key, cluster, base };
+  for (const By by : {By::key, By::cluster, By::base}) {
     Layers edited = layers;
     Recolor recolor(device, extent);
-    if (by_cluster) {
+    params.base = by == By::base ? 0 : RecolorParams::kByKey;
+    if (by == By::base) params.key = {0.1f, 0.6f, 0.1f};  // of no account
+    if (by == By::cluster) {
       params.clusters = 4;
       run([&](gpu::Commands& commands) {
         params.cluster = 0;
@@ -235,12 +238,35 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
     }
     run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
     const Pixels now = download(edited[Role::light]->buffer);
+    const Pixels painted = download(edited[Role::intrinsic]->buffer);
+    // A base color's largest channel is 1: what is .6 as bright gets .6 of the target.
+    const float bright = by == By::base ? 0.6f : 1;
     for (size_t n = 0; n < extent.pixels(); ++n) {
-      ASSERT_NEAR(now[4 * n], 0.7f + 0.3f * 0.1f, 4e-3) << by_cluster;
-      ASSERT_NEAR(now[4 * n + 1], 0.7f + 0.3f * 0.1f, 4e-3) << by_cluster;
-      ASSERT_NEAR(now[4 * n + 2], 1.0f, 4e-3) << by_cluster;
+      const bool red = n % 32 < 16;
+      ASSERT_NEAR(painted[4 * n], red ? bright * 0.06f : 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(painted[4 * n + 2], red ? bright * 0.6f : 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n], 0.7f + 0.3f * 0.1f * bright, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n + 2], 0.7f + 0.3f * bright, 4e-3) << static_cast<int>(by);
     }
     EXPECT_FALSE(edited[Role::mask]);
+  }
+}
+
+TEST_F(LightEditTest, ABaseColorThatIsNotThereSelectsNothing) {
+  const Extent extent{19, 7};
+  Frame made = frame(extent, 3, 5);
+  for (const bool global : {true, false}) {
+    Layers edited = made.layers;
+    if (!global) edited[Role::light] = edited[Role::bases] = edited[Role::model_bases] = nullptr;
+    const Pixels before = download(edited[Role::intrinsic]->buffer);
+    RecolorParams params;
+    params.base = kMaxBases - 1;
+    params.write_mask = true;
+    Recolor recolor(device, extent);
+    run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
+    for (const float selected : download(edited[Role::mask]->buffer)) ASSERT_EQ(selected, 0);
+    const Pixels after = download(edited[Role::intrinsic]->buffer);
+    for (size_t i = 0; i < after.size(); ++i) ASSERT_EQ(after[i], before[i]) << i;
   }
 }
 

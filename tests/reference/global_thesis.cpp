@@ -138,6 +138,12 @@ void take_step(const GlobalField& delta, GlobalField* x) {
   }
 }
 
+bool step_is_good(const GlobalEnergy& before, const GlobalEnergy& after, bool samples) {
+  const double from = before.total() - before.r_consistency;
+  const double rest = after.total() - after.r_consistency - after.non_negativity;
+  return rest <= from * (1 + (samples ? 0.05 : 1e-5));
+}
+
 RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalField& x,
                                    const std::vector<Vec3>& initial,
                                    const GlobalThesisParams& params) {
@@ -254,15 +260,25 @@ GlobalField GlobalThesis::decompose(const Plane& linear, const Plane& targets,
   for (std::size_t n = 0; n < chromaticities_.size(); ++n) {
     scene.sampling.packed[n] = chromaticities_.data[n][3];
   }
+  shortened_ = 0;
   used_keyframes_.assign(keyframes_.begin(), keyframes_.end());
   GlobalField x = global_start(scene, params_);
   for (int step = 0; step <= params_.steps; ++step) {
     const SampleFrame current = make_sample_frame(scene, x);
     if (trace_) trace_(step - 1, global_energy(scene, x, samples(current), params_));
     if (step == params_.steps) break;
+    const GlobalField from = x;
+    const GlobalEnergy before = global_energy(scene, from, samples(current), params_);
     take_step(
         conjugate_gradients(assemble(scene, x, samples(current), params_), params_.pcg_iterations),
         &x);
+    for (int trial = 0; trial < 3 && params_.line_search; ++trial) {
+      const GlobalEnergy after = global_energy(scene, x, samples(current), params_);
+      if (step_is_good(before, after, params_.samples > 0)) break;
+      if (trial == 0) ++shortened_;
+      for (std::size_t i = 0; i < x.data.size(); ++i)
+        x.data[i] = from.data[i] + (trial == 2 ? 0 : 0.25) * (x.data[i] - from.data[i]);
+    }
   }
   if (params_.keyframes > 0 && frame_ % static_cast<std::uint32_t>(params_.keyframe_spacing) == 0) {
     keyframes_.push_back(make_sample_frame(scene, x));

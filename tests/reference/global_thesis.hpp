@@ -37,6 +37,11 @@ GlobalField conjugate_gradients(const GlobalSystem& system, int iterations, doub
 /// x + δ within the bounds above.
 void take_step(const GlobalField& delta, GlobalField* x);
 
+/// Whether a step that leads to `after` may be taken as it is: without samples, which follow, and
+/// without the penalty of negative light, which bounds nothing, energy must not rise by more than
+/// 1e-5 of it, 5 % where there are samples.
+bool step_is_good(const GlobalEnergy& before, const GlobalEnergy& after, bool samples);
+
 /// The dense system of (5.14) for Δb, K colors of three channels each: unknown 3 k + c.
 struct RefinementSystem {
   std::size_t colors = 0;
@@ -73,6 +78,8 @@ class GlobalThesis {
   /// targets: as cluster_targets gives them; colors: b_1 … b_K.
   GlobalField decompose(const Plane& linear, const Plane& targets, std::vector<Vec3> colors);
 
+  /// Steps of the last frame that were shortened: to a quarter, a sixteenth, or nothing.
+  int shortened() const { return shortened_; }
   /// Energy of any x with the scene and the samples of the last frame.
   GlobalEnergy energy(const GlobalField& x) const;
   /// What the last frame was solved with.
@@ -85,6 +92,7 @@ class GlobalThesis {
   Trace trace_;
   Plane chromaticities_;
   std::uint32_t frame_ = 0;
+  int shortened_ = 0;
   std::deque<SampleFrame> keyframes_;        // newest last
   std::vector<SampleFrame> used_keyframes_;  // those that the last frame was solved with
   std::vector<GlobalThesisScene> scenes_;    // of the last frame, one

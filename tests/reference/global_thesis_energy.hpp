@@ -37,6 +37,7 @@ struct GlobalThesisParams {
   double chroma_floor = 3e-3;
   double indirect_start = 0.1;
   bool consistent_irls = true;
+  bool line_search = true;
   int steps = 8;
   int pcg_iterations = 16;
   int samples = 9;

@@ -27,6 +27,7 @@ inline reference::GlobalThesisParams to_reference(const GlobalThesisParams& p) {
   r.chroma_floor = p.chroma_floor;
   r.indirect_start = p.indirect_start;
   r.consistent_irls = p.irls == GlobalThesisParams::Irls::consistent;
+  r.line_search = p.line_search;
   r.steps = p.steps;
   r.pcg_iterations = p.pcg_iterations;
   r.samples = p.lambda_r_consistency > 0 ? p.samples : 0;
