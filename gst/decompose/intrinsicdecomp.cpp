@@ -41,10 +41,7 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = [] {
       PropertyTable<Params> all = solve_properties<Params>();
-      all.push_back(number<Params>(
-          "tile-tolerance", &Params::tile_tolerance, 0.f, 1.f,
-          "Change of a tile's log shading from frame to frame, rms in natural log units, up to "
-          "which it keeps its layers where its input stays the same; 0 = none does"));
+      all.push_back(tile_tolerance_property<Params>());
       return properties<Params>(kSolveSets, all);
     }();
     return table;

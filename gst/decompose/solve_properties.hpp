@@ -117,6 +117,14 @@ PropertyTable<P> solve_properties() {
   };
 }
 
+/// That of decomposers that tell the solve what has changed.
+template <typename P>
+Property<P> tile_tolerance_property() {
+  return number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+                   "Change of a tile's log shading from frame to frame, rms in natural log units, "
+                   "up to which it keeps its layers where its input stays the same; 0 = none does");
+}
+
 /// What of those `quality` stands for.
 inline constexpr const char* kSolveSets =
     "Sets half-resolution, quarter-resolution, cycles, warm-cycles, settled and still-tolerance as "
