@@ -50,12 +50,23 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
   }
 
   uint64_t decompose(FrameWork& frame) override {
-    frame.layers = method_->record(frame.commands, frame.layers[Role::input], in_force(frame),
+    Params params = in_force(frame);
+    // As intrinsicdecomp: a picture that rests settles everywhere.
+    if (frame.repeated && repeated_) params.tile_tolerance = 0;
+    repeated_ = frame.repeated;
+    frame.layers = method_->record(frame.commands, frame.layers[Role::input], params,
                                    {frame.fresh, !frame.draw || shows_layer_, frame.changed});
+    frame.drawn = method_->drawn();
     return method_->recorded() - 1;
   }
 
+  // A frame whose light was found before says nothing of others.
+  bool typical(uint64_t number) const override {
+    return SolvingDecomposer::typical(number) && !method_->stats(number).held;
+  }
+
  private:
+  bool repeated_ = false;  // the last frame that was decomposed
   bool shows_layer_ = false;
 
   static const PropertyTable<Params>& table() {
@@ -63,6 +74,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
       PropertyTable<Params> all = light_properties();
       const auto solve = solve_properties<Params>();
       all.insert(all.end(), solve.begin(), solve.end());
+      all.push_back(tile_tolerance_property<Params>());
       return properties<Params>(kSolveSets, all, Makes::global);
     }();
     return table;

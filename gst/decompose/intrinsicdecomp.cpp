@@ -41,12 +41,7 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = [] {
       PropertyTable<Params> all = solve_properties<Params>();
-      all.push_back(number<Params>(
-          "tile-tolerance", &Params::tile_tolerance, 0.f, 1.f,
-          "What a tile whose input stays the same may lack, rms in natural log units of shading, "
-          "of what frames that left it out would have changed, before one works on it again; all "
-          "are worked on every 32 frames, which keeps reflectance and shading within .04 rms of "
-          "those of adaptive=false. 0 = none is left out"));
+      all.push_back(tile_tolerance_property<Params>());
       return properties<Params>(kSolveSets, all);
     }();
     return table;

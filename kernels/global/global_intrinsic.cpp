@@ -7,7 +7,7 @@
 
 #include "../gpu/reduce.hpp"
 #include "../gpu/shaders.hpp"
-#include "../intrinsic/quads.hpp"
+#include "global_model.hpp"
 
 INVERSE_SHADER(global_amount);
 INVERSE_SHADER(global_believe);
@@ -29,23 +29,20 @@ INVERSE_SHADER(global_weigh);
 INVERSE_SHADER(global_white);
 
 namespace inverse {
+
+using namespace global_model;
+
 namespace {
 
-// model.glsl
-constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneAmount = 0,
-                   kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 24;
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
-constexpr uint64_t kUsable = 16 * kSceneTint + 8;          // bytes into the scene's buffer
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
 /// Frames in a row without color to go by after which that alone is looked at.
 constexpr uint32_t kRest = 8;
-
-// Of candidate amounts: the least, and each to the one before.
-constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
-constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
-// How residuals of chroma are believed (residual.glsl), and smoothed (fit.comp).
-constexpr float kTrust = 0.35F, kTrustTint = 0.7F, kEdge = 0.01F, kWindow = 0.05F;
-constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
+/// Frames in a row, each with at most this share of its tiles changed, after which the scene's
+/// light is held; and for how many, or until how many tiles have changed in that time. After that
+/// it is looked at for some frames.
+constexpr uint32_t kCalm = 12, kHeld = 64, kLook = 4;
+constexpr float kMostChanged = 0.25F, kMostSeen = 0.4F;
 
 Extent reduced(Extent extent, uint32_t factor) {
   return {(extent.width + factor - 1) / factor, (extent.height + factor - 1) / factor};
@@ -85,11 +82,18 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
 
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
 
-}  // namespace
+/// Invocations for four pixels side by side each.
+gpu::Items fours_of(Extent extent) {
+  return line_of((extent.width + uint64_t{3}) / 4 * extent.height);
+}
 
-struct GlobalIntrinsic::Place {
-  uint32_t size[2], grid[2], coarse[2], factor;
-};
+/// Whether light is found in the same way, whatever work goes into the solve.
+bool same_light(GlobalIntrinsic::Params a, const GlobalIntrinsic::Params& b) {
+  static_cast<ScaledIntrinsic::Params&>(a) = b;
+  return a == b;
+}
+
+}  // namespace
 
 GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
     : device_(std::move(device)),
@@ -108,14 +112,14 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   decide_ = device_->kernel(shaders::global_look, {1, 0}, lanes);
   start_ = device_->kernel(shaders::global_look, {0, 1}, lanes);
   // Where points are eight pixels apart, four aligned ones lie between the same.
-  untint_ = device_->kernel(shaders::global_untint, {factor_ >= 8 ? 1U : 0U});
+  untint_ = {device_, shaders::global_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
   summary_ = device_->kernel(shaders::global_summary, {}, lanes);
   received_kernel_ = device_->kernel(shaders::global_received);
   amount_ = device_->kernel(shaders::global_amount);
   statistics_ = device_->kernel(shaders::global_statistics, {}, lanes);
   fields_kernel_ = device_->kernel(shaders::global_fields);
   believe_ = device_->kernel(shaders::global_believe);
-  direct_ = device_->kernel(shaders::global_direct);
+  direct_ = {device_, shaders::global_direct, {}, 4, 16};
   weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
   modes_ = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
@@ -154,7 +158,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
 void GlobalIntrinsic::reset() {
   solve_.reset();
   frames_ = 0;
-  gray_ = 0;
+  gray_ = calm_ = 0;
 }
 
 GlobalIntrinsic::Place GlobalIntrinsic::place() const {
@@ -164,137 +168,31 @@ GlobalIntrinsic::Place GlobalIntrinsic::place() const {
           factor_};
 }
 
-void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool known) {
-  const Place here = place();
-  const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
-  commands.dispatch(emit_[known ? 1 : 0], {colors_, scene_, labels_, emitted_}, here, coarse);
-  commands.dispatch(summary_, {colors_, labels_, means_}, here, {});
-  const struct {
-    Place place;
-    uint32_t reach;
-  } blur{here, static_cast<uint32_t>(taps_->count() - 1)};
-  commands.dispatch(blur_[0], {emitted_, means_, taps_, blurred_}, blur, all);
-  commands.dispatch(blur_[1], {blurred_, means_, taps_, emitted_}, blur, all);
-  const struct {
-    Place place;
-    float near, own;
-  } received{here, params.near, params.own};
-  commands.dispatch(received_kernel_, {emitted_, means_, received_}, received, all);
-}
-
-void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params) {
-  const struct {
-    Place place;
-    float least, ratio, neutral;
-  } amount{place(), kLeastAmount, kAmountRatio, 1 / (2 * kNeutralWidth * kNeutralWidth)};
-  commands.dispatch(amount_, {colors_, points_, labels_, received_, candidates_}, amount,
-                    line_of(grid_.pixels()));
-  const struct {
-    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, manual;
-  } weigh{std::log(kLeastAmount), std::log(kAmountRatio), params.neutral, std::log(params.typical),
-          params.spread,          params.trust,           params.amount};
-  commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
-}
-
-void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
-  commands.dispatch(tint_, {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_},
-                    place(), line_of(grid_.pixels()));
-  const struct {
-    int32_t count;
-    float gate, residual;
-  } statistics{static_cast<int32_t>(sums_->count()), kGate, params.residual};
-  commands.dispatch(statistics_, {sums_, scene_}, statistics, {});
-}
-
-void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params) {
-  const struct {
-    float smoothing, least_share, same;
-    int32_t most;
-  } modes{params.smoothing, params.least_share, params.same_color, params.base_colors};
-  commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
-}
-
-PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
-                               bool plain) {
-  const struct {
-    Place place;
-    float gauge;
-  } grid{place(), params.gauge.value};
-  const auto make_grid = [&](size_t raw) {
-    commands.dispatch(plain ? plain_grid_ : grid_kernel_[raw],
-                      {frame->buffer, memory_, scene_, colors_, points_}, grid,
-                      line_of(grid_.pixels()));
+GlobalIntrinsic::Tint GlobalIntrinsic::next_tint(const Params& params, const FrameInfo& info) {
+  const bool same = same_light(std::exchange(params_, params), params);
+  const auto forget = [&](uint32_t calm) {
+    calm_ = calm;
+    kept_plain_ = kept_tau_ = kept_light_ = kept_lamp_ = kept_bases_ = nullptr;
+    return Tint::anew;
   };
-  const auto count = static_cast<int32_t>(grid_.pixels());
-  const bool balances = params.white_balance > 0;
-  // Colors were others before.
-  const bool forget = balances != std::exchange(balanced_, balances) || frames_ == 0;
-  if (forget) commands.fill(scene_);
-  // How bright reflectance was is not known where it was not asked for.
-  const bool blind = std::exchange(rested_, plain) && !plain;
-  const struct {
-    int32_t count;
-    float cut, renew;
-    uint32_t first;
-    float none, full;
-  } look{count,           params.cut,
-         params.renew,    forget || blind ? 1U : 0U,
-         params.no_color, params.amount > 0 ? 0 : params.full_color};
-  const auto look_at = [&](const gpu::KernelPtr& kernel) {
-    commands.dispatch(kernel, {colors_, points_, before_, scene_}, look, {});
+  if (!params.adaptive || !same || frames_ == 0 || info.changed.empty()) return forget(0);
+  // Chroma is interpolated: what changed shows a pixel further.
+  const auto& list = changed_[recorded_ % changed_.size()];
+  const auto concerned = spread_tiles(info.changed, list->columns());
+  const auto share_of = [](const std::vector<uint8_t>& tiles) {
+    return static_cast<float>(std::count(tiles.begin(), tiles.end(), 1)) /
+           static_cast<float>(tiles.size());
   };
-  if (!balances) {
-    make_grid(0);
-    look_at(look_);
-    return nullptr;
+  if (share_of(concerned) > kMostChanged) return forget(0);
+  if (++calm_ < kCalm) return forget(calm_);
+  if (calm_ == kCalm) {
+    seen_.assign(concerned.size(), 0);
+    return Tint::kept;
   }
-  make_grid(1);
-  look_at(decide_);
-  PlanePtr lamp = lamps_.acquire();
-  const struct {
-    int32_t count;
-    float share;
-  } white{count, params.white_balance};
-  commands.dispatch(white_, {colors_, scene_, lamp->buffer}, white, {});
-  make_grid(0);
-  look_at(start_);
-  return lamp;
-}
-
-void GlobalIntrinsic::make_taps(const Params& params) {
-  const float sigma = params.reach * static_cast<float>(coarse_.width);
-  const auto reach = static_cast<size_t>(std::ceil(3 * sigma));
-  const auto tap = [&](size_t d) {
-    const auto distance = static_cast<float>(d);
-    return std::exp(-0.5F * distance * distance / (sigma * sigma));
-  };
-  float all = 1;
-  for (size_t d = 1; d <= reach; ++d) all += 2 * tap(d);
-  // A new one: what is in flight still reads the old.
-  taps_ = gpu::Buffer::create(device_, gpu::Element::scalar,
-                              std::max(coarse_.width, coarse_.height), gpu::Memory::upload);
-  for (size_t d = 0; d < taps_->count(); ++d)
-    taps_->map_as<float>()[d] = d > reach ? 0 : tap(d) / all;
-  reach_ = params.reach;
-}
-
-void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
-  const gpu::Items points = line_of(grid_.pixels());
-  const struct {
-    int32_t count;
-    float trust, trust_tint;
-  } believe{static_cast<int32_t>(grid_.pixels()), kTrust, kTrustTint};
-  commands.dispatch(believe_, {points_, tints_, slots_, scene_, labels_, raw_}, believe, points);
-  const struct {
-    uint32_t grid[2];
-    int32_t radius;
-    float edge;
-  } fit{{grid_.width, grid_.height},
-        std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width)))),
-        kEdge};
-  for (size_t pass = 0; pass < 3; ++pass)
-    commands.dispatch(fit_[pass], {raw_, pass == 0 ? raw_ : fits_[pass - 1], fits_[pass]}, fit,
-                      points);
+  for (size_t i = 0; i < seen_.size(); ++i) seen_[i] |= concerned[i];
+  if (calm_ > kCalm + kHeld || share_of(seen_) > kMostSeen) return forget(kCalm - kLook);
+  list->assign(concerned);
+  return Tint::held;
 }
 
 uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
@@ -322,19 +220,6 @@ PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
     commands.fill(white_light_->buffer, std::bit_cast<uint32_t>(1.0F));
   }
   return white_light_;
-}
-
-void GlobalIntrinsic::find_scene(gpu::Commands& commands, const Params& params) {
-  commands.fill(candidates_);
-  commands.fill(counts_);
-  commands.when(scene_, kUsable, [&] {
-    gather(commands, params, false);
-    measure_amount(commands, params);
-    find_tint(commands, params);
-    find_colors(commands, params);
-    find_residual(commands);
-  });
-  commands.stage("scene");
 }
 
 uint32_t GlobalIntrinsic::Report::slots() const {
@@ -365,9 +250,15 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
-  const bool plain = colorless(params);
-  const PlanePtr lamp = look(commands, input, params, plain);
-  commands.stage("grid");
+  const bool was_plain = rested_, plain = colorless(params);
+  if (!changed_[0] && !info.changed.empty())
+    for (auto& list : changed_) list.emplace(device_, extent_, gpu::Memory::upload);
+  mode_ = next_tint(params, plain ? FrameInfo{} : info);
+  PlanePtr lamp = kept_lamp_;
+  if (mode_ != Tint::held) {
+    lamp = look(commands, input, params, plain);
+    commands.stage("grid");
+  }
   Report& report = reports_[recorded_ % reports_.size()];
   if (!report.found)
     report.found =
@@ -376,55 +267,92 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (plain) {
     layers = solve_.record(commands, input, params, {false, info.changed});
     layers[Role::light] = layers[Role::model_light] = white_light(commands);
+    drawn_ = was_plain ? solve_.drawn() : nullptr;
   } else {
     white_light_.reset();
-    find_scene(commands, params);
-    layers = record_light(commands, input, params, info.shares);
+    if (mode_ != Tint::held) find_scene(commands, params);
+    if (mode_ == Tint::kept) kept_lamp_ = lamp;
+    layers = record_light(commands, input, params, info);
     layers[Role::lamp] = lamp;
   }
   commands.copy(scene_, report.found, report.found->bytes());
   report.solve = solve_.recorded() - 1;
-  report.stats = {solve_.stats(report.solve), first, plain};
+  report.stats = {solve_.stats(report.solve), first, plain, mode_ == Tint::held};
   if (plain)
     report.stats.solve.skipped.emplace_back("indirect light: the scene has no color to go by");
+  if (mode_ == Tint::held)
+    report.stats.solve.skipped.emplace_back("scene: little has changed since it was looked at");
   commands.keep(layers[Role::light]);
   ++recorded_;
   ++frames_;
   return layers;
 }
 
-Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& input,
-                                     const Params& params, bool shares) {
-  const Place here = place();
-  const PlanePtr plain = planes_.acquire(), light = planes_.acquire();
+void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
+                                  const Params& params, const PlanePtr& plain,
+                                  const PlanePtr& tau) {
   const struct {
     Place place;
     float gauge, trust, trust_tint;
-  } untint{here, params.gauge.value, kTrust, kTrustTint};
-  commands.dispatch(untint_,
-                    {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
-                     plain->buffer, light->buffer},
-                    untint, {(extent_.width + 3) / 4, extent_.height});
+  } push{place(), params.gauge.value, kTrust, kTrustTint};
+  untint_.dispatch(commands,
+                   mode_ == Tint::held ? &*changed_[recorded_ % changed_.size()] : nullptr,
+                   {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
+                    plain->buffer, tau->buffer},
+                   push, fours_of(extent_));
   commands.stage("untint");
-  const uint32_t planes = shares ? planes_needed(params) : 0;
-  const PlanePtr bases = planes > 0 ? bases_.acquire() : nullptr;
-  if (bases) {
-    if (!fields_)
+}
+
+PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& plain,
+                                        const PlanePtr& tau, const Layers& layers) {
+  // Where light is that of the frame before, so is its direct share but where shading has moved.
+  drawn_ = mode_ == Tint::held ? solve_.drawn() : nullptr;
+  PlanePtr light = mode_ == Tint::anew ? tau : nullptr;
+  if (drawn_ && kept_light_.use_count() == 1) light = kept_light_;
+  if (!light) {
+    light = planes_.acquire();
+    if (drawn_) commands.copy(kept_light_->buffer, light->buffer, light->buffer->bytes());
+  }
+  direct_.dispatch(
+      commands, drawn_,
+      {plain->buffer, layers[Role::intrinsic]->buffer, scene_, tau->buffer, light->buffer, memory_},
+      std::array<uint32_t, 2>{extent_.width, extent_.height}, fours_of(extent_));
+  commands.stage("direct");
+  if (mode_ != Tint::anew) kept_light_ = light;
+  return light;
+}
+
+Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& input,
+                                     const Params& params, const FrameInfo& info) {
+  if (mode_ == Tint::kept) {
+    kept_plain_ = planes_.acquire();
+    kept_tau_ = planes_.acquire();
+  }
+  const PlanePtr plain = mode_ == Tint::anew ? planes_.acquire() : kept_plain_,
+                 tau = mode_ == Tint::anew ? planes_.acquire() : kept_tau_;
+  record_tint(commands, input, params, plain, tau);
+  const uint32_t planes = info.shares ? planes_needed(params) : 0;
+  PlanePtr bases = planes > 0 ? kept_bases_ : nullptr;
+  if (planes > 0 && !bases) {
+    bases = bases_.acquire();
+    if (!fields_) {
       fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
+      known_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * kSlots);
+    }
     gather(commands, params, true);  // of the frame's own base colors
     const struct {
       Place place;
       float near, own;
-    } push{here, params.near, params.own};
-    commands.dispatch(fields_kernel_, {emitted_, means_, received_, scene_, fields_, bases->buffer},
+    } push{place(), params.near, params.own};
+    commands.dispatch(fields_kernel_, {emitted_, means_, known_, scene_, fields_, bases->buffer},
                       push, line_of(coarse_.pixels() * kSlots));
+    if (mode_ != Tint::anew) kept_bases_ = bases;
   }
 
-  Layers layers = solve_.record(commands, plain, params, {false, {}});
-  const PlanePtr& intrinsic = layers[Role::intrinsic];
-  commands.dispatch(direct_, {plain->buffer, intrinsic->buffer, scene_, light->buffer, memory_},
-                    std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(extent_));
-  commands.stage("direct");
+  using Changed = std::span<const uint8_t>;
+  Layers layers = solve_.record(commands, plain, params,
+                                {false, mode_ == Tint::held ? info.changed : Changed{}});
+  const PlanePtr light = record_direct(commands, plain, tau, layers);
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
   if (bases) {
@@ -433,6 +361,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   }
   commands.keep(input);
   commands.keep(plain);
+  commands.keep(tau);
   return layers;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,7 @@ class GlobalIntrinsic {
     ScaledIntrinsic::Stats solve;
     bool first = false;  ///< nothing of an earlier frame was known
     bool plain = false;  ///< there was no color to go by: all was left out but the solve
+    bool held = false;   ///< the scene's light is that of the frame before, but for what changed
   };
   struct Findings {
     ScaledIntrinsic::Findings solve;
@@ -86,6 +88,8 @@ class GlobalIntrinsic {
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
+  /// As ScaledIntrinsic::drawn.
+  const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::fading.
   bool fading() const { return solve_.fading(); }
   /// Forgets the frames so far (flush, discontinuity).
@@ -117,7 +121,18 @@ class GlobalIntrinsic {
   PlanePtr white_light(gpu::Commands& commands);
   /// The frame's layers by what was found of the scene.
   Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                      bool shares);
+                      const FrameInfo& info);
+  /// How a frame gets the color of its light.
+  enum class Tint : uint8_t {
+    anew,  ///< measured
+    kept,  ///< measured, and kept for the next one
+    held,  ///< that of the frame before, but for tiles that changed
+  };
+  Tint next_tint(const Params& params, const FrameInfo& info);
+  void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                   const PlanePtr& plain, const PlanePtr& tau);
+  PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& plain, const PlanePtr& tau,
+                         const Layers& layers);
   /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
   /// this one's.
   void gather(gpu::Commands& commands, const Params& params, bool known);
@@ -136,11 +151,12 @@ class GlobalIntrinsic {
   PlanePool planes_, bases_, lamps_;
   gpu::KernelPtr grid_kernel_[2], plain_grid_, white_, look_, decide_, start_, emit_[2], summary_,
       blur_[2], received_kernel_, amount_, weigh_, tint_, statistics_, modes_, fields_kernel_,
-      believe_, fit_[3], untint_, direct_;
-  gpu::BufferPtr memory_;                                                     // pixels
-  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];  // the grid
-  gpu::BufferPtr emitted_, blurred_, received_, means_, taps_, fields_;       // the coarse grid
-  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;   // chroma
+      believe_, fit_[3];
+  TileKernel untint_, direct_;
+  gpu::BufferPtr memory_;                                                        // pixels
+  gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];     // the grid
+  gpu::BufferPtr emitted_, blurred_, received_, known_, means_, taps_, fields_;  // the coarse grid
+  gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;      // chroma
   gpu::BufferPtr sums_, scene_;
   float reach_ = 0;  // that taps_ are of
   std::array<Report, gpu::kFramesInFlight> reports_;
@@ -150,6 +166,14 @@ class GlobalIntrinsic {
   uint32_t gray_ = 0;    // frames in a row without color to go by, as far as known
   bool rested_ = false;  // the frame before was
   PlanePtr white_light_;
+  // Of video of which little changes.
+  Tint mode_ = Tint::anew;     // of the frame being recorded
+  uint32_t calm_ = 0;          // frames in a row
+  std::vector<uint8_t> seen_;  // tiles that changed since the scene was last looked at
+  std::array<std::optional<TileList>, gpu::kFramesInFlight> changed_;
+  Params params_;  // of the frame before
+  PlanePtr kept_plain_, kept_tau_, kept_light_, kept_lamp_, kept_bases_;
+  const TileList* drawn_ = nullptr;
 };
 
 }  // namespace inverse

@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
+#include "../intrinsic/quad.glsl"
 #include "model.glsl"
 #include "residual.glsl"
 
@@ -17,6 +18,9 @@ PLANE_IN(6, coefficients);  // last pass
 PLANE_IN(7, scene);
 PLANE_OUT(8, plain);
 PLANE_OUT(9, light);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 10
+#include "../intrinsic/tiles.glsl"
 layout(push_constant) uniform Push {
   SIZES
   float gauge, trust, trust_tint;
@@ -29,8 +33,8 @@ const float kLeastTau = 0.02;  // of a channel
 #define BLEND(name) mix(mix(name[0], name[1], u.y), mix(name[2], name[3], u.y), v.y)
 
 void main() {
-  ivec2 first = ivec2(4u * gl_GlobalInvocationID.x, gl_GlobalInvocationID.y);
-  if (first.x >= push.size.x) return;
+  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
+  if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);

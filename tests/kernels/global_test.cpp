@@ -314,6 +314,101 @@ TEST_F(GlobalTest, LightIsGrayWhereItsAmountIsNotKnown) {
   EXPECT_GT(most, 0.03F);
 }
 
+/// A wall of colored tiles.
+Pixels wall(Extent extent) {
+  Pixels frame;
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const uint32_t tile = x / 21 * 5 + y / 17 * 3;
+      const float light = 1 - 0.6F * float(x + y) / float(extent.width + extent.height);
+      for (uint32_t c = 0; c < 3; ++c) frame.push_back(light * float(2 + tile * (c + 2) % 7) / 9);
+      frame.push_back(1);
+    }
+  return frame;
+}
+
+TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
+  const Extent extent{320, 240};
+  constexpr uint32_t kTile = TileList::kTile, kColumns = 320 / kTile, kRows = 240 / kTile;
+  const Pixels still = wall(extent);
+  GlobalIntrinsic some(device, extent), all(device, extent);
+  Pixels before = still;
+  unsigned held = 0, listed = 0, anew_after = 0;
+  uint32_t colors = 0;
+  for (int k = 0; k < 100; ++k) {
+    Pixels frame = still;  // a dark square on its way
+    const uint32_t left = 20 + uint32_t(k < 90 ? 2 * k : 180), top = 100;
+    for (uint32_t y = top; y < top + 24; ++y)
+      for (uint32_t x = left; x < left + 24; ++x)
+        for (size_t c = 0; c < 3; ++c) frame[4 * (y * size_t{extent.width} + x) + c] = 0.1F;
+    std::vector<uint8_t> changed(size_t{kColumns} * kRows);
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < extent.width; ++x)
+        for (size_t c = 0; c < 4; ++c) {
+          const size_t i = 4 * (y * size_t{extent.width} + x) + c;
+          if (frame[i] != before[i]) changed[y / kTile * kColumns + x / kTile] = 1;
+        }
+    before = frame;
+    const bool shares = k % 2 == 0;
+    const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),
+                 want = decompose(all, frame, extent, {}, {false, shares});
+    const auto& stats = some.stats(some.recorded() - 1);
+    EXPECT_FALSE(all.stats(all.recorded() - 1).held);
+    EXPECT_TRUE(k >= 13 || !stats.held) << k;
+    anew_after += held > 0 && !stats.held;
+    held += stats.held;
+    listed += stats.solve.listed;
+    EXPECT_TRUE(stats.held || !some.drawn()) << k;
+    if (!stats.held) colors = got.found.colors;
+    EXPECT_EQ(got.found.colors, colors) << k;
+    double apart = 0, light = 0;
+    for (size_t i = 0; i < frame.size(); ++i) {
+      const size_t pixel = i / 4 * 4;
+      if (i == pixel + 3) continue;
+      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[pixel + 3] * got.light[i], frame[i], 1e-5) << k;
+      ASSERT_GE(got.light[i], got.light[pixel + 3] - 1e-6F);
+      light += std::pow(std::log(got.light[i] / want.light[i]), 2) / double(frame.size());
+      apart += std::pow(got.light[pixel + 3] - want.light[pixel + 3], 2) / double(frame.size());
+    }
+    EXPECT_LT(std::sqrt(light), 0.02) << k;
+    EXPECT_LT(std::sqrt(apart), 0.05) << k;
+    EXPECT_EQ(shares, bool(got.layers[Role::bases]));
+    if (!shares) continue;
+    // Base colors and their shares make up bounced light as well as without.
+    const Pixels first = download(got.layers[indirect_role(0)]->buffer),
+                 expected = download(want.layers[indirect_role(0)]->buffer);
+    double share = 0;
+    for (size_t i = 0; i < first.size(); ++i)
+      share += std::pow(first[i] - expected[i], 2) / double(first.size());
+    EXPECT_LT(std::sqrt(share), 0.05) << k;
+  }
+  EXPECT_GT(held, 70U);
+  EXPECT_GT(listed, 50U);
+  EXPECT_GT(anew_after, 0U) << "the scene is looked at again";
+  // What else the scene becomes concerns everything.
+  GlobalIntrinsic::Params params;
+  params.reach = 0.3F;
+  const std::vector<uint8_t> none(size_t{kColumns} * kRows);
+  decompose(some, before, extent, params, {false, false, none});
+  EXPECT_FALSE(some.stats(some.recorded() - 1).held);
+}
+
+TEST_F(GlobalTest, HeldLightIsWhatItWasWhereNothingChanges) {
+  const Extent extent{150, 100};
+  const Pixels frame = room(extent, 3).frame;
+  const std::vector<uint8_t> none(size_t{10} * 7);
+  GlobalIntrinsic method(device, extent);
+  Pixels tint;
+  for (int k = 0; k < 24; ++k) {
+    const Result got = decompose(method, frame, extent, {}, {false, false, none});
+    EXPECT_EQ(method.stats(method.recorded() - 1).held, k >= 13) << k;
+    Pixels now = got.light;
+    for (size_t i = 3; i < now.size(); i += 4) now[i] = 0;  // the direct share follows shading
+    EXPECT_TRUE(k < 13 || now == tint) << k;
+    tint = now;
+  }
+}
+
 TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
   const Extent extent{90, 70};
   const Pixels gray = colorless(room(extent, 2).frame);

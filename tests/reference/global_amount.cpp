@@ -28,6 +28,26 @@ Moments moments(const AmountCost& cost, double trust, const AmountParams& params
   return {mean, std::max(0.0, second / all - mean * mean)};
 }
 
+/// Shading around every point of the grid, so that its errors average out.
+std::vector<double> shading_around(const Grid& grid) {
+  constexpr double kLeastShading = 1e-4;
+  std::vector<double> out(grid.size());
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      double sum = 0, all = 0;
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, grid.height - 1); ++v)
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, grid.width - 1); ++u) {
+          const double share = std::exp(-double((u - x) * (u - x) + (v - y) * (v - y)));
+          sum += share *
+                 std::log(grid.shading[std::size_t(v) * std::size_t(grid.width) + std::size_t(u)] +
+                          kLeastShading);
+          all += share;
+        }
+      out[std::size_t(y) * std::size_t(grid.width) + std::size_t(x)] = std::exp(sum / all);
+    }
+  return out;
+}
+
 }  // namespace
 
 double candidate(int i) { return kLeastAmount * std::pow(kAmountRatio, i); }
@@ -35,13 +55,14 @@ double candidate(int i) { return kLeastAmount * std::pow(kAmountRatio, i); }
 AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
                        const AmountParams& params) {
   AmountCost cost{};
+  const std::vector<double> shading = shading_around(grid);
   for (int k = 0; k < kCandidates; ++k) {
     ChromaHistogram histogram(64, 0.08);
     double neutral = 0, all = 1e-9;
     for (std::size_t i = 0; i < grid.size(); ++i) {
       Vec3 light = received[i];
       for (double& v : light) v *= candidate(k);
-      const Chroma left = grid.chroma[i] - tint_of(grid.shading[i], light);
+      const Chroma left = grid.chroma[i] - tint_of(shading[i], light);
       histogram.add(left, grid.weight[i]);
       neutral += grid.weight[i] *
                  std::exp(-norm2(left) / (2 * params.neutral_width * params.neutral_width));
