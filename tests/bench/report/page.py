@@ -58,7 +58,7 @@ def why_medium(stills, videos, has, regimes):
             "default, does not lie on the front above. ")
     if has.get("fronts"):
         text += ("It lies on the fronts of what LMSE of soft, single frames does not show:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
-                 "objects by run time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
+                 "objects against time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
     return text + (f"What it buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
                    f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
                    f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" +

@@ -10,34 +10,34 @@ from labels import BELOW, Labels
 TIME = "wall_ms"
 
 
-def ladder_panel(ax, points, error, ylabel, front_of=None):
+def ladder_panel(ax, points, error, ylabel, time, front_of=None):
     """Curves of the ladders with presets; the front is that of `front_of` alone, if given."""
-    points = plots.usable(points, error, TIME)
-    plots.finish_axes(ax, *plots.extent(points, error, TIME), plots.TIME_NAMES[TIME], ylabel)
+    points = plots.usable(points, error, time)
+    plots.finish_axes(ax, *plots.extent(points, error, time), plots.TIME_NAMES[time], ylabel)
     labels = Labels(ax)
     for method in dict.fromkeys(p["method"] for p in points):
-        plots.draw_curve(ax, sorted((p for p in points if p["method"] == method), key=lambda p: p["order"]), error, TIME, labels)
-    plots.mark_front(ax, [p for p in points if front_of in (None, p["method"])], error, TIME, labels)
+        plots.draw_curve(ax, sorted((p for p in points if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
+    plots.mark_front(ax, [p for p in points if front_of in (None, p["method"])], error, time, labels)
     for p in points:
         if p["preset"]:
             color, _ = plots.style(p["method"])
-            ax.plot(p[TIME][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
-            labels.put(p[TIME][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["preset"] == "medium" else "normal")
-    plots.name_curves(points, error, TIME, labels)
+            ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
+            labels.put(p[time][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["preset"] == "medium" else "normal")
+    plots.name_curves(points, error, time, labels)
 
 
-def fronts(videos, regimes, folder):
+def fronts(videos, regimes, time, folder):
     """What presets buy that LMSE of single stills does not show."""
     ours = ("intrinsicdecomp", "globalintrinsic")
     panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
     for regime, heading in (("hard shadow", "Hard shadows"), ("MIT objects", "Real objects (MIT)")):
         panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "ladder"], "lmse20", plots.LMSE))
-    panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], TIME)) > 2]
+    panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], time)) > 2]
     if not panels:
         return False
     figure, axes = plt.subplots(1, len(panels), squeeze=False, figsize=(4.9 * len(panels), 4.3))
     for ax, (heading, points, error, ylabel) in zip(axes.flat, panels):
-        ladder_panel(ax, points, error, ylabel, "intrinsicdecomp")
+        ladder_panel(ax, points, error, ylabel, time, "intrinsicdecomp")
         ax.set_title(heading)
     figure.tight_layout()
     plots.save(figure, folder, "fronts")
