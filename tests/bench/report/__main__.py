@@ -86,7 +86,7 @@ def draw(results, folder, work):
             "adaptivity": lambda: plots.adaptivity(left_out, clock, folder),
             "regimes": lambda: plots.regimes(results["summary"]["regimes"], folder),
             "fronts": lambda: plots_light.fronts(results["summary"]["videos"], results["summary"]["regimes"], clock, folder),
-            "light": lambda: plots_light.work_precision(light.chosen(results)[0], results["device"], folder),
+            "light": lambda: plots_light.work_precision(light.chosen(results)[0], results["device"], clock, folder),
             "colors": lambda: plots_light.colors(results.get("by_colors") or kept.get("by_colors") or [], folder),
             "background": lambda: bool(held) and plots_light.background(held, folder),
             "knobs": lambda: plots.knobs(own, clock, folder),

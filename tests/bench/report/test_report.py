@@ -131,6 +131,11 @@ class Light(unittest.TestCase):
                     "processor_ms": k} for k in (4, 8)]
         self.assertIn("| `globalintrinsicthesis` | 8 | 8 | 228 | 16 |", light.by_colors(light.of_lines(entries)))
 
+    def test_frames_beside_background_work_are_compared_with_those_without(self):
+        text = light.held_up({"times_ms": {"alone": [10, 20, 30], "refining": [40, 30, 20, 20], "correcting": []}})
+        self.assertIn("1.25 times as long while base colors are refined (1 of 4 frames", text)
+        self.assertNotIn("decided", text)
+
     def test_kept_rows_serve_where_the_thesis_was_not_measured(self):
         brief = [r for r in self.rows() if r["method"] == "intrinsicdecomp"]
         rows, kept = light.chosen({"rows": brief, "kept": {"rows": self.rows(), "commit": "x"}})
