@@ -54,15 +54,16 @@ def why_medium(stills, videos, has, regimes):
     wanted = [low, medium, low_video, medium_video]
     if not all(wanted) or None in (low["to_converged"], medium["to_converged"], low_video["flicker"], medium_video["flicker"]):
         return ""
+    if medium["lmse20"] <= low["lmse20"] or medium_video["flicker"] >= low_video["flicker"]:
+        return ""  # then the front above says it
     text = (f"\nBy LMSE of these few scenes alone `low` would do ({low['lmse20']:.4f} against {medium['lmse20']:.4f} on stills): `medium`, the "
             "default, does not lie on the front above. ")
     if has.get("fronts"):
-        text += ("It lies on the fronts of what LMSE of soft, single frames does not show:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
+        text += ("What that error of soft, single frames does not show is here:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
                  "objects against time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
-    return text + (f"What it buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
+    return text + (f"What `medium` buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
                    f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
-                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" +
-                   (sharper(regimes) or ", which real objects (MIT) and hard shadows show (by regime, below)") + ".\n")
+                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" + sharper(regimes) + ".\n")
 
 
 def sharper(regimes):
