@@ -201,7 +201,7 @@ def times_faster(found):
 
 
 def by_parts(entries, ratio_name, where):
-    """Ratios of times, a row for each scene, a column for each part that is left out alone."""
+    """Ratios of times, a row for each scene of which parts were measured, a column for each part that is left out alone."""
     settings = [s for s in dict.fromkeys(e["setting"].removeprefix("adaptive=") for e in entries) if s != "on"]
     if not settings:
         return ""
@@ -209,7 +209,8 @@ def by_parts(entries, ratio_name, where):
     for e in entries:
         rows.setdefault(where(e), {})[e["setting"].removeprefix("adaptive=")] = e.get(ratio_name)
     return table(["processor time"] + ["all"] + settings,
-                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings] for name, of in rows.items()])
+                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings]
+                  for name, of in rows.items() if len(of) > 1])
 
 
 def through_elements(entries):

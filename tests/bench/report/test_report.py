@@ -89,6 +89,8 @@ class ThroughElements(unittest.TestCase):
         self.assertEqual(tables.times_faster(found[1]["processor_ratio"]), "2.0×")
         text = tables.by_parts(found, "processor_ratio", tables.left_out_where)
         self.assertIn("| ball, 640×480, element | .10 | .50 |", text)
+        whole = {**found[0], "scene": "noise"}
+        self.assertNotIn("noise", tables.by_parts(found + [whole], "processor_ratio", tables.left_out_where))
         self.assertEqual(tables.by_parts(found[:1], "processor_ratio", tables.left_out_where), "")
 
 
