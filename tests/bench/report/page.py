@@ -3,7 +3,7 @@ import ablations
 import light
 import summary
 from tables import (adaptivity, all_elements, by_device, by_parts, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, headline,
-                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, through_elements, videos, without, without_on_videos)
+                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, parts_of_elements, through_elements, videos, without, without_on_videos)
 
 
 def terms(results):
@@ -88,9 +88,10 @@ def leaving_out(results, has):
         out.append("Whole `intrinsicdecomp` elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second): a frame "
                    "that comes again, a ball that moves over a still picture (a tenth of the width), the same picture under a camera's noise (every "
                    "pixel changes in every frame), the clip (light moves everywhere). In bold: three times or more.\n\n" + through_elements(whole))
-        parts = by_parts(whole, "processor_ratio", left_out_where) or by_parts(kept, "processor_ratio", left_out_where)
+        parts = parts_of_elements(whole) or parts_of_elements(kept)
         if parts:
-            out.append("Each property alone, all others 0, processor time in relation to `adaptive=false`:\n\n" + parts)
+            out.append("Each property alone (all others 0), and all but it, processor time in relation to `adaptive=false`. Parts lean on each other: "
+                       "a tile leaves the solve once its edges are no longer decided anew and its cycles have settled.\n\n" + parts)
     out.append("The kernels alone at 320×240, videos of 48 frames (the project's own are played to and fro; errors are those of the last ten):\n\n" +
                adaptivity(entries))
     parts = by_parts([e for e in entries if e["processor_ratio"]], "processor_ratio", left_out_where)

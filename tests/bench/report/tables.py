@@ -213,6 +213,24 @@ def by_parts(entries, ratio_name, where):
                   for name, of in rows.items() if len(of) > 1])
 
 
+def parts_of_elements(entries):
+    """Ratios of processor time, a row for each part, a column for each scene: the part alone / all but it."""
+    rows, scenes = {}, {}
+    for e in entries:
+        part, slot = e["setting"].removeprefix("all but "), e["setting"].startswith("all but ")
+        if part != "on" and e["processor_ratio"]:
+            scenes[left_out_where(e)] = None
+            rows.setdefault(part, {}).setdefault(left_out_where(e), [None, None])[slot] = e["processor_ratio"][1]
+    whole = {left_out_where(e): e["processor_ratio"][1] for e in entries if e["setting"] == "on" and e["processor_ratio"]}
+    if not rows:
+        return ""
+    out = [["all"] + [figure(whole.get(s), 2) for s in scenes]]
+    for part, of in rows.items():
+        cells = [of.get(s) or [None, None] for s in scenes]
+        out.append([part] + [figure(alone, 2) + (f" / {figure(others, 2)}" if others is not None else "") for alone, others in cells])
+    return table(["alone / all but it"] + list(scenes), out)
+
+
 def through_elements(entries):
     rows = []
     for e in (e for e in entries if e["setting"] == "on"):

@@ -89,6 +89,9 @@ class ThroughElements(unittest.TestCase):
         self.assertEqual(tables.times_faster(found[1]["processor_ratio"]), "2.0×")
         text = tables.by_parts(found, "processor_ratio", tables.left_out_where)
         self.assertIn("| ball, 640×480, element | .10 | .50 |", text)
+        rest = {**found[1], "setting": "all but tiles", "processor_ratio": [0.2, 0.25, 0.3]}
+        self.assertIn("| tiles | .50 / .25 |", tables.parts_of_elements(found + [rest]))
+        self.assertEqual(tables.parts_of_elements(found[:1]), "")
         whole = {**found[0], "scene": "noise"}
         self.assertNotIn("noise", tables.by_parts(found + [whole], "processor_ratio", tables.left_out_where))
         self.assertEqual(tables.by_parts(found[:1], "processor_ratio", tables.left_out_where), "")
