@@ -19,17 +19,17 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
 /// The ladder of intrinsicdecomp (docs/measurements.md, Live trade).
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
-      {{0.36, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
-       {0.48, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
-       {0.55, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
-       {0.60, intrinsic_level<1, 4, 2, 0.05F, 0.01F>},
-       {0.68, intrinsic_level<1, 8, 4, 0.05F, 0.003F>},
-       {0.90, intrinsic_level<0, 4, 2, 0.1F, 0.01F>},
+      {{0.37, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
+       {0.46, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
+       {0.52, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
+       {0.53, intrinsic_level<1, 4, 2, 0.05F, 0.01F>},
+       {0.61, intrinsic_level<1, 8, 4, 0.05F, 0.003F>},
+       {0.98, intrinsic_level<0, 4, 2, 0.1F, 0.01F>},
        {1.00, intrinsic_level<0, 4, 2, 0.05F, 0.01F>},
-       {1.16, intrinsic_level<0, 8, 4, 0.05F, 0.01F>},
-       {1.24, intrinsic_level<0, 8, 4, 0.05F, 0.003F>},
-       {1.53, intrinsic_level<0, 12, 8, 0.05F, 0.001F>},
-       {2.93, intrinsic_level<0, 24, 24, 0.05F, 1e-4F>}},
+       {1.26, intrinsic_level<0, 8, 4, 0.05F, 0.01F>},
+       {1.27, intrinsic_level<0, 8, 4, 0.05F, 0.003F>},
+       {1.48, intrinsic_level<0, 12, 8, 0.05F, 0.001F>},
+       {2.42, intrinsic_level<0, 24, 24, 0.05F, 1e-4F>}},
       {3, 6, 8, 10}};
   return ladder;
 }

@@ -4,8 +4,8 @@
 //
 // usage: adaptive-bench [--clip FILE] [--size 640x480] [--frames N] [--parts] [--brief] [--json
 // FILE]
-// With --parts each property that leaves something out is measured alone as well; with --brief only
-// scenes in which much can be left out.
+// With --parts each property that leaves something out is measured alone as well, and, where much
+// can be left out, all but it; with --brief only such scenes are shown.
 #include <gst/check/gstharness.h>
 
 #include <cstdio>
@@ -33,6 +33,7 @@ struct Size {
 
 struct Setting {
   std::string name, line;
+  bool everywhere = true;  ///< is measured in all scenes; else only where much can be left out
 };
 
 /// An element that is being measured.
@@ -53,7 +54,9 @@ std::vector<Setting> settings(bool parts) {
     std::string line = "intrinsicdecomp";
     for (const auto& [other, property] : named)
       if (property != kept) line += std::string(" ") + property + "=0";
-    all.push_back({name, line});
+    all.push_back({name, line, true});
+    all.push_back(
+        {std::string("all but ") + name, std::string("intrinsicdecomp ") + kept + "=0", false});
   }
   return all;
 }
@@ -99,7 +102,8 @@ std::string list(const std::vector<double>& values) {
 
 /// Rows of JSON, one for each setting.
 std::string measure(const Scene& scene, Size size, const std::string& caps, int frames,
-                    const std::vector<GstBuffer*>& clip, const std::vector<Setting>& all) {
+                    const std::vector<GstBuffer*>& clip, std::vector<Setting> all) {
+  if (!scene.brief) std::erase_if(all, [](const Setting& s) { return !s.everywhere; });
   std::vector<Run> runs;
   for (const Setting& setting : all) {
     GstHarness* harness = gst_harness_new_parse(setting.line.c_str());

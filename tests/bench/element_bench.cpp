@@ -84,8 +84,10 @@ void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& 
     guint64 bytes = 0;
     if (gst_structure_get_uint64(stats, "device-bytes-peak", &bytes))
       figures.device_bytes = static_cast<double>(bytes);
-    if (!gst_structure_get_int(stats, "indirect-layers", &figures.layers))
-      gst_structure_get_int(stats, "colors", &figures.layers);
+    guint colors = 0;
+    if (!gst_structure_get_int(stats, "indirect-layers", &figures.layers) &&
+        gst_structure_get_uint(stats, "colors", &colors))
+      figures.layers = static_cast<int>(colors);
     gst_structure_free(stats);
   }
   figures.host_bytes = std::max(figures.host_bytes, resident() - before);

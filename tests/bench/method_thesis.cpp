@@ -106,9 +106,9 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
     const bool odd = (!*preset || irls == 16) && irls != base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,
-        odd                            ? Effort::full
-        : irls == base.irls_iterations ? Effort::brief
-                                       : Effort::usual,
+        odd                                   ? Effort::full
+        : irls == base.irls_iterations && pcg ? Effort::brief
+                                              : Effort::usual,
         preset);
   }
   for (const int levels : {1, 2, 3, 4, 5}) {

@@ -307,7 +307,7 @@ class Bench {
     const bool colored = !truth.direct.empty();
     const Image shading = colored ? colored_shading(d) : d.shading;
     const Image true_shading = colored ? sum(truth.direct, truth.indirect) : truth.shading;
-    if (row.scene->video) {
+    if (row.scene->video || !colored) {
       const auto error = colored ? color_lmse : lmse;
       note("lmse20_R", error(d.reflectance, truth.reflectance, truth.mask, 20));
       note("lmse20_S", error(shading, true_shading, truth.mask, 20));

@@ -1,5 +1,7 @@
 """The report's sections on methods that know of bounced light: errors of paint and of layers of light, base colors and
 clicks, what each base color costs, and whether frames wait for what is decided beside them."""
+import statistics
+
 import summary
 from tables import figure, table, time
 
@@ -163,6 +165,21 @@ def background(found):
     return table(["under way", "frames", "median ms", "95 %", "longest"], rows)
 
 
+def held_up(found):
+    """How much longer frames are with something under way, in words."""
+    alone = sorted(found["times_ms"].get("alone") or [])
+    if not alone:
+        return ""
+    middle, most = statistics.median(alone), alone[-1]
+    parts = []
+    for name, what in (("refining", "while base colors are refined"), ("correcting", "while a region's color is decided")):
+        times = found["times_ms"].get(name)
+        if times:
+            above = sum(t > most for t in times)
+            parts.append(f"{statistics.median(times) / middle:.2f} times as long {what} ({above} of {len(times)} frames longer than the longest without)")
+    return "\nThe median frame takes " + ", ".join(parts) + ".\n" if parts else ""
+
+
 def costs(results, has):
     """The section on base colors' costs and on frames that do not wait; empty without figures."""
     kept = results.get("kept") or {}
@@ -182,6 +199,7 @@ def costs(results, has):
         if has.get("background"):
             out.append("![Frame times](background.png)\n")
         at = f"{held['width']}×{held['height']}"
-        out.append(f"**No frame waits** for refinement or correction of `globalintrinsicthesis`: frames of the clip at {at}, blocks of each kind "
-                   f"in turn, {held['refinements']} refinements and {held['decisions']} regions decided meanwhile.\n\n" + background(held))
+        out.append(f"Frames of `globalintrinsicthesis` while base colors are refined and while the color of a marked region is decided, which "
+                   f"is meant to go on beside them: frames of the clip at {held['width']}×{held['height']}, blocks of each kind in turn, "
+                   f"{held['refinements']} refinements and {held['decisions']} regions decided meanwhile.\n\n" + background(held) + held_up(held))
     return "\n".join(out)

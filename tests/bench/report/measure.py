@@ -142,7 +142,7 @@ def element_parts(full):
                 "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
         parts["background"].append(("background", "background-bench", ["--frames", "45", "--json"]))
         for size, more in (("640x480", ["--parts"]), ("1280x720", [])):
-            parts["still"].append((f"adaptive {size}", "adaptive-bench", ["--size", size, "--frames", "48", *more, "--json"]))
+            parts["still"].append((f"adaptive {size}", "adaptive-bench", ["--size", size, "--frames", "44", *more, "--json"]))
     else:
         parts["still"].append(("adaptive 640x480", "adaptive-bench", ["--size", "640x480", "--frames", "40", "--brief", "--json"]))
     return parts
@@ -214,7 +214,7 @@ def weights(full):
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
             "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
             "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
-            "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive 640x480": 55, "adaptive 1280x720": 30,
+            "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive 640x480": 65, "adaptive 1280x720": 30,
             "background": 50}
     return long if full else short
 

@@ -3,7 +3,7 @@ import ablations
 import light
 import summary
 from tables import (adaptivity, all_elements, by_device, by_parts, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, headline,
-                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, through_elements, videos, without, without_on_videos)
+                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, parts_of_elements, through_elements, videos, without, without_on_videos)
 
 
 def terms(results):
@@ -54,15 +54,16 @@ def why_medium(stills, videos, has, regimes):
     wanted = [low, medium, low_video, medium_video]
     if not all(wanted) or None in (low["to_converged"], medium["to_converged"], low_video["flicker"], medium_video["flicker"]):
         return ""
+    if medium["lmse20"] <= low["lmse20"] or medium_video["flicker"] >= low_video["flicker"]:
+        return ""  # then the front above says it
     text = (f"\nBy LMSE of these few scenes alone `low` would do ({low['lmse20']:.4f} against {medium['lmse20']:.4f} on stills): `medium`, the "
             "default, does not lie on the front above. ")
     if has.get("fronts"):
-        text += ("It lies on the fronts of what LMSE of soft, single frames does not show:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
-                 "objects by run time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
-    return text + (f"What it buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
+        text += ("What that error of soft, single frames does not show is here:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
+                 "objects against time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
+    return text + (f"What `medium` buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
                    f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
-                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" +
-                   (sharper(regimes) or ", which real objects (MIT) and hard shadows show (by regime, below)") + ".\n")
+                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" + sharper(regimes) + ".\n")
 
 
 def sharper(regimes):
@@ -87,9 +88,10 @@ def leaving_out(results, has):
         out.append("Whole `intrinsicdecomp` elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second): a frame "
                    "that comes again, a ball that moves over a still picture (a tenth of the width), the same picture under a camera's noise (every "
                    "pixel changes in every frame), the clip (light moves everywhere). In bold: three times or more.\n\n" + through_elements(whole))
-        parts = by_parts(whole, "processor_ratio", left_out_where) or by_parts(kept, "processor_ratio", left_out_where)
+        parts = parts_of_elements(whole) or parts_of_elements(kept)
         if parts:
-            out.append("Each property alone, all others 0, processor time in relation to `adaptive=false`:\n\n" + parts)
+            out.append("Each property alone (all others 0), and all but it, processor time in relation to `adaptive=false`. Parts lean on each other: "
+                       "a tile leaves the solve once its edges are no longer decided anew and its cycles have settled.\n\n" + parts)
     out.append("The kernels alone at 320×240, videos of 48 frames (the project's own are played to and fro; errors are those of the last ten):\n\n" +
                adaptivity(entries))
     parts = by_parts([e for e in entries if e["processor_ratio"]], "processor_ratio", left_out_where)

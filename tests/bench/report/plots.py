@@ -271,7 +271,7 @@ def adaptivity(entries, clock, folder):
         color = "#0072B2" if high < 1 else "#D55E00" if low > 1 else FAINT
         ax.plot([low, high], [k, k], color=color, linewidth=4, alpha=0.35, solid_capstyle="butt")
         ax.plot(middle, k, "o", color=color, markersize=6)
-        ax.annotate(f"{1 / middle:.2f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
+        ax.annotate(f"{1 / middle:.{2 if middle > 0.1 else 0}f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
                     textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
     ax.axvline(1, color=INK, linewidth=0.8)
     ax.set_yticks(range(len(entries)), [tables.left_out_where(e) for e in entries])

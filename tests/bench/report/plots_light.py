@@ -7,44 +7,42 @@ import plots
 import summary
 from labels import BELOW, Labels
 
-TIME = "wall_ms"
 
-
-def ladder_panel(ax, points, error, ylabel, front_of=None):
+def ladder_panel(ax, points, error, ylabel, time, front_of=None):
     """Curves of the ladders with presets; the front is that of `front_of` alone, if given."""
-    points = plots.usable(points, error, TIME)
-    plots.finish_axes(ax, *plots.extent(points, error, TIME), plots.TIME_NAMES[TIME], ylabel)
+    points = plots.usable(points, error, time)
+    plots.finish_axes(ax, *plots.extent(points, error, time), plots.TIME_NAMES[time], ylabel)
     labels = Labels(ax)
     for method in dict.fromkeys(p["method"] for p in points):
-        plots.draw_curve(ax, sorted((p for p in points if p["method"] == method), key=lambda p: p["order"]), error, TIME, labels)
-    plots.mark_front(ax, [p for p in points if front_of in (None, p["method"])], error, TIME, labels)
+        plots.draw_curve(ax, sorted((p for p in points if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
+    plots.mark_front(ax, [p for p in points if front_of in (None, p["method"])], error, time, labels)
     for p in points:
         if p["preset"]:
             color, _ = plots.style(p["method"])
-            ax.plot(p[TIME][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
-            labels.put(p[TIME][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["preset"] == "medium" else "normal")
-    plots.name_curves(points, error, TIME, labels)
+            ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
+            labels.put(p[time][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["preset"] == "medium" else "normal")
+    plots.name_curves(points, error, time, labels)
 
 
-def fronts(videos, regimes, folder):
+def fronts(videos, regimes, time, folder):
     """What presets buy that LMSE of single stills does not show."""
     ours = ("intrinsicdecomp", "globalintrinsic")
     panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
     for regime, heading in (("hard shadow", "Hard shadows"), ("MIT objects", "Real objects (MIT)")):
         panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "ladder"], "lmse20", plots.LMSE))
-    panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], TIME)) > 2]
+    panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], time)) > 2]
     if not panels:
         return False
     figure, axes = plt.subplots(1, len(panels), squeeze=False, figsize=(4.9 * len(panels), 4.3))
     for ax, (heading, points, error, ylabel) in zip(axes.flat, panels):
-        ladder_panel(ax, points, error, ylabel, "intrinsicdecomp")
+        ladder_panel(ax, points, error, ylabel, time, "intrinsicdecomp")
         ax.set_title(heading)
     figure.tight_layout()
     plots.save(figure, folder, "fronts")
     return True
 
 
-def work_precision(rows, device, folder):
+def work_precision(rows, device, time, folder):
     """Methods that know of bounced light, on the scenes whose direct and bounced light are known."""
     some = [r for r in rows if r["method"] in (light.THESIS, "globalintrinsic", "intrinsicdecomp", "guessed indirect light")
             and r["curve"] in ("ladder", "guess")]
@@ -53,22 +51,22 @@ def work_precision(rows, device, folder):
         return False
     figure, axes = plt.subplots(1, 2, figsize=(10.5, 4.6))
     for ax, (error, heading) in zip(axes, (("lmse20_R", "Reflectance, in color"), ("ind", "Indirect light"))):
-        here = plots.usable(points, error, TIME)
-        plots.finish_axes(ax, *plots.extent(here, error, TIME), plots.TIME_NAMES[TIME],
+        here = plots.usable(points, error, time)
+        plots.finish_axes(ax, *plots.extent(here, error, time), plots.TIME_NAMES[time],
                           plots.LMSE if error == "lmse20_R" else "squared error relative to the truth, own scale")
         labels = Labels(ax)
         ladders = [p for p in here if p["curve"] == "ladder"]
         for method in dict.fromkeys(p["method"] for p in ladders):
-            plots.draw_curve(ax, sorted((p for p in ladders if p["method"] == method), key=lambda p: p["order"]), error, TIME, labels)
+            plots.draw_curve(ax, sorted((p for p in ladders if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
         for p in here:
             if p["curve"] == "guess":
-                ax.plot(p[TIME][1], p[error], "*", color=plots.FAINT, markersize=9)
-                labels.put(p[TIME][1], p[error], p["setting"], plots.FAINT, size=7.5)
+                ax.plot(p[time][1], p[error], "*", color=plots.FAINT, markersize=9)
+                labels.put(p[time][1], p[error], p["setting"], plots.FAINT, size=7.5)
             elif p["preset"]:
                 color, _ = plots.style(p["method"])
-                ax.plot(p[TIME][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
-                labels.put(p[TIME][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["base"] else "normal")
-        plots.name_curves(ladders, error, TIME, labels)
+                ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
+                labels.put(p[time][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["base"] else "normal")
+        plots.name_curves(ladders, error, time, labels)
         ax.set_title(heading)
     figure.tight_layout()
     plots.save(figure, folder, "light")
@@ -84,11 +82,11 @@ def colors(entries, folder):
     styles = {"globalintrinsicthesis": light.THESIS, "globalintrinsic with layers of light": "globalintrinsic"}
     for ax, (field, ylabel) in zip(axes, (("device_bytes_per_pixel", "device bytes a pixel"), ("processor_ms", "processor ms a frame, 320×240"))):
         for name, method in styles.items():
-            line = sorted((e["layers"], e[field]) for e in entries if e["name"] == name)
+            line = sorted((e["colors"], e[field]) for e in entries if e["name"] == name)
             if line:
                 color, marker = plots.style(method)
                 ax.plot(*zip(*line), "-", color=color, marker=marker, label=name)
-        ax.set_xlabel("base colors in the picture")
+        ax.set_xlabel("base colors looked for (K)")
         ax.set_ylabel(ylabel)
         if field == "device_bytes_per_pixel":
             ax.set_ylim(0)
@@ -122,6 +120,7 @@ def background(found, folder):
         ax.annotate(f"{names[name]} ({len(times)} frames)", (0.01, 0.9), xycoords="axes fraction", fontsize=8, va="top", color=hues[name],
                     fontweight="bold")
         ax.set_ylabel("frames")
+        ax.set_ylim(0, 1.35 * ax.get_ylim()[1])
         ax.yaxis.set_major_locator(plots.ticker.MaxNLocator(3, integer=True))
     figure.axes[-1].set_xlabel(f"milliseconds a frame, {found['width']}×{found['height']}, system memory to system memory")
     figure.axes[0].set_xlim(0, edges[-1])

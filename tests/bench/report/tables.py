@@ -201,7 +201,7 @@ def times_faster(found):
 
 
 def by_parts(entries, ratio_name, where):
-    """Ratios of times, a row for each scene, a column for each part that is left out alone."""
+    """Ratios of times, a row for each scene of which parts were measured, a column for each part that is left out alone."""
     settings = [s for s in dict.fromkeys(e["setting"].removeprefix("adaptive=") for e in entries) if s != "on"]
     if not settings:
         return ""
@@ -209,7 +209,26 @@ def by_parts(entries, ratio_name, where):
     for e in entries:
         rows.setdefault(where(e), {})[e["setting"].removeprefix("adaptive=")] = e.get(ratio_name)
     return table(["processor time"] + ["all"] + settings,
-                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings] for name, of in rows.items()])
+                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings]
+                  for name, of in rows.items() if len(of) > 1])
+
+
+def parts_of_elements(entries):
+    """Ratios of processor time, a row for each part, a column for each scene: the part alone / all but it."""
+    rows, scenes = {}, {}
+    for e in entries:
+        part, slot = e["setting"].removeprefix("all but "), e["setting"].startswith("all but ")
+        if part != "on" and e["processor_ratio"]:
+            scenes[left_out_where(e)] = None
+            rows.setdefault(part, {}).setdefault(left_out_where(e), [None, None])[slot] = e["processor_ratio"][1]
+    whole = {left_out_where(e): e["processor_ratio"][1] for e in entries if e["setting"] == "on" and e["processor_ratio"]}
+    if not rows:
+        return ""
+    out = [["all"] + [figure(whole.get(s), 2) for s in scenes]]
+    for part, of in rows.items():
+        cells = [of.get(s) or [None, None] for s in scenes]
+        out.append([part] + [figure(alone, 2) + (f" / {figure(others, 2)}" if others is not None else "") for alone, others in cells])
+    return table(["alone / all but it"] + list(scenes), out)
 
 
 def through_elements(entries):

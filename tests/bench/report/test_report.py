@@ -9,6 +9,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import ablations
 import against
 import intervals
+import light
 import summary
 import tables
 
@@ -73,6 +74,79 @@ class Summary(unittest.TestCase):
         entry, = summary.adaptivity([off, on])
         self.assertEqual(entry["wall_ratio"][1], 0.5)
         self.assertAlmostEqual(entry["lmse20_added"], 0.1)
+
+
+class ThroughElements(unittest.TestCase):
+    def test_ratios_are_of_the_same_scene_and_size(self):
+        def sample(setting, times, width=640):
+            return {"scene": "ball", "width": width, "height": 480, "frames": 3, "setting": setting, "wall_ms": times, "processor_ms": times}
+        rows = [sample("off", [10, 20, 30]), sample("on", [1, 2, 3]), sample("tiles", [5, 10, 15]), sample("on", [1, 1, 1], 1280)]
+        found = summary.against_off(rows)
+        self.assertEqual([e["setting"] for e in found], ["on", "tiles"])
+        self.assertAlmostEqual(found[0]["processor_ratio"][1], 0.1)
+        self.assertEqual(found[0]["wall_ms"], [20, 2])
+        self.assertEqual(tables.times_faster(found[0]["processor_ratio"]), "**10.0×**")
+        self.assertEqual(tables.times_faster(found[1]["processor_ratio"]), "2.0×")
+        text = tables.by_parts(found, "processor_ratio", tables.left_out_where)
+        self.assertIn("| ball, 640×480, element | .10 | .50 |", text)
+        rest = {**found[1], "setting": "all but tiles", "processor_ratio": [0.2, 0.25, 0.3]}
+        self.assertIn("| tiles | .50 / .25 |", tables.parts_of_elements(found + [rest]))
+        self.assertEqual(tables.parts_of_elements(found[:1]), "")
+        whole = {**found[0], "scene": "noise"}
+        self.assertNotIn("noise", tables.by_parts(found + [whole], "processor_ratio", tables.left_out_where))
+        self.assertEqual(tables.by_parts(found[:1], "processor_ratio", tables.left_out_where), "")
+
+
+class Light(unittest.TestCase):
+    def rows(self):
+        def one(method, curve, setting, error, group="cornell", base=False, **more):
+            return row(setting, [1], error, **{"method": method, "curve": curve, "set": group, "base": base, "lmse20_R": [error],
+                                               "mse_R": [error], **more})
+        thesis = light.THESIS
+        some = [one("intrinsicdecomp", "ladder", "4", 0.4, base=True), one("intrinsicdecomp", "cycles", "8", 0.1),
+                one("gray Retinex", "thresholds", "t .1", 0.5), one("gray Retinex", "thresholds", "t .2", 0.3),
+                one(thesis, "ladder", "5x16", 0.3, base=True, base_before=[0.1, None, 0.3], base_after=[0.4], misclustered=[0.25],
+                    layers=[8]),
+                one(thesis, "with", "correction", 0.2, base_before=[0.1], base_after=[0.1], misclustered=[0.01], clicks=[3, 5],
+                    clicks_right=[2, 4], layers=[8]),
+                one(thesis, "ladder", "1x8", 0.9)]
+        return [summary.condensed(r) for r in some]
+
+    def test_tables_show_one_setting_of_a_method(self):
+        found = light.by_group(self.rows())
+        self.assertEqual(list(found), ["gray Retinex", "intrinsicdecomp", light.THESIS, f"{light.THESIS} with correction"])
+        self.assertAlmostEqual(found["gray Retinex"]["cornell"]["lmse20_R"], 0.5)
+        text = light.errors(found)
+        self.assertIn("| globalintrinsicthesis with correction | **.2000** | – | – | **.2000** |", text)
+
+    def test_base_colors_are_means_over_what_is_known(self):
+        found = light.by_group(self.rows())
+        self.assertAlmostEqual(found[light.THESIS]["cornell"]["base_before"], 0.2)
+        self.assertIn("| cornell | as it is | .200 | .400 | 25.0 % | – | – | 8.0 |", light.base_colors(found))
+        self.assertIn("| 4.0 | 3.0 | 8.0 |", light.base_colors(found))
+        self.assertIn("away from", light.verdict(found))
+
+    def test_scenes_that_a_method_misses_are_not_compared(self):
+        rows = self.rows() + [summary.condensed(row("4", [1], 0.1, scene="b", method="intrinsicdecomp", curve="ladder", base=True,
+                                                    set="cornell", lmse20_R=[0.1]))]
+        self.assertEqual(list(light.by_group(rows)), ["intrinsicdecomp"])
+
+    def test_costs_are_by_base_color(self):
+        entries = [{"element": f"globalintrinsicthesis base-colors={k}", "layers": k, "device_bytes_per_pixel": 100 + 16 * k, "wall_ms": k,
+                    "processor_ms": k} for k in (4, 8)]
+        self.assertIn("| `globalintrinsicthesis` | 8 | 8 | 228 | 16 |", light.by_colors(light.of_lines(entries)))
+
+    def test_frames_beside_background_work_are_compared_with_those_without(self):
+        text = light.held_up({"times_ms": {"alone": [10, 20, 30], "refining": [40, 30, 20, 20], "correcting": []}})
+        self.assertIn("1.25 times as long while base colors are refined (1 of 4 frames", text)
+        self.assertNotIn("decided", text)
+
+    def test_kept_rows_serve_where_the_thesis_was_not_measured(self):
+        brief = [r for r in self.rows() if r["method"] == "intrinsicdecomp"]
+        rows, kept = light.chosen({"rows": brief, "kept": {"rows": self.rows(), "commit": "x"}})
+        self.assertEqual((len(rows), kept["commit"]), (5, "x"))
+        rows, kept = light.chosen({"rows": self.rows(), "kept": {"rows": [], "commit": "x"}})
+        self.assertIsNone(kept)
 
 
 class Intervals(unittest.TestCase):
