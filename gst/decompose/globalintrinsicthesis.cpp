@@ -28,11 +28,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
     extent_ = extent;
-    if (regions_) {
-      regions_->reset();
-      take_lost();
-      flushed();  // clicks on frames of another size
-    }
+    forget_regions();
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
     proposals_.emplace(device, extent);
@@ -47,11 +43,11 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     warm_up_correction(device);
   }
   void release() override {
+    forget_regions();
     correction_.reset();
     proposals_.reset();
     regions_.reset();
     forget_news();
-    lost_.clear();
     seen_ = false;
     MethodDecomposer::release();
   }
@@ -83,7 +79,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     std::lock_guard lock(mutex_);
     return done.value_or(0) >= method_->scene_since() && lost_.empty() && !regions_->has_lost() &&
            !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
-           !proposals_->pending() && news_.empty() && !refine_ && since_click_ > kPatience;
+           !proposals_->pending(params().propose) && news_.empty() && !refine_ && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
@@ -235,6 +231,13 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     frame.messages.emplace_back(gst_structure_new("inverse-base-colors-limited", "wanted",
                                                   G_TYPE_INT, wanted, "used", G_TYPE_INT,
                                                   most_colors_, nullptr));
+  }
+  /// Frames of another size may follow. What is lost is told with the next one.
+  void forget_regions() {
+    flushed();
+    if (!regions_) return;
+    regions_->reset();
+    take_lost();
   }
   void forget_news() {
     results_.clear();

@@ -42,6 +42,8 @@ namespace inverse {
 using namespace global_thesis;
 namespace {
 
+// What the palette forgets a frame of a color that is gone: it retires within two seconds.
+constexpr float kFade = 0.3f;
 constexpr uint64_t kScalars = 3;  // as in scalars.comp
 constexpr uint64_t kSearch = 4;   // as in search.comp, and one for the sake of its copy
 
@@ -156,6 +158,7 @@ void GlobalThesis::set_params(const Params& params) {
   Palette::Params palette = palette_.params();
   palette.clusters = p.clusters;
   palette.tau_cc = p.tau_merge;
+  palette.fade = kFade;
   palette.chroma_floor = p.chroma_floor;
   palette.seed = p.seed;
   palette_.set_params(palette);

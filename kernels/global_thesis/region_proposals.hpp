@@ -47,8 +47,8 @@ class RegionProposals {
   void refuse(int region);
   /// Forgets everything: at a flush, a discontinuity or a scene cut.
   void reset();
-  /// Whether frames may still bring something new while the picture stays as it is.
-  bool pending() const { return !quiet_; }
+  /// Whether frames in this mode may still bring something new while the picture stays as it is.
+  bool pending(Mode mode) const { return !quiet_ || mode != mode_; }
   /// What is proposed at present.
   int count() const;
 

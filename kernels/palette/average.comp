@@ -16,7 +16,7 @@ void main() {
   vec3 corner = vec3(n / (kBins * kBins), n / kBins % kBins, n % kBins);
   vec4 now = vec4(pixels, (corner * pixels + inside) / float(kBins));
   vec4 old = push.first == 1 ? now : FETCH(before, n);
-  vec4 mean = old + push.decay * (now - old);
+  vec4 mean = old + (pixels > 0.0 ? push.decay : push.fade) * (now - old);
   STORE(histogram, n, mean.x < 1e-3 ? vec4(0.0) : mean);  // what has faded below a thousandth of a pixel is gone
   for (int i = 0; i < 4; ++i) STORE(counts, 4 * n + i, 0u);
 }

@@ -27,7 +27,8 @@ struct Push {
   uint32_t width, height;
   int32_t first, clusters, iterations;
   uint32_t frame, seed;
-  float decay, tau_cc, tau_intensity, chroma_floor, gauge_quantile, gauge_value, fraction_scale;
+  float decay, fade, tau_cc, tau_intensity, chroma_floor, gauge_quantile, gauge_value,
+      fraction_scale;
 };
 
 }  // namespace
@@ -61,6 +62,7 @@ void Palette::set_params(const Params& params) {
   params_.clusters = std::clamp(params.clusters, 1, static_cast<int>(kMaxClusters));
   params_.iterations = std::clamp(params.iterations, 1, 64);
   params_.decay = std::clamp(params.decay, 0.0f, 1.0f);
+  params_.fade = std::clamp(params.fade, 0.0f, 1.0f);
   params_.tau_cc = std::clamp(params.tau_cc, 0.0f, 3.0f);
   params_.tau_intensity = std::max(params.tau_intensity, 0.0f);
   params_.chroma_floor = std::max(params.chroma_floor, 1e-6f);
@@ -86,13 +88,11 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
     cleared_ = true;
   }
   if (first_) frame_ = 0;
-  const Push push{extent.width,         extent.height,
-                  first_ ? 1 : 0,       params_.clusters,
-                  params_.iterations,   frame_++,
-                  params_.seed,         params_.decay,
-                  params_.tau_cc,       params_.tau_intensity,
-                  params_.chroma_floor, params_.gauge_quantile,
-                  params_.gauge_value,  static_cast<float>(scale)};
+  const Push push{extent.width,           extent.height,         first_ ? 1 : 0,
+                  params_.clusters,       params_.iterations,    frame_++,
+                  params_.seed,           params_.decay,         params_.fade,
+                  params_.tau_cc,         params_.tau_intensity, params_.chroma_floor,
+                  params_.gauge_quantile, params_.gauge_value,   static_cast<float>(scale)};
   const gpu::Items pixels{extent.width, extent.height};
   const gpu::Items one_group{kOneGroup};
   commands.dispatch(gauge_count_, {log_reflectance.buffer, gauge_counts_}, push, pixels);

@@ -3,7 +3,7 @@
 // gives the same clusters.
 //
 //   gauge    g: e^(r + g) has its quantile at gauge_value; g ← g + decay (g_frame − g)
-//   bins     h ← h + decay (h_frame − h), h = (pixels, Σ R)
+//   bins     h ← h + decay (h_frame − h), h = (pixels, Σ R); fade instead of decay where h_frame is 0
 //   k-means  argmin_k |R_bin − C_k|², C_k ← Σ h R / Σ h
 //   merge    b into the lower a where |c(C_a) − c(C_b)| < τ_cc and |ln mean C_a − ln mean C_b| < τ_intensity
 
@@ -19,7 +19,7 @@ layout(push_constant) uniform Push {
   int iterations;
   uint frame;
   uint seed;
-  float decay;
+  float decay, fade;
   float tau_cc, tau_intensity, chroma_floor;
   float gauge_quantile, gauge_value;
   float fraction_scale;  // fixed point inside a bin

@@ -18,10 +18,12 @@ class Palette {
   static constexpr uint32_t kMaxClusters = 16;
 
   struct Params {
-    int clusters = 10;              ///< K, 1…16
-    int iterations = 8;             ///< of k-means a frame, 1…64
-    float decay = 0.1f;             ///< share of the newest frame in histogram and gauge, 0…1
-    float tau_cc = 0.05f;           ///< merge below this chromaticity distance (mean 1), 0…3
+    int clusters = 10;     ///< K, 1…16
+    int iterations = 8;    ///< of k-means a frame, 1…64
+    float decay = 0.1f;    ///< share of the newest frame in histogram and gauge, 0…1
+    float fade = 0.1f;     ///< the same for bins that the newest frame leaves empty: 0.3 retires a
+                           ///< color that is gone from 20 000 pixels in two seconds, 0.1 in six
+    float tau_cc = 0.05f;  ///< merge below this chromaticity distance (mean 1), 0…3
     float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
     float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0
     float gauge_quantile = 0.995f;  ///< the gauge puts this quantile of R, 0…1,

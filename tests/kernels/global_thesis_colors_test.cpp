@@ -43,6 +43,37 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
   for (const float share : download(output[Role::bases]->buffer)) EXPECT_EQ(share, 0.0f);
 }
 
+TEST_F(GlobalThesisTest, AColorThatIsGoneRetiresWithinTwoSeconds) {
+  const Extent extent{96, 72};
+  GlobalThesis method(device, extent);
+  GlobalThesisParams params;
+  params.steps = params.pcg_iterations = 1;
+  params.refine_rounds = 0;
+  params.cut_fraction = 0;
+  method.set_params(params);
+  const auto blue = [&] {
+    int count = 0;
+    for (const Rgb& color : method.colors().layer_colors()) count += color[2] > 1.5f * color[0];
+    return count;
+  };
+  Pixels without = room(extent, 1);
+  const Pixels with = without;
+  for (size_t n = 0; n < extent.pixels(); ++n)
+    if (without[4 * n + 2] > 1.3f * without[4 * n]) std::copy_n(&with[0], 4, &without[4 * n]);
+  int gone = 0;
+  for (int t = 0; t < 160 && gone == 0; ++t) {
+    const Plane frame = plane(extent, t < 10 ? with : without);
+    Layers output;
+    uint64_t number = 0;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+    method.collect(number);
+    if (t == 9) ASSERT_GE(blue(), 1);
+    if (t > 9 && blue() == 0) gone = t - 9;
+  }
+  EXPECT_GT(gone, 10) << "somebody may walk through the picture";
+  EXPECT_LT(gone, 60);
+}
+
 TEST_F(GlobalThesisTest, TheFirstFrameNeedsNoColors) {
   const Extent extent{64, 48};
   GlobalThesis method(device, extent);

@@ -62,6 +62,40 @@ TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
   }
 }
 
+TEST_F(PaletteTest, ForgetsColorsThatAreGoneAsFastAsItIsTold) {
+  const Extent extent{64, 48};
+  const Pixels both = blobs(extent, 2, 7, 0.001f);
+  Pixels one = both;
+  for (size_t n = 0; n < extent.pixels(); ++n) std::copy_n(&both[0], 4, &one[4 * n]);
+  for (const float fade : {0.1f, 0.3f, 1.0f}) {
+    Palette palette(device);
+    Palette::Params params;
+    params.clusters = 2;
+    params.fade = fade;
+    palette.set_params(params);
+    reference::PaletteParams wanted;
+    wanted.clusters = 2;
+    wanted.fade = static_cast<double>(fade);
+    reference::Palette expected(wanted);
+    int frames = 0, alive = 2;
+    for (int t = 0; t < 200 && alive == 2; ++t) {
+      const Pixels& pixels = t < 3 ? both : one;
+      alive = 0;
+      for (const auto& cluster : update(palette, plane(extent, pixels)))
+        alive += cluster.index >= 0;
+      expected.update(to_reference(extent, pixels));
+      int wanted_alive = 0;
+      for (const auto& cluster : expected.clusters()) wanted_alive += cluster.weight > 0;
+      ASSERT_EQ(alive, wanted_alive) << fade << ", frame " << t;
+      frames = t - 2;
+    }
+    // Some 1500 pixels of several bins fade to a thousandth of one.
+    const float most = fade < 1 ? std::log(1.5e6f) / -std::log(1 - fade) : 1;
+    EXPECT_LE(static_cast<float>(frames), most + 1) << fade;
+    EXPECT_GE(static_cast<float>(frames), 0.4f * most) << fade;
+  }
+}
+
 TEST_F(PaletteTest, AssignsTheNearestCluster) {
   const Extent extent{67, 49};
   const Pixels pixels = blobs(extent, 6, 3, 0.3f);

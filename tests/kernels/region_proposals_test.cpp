@@ -190,7 +190,8 @@ TEST_F(RegionProposalsTest, ReportsOnceAndMarksNothing) {
       {}, static_cast<size_t>(told[0].y) * kExtent.width + static_cast<size_t>(told[0].x)));
   EXPECT_TRUE(regions->regions().empty());
   EXPECT_EQ(proposals->count(), 1);
-  EXPECT_FALSE(proposals->pending());
+  EXPECT_FALSE(proposals->pending(Mode::report));
+  EXPECT_TRUE(proposals->pending(Mode::correct));
   EXPECT_TRUE(play(stage_pixels({}), Mode::off, 5).empty());
   EXPECT_EQ(proposals->count(), 0);
 }
@@ -234,7 +235,7 @@ TEST_F(RegionProposalsTest, TakesANoForAnAnswer) {
   EXPECT_TRUE(regions->remove(1));
   EXPECT_TRUE(play(stage_pixels({}), Mode::correct, 60).empty());
   EXPECT_TRUE(regions->regions().empty());
-  EXPECT_FALSE(proposals->pending());
+  EXPECT_FALSE(proposals->pending(Mode::correct));
   proposals->reset();
   EXPECT_EQ(play(stage_pixels({}), Mode::correct, 30).size(), 1U);
 }

@@ -71,8 +71,9 @@ void Palette::update(const Plane& log_reflectance) {
     histogram_ = bins;
   } else {
     for (std::size_t n = 0; n < bins.size(); ++n) {
+      const double share = bins[n][0] > 0 ? params_.decay : params_.fade;
       for (int k = 0; k < 4; ++k) {
-        histogram_[n][k] += params_.decay * (bins[n][k] - histogram_[n][k]);
+        histogram_[n][k] += share * (bins[n][k] - histogram_[n][k]);
       }
       if (histogram_[n][0] < kEmptyBin) histogram_[n] = {};
     }
