@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <utility>
 
@@ -146,10 +147,23 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   if (input_) input_->configure(device);
   if (output_) output_->configure(device);
   filter_->configure(device, extent);
+  if (filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
   device_ = device;
   configured_ = true;
   fresh_ = true;
   number_ = 0;
+}
+
+void FilterElement::warm_up() {
+  Slot& slot = slots_.front();
+  const PlanePtr plane = planes_->acquire();
+  slot.tiles->assign(std::vector<uint8_t>(slot.tiles->tiles(), 1));
+  memset(slot.in->map(), 0, slot.in->bytes());
+  slot.commands->begin();
+  input_->warm_up(*slot.commands, slot.in, *plane, *slot.tiles);
+  if (output_ && output_->waits()) output_->warm_up(*slot.commands, *plane, slot.out, *slot.tiles);
+  slot.commands->submit();
+  slot.commands->wait();
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {

@@ -63,6 +63,8 @@ class FilterElement {
   };
   bool try_caps(GstCaps* in, GstCaps* out);
   void configure(const std::shared_ptr<gpu::Device>& device);
+  /// Has the device build the kernels for frames of which only tiles are converted.
+  void warm_up();
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
   void read_input(GstBuffer* in, Slot& slot, FrameWork& frame);

@@ -13,11 +13,11 @@ double device_ms(const gpu::Commands& commands) {
 
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms) {
   const gpu::Device& device = *commands.device();
-  GstStructure* stats =
-      gst_structure_new("inverse-stats", "frames", G_TYPE_UINT64, frames, "device", G_TYPE_STRING,
-                        device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes",
-                        G_TYPE_UINT64, device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64,
-                        device.memory_peak_bytes(), nullptr);
+  GstStructure* stats = gst_structure_new(
+      "inverse-stats", "frames", G_TYPE_UINT64, frames, "device", G_TYPE_STRING,
+      device.name().c_str(), "wall-ms", G_TYPE_DOUBLE, wall_ms, "device-bytes", G_TYPE_UINT64,
+      device.memory_bytes(), "device-bytes-peak", G_TYPE_UINT64, device.memory_peak_bytes(),
+      "kernels", G_TYPE_UINT64, device.kernels_used(), nullptr);
   std::map<std::string, double> stages;  // some come more than once, as cycles do
   for (const auto& stage : commands.stages()) stages[stage.name] += stage.milliseconds;
   for (const auto& [name, milliseconds] : stages)

@@ -316,6 +316,11 @@ void Device::read_properties() {
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
 }
 
+bool Device::first_time(const std::string& what) {
+  std::lock_guard lock(kernels_mutex_);
+  return done_.insert(what).second;
+}
+
 std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
                                        const std::vector<uint32_t>& constants, uint32_t workgroup) {
   if (!workgroup) workgroup = variant_.workgroup;

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,9 @@ class Device : public std::enable_shared_from_this<Device> {
   /// dispatch: while this number stays, nothing is built.
   uint64_t kernels_used() const { return kernels_used_.load(); }
 
+  /// True for the first caller with these words alone: for what is done once a device.
+  bool first_time(const std::string& what);
+
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
   uint64_t memory_peak_bytes() const { return memory_peak_bytes_.load(); }
@@ -140,6 +144,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
+  std::set<std::string> done_;  // first_time
   std::atomic<bool> lost_{false}, silent_{false};
   std::atomic<uint64_t> kernels_used_{0};
   std::atomic<uint64_t> memory_bytes_{0};

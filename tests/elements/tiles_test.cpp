@@ -140,4 +140,41 @@ TEST(TilesOfAVideo, LayersThatSomebodyHoldsStayWhatTheyWere) {
   }
 }
 
+// A software device builds a kernel when it is first used: half a second where nothing is cached.
+TEST(TilesOfAVideo, NoKernelIsBuiltOnceFramesCome) {
+  for (const char* format : {"RGBA", "NV12"}) {
+    VideoHarness harness("intrinsicdecomp", caps(format), caps(format));
+    const auto kernels = [&] {
+      GstStructure* stats = nullptr;
+      g_object_get(harness.find("intrinsicdecomp"), "stats", &stats, nullptr);
+      guint64 built = 0;
+      EXPECT_TRUE(gst_structure_get_uint64(stats, "kernels", &built));
+      gst_structure_free(stats);
+      return built;
+    };
+    const auto still = random_frame(caps(format), 1);
+    auto moving = still;
+    harness.process(still);
+    const uint64_t first = kernels();
+    EXPECT_GT(first, 60U);
+    unsigned few = 0, levels = 0;
+    for (unsigned k = 0; k < 40; ++k) {
+      moving[moving.size() / 3] ^= uint8_t(k + 1);
+      harness.process(moving);
+      few += count(harness, "tiles-active") < count(harness, "tiles") / 2;
+    }
+    EXPECT_GT(few, 20U) << format;
+    for (int k = 0; k < 6; ++k) harness.process(still);  // and is kept
+    // Down the ladder, where no time is enough.
+    g_object_set(harness.find("intrinsicdecomp"), "latency-budget", 0.01, nullptr);
+    for (unsigned k = 0; k < 12; ++k) {
+      harness.process(random_frame(caps(format), k));
+      levels |= 1U << count(harness, "halvings");
+    }
+    EXPECT_TRUE(levels & 4U) << "quarter resolution must have come";
+    EXPECT_EQ(kernels(), first) << format;
+    EXPECT_TRUE(harness.errors().empty());
+  }
+}
+
 }  // namespace inverse::testing

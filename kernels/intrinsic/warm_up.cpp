@@ -1,0 +1,82 @@
+// ScaledIntrinsic::warm_up: a short video on a small frame in which everything comes that can come.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "scaled_intrinsic.hpp"
+
+namespace inverse {
+namespace {
+
+/// Large enough for every kind of multigrid level at full resolution.
+constexpr Extent kSmall{192, 144};
+
+/// Tiles of many colors under a light that falls off.
+PlanePtr picture(const std::shared_ptr<gpu::Device>& device) {
+  auto plane = std::make_shared<Plane>(
+      Plane{kSmall,
+            gpu::Buffer::create(device, gpu::Element::vec4, kSmall.pixels(), gpu::Memory::upload)});
+  auto* values = plane->buffer->map_as<float>();
+  for (uint32_t y = 0; y < kSmall.height; ++y)
+    for (uint32_t x = 0; x < kSmall.width; ++x, values += 4) {
+      const uint32_t tile = x / 13 * 5 + y / 11 * 3;
+      const float light = std::exp(-0.006F * static_cast<float>(x + y));
+      for (uint32_t c = 0; c < 3; ++c)
+        values[c] = light * static_cast<float>(1 + tile * (c + 2) % 7) / 8;
+      values[3] = 1;
+    }
+  return plane;
+}
+
+}  // namespace
+
+void ScaledIntrinsic::warm_up() const {
+  if (!device_->first_time("warm_up of ScaledIntrinsic")) return;
+  ScaledIntrinsic small(device_, kSmall);
+  const PlanePtr input = picture(device_);
+  const std::vector<uint8_t> nothing_changed(
+      size_t{(kSmall.width + TileList::kTile - 1) / TileList::kTile} *
+      ((kSmall.height + TileList::kTile - 1) / TileList::kTile));
+  gpu::Commands commands(device_);
+  const auto play = [&](const Params& params, int frames, bool tiles) {
+    for (int k = 0; k < frames; ++k) {
+      commands.begin();
+      small.record(
+          commands, input, params,
+          {false, tiles ? std::span<const uint8_t>(nothing_changed) : std::span<const uint8_t>()});
+      commands.submit();
+      commands.wait();
+    }
+  };
+  // Everything, without and with a frame before; the output's scale far from where it will be.
+  Params params;
+  params.half_bound = 0;
+  params.gauge.value = 0.3F;
+  params.adaptive = false;
+  play(params, 2, false);
+  // What comes with `adaptive`: looks at bins and anchor, of which those that do not bind are left
+  // out, cycles that end early, and the comparison of resolutions.
+  params.adaptive = true;
+  params.chroma_tolerance = 1;
+  params.half_bound = 1e-6F;
+  small.reset();
+  small.compare_at_ = 0;
+  play(params, 5, false);
+  // Tiles, while the output's scale moves, with cycles that end early and with such that do not.
+  params.gauge.value = 0.9F;
+  params.chroma_tolerance = params.half_bound = 0;
+  play(params, 6, true);
+  if (!small.methods_[0]->stats(small.methods_[0]->recorded() - 1).listed)
+    throw Error(ErrorKind::internal, "a picture that stays did not come to be worked on by tiles");
+  params.settled = 0;
+  play(params, 1, true);
+  // Other resolutions, and back.
+  params.half_resolution = true;
+  play(params, 2, false);
+  params.quarter_resolution = true;
+  play(params, 2, false);
+  params.half_resolution = false;
+  play(params, 1, false);
+}
+
+}  // namespace inverse
