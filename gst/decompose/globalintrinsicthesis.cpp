@@ -79,7 +79,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     std::lock_guard lock(mutex_);
     return done.value_or(0) >= method_->scene_since() && lost_.empty() && !regions_->has_lost() &&
            !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
-           !proposals_->pending(params().propose) && news_.empty() && !refine_ && since_click_ > kPatience;
+           !proposals_->pending(params().propose) && news_.empty() && !refine_ &&
+           since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {

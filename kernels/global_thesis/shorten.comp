@@ -3,15 +3,16 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 
-// A step by the factor that search.comp says. In place; the dispatch's z is the plane of the field.
+// A step by the factor that search.comp says; 1 leaves it to the bit. In place; the dispatch's z is the plane of the field.
 PLANE_IN(0, state);
 SCALAR_IN(1, search);
 PLANE_INOUT(2, next);
 
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-  if (at.x >= push.size.x) return;
+  float factor = FETCH1(search, 1);
+  if (at.x >= push.size.x || factor == 1.0) return;
   int n = (int(gl_WorkGroupID.z) * push.size.y + at.y) * push.size.x + at.x;
   vec4 from = FETCH(state, n);
-  STORE(next, n, from + FETCH1(search, 1) * (LOAD(next, n) - from));
+  STORE(next, n, from + factor * (LOAD(next, n) - from));
 }

@@ -3,6 +3,7 @@
 #include "global_thesis/warm_up.hpp"
 
 #include "global_thesis/misclustering_correction.hpp"
+#include "global_thesis/region_proposals.hpp"
 #include "global_thesis_fixture.hpp"
 
 namespace inverse::testing {
@@ -11,6 +12,11 @@ namespace {
 class WarmUp : public GlobalThesisTest {
  protected:
   static constexpr Extent kExtent{96, 72};
+  void SetUp() override {
+    GlobalThesisTest::SetUp();
+    if (device->kernels_used() > 0)
+      GTEST_SKIP() << "other tests have used the device: run these alone, --gtest_filter=WarmUp.*";
+  }
 
   /// A video in which everything comes: all numbers of layers, refinement, a correction, other
   /// numbers of clusters, a cut. Three frames in flight, and nothing waits for the one just
@@ -18,11 +24,12 @@ class WarmUp : public GlobalThesisTest {
   int play(GlobalThesis& method, GlobalThesisParams params) {
     MarkedRegions regions(device, kExtent);
     MisclusteringCorrection correction(device, kExtent);
+    RegionProposals proposals(device, kExtent);
     std::vector<std::unique_ptr<gpu::Commands>> commands;
     for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
       commands.push_back(std::make_unique<gpu::Commands>(device));
     struct Numbers {
-      uint64_t method, regions, correction;
+      uint64_t method, regions, correction, proposals;
     };
     std::vector<Numbers> numbers;
     std::vector<Plane> frames;
@@ -35,6 +42,7 @@ class WarmUp : public GlobalThesisTest {
         method.collect(done.method);
         regions.collect(done.regions);
         corrected += correction.collect(done.correction, regions).has_value();
+        proposals.collect(done.proposals, regions);
       }
       if (t == 4) regions.click(5, 5);
       if (t == 20) method.refine();
@@ -53,7 +61,8 @@ class WarmUp : public GlobalThesisTest {
         for (size_t i = 0; i < pixels.size(); i += 4) std::swap(pixels[i], pixels[i + 1]);
       frames.push_back(plane(kExtent, pixels));
       const uint64_t number = method.record(own, frames.back(), output, hints);
-      numbers.push_back({number, regions.last(), correction.record(own, method, regions)});
+      numbers.push_back({number, regions.last(), correction.record(own, method, regions),
+                         proposals.record(own, method, regions, RegionProposals::Mode::correct)});
       own.submit();
     }
     for (auto& own : commands) own->wait();
