@@ -13,12 +13,6 @@ namespace inverse {
 /// tells so for every frame; without that, frames are worked on as a whole.
 class ActiveTiles {
  public:
-  /// What is done with a frame.
-  enum class Mode : uint8_t {
-    whole,    ///< everything
-    watched,  ///< everything, and a look at which tiles still move: few have changed
-    listed,   ///< tiles that need work, alone
-  };
   ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   uint32_t tiles() const { return lists_[0].tiles(); }
@@ -43,8 +37,8 @@ class ActiveTiles {
   /// frame `before` and of this one.
   void record_activity(gpu::Commands& commands, const gpu::BufferPtr& before,
                        const gpu::BufferPtr& now, const TileList* listed, float tolerance);
-  /// The frame is recorded.
-  void advance(Mode mode) { listed_before_ = mode == Mode::listed; }
+  /// The frame is recorded; `listed`: its tiles alone.
+  void advance(bool listed) { listed_before_ = listed; }
   /// One word: how many tiles moved in the last frame that was watched or listed.
   const gpu::BufferPtr& busy() const { return busy_; }
 

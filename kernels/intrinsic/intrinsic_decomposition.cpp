@@ -19,12 +19,6 @@ INVERSE_SHADER(intrinsic_total);
 namespace inverse {
 namespace {
 
-// Frames from one look at bins and anchor to the next, where something is left out and where not.
-constexpr uint64_t kLookAgain = 4, kLookEvery = 16;
-// Where edges of most tiles are decided anew, comparing tiles costs more than it saves: frames from
-// one comparison to the next.
-constexpr uint64_t kCompareEvery = 8;
-
 /// What a frame is to be, without how much work is to go into it.
 IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params params) {
   constexpr IntrinsicDecomposition::Params kUsual{};
@@ -41,16 +35,7 @@ constexpr uint64_t kVec4 = 16;  // bytes
 constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
                    kFoundActive = 4, kFoundBusy = 5, kFoundStatistics = 6, kFoundKept = 8,
                    kFoundBinding = 10, kFoundGates = 11, kFoundSize = 12;
-/// Share of tiles from which on a list of them saves nothing worth its trouble: where input has
-/// changed, and of all that need work.
-constexpr float kMostChanged = 0.25F, kMostBusy = 0.5F;
-/// Frames of which only tiles are worked on, from one of which all are to the next; and the
-/// tolerance that lists all.
-constexpr uint64_t kAllEvery = 32;
-constexpr float kAllTiles = -1;
-/// How far the output's scale (log units) may be from what the frame would have before it moves,
-/// and with it layers that are not written anew.
-constexpr float kGaugeRest = 0.02F;
+constexpr float kAllTiles = -1;  // the tolerance that lists all
 
 }  // namespace
 
@@ -87,8 +72,9 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   gate_total_ = buffer(1);
 }
 
-void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnchor::Params& params,
-                                      bool look) {
+void IntrinsicDecomposition::assemble(gpu::Commands& commands,
+                                      const TemporalAnchor::Params& params) {
+  const bool look = plan_.looks_at_gate;
   if (stats_.history) anchor_.record(commands, guide_, params, continues_, list());
   if (look && !cleared_) {
     commands.fill(gate_sums_);
@@ -124,14 +110,14 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands, const TemporalAnc
                 size, line_of(quads_of(extent_)));
 }
 
-void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params, bool look) {
+void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
   Multigrid::Params multigrid = params.multigrid;
   // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
   // would exaggerate again.
   if (stats_.cycles == 1) multigrid.slowest = 0;
   // The cells' problem of tiles left out is that of the frame before, and its solution so far is
   // kept: solving it again costs more than all else.
-  if (listed() && !refreshes_) multigrid.cell_cycles = 1;
+  if (listed() && !plan_.all_tiles) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
                        stats_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
@@ -147,50 +133,42 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
         commands, multigrid, cycle,
         {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_force(commands, state, look); }, list());
+        [&] { bins_.record_force(commands, state, plan_.looks_at_bins); }, list());
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
   const Params problem = but_for_effort(params);
-  if (!history_ || problem != params_) {
-    since_reset_ = 0;
-    params_ = problem;
-  }
-  judge(params);
+  if (!history_ || problem != params_) leave_out_.restart();
+  params_ = problem;
   if (!taken_) continues_ = stats_.history;
-  const Stats before = std::exchange(stats_, {});
-  stats_.levels = multigrid_.depth();
-  stats_.history = (history_ || taken_) && params.anchor.anchor_weight > 0;
-  stats_.cycles = stats_.history ? params.warm_cycles : params.cycles;
-  stats_.stops = params.adaptive && params.settled > 0 && (!stats_.history || may_settle(params));
-  if (!stats_.history)
-    stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
-  const bool compares = params.adaptive && (!restless_ || since_reset_ % kCompareEvery == 0);
+  const bool history = (history_ || taken_) && params.anchor.anchor_weight > 0;
   const bool weighs = params.prior.chroma_weight > 0;
-  stats_.holds = stats_.history && (!params.adaptive || holds_);
-  mode_ = next_mode(params, info, before);
-  since_all_ = listed() ? since_all_ + 1 : 0;
-  refreshes_ = since_all_ % kAllEvery == kAllEvery - 1;
-  // Over tiles that changed alone, there is nothing to be seen of the whole.
-  const bool look = !listed() && params.adaptive &&
-                    (since_reset_ == kLookAgain ||  // the first one with a settled history
-                     since_reset_ % (binds_ && holds_ ? kLookEvery : kLookAgain) == 0);
-  ++since_reset_;
-  stats_.bins = weighs && (!params.adaptive || binds_ || look);
-  if (!stats_.bins)
+  plan_ = leave_out_.next(
+      {params.adaptive, weighs, params.settled, params.still_tolerance, params.chroma_tolerance,
+       params.hold_tolerance, params.tile_tolerance, params.anchor.cut_fraction},
+      {history, taken_.has_value(), last_ != nullptr, active_.take(info.changed)}, found_before());
+  stats_ = {};
+  stats_.levels = multigrid_.depth();
+  stats_.history = history;
+  stats_.cycles = history ? params.warm_cycles : params.cycles;
+  stats_.stops = plan_.stops;
+  stats_.holds = plan_.holds;
+  stats_.bins = plan_.bins;
+  stats_.listed = listed();
+  if (!history)
+    stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
+  if (!plan_.bins)
     stats_.skipped.emplace_back(weighs ? "chroma bins: they cannot bind"
                                        : "chroma bins: their weight is 0");
-  if (stats_.history && !stats_.holds)
-    stats_.skipped.emplace_back("anchor of pixels: nothing can be held");
-  const bool look_at_bins = look && weighs, look_at_gate = look && stats_.history;
+  if (history && !plan_.holds) stats_.skipped.emplace_back("anchor of pixels: nothing can be held");
   EdgePrior::Params prior = params.prior;
-  if (!stats_.bins) prior.chroma_weight = 0;
-  if ((stats_.listed = listed())) {
+  if (!plan_.bins) prior.chroma_weight = 0;
+  if (listed()) {
     stats_.skipped.emplace_back("tiles: those that stay as they are");
     active_.record_list(commands, multigrid_.cell_correction(),
-                        refreshes_ ? kAllTiles : params.tile_tolerance, params.anchor.hold);
+                        plan_.all_tiles ? kAllTiles : params.tile_tolerance, params.anchor.hold);
     multigrid_.record_residual(commands, active_.list_before());
     commands.stage("tiles");
   }
@@ -203,24 +181,23 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   if (!history_) prior_.reset();
   if (listed())
     prior_.record_tiles(commands, guide_, target, prior, active_.list());
-  else if (compares)
+  else if (plan_.compares_edges)
     prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
   else
-    prior_.record(commands, guide_, target, prior,
-                  params.adaptive && since_reset_ % kCompareEvery == 0);
+    prior_.record(commands, guide_, target, prior, plan_.keeps_edges);
   commands.stage("prior");
-  assemble(commands, params.anchor, look_at_gate);
+  assemble(commands, params.anchor);
   commands.stage("assemble");
-  solve(commands, params, look_at_bins);
+  solve(commands, params);
 
   using History = OutputGauge::History;
   gauge_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
                 stats_.history       ? History::judged
                 : history_ || taken_ ? History::taken_on
                                      : History::none,
-                params.gauge, gauge_rests_);
+                params.gauge, plan_.gauge_rests);
   const PlanePtr intrinsic = layers_plane(commands);
-  if (listed() && !gauge_rests_) rescale(commands, intrinsic->buffer);
+  if (listed() && !plan_.gauge_rests) rescale(commands, intrinsic->buffer);
   const struct {
     uint32_t width, height;
     float texture;
@@ -231,18 +208,14 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                  anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
                  multigrid_.field(), anchor_.kept(), intrinsic->buffer},
                 push, line_of(guide_.cell_extent().pixels()));
-  if (mode_ != ActiveTiles::Mode::whole)
+  if (!whole())
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
                             params.tile_tolerance);
   anchor_.advance(commands, list());
-  Report& report = record_report(commands, compares);
-  if (look_at_bins) commands.copy(bins_.binding(), report.found, kVec4, 0, kFoundBinding * kVec4);
-  if (look_at_gate) commands.copy(gate_total_, report.found, kVec4, 0, kFoundGates * kVec4);
-  report.looked_at_bins = look_at_bins;
-  report.looked_at_gate = look_at_gate;
+  record_report(commands);
   commands.stage("layers");
-  active_.advance(mode_);
-  last_ = mode_ == ActiveTiles::Mode::whole ? nullptr : intrinsic;
+  active_.advance(listed());
+  last_ = whole() ? nullptr : intrinsic;
   history_ = true;
   taken_.reset();
   commands.keep(input);
@@ -250,35 +223,34 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return intrinsic_layers(input, intrinsic);
 }
 
-ActiveTiles::Mode IntrinsicDecomposition::next_mode(const Params& params, const FrameInfo& info,
-                                                    const Stats& before) {
-  using Mode = ActiveTiles::Mode;
-  const float changed = active_.take(info.changed);
-  // As many tiles as make a cut are none to leave the others out for.
-  if (!params.adaptive || params.tile_tolerance <= 0 || !stats_.history || !stats_.holds ||
-      !before.holds || taken_ ||
-      changed > std::min(kMostChanged, 0.9F * params.anchor.cut_fraction)) {
-    calm_ = 0;
-    gauge_rests_ = false;
-    return Mode::whole;
-  }
-  gauge_rests_ = false;
-  // Tiles left out keep what was decided for them.
-  const bool bins = params.prior.chroma_weight > 0 && binds_;
-  if (!last_ || since_reset_ == 0 || bins != before.bins) calm_ = 0;
-  if (calm_++ < reports_.size()) return Mode::watched;
-  // The last frame that is sure to be done, so that the same video always gives the same layers.
-  const float* found = report(recorded_ - reports_.size()).found->map_as<float>();
-  const auto of = [&](uint64_t slot) { return &found[4 * slot]; };
-  const uint32_t busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
-  float drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
+std::optional<LeaveOut::Found> IntrinsicDecomposition::found_before() const {
+  if (recorded_ < reports_.size()) return {};
+  const uint64_t number = recorded_ - reports_.size();  // done, or this frame could not begin
+  const Report& done = report(number);
+  const Findings findings = this->findings(number);
+  LeaveOut::Found found;
+  found.cycles = findings.cycles;
+  found.cycles_recorded = done.stats.cycles;
+  found.change = findings.change;
+  found.history = done.stats.history;
+  found.cut = findings.cut;
+  found.compared_edges = done.compared_edges;
+  found.looked_at_bins = done.looked_at_bins;
+  found.looked_at_gate = done.looked_at_gate;
+  found.tiles = done.stats.tiles;
+  found.tiles_evaluated = findings.tiles_evaluated;
+  found.binding = findings.binding;
+  found.gate = findings.gate;
+  const float* numbers = done.found->map_as<float>();
+  const auto of = [&](uint64_t slot) { return &numbers[4 * slot]; };
+  found.tiles_busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
+  // The statistics' first number is a mean, which may move four times as far.
+  found.drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
   for (size_t i = 4; i < 8; ++i)
-    drift = std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), drift);  // NaN stays
-  const float off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
-  const bool worth = static_cast<float>(busy) <= kMostBusy * static_cast<float>(active_.tiles());
-  if (!worth || !(drift <= params.still_tolerance)) return Mode::watched;
-  gauge_rests_ = off <= kGaugeRest;
-  return Mode::listed;
+    found.drift =
+        std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), found.drift);  // NaN stays
+  found.gauge_off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
+  return found;
 }
 
 PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
@@ -291,32 +263,6 @@ PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
 void IntrinsicDecomposition::rescale(gpu::Commands& commands, const gpu::BufferPtr& layers) {
   const auto pixels = static_cast<uint32_t>(extent_.pixels());
   commands.dispatch(rescale_, {gauge_.value(), layers, layers}, pixels, line_of(pixels));
-}
-
-bool IntrinsicDecomposition::may_settle(const Params& params) const {
-  if (since_reset_ < reports_.size()) return true;  // of what was before a reset nothing follows
-  const uint64_t before = recorded_ - reports_.size();  // done, or this frame could not begin
-  const Findings found = findings(before);
-  if (found.cycles < report(before).stats.cycles) return true;
-  // A cycle changes about a third of what the one before it did.
-  return found.change < params.settled / 3;
-}
-
-void IntrinsicDecomposition::judge(const Params& params) {
-  if (since_reset_ < reports_.size()) {
-    if (since_reset_ == 0) {
-      binds_ = holds_ = true;
-      restless_ = false;
-    }
-    return;
-  }
-  const uint64_t before = recorded_ - reports_.size();
-  const Report& done = report(before);
-  const Findings found = findings(before);
-  if (done.checked_edges && done.stats.history)
-    restless_ = 2 * found.tiles_evaluated > done.stats.tiles;
-  if (done.looked_at_bins) binds_ = found.cut || !(found.binding < params.chroma_tolerance);
-  if (done.looked_at_gate) holds_ = !(found.gate < params.hold_tolerance);
 }
 
 void IntrinsicDecomposition::take_over(gpu::Commands& commands, const IntrinsicDecomposition& other,
@@ -340,11 +286,12 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
   commands.stage("take over");
 }
 
-IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Commands& commands,
-                                                                      bool compared) {
+void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
   Report& report = reports_[recorded_++ % reports_.size()];
   report.stats = stats_;
-  report.checked_edges = compared && !listed();
+  report.compared_edges = plan_.compares_edges && !listed();
+  report.looked_at_bins = plan_.looks_at_bins;
+  report.looked_at_gate = plan_.looks_at_gate;
   if (!report.found)
     report.found =
         gpu::Buffer::create(device_, gpu::Element::vec4, kFoundSize, gpu::Memory::readback);
@@ -356,13 +303,14 @@ IntrinsicDecomposition::Report& IntrinsicDecomposition::record_report(gpu::Comma
   if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
   copy(gauge_.value(), kVec4, kFoundGauge);
   if (listed()) copy(active_.list().words(), kWord, kFoundActive);
-  if (compared && !listed()) copy(prior_.evaluated(), kWord, kFoundEvaluated);
-  if (mode_ != ActiveTiles::Mode::whole) {
+  if (report.compared_edges) copy(prior_.evaluated(), kWord, kFoundEvaluated);
+  if (report.looked_at_bins) copy(bins_.binding(), kVec4, kFoundBinding);
+  if (report.looked_at_gate) copy(gate_total_, kVec4, kFoundGates);
+  if (!whole()) {
     copy(active_.busy(), kWord, kFoundBusy);
     copy(guide_.statistics(), 2 * kVec4, kFoundStatistics);
     copy(prior_.kept_statistics(), 2 * kVec4, kFoundKept);
   }
-  return report;
 }
 
 IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
@@ -384,9 +332,9 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
         std::sqrt(found[4 * kFoundGates] / static_cast<float>(guide_.cell_extent().pixels()));
   const auto count = [&](uint64_t slot) { return std::bit_cast<uint32_t>(found[4 * slot]); };
   findings.tiles_active = of.stats.listed ? count(kFoundActive) : of.stats.tiles;
-  findings.tiles_evaluated = of.stats.listed    ? findings.tiles_active
-                             : of.checked_edges ? count(kFoundEvaluated)
-                                                : of.stats.tiles;
+  findings.tiles_evaluated = of.stats.listed     ? findings.tiles_active
+                             : of.compared_edges ? count(kFoundEvaluated)
+                                                 : of.stats.tiles;
   return findings;
 }
 

@@ -12,6 +12,7 @@
 #include "chroma_bins.hpp"
 #include "edge_prior.hpp"
 #include "guide.hpp"
+#include "leave_out.hpp"
 #include "multigrid.hpp"
 #include "output_gauge.hpp"
 #include "temporal_anchor.hpp"
@@ -79,7 +80,9 @@ class IntrinsicDecomposition {
                 const FrameInfo& info);
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
   /// one of the frame before; null: all.
-  const TileList* drawn() const { return listed() && gauge_rests_ ? &active_.drawn() : nullptr; }
+  const TileList* drawn() const {
+    return listed() && plan_.gauge_rests ? &active_.drawn() : nullptr;
+  }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
     history_ = false;
@@ -116,28 +119,22 @@ class IntrinsicDecomposition {
   /// What is kept of a frame for whoever asks after it is done.
   struct Report {
     Stats stats;
-    bool checked_edges = false;  // tiles were compared with those that edges were decided on
+    bool compared_edges = false;  // tiles were compared with those that edges were decided on
     bool looked_at_bins = false, looked_at_gate = false;
     gpu::BufferPtr found;  // slots of kFound…
   };
-  /// Decides, by the last frame that is sure to be done, whether bins and anchor matter, and
-  /// whether edges of most tiles are decided anew anyway.
-  void judge(const Params& params);
-  /// Whether the next frame can do with the tiles that need work, and whether one soon might;
-  /// `before` is the frame before it.
-  ActiveTiles::Mode next_mode(const Params& params, const FrameInfo& info, const Stats& before);
+  /// What the last frame that is sure to be done has found, if there is one.
+  std::optional<LeaveOut::Found> found_before() const;
   /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   void rescale(gpu::Commands& commands, const gpu::BufferPtr& layers);
-  /// Whether a look at what cycles change is likely to end them early: it costs a few percent of a
-  /// frame. Judged by the last frame that is sure to be done.
-  bool may_settle(const Params& params) const;
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
-  Report& record_report(gpu::Commands& commands, bool compared);
-  bool listed() const { return mode_ == ActiveTiles::Mode::listed; }
+  void record_report(gpu::Commands& commands);
+  bool listed() const { return plan_.mode == LeaveOut::Mode::listed; }
+  bool whole() const { return plan_.mode == LeaveOut::Mode::whole; }
   const TileList* list() const { return listed() ? &active_.list() : nullptr; }
-  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params, bool look);
-  void solve(gpu::Commands& commands, const Params& params, bool look);
+  void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
+  void solve(gpu::Commands& commands, const Params& params);
   void start_from_taken(gpu::Commands& commands, const PlanePtr& input);
 
   std::shared_ptr<gpu::Device> device_;
@@ -157,19 +154,14 @@ class IntrinsicDecomposition {
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
-  bool continues_ = false;                               // the frame before had one before it
-  std::optional<PlanePtr> taken_;                        // layers to start from
-  uint64_t since_reset_ = 0;                             // frames, also since params changed
-  Params params_;                                        // that it has been found with
-  bool cleared_ = false;                                 // unused slots of sums
-  bool binds_ = true, holds_ = true, restless_ = false;  // what `judge` has found
-  ActiveTiles::Mode mode_ = ActiveTiles::Mode::whole;    // of the frame being recorded
-  uint64_t calm_ = 0;       // consecutive frames that were not worked on as a whole without a look
-  uint64_t since_all_ = 0;  // frames since one of which all tiles were worked on
-  bool refreshes_ = false;  // all tiles of the frame being recorded are listed
-  bool gauge_rests_ = false;  // the output's scale stays in the frame being recorded
-  PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
-  Stats stats_;    // of the frame being recorded
+  bool continues_ = false;         // the frame before had one before it
+  std::optional<PlanePtr> taken_;  // layers to start from
+  Params params_;                  // that the frames so far have been found with
+  bool cleared_ = false;           // unused slots of sums
+  LeaveOut leave_out_;
+  LeaveOut::Plan plan_;  // of the frame being recorded
+  PlanePtr last_;        // the layers of the frame before, where the next one might go on from them
+  Stats stats_;          // of the frame being recorded
 };
 
 }  // namespace inverse

@@ -13,23 +13,6 @@ std::string at(const char* what, uint32_t frame, size_t index, double value) {
          ": " + std::to_string(value);
 }
 
-/// Layers are finite and in range; intrinsicdecomp's multiply to its input.
-std::optional<std::string> wrong_layers(const Case& one, uint32_t frame, const Pixels& input,
-                                        const Pixels& got) {
-  for (size_t i = 0; i < got.size(); ++i) {
-    if (!std::isfinite(got[i])) return at("not finite", frame, i, static_cast<double>(got[i]));
-    if (got[i] < 0) return at("negative", frame, i, static_cast<double>(got[i]));
-    const bool tame = one.solver == Solver::multigrid || one.knobs == 0;
-    if (i % 4 == 3 && tame && !(got[i] > 1e-13F && got[i] < 1e13F))
-      return at("shading out of all proportion", frame, i, static_cast<double>(got[i]));
-    if (i % 4 == 3 || one.solver != Solver::multigrid) continue;
-    const float light = finite_light(input[i], most_light(one.solver));
-    if (!(std::abs(got[i] * got[i | 3] - light) <= 1e-5F * (1 + light)))
-      return at("R S is not I", frame, i, static_cast<double>(got[i] * got[i | 3]));
-  }
-  return {};
-}
-
 /// The thesis' model explains its input at large, where nothing but the input is extreme.
 std::optional<std::string> wrong_model(uint32_t frame, const Pixels& input, const Pixels& got) {
   double model = 0, light = 0;  // logarithms, floored as the method does: outliers count as pixels
@@ -88,6 +71,22 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
 }
 
 }  // namespace
+
+std::optional<std::string> wrong_layers(const Case& one, uint32_t frame, const Pixels& input,
+                                        const Pixels& got) {
+  for (size_t i = 0; i < got.size(); ++i) {
+    if (!std::isfinite(got[i])) return at("not finite", frame, i, static_cast<double>(got[i]));
+    if (got[i] < 0) return at("negative", frame, i, static_cast<double>(got[i]));
+    const bool tame = one.solver == Solver::multigrid || one.knobs == 0;
+    if (i % 4 == 3 && tame && !(got[i] > 1e-13F && got[i] < 1e13F))
+      return at("shading out of all proportion", frame, i, static_cast<double>(got[i]));
+    if (i % 4 == 3 || one.solver != Solver::multigrid) continue;
+    const float light = finite_light(input[i], most_light(one.solver));
+    if (!(std::abs(got[i] * got[i | 3] - light) <= 1e-5F * (1 + light)))
+      return at("R S is not I", frame, i, static_cast<double>(got[i] * got[i | 3]));
+  }
+  return {};
+}
 
 Check check_with(const Lab& lab) {
   return [&lab](const Case& one) -> std::optional<std::string> {

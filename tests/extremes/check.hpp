@@ -11,4 +11,8 @@ namespace inverse::extremes {
 /// at large. `lab` must outlive the check.
 Check check_with(const Lab& lab);
 
+/// The first of these for one frame's layers (R.rgb, S).
+std::optional<std::string> wrong_layers(const Case& one, uint32_t frame, const Pixels& input,
+                                        const Pixels& got);
+
 }  // namespace inverse::extremes
