@@ -88,7 +88,8 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
   commands.dispatch(
       choose,
       {layers[Role::bases]->buffer, model, inputs.selection ? inputs.selection->buffer : model,
-       inputs.palette ? inputs.palette : model, before->buffer, edited->buffer, change_},
+       inputs.palette ? inputs.palette : model, before->buffer, edited->buffer, change_,
+       layers[Role::model_light]->buffer},
       push, {});
   const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };

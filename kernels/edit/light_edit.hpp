@@ -11,7 +11,9 @@ namespace inverse {
 ///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
 ///   b_k), 0)
 ///
-/// (bases.comp, retint.comp). Reflectance and S stay.
+/// (bases.comp, retint.comp). Reflectance and S stay. Where surfaces were repainted, what arrives
+/// otherwise is sent on otherwise as well, again and again: L changes by 1 / (1 − p) as much, p the
+/// share of the frame's light that bounced.
 class LightEdit {
  public:
   /// Surfaces that were repainted.

@@ -82,13 +82,14 @@ class LightEditTest : public GpuTest {
     return shares;
   }
   /// The light after base colors became `wanted`, and the base colors, against the reference.
-  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte) {
+  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte,
+                     double sent_on = 1) {
     const auto before = bases_of(frame.bases);
     const Pixels bases = download(frame.layers[Role::bases]->buffer);
     std::vector<Rgb> change(kMaxBases);
     for (size_t k = 0; k < kMaxBases; ++k)
       for (size_t c = 0; c < 3; ++c) {
-        change[k][c] = wanted[k][c] - before[k].color[c];
+        change[k][c] = sent_on * (wanted[k][c] - before[k].color[c]);
         const double expected = matte ? before[k].color[c] : wanted[k][c];
         ASSERT_NEAR(bases[4 * k + c], expected, 1e-4 * (1 + std::abs(expected))) << "base " << k;
       }
@@ -149,6 +150,7 @@ TEST_F(LightEditTest, OneBaseColorTurns) {
 
 TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
   const Rgb key{0.5, 0.1, 0.1}, aim{0.1, 0.3, 0.6};
+  double most = 1;
   for (const Extent extent : kOddSizes) {
     Frame made = frame(extent, 7, extent.width);
     const Pixels selected = random_pixels(extent, 8, 0, 1.3f);
@@ -158,10 +160,11 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
       edit.repaint(commands, made.layers, {selection, {0.5f, 0.1f, 0.1f}}, {0.1f, 0.3f, 0.6f},
                    0.9f);
     });
-    std::vector<Rgba> model;
+    std::vector<Rgba> model, light;
     std::vector<double> sel;
     for (const size_t n : reference::light_sample(extent.width, extent.height)) {
       model.push_back(pixel_of(made.model, n));
+      light.push_back(pixel_of(made.light, n));
       sel.push_back(selected[4 * n]);
     }
     const auto bases = bases_of(made.bases);
@@ -171,8 +174,11 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
       wanted.push_back(bases[k].exists
                            ? reference::repainted(bases[k].color, key, aim, 0.9 * shares[k])
                            : bases[k].color);
-    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr)) << extent.width;
+    const double again = reference::sent_on(model, light);
+    most = std::max(most, again);
+    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr, again)) << extent.width;
   }
+  EXPECT_GT(most, 1.1);
 }
 
 TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
@@ -233,12 +239,14 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
         if (cluster.index >= 0 && cluster.log_color[1] < cluster.log_color[0] - 1)
           params.cluster = cluster.index;
     }
+    // .12 of .82 bounced, and does so again.
+    const float again = 1 / (1 - 0.12F / 0.82F);
     run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
     const Pixels now = download(edited[Role::light]->buffer);
     for (size_t n = 0; n < extent.pixels(); ++n) {
-      ASSERT_NEAR(now[4 * n], 0.7f + 0.3f * 0.1f, 4e-3) << by_cluster;
+      ASSERT_NEAR(now[4 * n], 1 - 0.3f * 0.9f * again, 4e-3) << by_cluster;
       ASSERT_NEAR(now[4 * n + 1], 0.7f + 0.3f * 0.1f, 4e-3) << by_cluster;
-      ASSERT_NEAR(now[4 * n + 2], 1.0f, 4e-3) << by_cluster;
+      ASSERT_NEAR(now[4 * n + 2], 0.73f + 0.3f * 0.9f * again, 4e-3) << by_cluster;
     }
     EXPECT_FALSE(edited[Role::mask]);
   }
@@ -278,7 +286,7 @@ TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
     run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
   }
   const Pixels now = download(layers[Role::light]->buffer);
-  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 6e-3) << i;
+  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 9e-3) << i;
 }
 
 TEST_F(LightEditTest, ComposeMultipliesByTheColorOfLight) {

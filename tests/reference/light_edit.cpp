@@ -54,6 +54,18 @@ std::vector<double> selected_shares(const std::vector<Base>& bases, const std::v
   return held;
 }
 
+double sent_on(const std::vector<Rgba>& model, const std::vector<Rgba>& light) {
+  constexpr double kMost = 0.75;
+  double all = 0, direct = 0;
+  for (size_t n = 0; n < model.size(); ++n) {
+    const Rgba l = finite(light[n]);
+    const double shading = finite(model[n])[3], level = mean({l[0], l[1], l[2]});
+    all += std::min(shading * level, kLargest);
+    direct += std::min(shading * std::min(l[3], level), kLargest);
+  }
+  return 1 / (1 - std::clamp(1 - direct / (all + kLightFloor), 0.0, kMost));
+}
+
 double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness) {
   const double t =
       std::clamp((chroma_distance(base, key) - tolerance) / std::max(softness, 1e-6), 0.0, 1.0);

@@ -19,6 +19,10 @@ struct Base {
 std::vector<double> selected_shares(const std::vector<Base>& bases, const std::vector<Rgba>& model,
                                     const std::vector<double>& selection);
 
+/// What a change of light becomes by being sent on again and again, 1 + p + p² ...: p is the share
+/// of the sample's light (L, direct share; on `model`'s S) that bounced, at most .75.
+double sent_on(const std::vector<Rgba>& model, const std::vector<Rgba>& light);
+
 /// Which pixels of a frame are looked at for that.
 std::vector<size_t> light_sample(size_t width, size_t height);
 
