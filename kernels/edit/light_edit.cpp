@@ -51,11 +51,11 @@ LightEdit::LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent)
 void LightEdit::repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
                         const std::array<float, 3>& aim, float strength) {
   Push push(surfaces.key, aim, strength, layers.extent);
-  push.index = surfaces.base < 0 ? surfaces.cluster : surfaces.base;
-  const uint32_t by = surfaces.base >= 0      ? kByBasesSurface
+  push.index = surfaces.by_base ? 0 : surfaces.cluster;
+  const uint32_t by = surfaces.by_base        ? kByBasesSurface
                       : surfaces.cluster >= 0 ? kByClustersSurface
                                               : kBySurface;
-  run(commands, layers, by, push, {.selection = &surfaces.selection, .palette = surfaces.palette});
+  run(commands, layers, by, push, {.selection = &surfaces.selection, .keys = surfaces.keys});
 }
 
 void LightEdit::change(gpu::Commands& commands, Layers& layers, const Key& key,
@@ -91,7 +91,8 @@ void LightEdit::run(gpu::Commands& commands, Layers& layers, uint32_t by, const 
   commands.dispatch(
       choose,
       {layers[Role::bases]->buffer, model, inputs.selection ? inputs.selection->buffer : model,
-       inputs.palette ? inputs.palette : model, before->buffer, edited->buffer, change_},
+       inputs.keys ? inputs.keys : model, before->buffer, edited->buffer, change_,
+       layers[Role::model_light]->buffer},
       push, {});
   const PlanePtr light = plane_to_edit(layers[Role::light], planes_);
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < planes ? n : 0)]->buffer; };

@@ -11,7 +11,9 @@ namespace inverse {
 ///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
 ///   b_k), 0)
 ///
-/// (bases.comp, retint.comp). Reflectance and S stay.
+/// (bases.comp, retint.comp). Reflectance and S stay. Where surfaces were repainted, what arrives
+/// otherwise is sent on otherwise as well, again and again: L changes by 1 / (1 − p) as much, p the
+/// share of the frame's light that bounced.
 class LightEdit {
  public:
   /// Surfaces that were repainted.
@@ -21,11 +23,12 @@ class LightEdit {
     const Plane& selection;
     /// Of what color they were (linear RGB) …
     std::array<float, 3> key{};
-    /// … or of which cluster, −1: none, of which Palette::colors().
+    /// … or of which cluster of a palette, −1: none …
     int cluster = -1;
-    gpu::BufferPtr palette = nullptr;
-    /// … or of which base color before any edit, −1: none.
-    int base = -1;
+    /// … or of the color in `keys`.
+    bool by_base = false;
+    /// Palette::colors(), with a cluster; a vec4, with `by_base`.
+    gpu::BufferPtr keys = nullptr;
   };
   /// Base colors with a chromaticity c = b / mean b near to the key's.
   struct Key {
@@ -52,7 +55,7 @@ class LightEdit {
   struct Push;
   struct Inputs {
     const Plane *selection = nullptr, *matte = nullptr;
-    gpu::BufferPtr palette;
+    gpu::BufferPtr keys;
   };
   void run(gpu::Commands& commands, Layers& layers, uint32_t by, const Push& push,
            const Inputs& inputs);

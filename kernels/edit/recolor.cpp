@@ -6,6 +6,7 @@
 
 #include "../gpu/shaders.hpp"
 
+INVERSE_SHADER(edit_base_key);
 INVERSE_SHADER(edit_recolor);
 INVERSE_SHADER(edit_recolor_base);
 INVERSE_SHADER(edit_recolor_cluster);
@@ -69,7 +70,10 @@ Recolor::Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       planes_(device, extent),
       nothing_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
-      no_bases_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxBases)) {
+      no_bases_(gpu::Buffer::create(device, gpu::Element::vec4, kMaxBases, gpu::Memory::upload)),
+      base_color_(gpu::Buffer::create(device, gpu::Element::vec4, 1)),
+      base_key_(device->kernel(shaders::edit_base_key, {}, device->variant().lone_workgroup)) {
+  std::fill_n(no_bases_->map_as<float>(), 4 * kMaxBases, 0.0f);
   for (uint32_t i = 0; i < by_key_.size(); ++i) {
     by_key_[i] = device->kernel(shaders::edit_recolor, {i & 1, i >> 1});
     by_cluster_[i] = device->kernel(shaders::edit_recolor_cluster, {i & 1, i >> 1});
@@ -104,11 +108,17 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
     buffers.insert(buffers.end(), {model.buffer, palette_->palette().colors()});
   }
   if (by_base) {
-    if (!std::exchange(cleared_, true)) commands.fill(no_bases_);
     const Role role = layers[Role::model_bases] ? Role::model_bases : Role::bases;
+    const gpu::BufferPtr& model = layers[Role::model]->buffer;
+    const gpu::BufferPtr& bases = layers[role] ? layers[role]->buffer : no_bases_;
     push.cluster = std::min(params.base, static_cast<int>(kMaxBases) - 1);
-    buffers.insert(buffers.end(),
-                   {layers[Role::model]->buffer, layers[role] ? layers[role]->buffer : no_bases_});
+    const struct {
+      uint32_t size[2];
+      int32_t index;
+      float fall_off;
+    } look{{layers.extent.width, layers.extent.height}, push.cluster, push.fall_off};
+    commands.dispatch(base_key_, {base_color_, model, bases}, look, {});
+    buffers.insert(buffers.end(), {model, bases, base_color_});
   }
   const auto& kernels = by_base ? by_base_ : by_cluster ? by_cluster_ : by_key_;
   commands.dispatch(kernels[variant], buffers, std::as_bytes(std::span(&push, 1)),
@@ -116,11 +126,10 @@ void Recolor::record(gpu::Commands& commands, Layers& layers, const RecolorParam
   layers[Role::intrinsic] = edited;
   if (lights) {
     if (!light_) light_.emplace(device_, layers.extent);
-    light_->repaint(
-        commands, layers,
-        {*mask, params.key, by_cluster ? push.cluster : -1,
-         by_cluster ? palette_->palette().colors() : nullptr, by_base ? push.cluster : -1},
-        params.target, params.strength);
+    light_->repaint(commands, layers,
+                    {*mask, params.key, by_cluster ? push.cluster : -1, by_base,
+                     by_cluster ? palette_->palette().colors() : base_color_},
+                    params.target, params.strength);
   }
   if (params.write_mask) layers[Role::mask] = mask;
 }

@@ -27,17 +27,6 @@ layout(push_constant) uniform Push {
 
 // Mean reflectance below which value is not told apart: a coal cellar is 0.02.
 const float kValueFloor = 1e-3;
-// Light, 1 = full scale, below which chromaticity is noise: about the first two codes of 8-bit video. Colors fade to
-// gray there.
-const float kLightFloor = 5e-4;
-
-float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
-
-// From 1 to 0 as t goes from 0 to 1.
-float falling(float t) {
-  t = clamp(t, 0.0, 1.0);
-  return 1.0 - t * t * (3.0 - 2.0 * t);
-}
 
 void recolor(uint n, vec4 layers, float selection, float key_value) {
   if (MATTE) selection *= min(finite(FETCH(mask, int(n))).x, 1.0);

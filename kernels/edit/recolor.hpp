@@ -13,8 +13,9 @@ namespace inverse {
 /// layer.
 struct RecolorParams {
   /// −1: what `cluster` or the key says. 0…kMaxBases − 1: the surfaces of that base color of
-  /// bounced light (Role::bases), by the chromaticity of unedited reflectance; its color takes the
-  /// key's place and the tolerances are not used. Frames without such a color stay as they are.
+  /// bounced light (Role::bases), by the chromaticity of unedited reflectance; their mean color
+  /// takes the key's place and the tolerances are not used. Frames without such a color stay as
+  /// they are.
   int base = kByKey;
   /// −1: what the key says. 0…clusters − 1: the pixels nearest to that cluster of the unedited
   /// reflectance; its mean color takes the key's place and the tolerances are not used.
@@ -74,8 +75,8 @@ class Recolor {
  private:
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  gpu::BufferPtr nothing_, no_bases_;
-  bool cleared_ = false;                                         // no_bases_
+  gpu::BufferPtr nothing_, no_bases_, base_color_;
+  gpu::KernelPtr base_key_;
   std::array<gpu::KernelPtr, 4> by_key_, by_cluster_, by_base_;  // by MATTE + 2 PUBLISH
   std::optional<ScenePalette> palette_;  // made when a cluster is first asked for
   std::optional<LightEdit> light_;       // made when light first has layers

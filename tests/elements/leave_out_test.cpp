@@ -89,4 +89,33 @@ TEST(LeaveOut, HalfResolutionFollowsItsBound) {
             2u);
 }
 
+TEST(LeaveOut, BouncedLightOfVideoInBlackAndWhite) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+  VideoHarness all("globalintrinsic show=mosaic", caps, caps);
+  const auto in = [](int time, bool color) {
+    std::vector<uint8_t> frame = picture(false, time);
+    for (size_t i = 0; i < frame.size() && !color; i += 4) frame[i + 1] = frame[i + 2] = frame[i];
+    return frame;
+  };
+  const auto bounced = [](const std::vector<uint8_t>& mosaic) {  // lower right of four
+    int most = 0;
+    for (size_t y = kHeight / 2 + 1; y < kHeight; ++y)
+      for (size_t x = kWidth / 2 + 1; x < kWidth; ++x)
+        for (size_t c = 0; c < 3; ++c) most = std::max(most, int(mosaic[4 * (y * kWidth + x) + c]));
+    return most;
+  };
+  const char* reason = "no color to go by";
+  for (int k = 0; k < 16; ++k) {
+    EXPECT_EQ(bounced(all.process(in(k, false))), 0) << k;
+    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k >= 10) << k;
+  }
+  int seen = 0;
+  for (int k = 0; k < 8; ++k) {
+    seen = bounced(all.process(in(k, true)));
+    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k < 3) << k;
+  }
+  EXPECT_GT(seen, 0) << "color came back";
+  EXPECT_TRUE(all.errors().empty());
+}
+
 }  // namespace inverse::testing

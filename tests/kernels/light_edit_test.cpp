@@ -82,13 +82,14 @@ class LightEditTest : public GpuTest {
     return shares;
   }
   /// The light after base colors became `wanted`, and the base colors, against the reference.
-  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte) {
+  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte,
+                     double sent_on = 1) {
     const auto before = bases_of(frame.bases);
     const Pixels bases = download(frame.layers[Role::bases]->buffer);
     std::vector<Rgb> change(kMaxBases);
     for (size_t k = 0; k < kMaxBases; ++k)
       for (size_t c = 0; c < 3; ++c) {
-        change[k][c] = wanted[k][c] - before[k].color[c];
+        change[k][c] = sent_on * (wanted[k][c] - before[k].color[c]);
         const double expected = matte ? before[k].color[c] : wanted[k][c];
         ASSERT_NEAR(bases[4 * k + c], expected, 1e-4 * (1 + std::abs(expected))) << "base " << k;
       }
@@ -149,6 +150,7 @@ TEST_F(LightEditTest, OneBaseColorTurns) {
 
 TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
   const Rgb key{0.5, 0.1, 0.1}, aim{0.1, 0.3, 0.6};
+  double most = 1;
   for (const Extent extent : kOddSizes) {
     Frame made = frame(extent, 7, extent.width);
     const Pixels selected = random_pixels(extent, 8, 0, 1.3f);
@@ -158,10 +160,11 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
       edit.repaint(commands, made.layers, {selection, {0.5f, 0.1f, 0.1f}}, {0.1f, 0.3f, 0.6f},
                    0.9f);
     });
-    std::vector<Rgba> model;
+    std::vector<Rgba> model, light;
     std::vector<double> sel;
     for (const size_t n : reference::light_sample(extent.width, extent.height)) {
       model.push_back(pixel_of(made.model, n));
+      light.push_back(pixel_of(made.light, n));
       sel.push_back(selected[4 * n]);
     }
     const auto bases = bases_of(made.bases);
@@ -171,8 +174,11 @@ TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
       wanted.push_back(bases[k].exists
                            ? reference::repainted(bases[k].color, key, aim, 0.9 * shares[k])
                            : bases[k].color);
-    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr)) << extent.width;
+    const double again = reference::sent_on(model, light);
+    most = std::max(most, again);
+    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr, again)) << extent.width;
   }
+  EXPECT_GT(most, 1.1);
 }
 
 TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
@@ -236,17 +242,18 @@ TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
         if (cluster.index >= 0 && cluster.log_color[1] < cluster.log_color[0] - 1)
           params.cluster = cluster.index;
     }
+    // .12 of .82 bounced, and does so again.
+    const float again = 1 / (1 - 0.12F / 0.82F);
     run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
     const Pixels now = download(edited[Role::light]->buffer);
     const Pixels painted = download(edited[Role::intrinsic]->buffer);
-    // A base color's largest channel is 1: what is .6 as bright gets .6 of the target.
-    const float bright = by == By::base ? 0.6f : 1;
     for (size_t n = 0; n < extent.pixels(); ++n) {
       const bool red = n % 32 < 16;
-      ASSERT_NEAR(painted[4 * n], red ? bright * 0.06f : 0.6f, 4e-3) << static_cast<int>(by);
-      ASSERT_NEAR(painted[4 * n + 2], red ? bright * 0.6f : 0.6f, 4e-3) << static_cast<int>(by);
-      ASSERT_NEAR(now[4 * n], 0.7f + 0.3f * 0.1f * bright, 4e-3) << static_cast<int>(by);
-      ASSERT_NEAR(now[4 * n + 2], 0.7f + 0.3f * bright, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(painted[4 * n], red ? 0.06f : 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(painted[4 * n + 2], 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n], 1 - 0.3f * 0.9f * again, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n + 1], 0.7f + 0.3f * 0.1f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n + 2], 0.73f + 0.3f * 0.9f * again, 4e-3) << static_cast<int>(by);
     }
     EXPECT_FALSE(edited[Role::mask]);
   }
@@ -268,6 +275,44 @@ TEST_F(LightEditTest, ABaseColorThatIsNotThereSelectsNothing) {
     const Pixels after = download(edited[Role::intrinsic]->buffer);
     for (size_t i = 0; i < after.size(); ++i) ASSERT_EQ(after[i], before[i]) << i;
   }
+}
+
+TEST_F(LightEditTest, SurfacesOfABaseColorAreSelectedAndKeyed) {
+  unsigned selected = 0;
+  for (const Extent extent : kOddSizes)
+    for (const int base : {0, 3, 6}) {
+      Frame made = frame(extent, 7, extent.width + static_cast<unsigned>(base));
+      RecolorParams params;
+      params.base = base;
+      params.softness = 0.6F;
+      params.texture = 0.7F;
+      params.write_mask = true;
+      Layers edited = made.layers;
+      Recolor recolor(device, extent);
+      run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
+      const Pixels mask = download(edited[Role::mask]->buffer);
+      const Pixels now = download(edited[Role::intrinsic]->buffer);
+      const auto bases = bases_of(made.bases);
+      std::vector<Rgba> sample;
+      for (const size_t n : reference::light_sample(extent.width, extent.height))
+        sample.push_back(pixel_of(made.model, n));
+      const Rgb key = reference::base_key(sample, bases, size_t(base), 0.6);
+      reference::RecolorSpec spec;
+      for (size_t c = 0; c < 3; ++c) spec.target[c] = params.target[c];
+      spec.texture = 0.7F;
+      for (size_t n = 0; n < extent.pixels(); ++n) {
+        const Rgba pixel = pixel_of(made.model, n);
+        const double want = reference::base_selection(pixel, bases, size_t(base), 0.6);
+        ASSERT_NEAR(mask[4 * n], want, 2e-3) << extent.width << " pixel " << n;
+        selected += want > 0.5;
+        const Rgba painted =
+            reference::recolor(pixel, want, (key[0] + key[1] + key[2]) / 3 + 1e-3, spec);
+        for (size_t c = 0; c < 4; ++c)
+          ASSERT_NEAR(now[4 * n + c], painted[c], 4e-3 * (1 + std::abs(painted[c])))
+              << extent.width << " pixel " << n;
+      }
+    }
+  EXPECT_GT(selected, 100U);
 }
 
 TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
@@ -304,7 +349,7 @@ TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
     run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
   }
   const Pixels now = download(layers[Role::light]->buffer);
-  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 6e-3) << i;
+  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 9e-3) << i;
 }
 
 TEST_F(LightEditTest, ComposeMultipliesByTheColorOfLight) {

@@ -19,7 +19,20 @@ struct Base {
 std::vector<double> selected_shares(const std::vector<Base>& bases, const std::vector<Rgba>& model,
                                     const std::vector<double>& selection);
 
-/// Which pixels of a frame are looked at for that.
+/// What a change of light becomes by being sent on again and again, 1 + p + p² ...: p is the share
+/// of the sample's light (L, direct share; on `model`'s S) that bounced, at most .75.
+double sent_on(const std::vector<Rgba>& model, const std::vector<Rgba>& light);
+
+/// How much a pixel (R, S) belongs to base color `index`, 0…1: by the distances in ln chromaticity
+/// of its R S to that and to the nearest other, white among them.
+double base_selection(const Rgba& model, const std::vector<Base>& bases, size_t index,
+                      double softness);
+
+/// Mean reflectance of what it selects of the sample, weighted with light.
+Rgb base_key(const std::vector<Rgba>& model, const std::vector<Base>& bases, size_t index,
+             double softness);
+
+/// Which pixels of a frame are looked at for all that.
 std::vector<size_t> light_sample(size_t width, size_t height);
 
 /// How much a base color is chosen by a key's chromaticity.
