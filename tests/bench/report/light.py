@@ -76,14 +76,11 @@ def errors(found):
 def base_colors(found):
     """Errors of base colors before and after refinement, and what clicks are for."""
     rows = []
-    for name, heading in ((THESIS, "as it is"), (f"{THESIS} with correction", "clicks, color chosen by sparsity"),
-                          (f"{THESIS} with true colors, no refinement", "clicks, true color")):
+    for name, heading in ((THESIS, "as it is"), (f"{THESIS} with correction", "clicks, color chosen by sparsity")):
         for group, v in found.get(name, {}).items():
             if v["base_before"] is None:
                 continue
-            rows.append([GROUPS[group], heading, figure(v["base_before"], 3),
-                         figure(v["base_after"], 3) if "no refinement" not in name else "–",
-                         f"{100 * v['misclustered']:.1f} %", figure(v["clicks"], 1), figure(v["clicks_right"], 1), figure(v["layers"], 1)])
+            rows.append([GROUPS[group], heading, figure(v["base_before"], 3), figure(v["base_after"], 3), f"{100 * v['misclustered']:.1f} %", figure(v["clicks"], 1), figure(v["clicks_right"], 1), figure(v["layers"], 1)])
     rows.sort(key=lambda r: list(GROUPS.values()).index(r[0]))
     return table(["", "", "base colors before", "refined", "pixels of a wrong color", "clicks", "of them decided right", "layers"],
                  rows) if rows else ""
