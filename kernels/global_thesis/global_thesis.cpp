@@ -159,6 +159,7 @@ void GlobalThesis::set_params(const Params& params) {
   palette.clusters = p.clusters;
   palette.tau_cc = p.tau_merge;
   palette.fade = kFade;
+  palette.apart = p.tau_merge;
   palette.chroma_floor = p.chroma_floor;
   palette.seed = p.seed;
   palette_.set_params(palette);

@@ -27,7 +27,7 @@ struct Push {
   uint32_t width, height;
   int32_t first, clusters, iterations;
   uint32_t frame, seed;
-  float decay, fade, tau_cc, tau_intensity, chroma_floor, gauge_quantile, gauge_value,
+  float decay, fade, apart, tau_cc, tau_intensity, chroma_floor, gauge_quantile, gauge_value,
       fraction_scale;
 };
 
@@ -63,6 +63,7 @@ void Palette::set_params(const Params& params) {
   params_.iterations = std::clamp(params.iterations, 1, 64);
   params_.decay = std::clamp(params.decay, 0.0f, 1.0f);
   params_.fade = std::clamp(params.fade, 0.0f, 1.0f);
+  params_.apart = std::clamp(params.apart, 0.0f, 3.0f);
   params_.tau_cc = std::clamp(params.tau_cc, 0.0f, 3.0f);
   params_.tau_intensity = std::max(params.tau_intensity, 0.0f);
   params_.chroma_floor = std::max(params.chroma_floor, 1e-6f);
@@ -88,11 +89,14 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
     cleared_ = true;
   }
   if (first_) frame_ = 0;
-  const Push push{extent.width,           extent.height,         first_ ? 1 : 0,
-                  params_.clusters,       params_.iterations,    frame_++,
-                  params_.seed,           params_.decay,         params_.fade,
-                  params_.tau_cc,         params_.tau_intensity, params_.chroma_floor,
-                  params_.gauge_quantile, params_.gauge_value,   static_cast<float>(scale)};
+  const Push push{extent.width,         extent.height,
+                  first_ ? 1 : 0,       params_.clusters,
+                  params_.iterations,   frame_++,
+                  params_.seed,         params_.decay,
+                  params_.fade,         params_.apart,
+                  params_.tau_cc,       params_.tau_intensity,
+                  params_.chroma_floor, params_.gauge_quantile,
+                  params_.gauge_value,  static_cast<float>(scale)};
   const gpu::Items pixels{extent.width, extent.height};
   const gpu::Items one_group{kOneGroup};
   commands.dispatch(gauge_count_, {log_reflectance.buffer, gauge_counts_}, push, pixels);

@@ -20,6 +20,7 @@ layout(push_constant) uniform Push {
   uint frame;
   uint seed;
   float decay, fade;
+  float apart;
   float tau_cc, tau_intensity, chroma_floor;
   float gauge_quantile, gauge_value;
   float fraction_scale;  // fixed point inside a bin

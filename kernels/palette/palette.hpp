@@ -23,6 +23,9 @@ class Palette {
     float decay = 0.1f;    ///< share of the newest frame in histogram and gauge, 0…1
     float fade = 0.1f;     ///< the same for bins that the newest frame leaves empty: 0.3 retires a
                            ///< color that is gone from 20 000 pixels in two seconds, 0.1 in six
+    float apart = 0;       ///< chromaticity distance (mean 1) that a cluster which starts after the
+                           ///< first frame keeps from the others: a color that is there already
+                           ///< cannot get another index by it, 0…3
     float tau_cc = 0.05f;  ///< merge below this chromaticity distance (mean 1), 0…3
     float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
     float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0

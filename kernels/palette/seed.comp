@@ -6,7 +6,8 @@
 
 // One workgroup: k-means++ for clusters without pixels: all of them at the start, later those that died. A cluster is
 // drawn among the bins with probability proportional to pixels × squared distance to the nearest cluster, which must be
-// at least a bin's width away: a duplicate would take over the color, and its index change.
+// at least a bin's width away, and after the start `apart` in chromaticity: a duplicate would take over the color, and its
+// index change.
 PLANE_IN(0, list);
 WORD_IN(1, list_length);
 PLANE_INOUT(2, clusters);  // (color, pixels)
@@ -16,8 +17,19 @@ shared float sums[256];
 shared int chosen_lane;
 shared float chosen_mass;
 
+vec3 chroma(vec3 v) { return (v + push.chroma_floor) / ((v.r + v.g + v.b) * (1.0 / 3.0) + push.chroma_floor); }
+
 float mass(vec4 bin) {
   float nearest = 3.4e38;
+  if (push.first == 0 && push.apart > 0.0) {
+    vec3 own = chroma(bin.rgb);
+    bool near = false;
+    for (int k = 0; k < push.clusters; ++k) {
+      vec3 d = own - chroma(centers[k].rgb);
+      near = near || (centers[k].w > 0.0 && dot(d, d) < push.apart * push.apart);
+    }
+    if (near) return 0.0;
+  }
   for (int k = 0; k < push.clusters; ++k) {
     vec3 d = bin.rgb - centers[k].rgb;
     nearest = centers[k].w > 0.0 ? min(nearest, dot(d, d)) : nearest;

@@ -39,12 +39,22 @@ class PaletteTest : public GpuTest {
 TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
   for (const Extent extent :
        {Extent{1, 1}, Extent{2, 3}, Extent{1, 40}, Extent{64, 48}, Extent{349, 287}}) {
-    for (const int colors : {1, 4, 7, 10}) {
+    for (const int colors : {1, 4, 7, 10, -4, -10}) {
+      // Negative: as the thesis' global method asks for it.
       Palette palette(device);
-      reference::Palette expected{reference::PaletteParams()};
+      Palette::Params params;
+      reference::PaletteParams wanted;
+      if (colors < 0) {
+        params.fade = 0.3f;
+        params.apart = 0.3f;
+        wanted.fade = 0.3;
+        wanted.apart = 0.3;
+      }
+      palette.set_params(params);
+      reference::Palette expected{wanted};
       for (unsigned t = 0; t < 4; ++t) {
         // The same colors, other noise; from the third frame on one color more.
-        const Pixels pixels = blobs(extent, colors + (t > 1 ? 1 : 0), 7, 0.02f);
+        const Pixels pixels = blobs(extent, std::abs(colors) + (t > 1 ? 1 : 0), 7, 0.02f);
         const auto got = update(palette, plane(extent, pixels));
         expected.update(to_reference(extent, pixels));
         EXPECT_NEAR(download(palette.gauge())[0], expected.gauge(), 1e-4);

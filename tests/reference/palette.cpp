@@ -24,6 +24,15 @@ Vec3 mean_color(const HistogramBin& bin) {
 
 double mean(const Vec3& color) { return (color[0] + color[1] + color[2]) / 3; }
 
+double chroma_distance(const Vec3& a, const Vec3& b, double floor) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double d = (a[c] + floor) / (mean(a) + floor) - (b[c] + floor) / (mean(b) + floor);
+    sum += d * d;
+  }
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
 double Palette::frame_gauge(const Plane& log_reflectance) const {
@@ -94,13 +103,16 @@ void Palette::seed_clusters() {
     for (std::size_t n = 0; n < histogram_.size(); ++n) {
       if (histogram_[n][0] <= 0) continue;
       double nearest = std::numeric_limits<double>::infinity();
+      bool near = false;
       for (const Cluster& other : clusters_) {
         if (other.weight > 0) {
+          near = near || (frame_ > 0 && chroma_distance(mean_color(histogram_[n]), other.color,
+                                                        params_.chroma_floor) < params_.apart);
           nearest = std::min(nearest, squared_distance(mean_color(histogram_[n]), other.color));
         }
       }
       // Closer than a bin's width: a duplicate.
-      if (nearest * kHistogramBins * kHistogramBins < 1) continue;
+      if (near || nearest * kHistogramBins * kHistogramBins < 1) continue;
       mass[n] = histogram_[n][0] * (std::isinf(nearest) ? 1 : nearest);
       total += mass[n];
     }
@@ -154,13 +166,9 @@ void Palette::merge() {
       const double floor = params_.chroma_floor;
       const double mean_a = mean(into.color) + floor;
       const double mean_b = mean(other.color) + floor;
-      double chroma = 0;
-      for (int c = 0; c < 3; ++c) {
-        const double d = (into.color[c] + floor) / mean_a - (other.color[c] + floor) / mean_b;
-        chroma += d * d;
-      }
+      const double chroma = chroma_distance(into.color, other.color, floor);
       // Chromaticity alone would merge black, gray and white.
-      if (b != a && (std::sqrt(chroma) >= params_.tau_cc ||
+      if (b != a && (chroma >= params_.tau_cc ||
                      std::abs(std::log(mean_a / mean_b)) >= params_.tau_intensity)) {
         continue;
       }

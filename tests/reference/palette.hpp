@@ -14,6 +14,7 @@ struct PaletteParams {
   int clusters = 10;
   int iterations = 8;
   double decay = 0.1;
+  double apart = 0;
   double fade = 0.1;  ///< of bins that a frame leaves empty
   double tau_cc = 0.05;
   double tau_intensity = 0.15;
