@@ -14,14 +14,13 @@ void ScaledIntrinsic::set_up(size_t halvings) {
   if (!methods_[halvings]) methods_[halvings].emplace(device_, extent);
 }
 
-void ScaledIntrinsic::judge(const Params& params) {
+void ScaledIntrinsic::judge(const Params& params, bool cut) {
   if (since_reset_ < taken_.size()) return;
   const Taken& done = taken(recorded_);  // the last frame that is sure to be done
   // Of another scene nothing is known; at a cut it is looked at as soon as that is noticed.
-  if (method(done.stats.halvings).findings(done.number).cut) {
+  if (cut) {
     const uint64_t apart = was_ > 0 ? kAgain : kAgainAtFull;
     compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + apart : 0);
-    fade_.stop();
   }
   if (done.stats.compared) half_distance_ = distance_->value(recorded_);
   fits_ = half_distance_ > 0 && half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
@@ -40,12 +39,18 @@ void ScaledIntrinsic::judge(const Params& params) {
 
 size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
   if (info.reset || recorded_ == 0) start_anew();
+  bool cut = false;
+  if (since_reset_ >= taken_.size()) {
+    const Taken& done = taken(recorded_);  // the last frame that is sure to be done
+    cut = method(done.stats.halvings).findings(done.number).cut;
+  }
+  if (cut) fade_.stop();  // what fades is of the scene before
   const size_t asked = params.halvings();
   if (asked > 0 || !params.adaptive || params.half_bound <= 0) {
     fits_ = false;
     return asked;
   }
-  judge(params);
+  judge(params, cut);
   return fits_ ? 1 : 0;
 }
 

@@ -99,7 +99,8 @@ class ScaledIntrinsic {
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
   void set_up(size_t halvings);
   size_t choose(const Params& params, const FrameInfo& info);
-  void judge(const Params& params);
+  /// `cut`: found at the last frame that is sure to be done.
+  void judge(const Params& params, bool cut);
   void start_anew();
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
