@@ -41,13 +41,24 @@ TEST(LostDevice, EveryElementThatMeetsTheLossSaysSoAndNothingHangs) {
 }
 
 TEST(LostDevice, WhatThereWasToTellIsToldAllTheSame) {
-  // Lost with the first frame's base colors, while the frame is being recorded, and later.
-  for (const char* submit : {"1", "2", "3"}) {
+  const auto told = [](int submit) {
     const auto [status, text] =
-        run_self({{"INVERSE_LOSE_DEVICE", submit}},
+        run_self({{"INVERSE_LOSE_DEVICE", std::to_string(submit)}},
                  {kMarkOption, kSource + "globalintrinsicthesis name=marked steps=1 ! fakesink"});
-    EXPECT_EQ(status, 0);
-    EXPECT_EQ(text.substr(0, 28), "inverse-region-marked\nerror\n") << submit << ": " << text;
+    EXPECT_EQ(status, 0) << submit;
+    return text;
+  };
+  // Lost while kernels are warmed up: no frame has taken the click in.
+  int submit = 1;
+  for (; submit < 30; ++submit) {
+    const std::string text = told(submit);
+    if (text.substr(0, 6) != "error\n") break;
+  }
+  EXPECT_GT(submit, 1);
+  // Lost with the first frame's base colors, while the frame is being recorded, and later.
+  for (int k = 0; k < 3; ++k) {
+    const std::string text = told(submit + k);
+    EXPECT_EQ(text.substr(0, 28), "inverse-region-marked\nerror\n") << submit + k << ": " << text;
   }
 }
 
