@@ -31,7 +31,7 @@ PlanePtr picture(const std::shared_ptr<gpu::Device>& device) {
 }  // namespace
 
 void ScaledIntrinsic::warm_up() const {
-  if (!device_->first_time("warm_up of ScaledIntrinsic")) return;
+  if (!device_->first_warm_up("warm_up of ScaledIntrinsic")) return;
   ScaledIntrinsic small(device_, kSmall);
   const PlanePtr input = picture(device_);
   const std::vector<uint8_t> nothing_changed(
