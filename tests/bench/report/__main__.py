@@ -19,7 +19,7 @@ def options():
     parser = argparse.ArgumentParser(prog="./dev bench", description="error against run time of every method")
     parser.add_argument("build", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--full", action="store_true",
-                        help="two frames and the video of every given sequence, every setting, every size: some twenty-five minutes")
+                        help="two frames and the video of every given sequence, every setting, every size: some thirty minutes")
     parser.add_argument("--resume", action="store_true", help="go on where an interrupted run with the same options stopped")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), metavar="DIR",
                         help="ground truth (default ../shared/data): MIT-like objects and rendered sequences in it")

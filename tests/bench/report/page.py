@@ -204,7 +204,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
     load = max(machine["load_before"], machine["load_after"])
     out.append(f"""## How it was made
 
-`./dev bench` takes a bit more than a minute on two idle cores, `./dev bench --full` some twenty-five minutes: two frames and the whole video of every given
+`./dev bench` takes a bit more than a minute on two idle cores, `./dev bench --full` some thirty minutes: two frames and the whole video of every given
 sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
 `--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
 run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and

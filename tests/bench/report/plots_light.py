@@ -117,7 +117,7 @@ def background(found, folder):
         ax.axvline(middle, color=plots.INK, linewidth=1)
         ax.annotate(f"median {middle:.0f} ms", (middle, 1), (4, -4), xycoords=("data", "axes fraction"), textcoords="offset points",
                     fontsize=7.5, va="top")
-        ax.annotate(f"{names[name]} ({len(times)} frames)", (0.01, 0.9), xycoords="axes fraction", fontsize=8, va="top", color=hues[name],
+        ax.annotate(f"{names[name]} ({len(times)} frames)", (0.99, 0.9), xycoords="axes fraction", fontsize=8, va="top", ha="right", color=hues[name],
                     fontweight="bold")
         ax.set_ylabel("frames")
         ax.set_ylim(0, 1.35 * ax.get_ylim()[1])
