@@ -40,7 +40,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     // correction.
     method_->set_params(parameters_.snapshot());
     method_->warm_up();
-    warm_up_correction(device);
+    if (!warm_up_correction(device))
+      GST_WARNING(
+          "the correction of clusters did not end on its test picture: some kernels may be built "
+          "in mid-stream");
   }
   void release() override {
     forget_regions();
@@ -359,7 +362,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
         number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
                   "Share of direct light that all indirect layers together start as"),
         flag<P>("line-search", &P::line_search,
-                "Shorten steps that would raise the energy, as they may where light spans decades"),
+                "Shorten steps that would raise the energy, as they may where light spans decades; "
+                "samples may raise the rest of it, by 5 % of where a frame starts at most"),
         flag<P>("warm-start", &P::warm_start,
                 "Begin where the last frame ended instead of at the clusters"),
         number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
