@@ -138,7 +138,7 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
   energies();
   params.samples = 9;
   params.tau_cc = 3;
-  params.lambda_r_consistency = 30;
+  params.lambda_r_consistency = 10;
   method.set_params(params);
   const auto trace = energies();
   const auto without_samples = [](const GlobalThesis::Energy& e) {
