@@ -1,17 +1,15 @@
 // globalintrinsicthesis: chapter 5 of the thesis to the letter.
 #include <array>
-#include <mutex>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "base/color.hpp"
 #include "decomposer.hpp"
 #include "global_thesis/ladder.hpp"
-#include "global_thesis/misclustering_correction.hpp"
-#include "global_thesis/region_proposals.hpp"
 #include "global_thesis/warm_up.hpp"
 #include "image/mosaic.hpp"
+#include "region_news.hpp"
+#include "region_requests.hpp"
 
 namespace inverse {
 namespace {
@@ -32,7 +30,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
     proposals_.emplace(device, extent);
-    forget_news();
+    news_.forget();
     started_ = false;
     most_colors_ = GlobalThesis::most_layers(*device, extent);
     told_most_ = 0;
@@ -40,14 +38,17 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     // correction.
     method_->set_params(parameters_.snapshot());
     method_->warm_up();
-    warm_up_correction(device);
+    if (!warm_up_correction(device))
+      GST_WARNING(
+          "the correction of clusters did not end on its test picture: some kernels may be built "
+          "in mid-stream");
   }
   void release() override {
     forget_regions();
     correction_.reset();
     proposals_.reset();
     regions_.reset();
-    forget_news();
+    news_.forget();
     seen_ = false;
     MethodDecomposer::release();
   }
@@ -56,31 +57,28 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_->reset();
     correction_->reset();
     proposals_->reset();
-    forget_news();
+    news_.forget();
     started_ = false;
   }
   void flushed() override {
     // What was asked for before there was any frame is meant for the first one.
-    if (!seen_) return;
-    std::lock_guard lock(mutex_);
-    clicks_.clear();
+    if (seen_) requests_.forget_clicks();
   }
-  void mark(int x, int y) override { add_click({x, y, 0, Click::What::frame}); }
-  void click(int x, int y) override { add_click({x, y, 0, Click::What::picture}); }
-  void unmark(int region) override { add_click({0, 0, region, Click::What::unmark}); }
-  void refine() override {
-    std::lock_guard lock(mutex_);
-    refine_ = true;
+  void mark(int x, int y) override { requests_.add({x, y, 0, RegionRequests::Click::What::frame}); }
+  void click(int x, int y) override {
+    requests_.add({x, y, 0, RegionRequests::Click::What::picture});
   }
+  void unmark(int region) override {
+    requests_.add({0, 0, region, RegionRequests::Click::What::unmark});
+  }
+  void refine() override { requests_.refine(); }
 
  protected:
   // Marked regions and base colors go on being decided while a picture stays.
   bool settled(std::optional<uint64_t> done) const override {
-    std::lock_guard lock(mutex_);
-    return done.value_or(0) >= method_->scene_since() && lost_.empty() && !regions_->has_lost() &&
-           !method_->refining() && !correction_->busy() && results_.empty() && clicks_.empty() &&
-           !proposals_->pending(params().propose) && news_.empty() && !refine_ &&
-           since_click_ > kPatience;
+    return done.value_or(0) >= method_->scene_since() && news_.empty() && !regions_->has_lost() &&
+           !method_->refining() && !correction_->busy() && requests_.empty() &&
+           !proposals_->pending(params().propose) && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
@@ -89,14 +87,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       regions_->reset(MarkedRegions::Loss::cut);
       correction_->reset();
       proposals_->reset();
-      forget_news();
+      news_.forget();
     }
     const Numbers& numbers = numbers_[number % numbers_.size()];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
-      results_.push_back(*result);
+      news_.corrected(*result);
     for (const auto& proposal : proposals_->collect(numbers.proposals, *regions_))
-      news_.push_back(proposal);
+      news_.proposed(proposal);
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -133,7 +131,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     seen_ = true;
     ++since_click_;
     take_clicks(frame);
-    tell_results(frame);
+    news_.lost(regions_->take_lost());
+    news_.tell(frame);
     tell_most(frame);
     if (!started_) {
       // The only frame that waits: the kernels are built for its base colors.
@@ -158,69 +157,30 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   }
 
  private:
-  static constexpr size_t kMostClicks = 1000;
   // Frames after a click in which its region is found and its colors are begun to be tried.
   static constexpr uint64_t kPatience = 50;
 
-  struct Click {
-    enum class What : uint8_t { frame, picture, unmark };
-    int x, y, region;
-    What what;
-  };
-
-  void add_click(const Click& click) {
-    std::lock_guard lock(mutex_);
-    // What nobody looks at for so long is no click on a picture any more.
-    if (clicks_.size() < kMostClicks) clicks_.push_back(click);
-  }
-
   void take_clicks(FrameWork& frame) {
-    std::vector<Click> clicks;
-    {
-      std::lock_guard lock(mutex_);
-      std::swap(clicks, clicks_);
-      if (std::exchange(refine_, false)) method_->refine();
-    }
-    if (!clicks.empty()) since_click_ = 0;
-    for (auto [x, y, region, what] : clicks) {
-      if (what == Click::What::unmark) {
+    const RegionRequests::Taken taken = requests_.take();
+    if (taken.refine) method_->refine();
+    if (!taken.clicks.empty()) since_click_ = 0;
+    for (auto [x, y, region, what] : taken.clicks) {
+      if (what == RegionRequests::Click::What::unmark) {
         proposals_->refuse(region);
         if (!regions_->remove(region)) GST_WARNING("no region %d is marked", region);
         continue;
       }
-      if (what == Click::What::picture && frame.draw && params().show == Show::mosaic)
+      if (what == RegionRequests::Click::What::picture && frame.draw &&
+          params().show == Show::mosaic)
         std::tie(x, y) = Mosaic::shown_at(x, y, extent_);
       const int number = regions_->click(x, y);
-      frame.messages.emplace_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x,
-                                                    "y", G_TYPE_INT, y, "region", G_TYPE_INT,
-                                                    number, nullptr));
+      RegionNews::tell_marked(frame, x, y, number);
       if (number == 0)
         GST_WARNING("a click at %d, %d was refused: outside the frame, or %d regions are marked", x,
                     y, MarkedRegions::kMaxRegions);
     }
   }
 
-  /// What has become of marked regions.
-  void tell_results(FrameWork& frame) {
-    for (const auto& result : results_)
-      frame.messages.emplace_back(gst_structure_new(
-          "inverse-region-corrected", "region", G_TYPE_INT, result.number, "cluster", G_TYPE_INT,
-          result.cluster, "color", G_TYPE_INT, result.color, nullptr));
-    results_.clear();
-    for (const auto& proposal : news_)
-      frame.messages.emplace_back(gst_structure_new(
-          "inverse-region-proposed", "x", G_TYPE_INT, proposal.x, "y", G_TYPE_INT, proposal.y,
-          "pixels", G_TYPE_UINT64, proposal.pixels, "cluster", G_TYPE_INT, proposal.cluster,
-          "color", G_TYPE_INT, proposal.color, "score", G_TYPE_DOUBLE,
-          static_cast<double>(proposal.score), "region", G_TYPE_INT, proposal.region, nullptr));
-    news_.clear();
-    take_lost();
-    for (const MarkedRegions::Lost& lost : lost_)
-      frame.messages.emplace_back(gst_structure_new("inverse-region-lost", "region", G_TYPE_INT,
-                                                    lost.number, "reason", G_TYPE_STRING,
-                                                    reason(lost.loss), nullptr));
-    lost_.clear();
-  }
   /// Fewer base colors than were asked for.
   void tell_most(FrameWork& frame) {
     const int wanted = params().clusters;
@@ -238,39 +198,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     flushed();
     if (!regions_) return;
     regions_->reset();
-    take_lost();
-  }
-  void forget_news() {
-    results_.clear();
-    news_.clear();
-  }
-  void take_lost() {
-    for (const MarkedRegions::Lost& lost : regions_->take_lost()) lost_.push_back(lost);
-  }
-  static const char* reason(MarkedRegions::Loss loss) {
-    switch (loss) {
-      case MarkedRegions::Loss::nothing_there:
-        return "nothing-there";
-      case MarkedRegions::Loss::taken_over:
-        return "taken-over";
-      case MarkedRegions::Loss::lost:
-        return "lost";
-      case MarkedRegions::Loss::spilled:
-        return "spilled";
-      case MarkedRegions::Loss::no_candidates:
-        return "no-candidates";
-      case MarkedRegions::Loss::unmarked:
-        return "unmarked";
-      case MarkedRegions::Loss::withdrawn:
-        return "withdrawn";
-      case MarkedRegions::Loss::made_room:
-        return "made-room";
-      case MarkedRegions::Loss::cut:
-        return "cut";
-      case MarkedRegions::Loss::reset:
-        return "reset";
-    }
-    return "";
+    news_.lost(regions_->take_lost());
   }
 
   static const PropertyTable<Params>& table() {
@@ -359,7 +287,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
         number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
                   "Share of direct light that all indirect layers together start as"),
         flag<P>("line-search", &P::line_search,
-                "Shorten steps that would raise the energy, as they may where light spans decades"),
+                "Shorten steps that would raise the energy, as they may where light spans decades; "
+                "samples may raise the rest of it, by 5 % of where a frame starts at most"),
         flag<P>("warm-start", &P::warm_start,
                 "Begin where the last frame ended instead of at the clusters"),
         number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
@@ -381,18 +310,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     uint64_t regions = 0, correction = 0, proposals = 0;
   };
   std::array<Numbers, gpu::kFramesInFlight> numbers_;
-  std::vector<MisclusteringCorrection::Result> results_;  // to be told
-  std::vector<RegionProposals::Proposal> news_;           // to be told
-  std::vector<MarkedRegions::Lost> lost_;                 // to be told
+  RegionNews news_;
   Extent extent_{};
   int most_colors_ = 0;                   // that the device has room for
   int told_most_ = 0;                     // base-colors when it was said that they are too many
   bool seen_ = false;                     // a frame since the stream began
   bool started_ = false;                  // the scene's base colors are known
   uint64_t since_click_ = kPatience + 1;  // frames
-  mutable std::mutex mutex_;
-  std::vector<Click> clicks_;  // waiting for the next frame
-  bool refine_ = false;
+  RegionRequests requests_;
 };
 
 }  // namespace

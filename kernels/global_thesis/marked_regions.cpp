@@ -22,6 +22,17 @@ constexpr uint64_t kCounts = 2 * kNumbers;
 constexpr uint64_t kClicksAt = 2 * kNumbers;
 constexpr uint64_t kOrders = kClicksAt + 4 * MarkedRegions::kMaxClicks;
 
+/// Whose claim on a component wins, from the lowest: somebody's click goes before whatever was only
+/// proposed, also where the proposal comes after it, as it is of a frame from before.
+enum class Rank : uint32_t { proposed, tracked_proposal, tracked, clicked };
+
+uint32_t claim(const MarkedRegions::Region& region, bool goes_on) {
+  const Rank rank = region.proposed ? (goes_on ? Rank::tracked_proposal : Rank::proposed)
+                                    : (goes_on ? Rank::tracked : Rank::clicked);
+  return static_cast<uint32_t>(region.number) +
+         static_cast<uint32_t>(kNumbers) * static_cast<uint32_t>(rank);
+}
+
 struct Push {
   int32_t size[2];
   int32_t clicks;
@@ -124,14 +135,17 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
     uint32_t* order = orders + kClicksAt + 4 * i;
     order[0] = static_cast<uint32_t>(waiting_[i].x);
     order[1] = static_cast<uint32_t>(waiting_[i].y);
-    order[2] = static_cast<uint32_t>(waiting_[i].number);
     order[3] = static_cast<uint32_t>(waiting_[i].cluster + 1);
   }
   for (Region& region : regions_) {
     orders[region.number] = static_cast<uint32_t>(region.color + 1);
-    orders[kNumbers + static_cast<uint64_t>(region.number)] = region.since < number ? 1 : 0;
-    for (size_t i = 0; i < clicks; ++i)
-      if (waiting_[i].number == region.number) region.since = number;
+    if (region.since < number)
+      orders[kNumbers + static_cast<uint64_t>(region.number)] = claim(region, true);
+    for (size_t i = 0; i < clicks; ++i) {
+      if (waiting_[i].number != region.number) continue;
+      orders[kClicksAt + 4 * i + 2] = claim(region, false);
+      region.since = number;
+    }
   }
   waiting_.clear();
 

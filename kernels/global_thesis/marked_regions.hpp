@@ -27,7 +27,7 @@ class MarkedRegions {
     int color;    ///< slot of the base color that it is given; −1: none yet
     uint32_t pixels = 0;          ///< in the last frame that was collected
     uint64_t since = UINT64_MAX;  ///< number of the frame that took its click in
-    bool proposed = false;        ///< by `propose`: gives way to clicks
+    bool proposed = false;        ///< by `propose`: gives way to what was clicked
   };
 
   /// Why a region went.
@@ -38,7 +38,8 @@ class MarkedRegions {
     spilled,        ///< it ran over into what has the same cluster around it (kMostGrowth)
     no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
     unmarked,       ///< somebody removed it
-    withdrawn,      ///< it was proposed and does not look misclustered any more (RegionProposals)
+    withdrawn,      ///< it was proposed and does not look misclustered any more, or nothing is to
+                    ///< be marked by proposals any more (RegionProposals)
     made_room,      ///< it was proposed, and a click needed its number
     cut,            ///< of the scene
     reset,          ///< a flush, a discontinuity, another frame size
@@ -57,7 +58,9 @@ class MarkedRegions {
   /// smallest region that was only proposed gives its own away.
   int click(int x, int y);
   /// The same without anybody's click, where a number is free and if the pixel still has that
-  /// cluster then (Loss::nothing_there if not); gives the region a base color at once.
+  /// cluster then (Loss::nothing_there if not); gives the region a base color at once. Takes
+  /// nothing over from other regions (Loss::taken_over), whether they were marked before or are
+  /// with the same frame; a click takes it over.
   int propose(int x, int y, int cluster, int color);
   /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
   /// Numbers that mark nothing are ignored.

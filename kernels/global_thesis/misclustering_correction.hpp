@@ -16,8 +16,10 @@ namespace inverse {
 /// region the color with the sparsest. The color that the region was taken for is no candidate: it
 /// explains the region as paint in white light, without any indirect light, and would always win.
 ///
-/// In the background of a live stream: one candidate a frame, decomposed at up to a quarter of the
-/// frame's width, so that a frame takes about a sixteenth longer while a region is being decided.
+/// In the background of a live stream: one candidate a frame. It is decomposed at a quarter of the
+/// frame's width, so that a frame takes about a sixteenth longer while a region is being decided;
+/// at half of it (a quarter longer) for regions of fewer than 1024 pixels, and at full size (twice
+/// as long) for those of fewer than 256 or that cannot be seen in a smaller frame.
 class MisclusteringCorrection {
  public:
   struct Result {

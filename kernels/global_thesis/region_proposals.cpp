@@ -25,24 +25,44 @@ const MarkedRegions::Region* find(const MarkedRegions& regions, int number) {
 
 }  // namespace
 
-RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : device_(device), extent_(extent), survey_(device->kernel(shaders::global_thesis_survey)) {
+RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                                 size_t most)
+    : device_(device),
+      extent_(extent),
+      most_(most),
+      survey_(device->kernel(shaders::global_thesis_survey)) {
   const auto part = [&](uint32_t size) { return (size - 1) / static_cast<uint32_t>(factor_) + 1; };
   do {
     small_ = {part(extent.width), part(extent.height)};
   } while (small_.pixels() > kMostPixels && ++factor_);
 }
 
+/// Nothing that was recorded in another mode counts in this one.
+void RegionProposals::change(Mode mode, MarkedRegions& regions) {
+  if (mode == mode_) return;
+  if (mode_ == Mode::correct) {
+    std::vector<int> proposed;
+    for (const MarkedRegions::Region& region : regions.regions())
+      if (region.proposed) proposed.push_back(region.number);
+    for (const int number : proposed) regions.remove(number, MarkedRegions::Loss::withdrawn);
+    for (Seen& seen : seen_) seen.region = 0;
+  }
+  mode_ = mode;
+  quiet_ = false;
+  due_ = 0;
+  ++epoch_;
+  if (mode == Mode::off) reset();
+}
+
 uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& method,
-                                 const MarkedRegions& regions, Mode mode) {
+                                 MarkedRegions& regions, Mode mode) {
   if (method.extent() != extent_)
     throw Error(ErrorKind::internal, "the proposals were made for another frame size");
   const uint64_t number = recorded_++;
   Frame& frame = frames_[number % frames_.size()];
   frame.pending = false;
-  if (mode != std::exchange(mode_, mode)) quiet_ = false;
+  change(mode, regions);
   if (mode == Mode::off) {
-    if (!seen_.empty()) reset();
     quiet_ = true;
     due_ = recorded_;
     return number;
@@ -99,6 +119,7 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
       if (seen->refused || seen->region > 0 || frame.mode == Mode::report) continue;
     }
     if (found.region > 0) continue;  // somebody has clicked on it
+    if (seen == seen_.end() && seen_.size() >= most_) continue;
     const auto of_frame = [&](int v, uint32_t size) {
       return std::min(v * factor_ + factor_ / 2, static_cast<int>(size) - 1);
     };
@@ -119,7 +140,7 @@ std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
     if (seen != seen_.end()) {
       seen->region = proposal.region;
       if (proposal.region == 0) continue;  // it was told
-    } else if (seen_.size() < kMostSeen) {
+    } else {
       seen_.push_back({found.x, found.y, proposal.region, 0, false});
     }
     news.push_back(proposal);

@@ -31,12 +31,15 @@ class RegionProposals {
     int region;       ///< number of the region that was marked, 0: none
   };
 
-  /// Throws Error(limit, out_of_memory).
-  RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent);
+  /// Of `most` proposals at a time is kept in mind that they were made; there are no others until
+  /// some are over. Throws Error(limit, out_of_memory).
+  RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent, size_t most = 256);
 
   /// After `method` has recorded a frame with `regions`: records a small one where one is due.
-  /// Returns a number for `collect`.
-  uint64_t record(gpu::Commands& commands, const GlobalThesis& method, const MarkedRegions& regions,
+  /// Returns a number for `collect`. With the first frame that is not in Mode::correct any more the
+  /// regions that were proposed go (Loss::withdrawn), from the next one on; what frames before it
+  /// may still tell counts no more.
+  uint64_t record(gpu::Commands& commands, const GlobalThesis& method, MarkedRegions& regions,
                   Mode mode);
   /// Takes in what one of the last three frames told, once its Commands have been waited for. Gives
   /// what is proposed anew. In Mode::correct regions are marked where numbers are free, and those
@@ -57,7 +60,6 @@ class RegionProposals {
   static constexpr uint64_t kSoon = 4, kLater = 15;   ///< frames from one to the next
   static constexpr int kMisses = 3;                   ///< after which a proposal is over
   static constexpr int kMostFailures = 2;             ///< after which it is refused
-  static constexpr size_t kMostSeen = 256;
   struct Frame {
     gpu::BufferPtr pixels;
     std::vector<BaseColors::Color> colors;
@@ -75,10 +77,12 @@ class RegionProposals {
     int failures = 0;  ///< regions that were lost
   };
 
+  void change(Mode mode, MarkedRegions& regions);
   void forget_lost(const MarkedRegions& regions);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, small_;
+  size_t most_;
   int factor_ = 1;
   gpu::KernelPtr survey_;
   gpu::BufferPtr pixels_;

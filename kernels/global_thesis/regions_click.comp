@@ -16,10 +16,10 @@ void main() {
   if (i >= push.clicks) return;
   int at = 2 * kMaxRegions + 4 * i;
   uint n = FETCH1(orders, at + 1) * uint(push.size.x) + FETCH1(orders, at);
-  uint number = FETCH1(orders, at + 2);
+  uint claim = FETCH1(orders, at + 2);
   uint cluster = uint(FETCH(features, int(n)).w + 1.0);
   uint expected = FETCH1(orders, at + 3);
   cluster = expected == 0u || expected == cluster ? cluster : 0u;
-  STORE(clusters, number, cluster);
-  if (cluster > 0u) atomicMax(claims_data[root_of(n)], clicked_claim(number));
+  STORE(clusters, claiming_region(claim), cluster);
+  if (cluster > 0u) atomicMax(claims_data[root_of(n)], claim);
 }

@@ -19,8 +19,9 @@ void main() {
   int n = at.y * push.size.x + at.x;
   int number = int(FETCH(regions, n).y);
   uint cluster = uint(FETCH(features, n).w + 1.0);
-  if (number > 0 && cluster > 0u && FETCH1(clusters, number) == cluster && FETCH1(orders, kMaxRegions + number) != 0u) {
-    atomicMax(claims_data[root_of(uint(n))], tracked_claim(uint(number)));
+  uint claim = FETCH1(orders, kMaxRegions + number);
+  if (number > 0 && cluster > 0u && FETCH1(clusters, number) == cluster && claim != 0u) {
+    atomicMax(claims_data[root_of(uint(n))], claim);
     STORE(counts, claimed_at(uint(number)), 1u);
   }
 }

@@ -3,7 +3,8 @@
 #include "../gpu/common.glsl"
 #include "energy.glsl"
 
-// A step by the factor that search.comp says; 1 leaves it to the bit. In place; the dispatch's z is the plane of the field.
+// A step by the factor that search.comp says; 1 leaves it to the bit, and 0 nothing of it, also where it is no number. In
+// place; the dispatch's z is the plane of the field.
 PLANE_IN(0, state);
 SCALAR_IN(1, search);
 PLANE_INOUT(2, next);
@@ -14,5 +15,5 @@ void main() {
   if (at.x >= push.size.x || factor == 1.0) return;
   int n = (int(gl_WorkGroupID.z) * push.size.y + at.y) * push.size.x + at.x;
   vec4 from = FETCH(state, n);
-  STORE(next, n, from + factor * (LOAD(next, n) - from));
+  STORE(next, n, factor == 0.0 ? from : from + factor * (LOAD(next, n) - from));
 }

@@ -1,7 +1,8 @@
 // GlobalThesis::warm_up and what corrects its clusters, run once on a tiny frame.
 #include "warm_up.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <string>
 
 #include "misclustering_correction.hpp"
 #include "region_proposals.hpp"
@@ -45,11 +46,16 @@ class Runner {
 }  // namespace
 
 void GlobalThesis::warm_up() const {
+  // What decides which kernels there are.
+  if (!device_->first_time("warm_up of GlobalThesis, " + std::to_string(slots_) + " slots, " +
+                           std::to_string(most_layers_) + " layers" +
+                           (params_.p == 1 ? "" : ", any p")))
+    return;
   GlobalThesis tiny(device_, kTiny);
   Params params = params_;
   params.steps = params.pcg_iterations = 1;
   params.refine_rounds = 1;
-  params.energy = true;
+  params.energy = params.line_search = true;
   params.trace = false;
   params.cut_fraction = 1;
   params.keyframe_spacing = 1;
@@ -74,7 +80,8 @@ void GlobalThesis::warm_up() const {
   }
 }
 
-void warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
+bool warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
+  if (!device->first_time("warm_up_correction")) return true;
   GlobalThesis method(device, kTiny);
   GlobalThesis::Params params;
   params.steps = params.pcg_iterations = 1;
@@ -101,9 +108,9 @@ void warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
     });
     method.collect(number);
     regions.collect(regions.last());
-    if (correction.collect(corrected, regions)) return;
+    if (correction.collect(corrected, regions)) return true;
   }
-  throw Error(ErrorKind::internal, "the correction of clusters did not end on its test picture");
+  return false;
 }
 
 }  // namespace inverse

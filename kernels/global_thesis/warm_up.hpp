@@ -6,8 +6,9 @@
 namespace inverse {
 
 /// As GlobalThesis::warm_up, for marked regions, RegionProposals and MisclusteringCorrection:
-/// corrects a region of a tiny frame once. Waits for the device. Throws Error(out_of_memory), and
-/// Error(internal) where the correction does not end.
-void warm_up_correction(const std::shared_ptr<gpu::Device>& device);
+/// corrects a region of a tiny frame, once a device. Waits for the device. False where the
+/// correction did not end, so that some kernels may still have to be built in mid-stream. Throws
+/// Error(out_of_memory).
+bool warm_up_correction(const std::shared_ptr<gpu::Device>& device);
 
 }  // namespace inverse

@@ -152,7 +152,29 @@ TEST(TruthClicks, PaintFindsItsBaseColor) {
   const float values[4][3] = {{0.4F, 0.05F, 0.05F}, {0.2F, 0.9F, 0.2F}, {0.1F, 0.1F, 0.11F}, {}};
   for (int x = 0; x < 4; ++x)
     for (int c = 0; c < 3; ++c) paint.at(x, 0, c) = values[x][c];
-  EXPECT_EQ(true_slots(paint, three_colors()), (std::vector<int>{0, 1, 2, -1}));
+  const TrueSlots all(paint, {}, three_colors());
+  EXPECT_EQ(all.nearest(), (std::vector<int>{0, 1, 2, -1}));
+  EXPECT_EQ(all.wrong({0, 1, 2, 0}), (std::vector<std::uint8_t>{0, 0, 0, 0}));
+  EXPECT_EQ(all.wrong({1, 2, -1, 1}), (std::vector<std::uint8_t>{1, 1, 0, 0}));
+  // Where the mask says so nothing is known.
+  Image mask(4, 1, 1);
+  mask.at(1, 0, 0) = 1;
+  const TrueSlots masked(paint, mask, three_colors());
+  EXPECT_EQ(masked.nearest(), (std::vector<int>{-1, 1, -1, -1}));
+  EXPECT_EQ(masked.wrong({1, 2, 0, 1}), (std::vector<std::uint8_t>{0, 1, 0, 0}));
+}
+
+TEST(TruthClicks, WhatIsHardlyNearerIsNotWrong) {
+  // Gray paint, 1 from one base color and a little or clearly more from another.
+  std::vector<BaseColors::Color> colors = three_colors();
+  colors.resize(2);
+  colors[1].center = {-1, 0, 0};
+  for (const auto& [more, wrong] : {std::pair{0.05F, 0}, {0.2F, 1}}) {
+    colors[0].center = {1 + more, 0, 0};
+    const TrueSlots slots(Image(1, 1, 3, 0.5F), {}, colors);
+    EXPECT_EQ(slots.nearest()[0], 1);
+    EXPECT_EQ(slots.wrong({0})[0], wrong) << more;
+  }
 }
 
 TEST(TruthClicks, AreOnTheWrongRegionsLargestFirst) {
@@ -167,16 +189,26 @@ TEST(TruthClicks, AreOnTheWrongRegionsLargestFirst) {
       if (x < 2 && y < 2) truth[n] = 2, slots[n] = 1;
       if (x < 3 && y == 3) slots[n] = 1;
     }
-  const auto clicks = clicks_of_truth(slots, truth, kWidth, kHeight, 4, 10);
-  ASSERT_EQ(clicks.size(), 2U);
-  EXPECT_EQ(clicks[0].pixels, 16U);
-  EXPECT_EQ(clicks[0].slot, 1);
-  EXPECT_TRUE(clicks[0].x == 5 || clicks[0].x == 6) << clicks[0].x;
-  EXPECT_TRUE(clicks[0].y == 1 || clicks[0].y == 2) << clicks[0].y;
-  EXPECT_EQ(clicks[1].pixels, 4U);
-  EXPECT_EQ(clicks[1].slot, 2);
-  EXPECT_EQ(clicks_of_truth(slots, truth, kWidth, kHeight, 4, 1).size(), 1U);
-  EXPECT_TRUE(clicks_of_truth(truth, truth, kWidth, kHeight, 1, 10).empty());
+  std::vector<std::uint8_t> wrong(slots.size());
+  for (std::size_t n = 0; n < slots.size(); ++n) wrong[n] = slots[n] != truth[n];
+  EXPECT_EQ(components(slots, wrong, truth, kWidth, kHeight).size(), 4U);
+  const auto found = wrong_components(slots, wrong, truth, kWidth, kHeight, 0.125);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].pixels.size(), 16U);
+  EXPECT_EQ(found[0].wrong, 16U);
+  EXPECT_EQ(found[0].cluster, 2);
+  EXPECT_EQ(found[0].right, 1);
+  EXPECT_GE(found[0].click() % kWidth, 4);
+  EXPECT_EQ(found[1].pixels.size(), 4U);
+  EXPECT_EQ(found[1].right, 2);
+  EXPECT_LT(found[1].click() % kWidth, 2);
+  EXPECT_LT(found[1].click() / kWidth, 2);
+  // The row is large enough for a smaller share, and what has no cluster is no region.
+  EXPECT_EQ(wrong_components(slots, wrong, truth, kWidth, kHeight, 0.09).size(), 3U);
+  for (int& slot : slots) slot = slot == 2 ? -1 : slot;
+  EXPECT_EQ(wrong_components(slots, wrong, truth, kWidth, kHeight, 0.125).size(), 1U);
+  wrong.assign(slots.size(), 0);
+  EXPECT_TRUE(wrong_components(slots, wrong, truth, kWidth, kHeight, 0).empty());
 }
 
 TEST(TruthClicks, BaseColorsAreComparedWithThePaint) {

@@ -4,8 +4,8 @@
 //   clicks-bench SCENE... [--least SHARE] [--frames N] [--json FILE] [--png FOLDER]
 //
 // SCENE are flat dumps of rendered sequences (import-scenes, own-scenes, edit-scenes). Their true
-// reflectance tells which clusters are wrong: a component of equal cluster of which more than half
-// has a reflectance that is nearer to another base color (by .1 in ln chromaticity). The user
+// reflectance tells which clusters are wrong (truth_clicks.hpp): a component of equal cluster of
+// which more than half is nearer to another base color (by .1 in ln chromaticity). The user
 // clicks the largest such component of the first frame that is no smaller than SHARE (default .005)
 // of it, one after the other, until none is left; then the video goes on for up to N frames
 // (default 24), and what becomes wrong is clicked there.
@@ -33,7 +33,7 @@ constexpr int kMostFrames = 400;  // of the first picture, until everything is d
 constexpr size_t kMeasured = 2;   // frames of a video whose reflectance is solved for
 
 struct Options {
-  double least = 0.005;
+  double least = kLeastShare;
   size_t frames = 24;
   std::string png, json;
 };
@@ -109,9 +109,6 @@ class Run {
     for (const uint8_t w : wrong) sum += w;
     return static_cast<double>(sum) / static_cast<double>(wrong.size());
   }
-  double least_pixels() const {
-    return options_.least * first().input.width * first().input.height;
-  }
 
   bool undecided() {
     const auto& regions = stage_.regions().regions();
@@ -133,16 +130,11 @@ class Run {
     }
     if (outcome_.refused > 0) return false;
     const Clusters clusters = stage_.clusters(frame);
-    std::vector<Component> components =
-        stage_.components(clusters.raw, clusters.wrong, clusters.truth);
-    std::stable_sort(
-        components.begin(), components.end(),
-        [](const Component& a, const Component& b) { return a.pixels.size() > b.pixels.size(); });
-    for (const Component& c : components) {
-      if (static_cast<double>(c.pixels.size()) < least_pixels()) break;
-      const auto at = static_cast<size_t>(c.pixels[c.pixels.size() / 2]);
-      if (c.cluster < 0 || !c.mostly_wrong() || clusters.region[at] > 0) continue;
-      const int w = frame.input.width, n = static_cast<int>(at);
+    const int w = frame.input.width, h = frame.input.height;
+    for (const Component& c :
+         wrong_components(clusters.raw, clusters.wrong, clusters.truth, w, h, options_.least)) {
+      const int n = c.click();
+      if (clusters.region[static_cast<size_t>(n)] > 0) continue;
       clicked_ = stage_.regions().click(n % w, n / w);
       if (clicked_ == 0) {
         ++outcome_.refused;
@@ -186,10 +178,9 @@ class Run {
       q.pixels += static_cast<double>(pixels);
       q.rightly_pixels += rightly ? static_cast<double>(pixels) : 0;
     }
-    for (const Component& c : stage_.components(clusters.raw, clusters.raw_wrong, clusters.truth)) {
-      if (static_cast<double>(c.pixels.size()) < least_pixels() || c.cluster < 0 ||
-          !c.mostly_wrong())
-        continue;
+    for (const Component& c :
+         wrong_components(clusters.raw, clusters.raw_wrong, clusters.truth, first().input.width,
+                          first().input.height, options_.least)) {
       size_t in = 0;
       for (const int n : c.pixels) in += clusters.region[static_cast<size_t>(n)] > 0;
       const bool found = 2 * in > c.pixels.size();

@@ -1,20 +1,10 @@
 #include "tests/bench/clicks_stage.hpp"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
-#include <map>
 
 #include "tests/bench/png_file.hpp"
 
 namespace inverse::bench {
-namespace {
-
-/// By how much nearer, in ln chromaticity, another base color must be for a pixel to be wrong.
-constexpr float kMargin = 0.1F;
-
-}  // namespace
 
 ClicksStage::ClicksStage(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
@@ -91,76 +81,14 @@ Clusters ClicksStage::clusters(const TruthFrame& truth) const {
   for (size_t n = 0; n < extent_.pixels(); ++n) {
     const int raw = static_cast<int>(features[4 * n + 3]);
     const int demanded = static_cast<int>(marks[4 * n]);
-    const int seen = demanded >= 0 ? demanded : raw;
-    const float* r = &truth.reflectance.data[3 * n];
-    const float mean = (r[0] + r[1] + r[2]) / 3 + cheap_.chroma_floor;
-    std::array<float, BaseColors::kMaxColors> distance{};
-    float least = 3.4e38F;
-    int nearest = -1;
-    for (const auto& color : colors_) {
-      float d2 = 0;
-      for (size_t c = 0; c < 3; ++c) {
-        const float d = std::log((r[c] + cheap_.chroma_floor) / mean) - color.center[c];
-        d2 += d * d;
-      }
-      distance.at(static_cast<size_t>(color.slot)) = std::sqrt(d2);
-      if (std::sqrt(d2) >= least) continue;
-      least = std::sqrt(d2);
-      nearest = color.slot;
-    }
-    const bool counts = truth.mask.empty() || truth.mask.data[n] > 0.5F;
-    const auto wrong = [&](int slot) {
-      return counts && slot >= 0 && slot != nearest &&
-             distance.at(static_cast<size_t>(slot)) > least + kMargin;
-    };
     result.raw.push_back(raw);
-    result.corrected.push_back(seen);
+    result.corrected.push_back(demanded >= 0 ? demanded : raw);
     result.region.push_back(static_cast<int>(marks[4 * n + 1]));
-    result.truth.push_back(nearest);
-    result.raw_wrong.push_back(wrong(raw));
-    result.wrong.push_back(wrong(seen));
   }
-  return result;
-}
-
-std::vector<Component> ClicksStage::components(const std::vector<int>& slots,
-                                               const std::vector<uint8_t>& wrong,
-                                               const std::vector<int>& truth) const {
-  const int w = static_cast<int>(extent_.width), h = static_cast<int>(extent_.height);
-  std::vector<uint8_t> seen(slots.size());
-  std::vector<Component> result;
-  for (int first = 0; first < w * h; ++first) {
-    if (seen[static_cast<size_t>(first)]) continue;
-    Component component;
-    component.cluster = slots[static_cast<size_t>(first)];
-    component.pixels = {first};
-    seen[static_cast<size_t>(first)] = 1;
-    std::map<int, size_t> votes;
-    for (size_t i = 0; i < component.pixels.size(); ++i) {
-      const int n = component.pixels[i], x = n % w, y = n / w;
-      const auto at = static_cast<size_t>(n);
-      if (wrong[at]) {
-        ++component.wrong;
-        ++votes[truth[at]];
-      }
-      const std::array<std::pair<bool, int>, 4> neighbors{
-          {{x > 0, n - 1}, {x + 1 < w, n + 1}, {y > 0, n - w}, {y + 1 < h, n + w}}};
-      for (const auto& [inside, m] : neighbors) {
-        if (!inside || seen[static_cast<size_t>(m)] ||
-            slots[static_cast<size_t>(m)] != component.cluster)
-          continue;
-        seen[static_cast<size_t>(m)] = 1;
-        component.pixels.push_back(m);
-      }
-    }
-    size_t most = 0;
-    for (const auto& [slot, count] : votes)
-      if (count > most) {
-        most = count;
-        component.right = slot;
-      }
-    result.push_back(std::move(component));
-  }
+  const TrueSlots slots(truth.reflectance, truth.mask, colors_);
+  result.truth = slots.nearest();
+  result.raw_wrong = slots.wrong(result.raw);
+  result.wrong = slots.wrong(result.corrected);
   return result;
 }
 

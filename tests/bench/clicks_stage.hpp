@@ -10,6 +10,7 @@
 #include "kernels/global_thesis/misclustering_correction.hpp"
 #include "kernels/global_thesis/region_proposals.hpp"
 #include "tests/bench/scene.hpp"
+#include "tests/bench/truth_clicks.hpp"
 
 namespace inverse::bench {
 
@@ -18,18 +19,9 @@ struct Clusters {
   std::vector<int> raw;        ///< slot by pixel, −1: none
   std::vector<int> corrected;  ///< with marked regions' base colors
   std::vector<int> region;     ///< number of the marked region, 0: none
-  std::vector<int> truth;      ///< slot that the pixel's reflectance is nearest to
-  /// Whether another slot than that, in `raw` and in `corrected`, is clearly further away.
+  std::vector<int> truth;      ///< TrueSlots::nearest
+  /// TrueSlots::wrong of `raw` and `corrected`.
   std::vector<uint8_t> raw_wrong, wrong;
-};
-
-/// Pixels of one corrected cluster that hang together.
-struct Component {
-  int cluster = -1;
-  std::vector<int> pixels;
-  size_t wrong = 0;  ///< of them
-  int right = -1;    ///< slot that most of those should have
-  bool mostly_wrong() const { return 2 * wrong > pixels.size(); }
 };
 
 class ClicksStage {
@@ -44,10 +36,6 @@ class ClicksStage {
   void run(const Image& frame, bool whole);
 
   Clusters clusters(const TruthFrame& truth) const;
-  /// The connected components of `slots`; `wrong` tells which of their pixels are.
-  std::vector<Component> components(const std::vector<int>& slots,
-                                    const std::vector<uint8_t>& wrong,
-                                    const std::vector<int>& truth) const;
   /// Of the last frame, 3 channels.
   Image reflectance() const;
   /// Input, clusters, corrected ones, true ones, wrong pixels and marked regions, side by side.

@@ -1,6 +1,7 @@
 // globalintrinsicthesis in the benchmark.
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "kernels/global_thesis/ladder.hpp"
@@ -14,7 +15,7 @@ namespace {
 using Params = GlobalThesisParams;
 using Effort = Setting::Effort;
 
-/// Regions and base colors count from this many pixels on: a thousandth of 320 × 240.
+/// Base colors count from this many pixels on: a thousandth of 320 × 240.
 constexpr std::size_t kFewestPixels = 77;
 
 /// The default of the element.
@@ -34,7 +35,7 @@ Params still_params() {
 
 /// The base colors of a scene, as the element comes to them while it is shown one frame again and
 /// again: clusters, corrected where somebody clicks, refined.
-class ScenePalette {
+class FoundColors {
  public:
   enum class Clicks : std::uint8_t {
     none,
@@ -48,7 +49,7 @@ class ScenePalette {
     std::map<std::string, std::vector<double>> figures;
   };
 
-  explicit ScenePalette(DeviceSession& session) : session_(session) {}
+  explicit FoundColors(DeviceSession& session) : session_(session) {}
 
   /// Of the frame that was asked for last it is found once.
   const Found& of(const TruthFrame& frame, Clicks clicks) {
@@ -140,11 +141,10 @@ class ScenePalette {
           frame.reflectance, assigned, initial ? found.initial.colors() : found.refined.colors(),
           initial, kFewestPixels);
     found.figures["refining_frames"] = {double(frames)};
-    const std::vector<int> truth = true_slots(frame.reflectance, found.initial.colors());
-    double wrong = 0;
-    for (std::size_t n = 0; n < truth.size(); ++n)
-      wrong += truth[n] >= 0 && assigned[n] >= 0 && truth[n] != assigned[n];
-    found.figures["misclustered"] = {wrong / double(truth.size())};
+    const TrueSlots truth(frame.reflectance, frame.mask, found.initial.colors());
+    const std::vector<std::uint8_t> wrong = truth.wrong(assigned);
+    found.figures["misclustered"] = {std::accumulate(wrong.begin(), wrong.end(), 0.0) /
+                                     double(wrong.size())};
     return found;
   }
 
@@ -152,14 +152,17 @@ class ScenePalette {
   void mark(GlobalThesis& method, MarkedRegions& regions, const TruthFrame& frame, Clicks clicks,
             gpu::Commands& commands, const std::function<void()>& show,
             std::map<std::string, std::vector<double>>& figures) const {
-    const std::vector<TruthClick> where = clicks_of_truth(
-        slots(commands, method, regions), true_slots(frame.reflectance, method.colors().colors()),
-        frame.input.width, frame.input.height, kFewestPixels, MarkedRegions::kMaxRegions);
+    const TrueSlots true_slots(frame.reflectance, frame.mask, method.colors().colors());
+    const std::vector<int> assigned = slots(commands, method, regions);
+    const int width = frame.input.width;
+    std::vector<Component> where = wrong_components(
+        assigned, true_slots.wrong(assigned), true_slots.nearest(), width, frame.input.height);
+    where.resize(std::min<std::size_t>(where.size(), MarkedRegions::kMaxRegions));
     std::map<int, int> truth;  // color of a region
-    for (const TruthClick& click : where) {
-      const int number = regions.click(click.x, click.y);
-      truth[number] = click.slot;
-      if (clicks == Clicks::true_colors) regions.set_color(number, click.slot);
+    for (const Component& component : where) {
+      const int number = regions.click(component.click() % width, component.click() / width);
+      truth[number] = component.right;
+      if (clicks == Clicks::true_colors) regions.set_color(number, component.right);
     }
     show();
     figures["clicks"] = {double(where.size())};
@@ -198,11 +201,11 @@ class ScenePalette {
 class StillSolver final : public Solver {
  public:
   struct Options {
-    ScenePalette::Clicks clicks = ScenePalette::Clicks::none;
+    FoundColors::Clicks clicks = FoundColors::Clicks::none;
     bool refined = true;
     bool tells = false;  ///< figures of the base colors
   };
-  StillSolver(DeviceSession& session, std::shared_ptr<ScenePalette> palette, Size size,
+  StillSolver(DeviceSession& session, std::shared_ptr<FoundColors> palette, Size size,
               const Params& params, const Options& options)
       : session_(session),
         palette_(std::move(palette)),
@@ -214,7 +217,7 @@ class StillSolver final : public Solver {
   void show(const TruthFrame& truth) override { truth_ = &truth; }
 
   Decomposition run(const Image& frame, bool /*continues*/, Cost& cost) override {
-    const ScenePalette::Found& found = palette_->of(*truth_, options_.clicks);
+    const FoundColors::Found& found = palette_->of(*truth_, options_.clicks);
     method_.reset();
     method_.set_base_colors(options_.refined ? found.refined : found.initial);
     GlobalThesis::Hints hints;
@@ -235,7 +238,7 @@ class StillSolver final : public Solver {
 
  private:
   DeviceSession& session_;
-  std::shared_ptr<ScenePalette> palette_;
+  std::shared_ptr<FoundColors> palette_;
   Options options_;
   GlobalThesis method_;
   const TruthFrame* truth_ = nullptr;
@@ -289,7 +292,7 @@ Method globalintrinsicthesis(DeviceSession& session) {
                 {},
                 {},
                 {}};
-  const auto palette = std::make_shared<ScenePalette>(session);
+  const auto palette = std::make_shared<FoundColors>(session);
   const auto add = [&](Setting setting, const Params& params, const StillSolver::Options& options) {
     setting.make = [&session, palette, params, options](Size size) -> std::unique_ptr<Solver> {
       return std::make_unique<StillSolver>(session, palette, size, params, options);
@@ -323,14 +326,14 @@ Method globalintrinsicthesis(DeviceSession& session) {
       {"without", "refinement", {.refined = false}, [](Params&) {}},
       {"without", "sparsity term", {}, [](Params& p) { p.lambda_i_sparsity = 0; }},
       {"without", "soft Retinex weight", {}, [](Params& p) { p.alpha_sr = 1e4F; }},
-      {"with", "correction", {ScenePalette::Clicks::corrected, true, true}, [](Params&) {}},
+      {"with", "correction", {FoundColors::Clicks::corrected, true, true}, [](Params&) {}},
       {"with",
        "correction, no refinement",
-       {ScenePalette::Clicks::corrected, false},
+       {FoundColors::Clicks::corrected, false},
        [](Params&) {}},
       {"with",
        "true colors, no refinement",
-       {ScenePalette::Clicks::true_colors, false},
+       {FoundColors::Clicks::true_colors, false},
        [](Params&) {}}};
   double order = 0;
   for (const auto& [curve, name, options, change] : variants) {

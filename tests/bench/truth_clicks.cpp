@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace inverse::bench {
 
@@ -12,83 +13,87 @@ std::array<double, 3> chromaticity(double r, double g, double b) {
   return {r / mean, g / mean, b / mean};
 }
 
-std::vector<int> true_slots(const Image& reflectance, std::span<const BaseColors::Color> colors) {
-  constexpr double kBlack = 1e-4, kLeast = 1e-3;
-  std::vector<int> slots(reflectance.data.size() / 3, -1);
-  for (std::size_t n = 0; n < slots.size(); ++n) {
+TrueSlots::TrueSlots(const Image& reflectance, const Image& mask,
+                     std::span<const BaseColors::Color> colors)
+    : nearest_(reflectance.data.size() / 3, -1), distances_(nearest_.size()) {
+  constexpr float kBlack = 1e-4F, kFloor = 3e-3F;  // as GlobalThesisParams::chroma_floor
+  for (std::size_t n = 0; n < nearest_.size(); ++n) {
     const float* r = &reflectance.data[3 * n];
     if (std::max({r[0], r[1], r[2]}) < kBlack) continue;
-    const auto c = chromaticity(r[0], r[1], r[2]);
-    double best = std::numeric_limits<double>::infinity();
+    if (!mask.empty() && mask.data[n] <= 0.5F) continue;
+    const float mean = (r[0] + r[1] + r[2]) / 3 + kFloor;
+    float least = std::numeric_limits<float>::infinity();
     for (const BaseColors::Color& color : colors) {
-      double distance = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double d = std::log(std::max(c[k], kLeast)) - double(color.center[k]);
-        distance += d * d;
+      float squares = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float d = std::log((r[c] + kFloor) / mean) - color.center[c];
+        squares += d * d;
       }
-      if (distance < best) best = distance, slots[n] = color.slot;
+      const float distance = std::sqrt(squares);
+      distances_[n].at(std::size_t(color.slot)) = distance;
+      if (distance < least) least = distance, nearest_[n] = color.slot;
     }
   }
-  return slots;
 }
 
-namespace {
-
-/// The pixels of the connected region of equal slots around `start`, which it marks as seen.
-std::vector<int> region_around(int start, const std::vector<int>& slots, int width, int height,
-                               std::vector<bool>& seen) {
-  std::vector<int> found{start};
-  seen[std::size_t(start)] = true;
-  const auto visit = [&](int n, int slot) {
-    if (seen[std::size_t(n)] || slots[std::size_t(n)] != slot) return;
-    seen[std::size_t(n)] = true;
-    found.push_back(n);
-  };
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    const int n = found[k], x = n % width, y = n / width, slot = slots[std::size_t(n)];
-    if (x > 0) visit(n - 1, slot);
-    if (x + 1 < width) visit(n + 1, slot);
-    if (y > 0) visit(n - width, slot);
-    if (y + 1 < height) visit(n + width, slot);
+std::vector<std::uint8_t> TrueSlots::wrong(const std::vector<int>& slots) const {
+  std::vector<std::uint8_t> result(slots.size());
+  for (std::size_t n = 0; n < slots.size(); ++n) {
+    const int is = slots[n], should = nearest_[n];
+    result[n] = is >= 0 && should >= 0 && is != should &&
+                distances_[n].at(std::size_t(is)) > distances_[n][std::size_t(should)] + kMargin;
   }
-  return found;
+  return result;
 }
 
-}  // namespace
-
-std::vector<TruthClick> clicks_of_truth(const std::vector<int>& slots,
-                                        const std::vector<int>& truth, int width, int height,
-                                        std::size_t least, std::size_t most) {
-  std::vector<TruthClick> clicks;
-  std::vector<bool> seen(slots.size());
-  for (int start = 0; start < width * height; ++start) {
-    if (seen[std::size_t(start)] || slots[std::size_t(start)] < 0) continue;
-    const std::vector<int> region = region_around(start, slots, width, height, seen);
-    if (region.size() < least) continue;
-    std::vector<int> wrong;
+std::vector<Component> components(const std::vector<int>& slots,
+                                  const std::vector<std::uint8_t>& wrong,
+                                  const std::vector<int>& truth, int width, int height) {
+  std::vector<std::uint8_t> seen(slots.size());
+  std::vector<Component> result;
+  for (int first = 0; first < width * height; ++first) {
+    if (seen[std::size_t(first)]) continue;
+    Component component;
+    component.cluster = slots[std::size_t(first)];
+    component.pixels = {first};
+    seen[std::size_t(first)] = 1;
     std::map<int, std::size_t> votes;
-    double middle_x = 0, middle_y = 0;
-    for (const int n : region) {
-      const int is = truth[std::size_t(n)];
-      if (is < 0 || is == slots[std::size_t(n)]) continue;
-      wrong.push_back(n);
-      ++votes[is];
-      middle_x += n % width, middle_y += n / width;
+    for (std::size_t i = 0; i < component.pixels.size(); ++i) {
+      const int n = component.pixels[i], x = n % width, y = n / width;
+      if (wrong[std::size_t(n)]) {
+        ++component.wrong;
+        ++votes[truth[std::size_t(n)]];
+      }
+      const std::array<std::pair<bool, int>, 4> neighbors{{{x > 0, n - 1},
+                                                           {x + 1 < width, n + 1},
+                                                           {y > 0, n - width},
+                                                           {y + 1 < height, n + width}}};
+      for (const auto& [inside, m] : neighbors) {
+        if (!inside || seen[std::size_t(m)] || slots[std::size_t(m)] != component.cluster) continue;
+        seen[std::size_t(m)] = 1;
+        component.pixels.push_back(m);
+      }
     }
-    if (2 * wrong.size() <= region.size()) continue;
-    middle_x /= double(wrong.size()), middle_y /= double(wrong.size());
-    const auto far = [&](int n) { return std::hypot(n % width - middle_x, n / width - middle_y); };
-    const int at = *std::min_element(wrong.begin(), wrong.end(),
-                                     [&](int a, int b) { return far(a) < far(b); });
-    const int slot = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
-                       return a.second < b.second;
-                     })->first;
-    clicks.push_back({at % width, at / width, slot, region.size()});
+    std::size_t most = 0;
+    for (const auto& [slot, count] : votes)
+      if (count > most) most = count, component.right = slot;
+    result.push_back(std::move(component));
   }
-  std::stable_sort(clicks.begin(), clicks.end(),
-                   [](const TruthClick& a, const TruthClick& b) { return a.pixels > b.pixels; });
-  if (clicks.size() > most) clicks.resize(most);
-  return clicks;
+  return result;
+}
+
+std::vector<Component> wrong_components(const std::vector<int>& slots,
+                                        const std::vector<std::uint8_t>& wrong,
+                                        const std::vector<int>& truth, int width, int height,
+                                        double least) {
+  std::vector<Component> result = components(slots, wrong, truth, width, height);
+  std::erase_if(result, [&](const Component& c) {
+    return c.cluster < 0 || !c.mostly_wrong() || double(c.pixels.size()) < least * width * height;
+  });
+  std::stable_sort(result.begin(), result.end(), [](const Component& a, const Component& b) {
+    return a.pixels.size() > b.pixels.size();
+  });
+  return result;
 }
 
 std::vector<double> base_color_errors(const Image& reflectance, const std::vector<int>& slots,

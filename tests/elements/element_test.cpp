@@ -132,7 +132,7 @@ GstFlowReturn VideoHarness::push(const std::vector<uint8_t>& bytes) {
 
 std::vector<uint8_t> VideoHarness::pull() {
   GstBuffer* buffer = nullptr;
-  for (int i = 0; i < 1000 && !buffer; ++i) {
+  for (int i = 0; i < 6000 && !buffer; ++i) {
     buffer = gst_harness_try_pull(harness_);
     if (!buffer) g_usleep(10000);
   }

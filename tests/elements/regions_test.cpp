@@ -123,6 +123,21 @@ TEST_F(Regions, AreProposedAndCorrected) {
   EXPECT_EQ(stat("regions"), 1U) << "a seek forgets the refusal";
 }
 
+TEST_F(Regions, ThatWereProposedGoWithTheMode) {
+  for (const char* mode : {"off", "report"}) {
+    propose("correct");
+    play(frame_, 40);
+    ASSERT_EQ(stat("regions"), 1U);
+    told("inverse-region-lost");
+    propose(mode);  // while the picture stays
+    play(frame_, 8);
+    const auto lost = told("inverse-region-lost");
+    ASSERT_EQ(lost.size(), 1U) << mode;
+    EXPECT_EQ(lost[0].reason, "withdrawn") << mode;
+    EXPECT_EQ(stat("regions"), 0U) << mode;
+  }
+}
+
 TEST_F(Regions, HundredsOfClicksAtOnceFromOtherThreads) {
   propose("correct");
   play(frame_, 20);

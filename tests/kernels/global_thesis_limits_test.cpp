@@ -1,8 +1,12 @@
 // The thesis' global decomposition at its limits: light that spans decades, and more layers than
 // the device can bind.
 #include <cmath>
+#include <limits>
 
 #include "global_thesis_fixture.hpp"
+#include "gpu/shaders.hpp"
+
+INVERSE_SHADER(global_thesis_shorten);
 
 namespace inverse::testing {
 
@@ -75,6 +79,80 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
       EXPECT_LE(final_energy[1], 1.05 * final_energy[0]);
     }
   }
+}
+
+TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
+  const float infinite = std::numeric_limits<float>::infinity(),
+              nan = std::numeric_limits<float>::quiet_NaN();
+  const Extent extent{70, 3};
+  const Pixels from = random_pixels(extent, 1);
+  Pixels to = random_pixels(extent, 2);
+  for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? nan : infinite;
+  struct {  // as in energy.glsl
+    int32_t size[2] = {70, 3};
+    int32_t others[30] = {};
+  } push;
+  for (const float factor : {0.0f, 0.25f, 1.0f}) {
+    const Plane state = plane(extent, from), next = plane(extent, to);
+    const float search[4] = {0, factor, 0, 0};
+    const gpu::BufferPtr said = upload(gpu::Element::scalar, search, 4);
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(device->kernel(shaders::global_thesis_shorten),
+                        {state.buffer, said, next.buffer}, push, {extent.width, extent.height});
+    });
+    const Pixels got = download(next.buffer);
+    for (size_t n = 0; n < got.size(); ++n) {
+      if (factor == 0) {
+        ASSERT_EQ(got[n], from[n]) << n;
+      } else if (!std::isfinite(to[n])) {
+        ASSERT_FALSE(std::isfinite(got[n])) << n;
+      } else if (factor == 1) {
+        ASSERT_EQ(got[n], to[n]) << n;
+      } else {
+        ASSERT_NEAR(got[n], from[n] + 0.25f * (to[n] - from[n]), 1e-6f) << n;
+      }
+    }
+  }
+}
+
+TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
+  // A frame that starts where it was solved without samples, and is then drawn strongly to all of
+  // them, whatever their color.
+  const Extent extent{37, 21};
+  const Plane frame = plane(extent, room(extent, 3));
+  GlobalThesis method(device, extent);
+  GlobalThesisParams params;
+  params.refine_rounds = 0;
+  params.keyframes = 0;
+  params.warm_start = params.trace = true;
+  params.steps = 16;
+  params.samples = 0;
+  method.set_params(params);
+  method.set_base_colors(kRoom);
+  const auto energies = [&] {
+    uint64_t number = 0;
+    Layers output;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+    return method.stats(number).energy;
+  };
+  energies();
+  params.samples = 9;
+  params.tau_cc = 3;
+  params.lambda_r_consistency = 10;
+  method.set_params(params);
+  const auto trace = energies();
+  const auto without_samples = [](const GlobalThesis::Energy& e) {
+    return e.total() - static_cast<double>(e.r_consistency);
+  };
+  const double start = without_samples(trace.front());
+  double highest = 0;
+  for (size_t k = 1; k < trace.size(); ++k) {
+    const double rest = without_samples(trace[k]) - static_cast<double>(trace[k].non_negativity);
+    highest = std::max(highest, rest / start);
+    EXPECT_LE(rest, std::max(without_samples(trace[k - 1]), 1.05 * start) * (1 + 2e-5))
+        << "step " << k;
+  }
+  EXPECT_GT(highest, 1.01) << "the samples do not pull at all";
 }
 
 TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreLeftOut) {

@@ -1,6 +1,7 @@
 // Misclustered regions that are found without a click.
 #include "global_thesis/region_proposals.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "global_thesis_fixture.hpp"
@@ -146,6 +147,10 @@ class RegionProposalsTest : public GlobalThesisTest {
   }
   /// Frames of the same picture, with as many in flight as there may be. All that was proposed.
   std::vector<RegionProposals::Proposal> play(const Pixels& pixels, Mode mode, int frames) {
+    return play(pixels, std::vector<Mode>(static_cast<size_t>(frames), mode));
+  }
+  std::vector<RegionProposals::Proposal> play(const Pixels& pixels,
+                                              const std::vector<Mode>& modes) {
     std::vector<RegionProposals::Proposal> all;
     const Plane frame = plane(kExtent, pixels);
     std::vector<std::unique_ptr<gpu::Commands>> commands;
@@ -159,7 +164,7 @@ class RegionProposalsTest : public GlobalThesisTest {
       for (const auto& proposal : proposals->collect(numbers[slot][2], *regions))
         all.push_back(proposal);
     };
-    for (size_t t = 0; t < static_cast<size_t>(frames); ++t) {
+    for (size_t t = 0; t < modes.size(); ++t) {
       const size_t slot = t % commands.size();
       if (t >= commands.size()) take(slot);
       commands[slot]->begin();
@@ -168,11 +173,11 @@ class RegionProposalsTest : public GlobalThesisTest {
       hints.regions = &*regions;
       numbers[slot][0] = method->record(*commands[slot], frame, output, hints);
       numbers[slot][1] = regions->last();
-      numbers[slot][2] = proposals->record(*commands[slot], *method, *regions, mode);
+      numbers[slot][2] = proposals->record(*commands[slot], *method, *regions, modes[t]);
       commands[slot]->submit();
     }
-    for (size_t k = 0; k < commands.size(); ++k)
-      take((static_cast<size_t>(frames) + k) % commands.size());
+    for (size_t t = modes.size() - std::min(modes.size(), commands.size()); t < modes.size(); ++t)
+      take(t % commands.size());
     return all;
   }
   std::optional<GlobalThesis> method;
@@ -255,6 +260,93 @@ TEST_F(RegionProposalsTest, ClicksComeFirst) {
   ASSERT_EQ(lost.size(), 1U);
   EXPECT_EQ(lost[0].loss, MarkedRegions::Loss::made_room);
   EXPECT_EQ(regions->click(60, 30), 0);
+}
+
+TEST_F(RegionProposalsTest, AProposalTakesNoClickOver) {
+  using Loss = MarkedRegions::Loss;
+  const Pixels pixels = stage_pixels({});
+  const auto only_the_click = [&](int click, int proposal, const char* when) {
+    ASSERT_EQ(regions->regions().size(), 1U) << when;
+    EXPECT_EQ(regions->regions()[0].number, click) << when;
+    EXPECT_FALSE(regions->regions()[0].proposed) << when;
+    EXPECT_GT(regions->regions()[0].pixels, 400U) << when;
+    const auto lost = regions->take_lost();
+    ASSERT_EQ(lost.size(), 1U) << when;
+    EXPECT_EQ(lost[0].number, proposal) << when;
+    EXPECT_EQ(lost[0].loss, Loss::taken_over) << when;
+  };
+  // Both with one frame, either number the higher one.
+  for (const bool click_first : {true, false}) {
+    int click = click_first ? regions->click(40, 30) : 0;
+    const int proposal = regions->propose(42, 35, kRed, kGray);
+    if (!click_first) click = regions->click(40, 30);
+    ASSERT_EQ(std::min(click, proposal), 1);
+    play(pixels, Mode::off, 2);
+    only_the_click(click, proposal, click_first ? "click first" : "proposal first");
+    regions->reset();
+    regions->take_lost();
+  }
+  // The click was taken a frame or two before; the proposal is of a frame before that.
+  for (const int before : {1, 2}) {
+    const int click = regions->click(40, 30);
+    play(pixels, Mode::off, before);
+    const int proposal = regions->propose(42, 35, kRed, kGray);
+    ASSERT_GT(proposal, click);
+    play(pixels, Mode::off, 2);
+    only_the_click(click, proposal, "click before");
+    regions->reset();
+    regions->take_lost();
+  }
+  // What is proposed already goes on only where no click was.
+  const int proposal = regions->propose(42, 35, kRed, kGray);
+  play(pixels, Mode::off, 2);
+  const int click = regions->click(40, 30);
+  play(pixels, Mode::off, 2);
+  only_the_click(click, proposal, "click afterwards");
+}
+
+TEST_F(RegionProposalsTest, OffStopsWhatIsUnderWay) {
+  const Pixels pixels = stage_pixels({});
+  // The survey of the first frame is still to come when proposing ends.
+  ASSERT_EQ(play(pixels, {Mode::correct}).size(), 1U);
+  regions->reset();
+  proposals->reset();
+  for (const Mode mode : {Mode::off, Mode::report}) {
+    const auto told = play(pixels, {Mode::correct, mode, mode, mode, mode, mode});
+    EXPECT_EQ(told.size(), mode == Mode::report ? 1U : 0U);
+    for (const auto& proposal : told) EXPECT_EQ(proposal.region, 0);
+    EXPECT_TRUE(regions->regions().empty());
+    proposals->reset();
+  }
+}
+
+TEST_F(RegionProposalsTest, WhatWasProposedGoesWithTheMode) {
+  const Pixels pixels = stage_pixels({});
+  for (const Mode mode : {Mode::off, Mode::report}) {
+    ASSERT_EQ(play(pixels, Mode::correct, 30).size(), 1U);
+    ASSERT_EQ(regions->regions().size(), 1U);
+    const int clicked = regions->click(60, 30);  // stays
+    regions->take_lost();
+    EXPECT_TRUE(play(pixels, mode, 20).empty());
+    ASSERT_EQ(regions->regions().size(), 1U);
+    EXPECT_EQ(regions->regions()[0].number, clicked);
+    const auto lost = regions->take_lost();
+    ASSERT_EQ(lost.size(), 1U);
+    EXPECT_EQ(lost[0].loss, MarkedRegions::Loss::withdrawn);
+    EXPECT_EQ(proposals->count(), mode == Mode::report ? 1 : 0);
+    regions->remove(clicked);
+  }
+  // And is marked again.
+  ASSERT_EQ(play(pixels, Mode::correct, 30).size(), 1U);
+  EXPECT_EQ(regions->regions().size(), 1U);
+}
+
+TEST_F(RegionProposalsTest, WithoutRoomForMoreNothingIsTold) {
+  proposals.emplace(device, kExtent, 0);
+  for (const Mode mode : {Mode::report, Mode::correct}) {
+    EXPECT_TRUE(play(stage_pixels({}), mode, 40).empty());
+    EXPECT_TRUE(regions->regions().empty());
+  }
 }
 
 TEST_F(RegionProposalsTest, AProposalThatComesTooLateMarksNothing) {

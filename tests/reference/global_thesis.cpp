@@ -138,10 +138,12 @@ void take_step(const GlobalField& delta, GlobalField* x) {
   }
 }
 
-bool step_is_good(const GlobalEnergy& before, const GlobalEnergy& after, bool samples) {
+bool step_is_good(const GlobalEnergy& start, const GlobalEnergy& before, const GlobalEnergy& after,
+                  bool samples) {
+  const double first = start.total() - start.r_consistency;
   const double from = before.total() - before.r_consistency;
   const double rest = after.total() - after.r_consistency - after.non_negativity;
-  return rest <= from * (1 + (samples ? 0.05 : 1e-5));
+  return rest <= from * (1 + 1e-5) || (samples && rest <= std::min(from, first) * 1.05);
 }
 
 RefinementSystem refinement_system(const GlobalThesisScene& scene, const GlobalField& x,
@@ -263,6 +265,7 @@ GlobalField GlobalThesis::decompose(const Plane& linear, const Plane& targets,
   shortened_ = 0;
   used_keyframes_.assign(keyframes_.begin(), keyframes_.end());
   GlobalField x = global_start(scene, params_);
+  const GlobalEnergy start = global_energy(scene, x, samples(make_sample_frame(scene, x)), params_);
   for (int step = 0; step <= params_.steps; ++step) {
     const SampleFrame current = make_sample_frame(scene, x);
     if (trace_) trace_(step - 1, global_energy(scene, x, samples(current), params_));
@@ -274,7 +277,7 @@ GlobalField GlobalThesis::decompose(const Plane& linear, const Plane& targets,
         &x);
     for (int trial = 0; trial < 3 && params_.line_search; ++trial) {
       const GlobalEnergy after = global_energy(scene, x, samples(current), params_);
-      if (step_is_good(before, after, params_.samples > 0)) break;
+      if (step_is_good(start, before, after, params_.samples > 0)) break;
       if (trial == 0) ++shortened_;
       for (std::size_t i = 0; i < x.data.size(); ++i)
         x.data[i] = from.data[i] + (trial == 2 ? 0 : 0.25) * (x.data[i] - from.data[i]);

@@ -39,8 +39,10 @@ void take_step(const GlobalField& delta, GlobalField* x);
 
 /// Whether a step that leads to `after` may be taken as it is: without samples, which follow, and
 /// without the penalty of negative light, which bounds nothing, energy must not rise by more than
-/// 1e-5 of it, 5 % where there are samples.
-bool step_is_good(const GlobalEnergy& before, const GlobalEnergy& after, bool samples);
+/// 1e-5 of it; where there are samples by 5 %, but not beyond 5 % above `start`, where the frame
+/// started.
+bool step_is_good(const GlobalEnergy& start, const GlobalEnergy& before, const GlobalEnergy& after,
+                  bool samples);
 
 /// The dense system of (5.14) for Δb, K colors of three channels each: unknown 3 k + c.
 struct RefinementSystem {

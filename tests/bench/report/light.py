@@ -104,8 +104,8 @@ def paint_and_light(results):
     if THESIS in found:
         out.append("\n`globalintrinsicthesis` knows its base colors before it is timed and scored, as in a video that has been going on. "
                    "*Without soft Retinex weight*: every pixel counts (`alpha-sr`). *With correction*: somebody "
-                   "clicks on every region of a thousandth of the frame or more of which most pixels were taken for a wrong base color, by the "
-                   "truth, and the method chooses its color (Eq. 5.11); *true colors*: the one that the truth has.\n")
+                   "clicks on every region of half a percent of the frame or more of which most pixels were taken for a wrong base color, by the "
+                   "truth (.1 in ln chromaticity nearer to another), and the method chooses its color (Eq. 5.11); *true colors*: the one that the truth has.\n")
     colors = base_colors(found)
     if colors:
         out.append("### Base colors before and after refinement\n\nDistance in chromaticity (mean 1) from the mean true paint of the pixels that "

@@ -1,0 +1,34 @@
+#pragma once
+#include <vector>
+
+#include "base/filter.hpp"
+#include "global_thesis/misclustering_correction.hpp"
+#include "global_thesis/region_proposals.hpp"
+
+namespace inverse {
+
+/// What globalintrinsicthesis has to tell of marked regions, as element messages
+/// (docs/elements/globalintrinsicthesis.md); all but what became of a click waits for the next
+/// frame.
+class RegionNews {
+ public:
+  void corrected(const MisclusteringCorrection::Result& result) { corrected_.push_back(result); }
+  void proposed(const RegionProposals::Proposal& proposal) { proposed_.push_back(proposal); }
+  void lost(const std::vector<MarkedRegions::Lost>& lost) {
+    lost_.insert(lost_.end(), lost.begin(), lost.end());
+  }
+  /// Nothing of what the scene before told counts any more, but regions that were lost.
+  void forget();
+  bool empty() const { return corrected_.empty() && proposed_.empty() && lost_.empty(); }
+  /// Tells all of it, once.
+  void tell(FrameWork& frame);
+  /// A click was taken in as this region, 0: refused.
+  static void tell_marked(FrameWork& frame, int x, int y, int region);
+
+ private:
+  std::vector<MisclusteringCorrection::Result> corrected_;
+  std::vector<RegionProposals::Proposal> proposed_;
+  std::vector<MarkedRegions::Lost> lost_;
+};
+
+}  // namespace inverse
