@@ -29,6 +29,10 @@ class ScaledIntrinsic {
     /// How often the frame is halved before it is solved, as far as it is not a matter of
     /// half_bound.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
+    void set_halvings(size_t halvings) {
+      half_resolution = halvings > 0;
+      quarter_resolution = halvings > 1;
+    }
     bool operator==(const Params&) const = default;
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;
