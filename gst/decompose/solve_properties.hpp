@@ -138,7 +138,8 @@ inline constexpr const char* kSolveSets =
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     const ScaledIntrinsic::Findings& found);
 
-/// A decomposer around such a solve: `Method::prepare(halvings)` sets a resolution up.
+/// A decomposer around such a solve: `Method::prepare(halvings)` sets a resolution up, and
+/// `Method::warm_up()` has the device build its kernels, and says whether all are built.
 template <typename Method, typename P>
 class SolvingDecomposer : public MethodDecomposer<Method, P> {
  public:
@@ -151,6 +152,8 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
     // A change of resolution that waits for it would be late itself.
     if (set.target_fps > 0 || set.latency_budget > 0)
       for (const size_t halvings : {0, 1, 2}) this->method_->prepare(halvings);
+    if (!this->method_->warm_up())
+      GST_WARNING("some kernels are built when frames first need them: a frame then takes longer");
   }
 
  protected:

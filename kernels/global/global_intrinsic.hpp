@@ -88,6 +88,8 @@ class GlobalIntrinsic {
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
+  /// As ScaledIntrinsic::warm_up, which it includes.
+  bool warm_up() const;
   /// As ScaledIntrinsic::drawn.
   const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::fading.
