@@ -31,6 +31,9 @@ struct FrameWork {
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.
   std::vector<StructurePtr>& messages;
+  /// Out: what is amiss with how the element is set or what reaches it, in words for who built the
+  /// pipeline; posted as warning messages. Each is worth telling once.
+  std::vector<std::string> warnings = {};
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte
   /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
   /// empty where that is not known.

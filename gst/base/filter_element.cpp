@@ -286,12 +286,14 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (const auto late = take_lateness()) filter_->late(*late);
 
   std::vector<StructurePtr> messages;
+  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   const auto post = [&] {
     for (StructurePtr& message : messages)
       gst_element_post_message(element_,
                                gst_message_new_element(GST_OBJECT(element_), message.release()));
+    for (const std::string& warning : frame.warnings)
+      GST_ELEMENT_WARNING(element_, LIBRARY, SETTINGS, ("%s", warning.c_str()), (nullptr));
   };
-  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   read_input(in, slot, frame);
   try {
     filter_->process(frame);

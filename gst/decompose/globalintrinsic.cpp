@@ -86,7 +86,8 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
                   "How much light that surfaces send reaches others, as a factor of what the frame "
                   "shows of them; 0 = measured, as stats tell with a confidence"),
         number<P>("typical-amount", &P::typical, 0.05f, 2.f,
-                  "The amount of a scene that says nothing of it, as where nothing has color"),
+                  "The amount of a scene whose colors say nothing of it; one without color has "
+                  "none (amount 0)"),
         number<P>("trust", &P::trust, 0.f, 100.f,
                   "How much the scene's colors count beside typical-amount when it is measured; 0 "
                   "= not, and "

@@ -11,11 +11,6 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
  public:
   IntrinsicElement() : SolvingDecomposer(table(), intrinsic_ladder()) {}
 
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    SolvingDecomposer::configure(device, extent);
-    method_->warm_up();
-  }
-
  protected:
   bool settled(std::optional<uint64_t> done) const override {
     return done && !method_->fading() && method_->findings(*done).change < params().keep_tolerance;

@@ -1,6 +1,7 @@
 // intrinsicrecolor: gives one color of the scene another; light and shadow stay.
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/color.hpp"
@@ -81,11 +82,13 @@ class RecolorElement final : public Filter {
     Params params = parameters_.snapshot();
     params.key = linear_color(params.key_color);
     params.target = linear_color(params.target_color);
-    if (params.base >= 0 && !frame.layers[Role::bases] && !std::exchange(told_, true))
-      GST_WARNING(
-          "base-color=%d selects nothing: what decomposed this video finds no base colors, "
-          "as globalintrinsic and globalintrinsicthesis do",
-          params.base);
+    // Frames in black and white have no base colors either, but others of that video may.
+    if (params.base >= 0 && !frame.layers[Role::bases] && !frame.layers.global() &&
+        !std::exchange(told_, true))
+      frame.warnings.push_back("base-color=" + std::to_string(params.base) +
+                               " selects nothing, as this video comes without base colors; put "
+                               "globalintrinsic or globalintrinsicthesis in the place of the "
+                               "decomposer before it, or recolor by key or cluster");
     const uint32_t before = frame.commands.dispatches();
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;

@@ -14,7 +14,7 @@ PLANE_OUT(4, light);  // may be the same buffer
 SCALAR_OUT(5, memory);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6
-#include "../intrinsic/tiles.glsl"
+#include "../intrinsic/tile_position.glsl"
 layout(push_constant) uniform Push { ivec2 size; } push;
 
 void main() {

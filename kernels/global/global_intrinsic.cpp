@@ -36,13 +36,12 @@ namespace {
 
 constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
 constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
-/// Frames in a row without color to go by after which that alone is looked at.
-constexpr uint32_t kRest = 8;
-/// Frames in a row, each with at most this share of its tiles changed, after which the scene's
-/// light is held; and for how many, or until how many tiles have changed in that time. After that
-/// it is looked at for some frames.
-constexpr uint32_t kCalm = 12, kHeld = 64, kLook = 4;
-constexpr float kMostChanged = 0.25F, kMostSeen = 0.4F;
+/// Frames for which light is held, or until how many tiles have changed in that time. After that it
+/// is looked at for some frames.
+constexpr uint32_t kHeld = 64, kLook = 4;
+constexpr float kMostSeen = 0.4F;
+
+using Changed = std::span<const uint8_t>;
 
 Extent reduced(Extent extent, uint32_t factor) {
   return {(extent.width + factor - 1) / factor, (extent.height + factor - 1) / factor};
@@ -178,20 +177,20 @@ GlobalIntrinsic::Tint GlobalIntrinsic::next_tint(const Params& params, const Fra
   if (!params.adaptive || !same || frames_ == 0 || info.changed.empty()) return forget(0);
   // Chroma is interpolated: what changed shows a pixel further.
   const auto& list = changed_[recorded_ % changed_.size()];
-  const auto concerned = spread_tiles(info.changed, list->columns());
+  concerned_ = spread_tiles(info.changed, list->columns());
   const auto share_of = [](const std::vector<uint8_t>& tiles) {
     return static_cast<float>(std::count(tiles.begin(), tiles.end(), 1)) /
            static_cast<float>(tiles.size());
   };
-  if (share_of(concerned) > kMostChanged) return forget(0);
+  if (share_of(concerned_) > kMostChanged) return forget(0);
   if (++calm_ < kCalm) return forget(calm_);
   if (calm_ == kCalm) {
-    seen_.assign(concerned.size(), 0);
+    seen_.assign(concerned_.size(), 0);
     return Tint::kept;
   }
-  for (size_t i = 0; i < seen_.size(); ++i) seen_[i] |= concerned[i];
+  for (size_t i = 0; i < seen_.size(); ++i) seen_[i] |= concerned_[i];
   if (calm_ > kCalm + kHeld || share_of(seen_) > kMostSeen) return forget(kCalm - kLook);
-  list->assign(concerned);
+  list->assign(concerned_);
   return Tint::held;
 }
 
@@ -265,7 +264,8 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
         gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
   Layers layers;
   if (plain) {
-    layers = solve_.record(commands, input, params, {false, info.changed});
+    // The frame before may have been of another tint.
+    layers = solve_.record(commands, input, params, {false, was_plain ? info.changed : Changed{}});
     layers[Role::light] = layers[Role::model_light] = white_light(commands);
     drawn_ = was_plain ? solve_.drawn() : nullptr;
   } else {
@@ -349,9 +349,9 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
     if (mode_ != Tint::anew) kept_bases_ = bases;
   }
 
-  using Changed = std::span<const uint8_t>;
-  Layers layers = solve_.record(commands, plain, params,
-                                {false, mode_ == Tint::held ? info.changed : Changed{}});
+  // Of tiles concerned the solve's input is another up to their far side.
+  Layers layers =
+      solve_.record(commands, plain, params, {false, mode_ == Tint::held ? concerned_ : Changed{}});
   const PlanePtr light = record_direct(commands, plain, tau, layers);
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;

@@ -88,6 +88,8 @@ class GlobalIntrinsic {
                 const FrameInfo& info);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
+  /// As ScaledIntrinsic::warm_up, which it includes.
+  bool warm_up() const;
   /// As ScaledIntrinsic::drawn.
   const TileList* drawn() const { return drawn_; }
   /// As ScaledIntrinsic::fading.
@@ -129,6 +131,14 @@ class GlobalIntrinsic {
     held,  ///< that of the frame before, but for tiles that changed
   };
   Tint next_tint(const Params& params, const FrameInfo& info);
+  /// Frames in a row without color to go by after which that alone is looked at.
+  static constexpr uint32_t kRest = 8;
+  /// Frames in a row, each with at most this share of its tiles changed or beside such, after which
+  /// the scene's light is held.
+  static constexpr uint32_t kCalm = 12;
+  static constexpr float kMostChanged = 0.25F;
+  /// Of an object of its own (warm_up.cpp): records all that can come. Whether it came.
+  bool play_all();
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                    const PlanePtr& plain, const PlanePtr& tau);
   PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& plain, const PlanePtr& tau,
@@ -167,9 +177,10 @@ class GlobalIntrinsic {
   bool rested_ = false;  // the frame before was
   PlanePtr white_light_;
   // Of video of which little changes.
-  Tint mode_ = Tint::anew;     // of the frame being recorded
-  uint32_t calm_ = 0;          // frames in a row
-  std::vector<uint8_t> seen_;  // tiles that changed since the scene was last looked at
+  Tint mode_ = Tint::anew;          // of the frame being recorded
+  uint32_t calm_ = 0;               // frames in a row
+  std::vector<uint8_t> concerned_;  // tiles that changed, and those beside them
+  std::vector<uint8_t> seen_;       // tiles that changed since the scene was last looked at
   std::array<std::optional<TileList>, gpu::kFramesInFlight> changed_;
   Params params_;  // of the frame before
   PlanePtr kept_plain_, kept_tau_, kept_light_, kept_lamp_, kept_bases_;

@@ -20,7 +20,7 @@ PLANE_OUT(8, plain);
 PLANE_OUT(9, light);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 10
-#include "../intrinsic/tiles.glsl"
+#include "../intrinsic/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
   float gauge, trust, trust_tint;

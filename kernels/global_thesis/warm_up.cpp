@@ -47,9 +47,9 @@ class Runner {
 
 void GlobalThesis::warm_up() const {
   // What decides which kernels there are.
-  if (!device_->first_time("warm_up of GlobalThesis, " + std::to_string(slots_) + " slots, " +
-                           std::to_string(most_layers_) + " layers" +
-                           (params_.p == 1 ? "" : ", any p")))
+  if (!device_->first_warm_up("warm_up of GlobalThesis, " + std::to_string(slots_) + " slots, " +
+                              std::to_string(most_layers_) + " layers" +
+                              (params_.p == 1 ? "" : ", any p")))
     return;
   GlobalThesis tiny(device_, kTiny);
   Params params = params_;
@@ -81,7 +81,7 @@ void GlobalThesis::warm_up() const {
 }
 
 bool warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
-  if (!device->first_time("warm_up_correction")) return true;
+  if (!device->first_warm_up("warm_up_correction")) return true;
   GlobalThesis method(device, kTiny);
   GlobalThesis::Params params;
   params.steps = params.pcg_iterations = 1;

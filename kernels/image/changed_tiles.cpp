@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cstring>
 
+#include "tile_list.hpp"
+
 namespace inverse {
 namespace {
-constexpr uint32_t kTile = 16;  // pixels along a tile
-constexpr uint32_t tiles_of(uint32_t pixels) { return (pixels + kTile - 1) / kTile; }
+constexpr uint32_t kTile = TileList::kTile;
 }  // namespace
 
 ChangedTiles::ChangedTiles(PixelFormat format, Extent extent)
-    : format_(format),
-      extent_(extent),
-      changed_(size_t{tiles_of(extent.width)} * tiles_of(extent.height)) {
+    : format_(format), extent_(extent), changed_(TileList::count(extent)) {
   size_t bytes = 0;
   for (uint32_t plane = 0; plane < plane_count(format); ++plane)
     bytes += size_t{row_bytes(format, extent, plane)} * plane_rows(format, extent, plane);
@@ -32,7 +31,7 @@ std::span<const uint8_t> ChangedTiles::next(std::span<const Rows> planes) {
     for (uint32_t row = 0; row < rows; ++row, before += bytes) {
       const uint8_t* now = planes[plane].data + static_cast<ptrdiff_t>(row) * planes[plane].stride;
       if (compare && memcmp(before, now, bytes) == 0) continue;
-      uint8_t* changed = &changed_[size_t{row / tile_rows} * tiles_of(extent_.width)];
+      uint8_t* changed = &changed_[size_t{row / tile_rows} * TileList::along(extent_.width)];
       if (compare)
         for (size_t at = 0; at < bytes; at += tile_bytes, ++changed)
           if (!*changed)

@@ -4,12 +4,12 @@
 #include "../gpu/shaders.hpp"
 #include "pyramid.hpp"
 
-INVERSE_SHADER(image_tile);
+INVERSE_SHADER(image_mosaic);
 
 namespace inverse {
 
 Mosaic::Mosaic(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::image_tile)) {}
+    : kernel_(device->kernel(shaders::image_mosaic)) {}
 
 void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
                     const Plane& target) const {

@@ -22,8 +22,8 @@ std::vector<uint32_t> with(std::vector<uint32_t> constants, uint32_t across, uin
 }  // namespace
 
 TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gpu::Memory memory)
-    : columns_((extent.width + kTile - 1) / kTile),
-      rows_((extent.height + kTile - 1) / kTile),
+    : columns_(along(extent.width)),
+      rows_(along(extent.height)),
       workgroup_(device->variant().workgroup),
       list_(device->kernel(shaders::image_list_tiles, {}, device->variant().lone_workgroup)),
       flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),

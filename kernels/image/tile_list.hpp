@@ -15,6 +15,11 @@ namespace inverse {
 class TileList {
  public:
   static constexpr uint32_t kTile = 16;  ///< pixels along a tile
+  /// Tiles along so many pixels, and of a whole frame.
+  static constexpr uint32_t along(uint32_t pixels) { return (pixels + kTile - 1) / kTile; }
+  static constexpr uint32_t count(Extent extent) {
+    return along(extent.width) * along(extent.height);
+  }
   /// Memory::upload for a list that is made on the host.
   TileList(const std::shared_ptr<gpu::Device>& device, Extent extent,
            gpu::Memory memory = gpu::Memory::device);

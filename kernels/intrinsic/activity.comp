@@ -13,7 +13,7 @@ PLANE_INOUT(3, activity);
 WORD_INOUT(4, busy);  // one word
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 tiles;
   uvec2 quads;  // a row, rows

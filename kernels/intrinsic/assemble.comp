@@ -20,7 +20,7 @@ PLANE_OUT(7, shading);      // the same buffer as the last frame's
 PLANE_OUT(8, now);          // m
 #define TILE_CONSTANT 2
 #define TILE_BINDING 9
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {

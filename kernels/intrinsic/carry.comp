@@ -9,7 +9,7 @@ PLANE_IN(0, from);
 PLANE_OUT(1, to);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 quads; } push;  // a row, rows
 
 void main() {

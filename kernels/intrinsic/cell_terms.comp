@@ -25,7 +25,7 @@ PLANE_OUT(11, sums);     // of gate^2, -, -, -
 PLANE_IN(12, activity);  // of tiles (activity.glsl)
 #define TILE_CONSTANT 3
 #define TILE_BINDING 13
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves

@@ -12,7 +12,7 @@ PLANE_IN(3, tuning);
 PLANE_OUT(4, value);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
   float value_weight;

@@ -10,7 +10,7 @@ PLANE_IN(0, fine);
 PLANE_OUT(1, cells);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 0
 
 ivec2 last = ivec2(push.size) - 1;

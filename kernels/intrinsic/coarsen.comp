@@ -16,7 +16,7 @@ PLANE_IN(1, force);  // of quads of cells
 PLANE_OUT(2, coarse_system);
 #define TILE_CONSTANT 4
 #define TILE_BINDING 3
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of the fine level
   uvec2 finest;  // size of level 0

@@ -20,7 +20,7 @@ PLANE_OUT(5, system);  // of stride 3
 PLANE_OUT(6, flux);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 7
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;
   float reflectance_weight;

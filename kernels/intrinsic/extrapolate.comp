@@ -14,7 +14,7 @@ PLANE_OUT(3, next);   // the same buffer as `now`
 PLANE_OUT(4, sums);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 5
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 quads;  // a row, rows
   float w;

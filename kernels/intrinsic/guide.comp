@@ -10,7 +10,7 @@ PLANE_OUT(1, fine);
 PLANE_OUT(2, coarse);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 3
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {

@@ -11,7 +11,7 @@ PLANE_OUT(2, kept);
 PLANE_OUT(3, kept_statistics);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 4
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 1
   uint tiles;  // of the frame

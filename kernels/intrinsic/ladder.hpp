@@ -6,10 +6,9 @@ namespace inverse {
 
 /// A level: resolution, cycles of the first frame and of those after it, from which change on edges
 /// are decided anew, and below which change of a cycle no further one follows.
-template <int kHalvings, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
+template <size_t kHalvings, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
 void intrinsic_level(ScaledIntrinsic::Params& params) {
-  params.half_resolution = kHalvings > 0;
-  params.quarter_resolution = kHalvings > 1;
+  params.set_halvings(kHalvings);
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
   params.still_tolerance = kTolerance;

@@ -24,7 +24,7 @@ PLANE_INOUT(10, kept);
 PLANE_OUT(11, intrinsic);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 12
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)

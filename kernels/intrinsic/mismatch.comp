@@ -17,7 +17,7 @@ PLANE_IN(4, memory);  // of quads of pixels
 PLANE_OUT(5, mismatch);  // difference, structure that moved, structure, -
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 0
   float detail;

@@ -24,6 +24,7 @@ constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2
 constexpr uint32_t kRhsSlot = 2;
 constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
 constexpr size_t kCells = 2;         // the cells' level
+constexpr uint64_t kTileQuads = TileList::kTile / 4 * TileList::kTile;  // quads a tile
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
@@ -70,7 +71,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
   half_means_ = buffer(quads_of(levels_[1].extent));
   const Extent finest = levels_[0].extent;
-  const uint64_t listed = uint64_t{(finest.width + 15) / 16} * ((finest.height + 15) / 16) * 64;
+  const uint64_t listed = uint64_t{TileList::count(finest)} * kTileQuads;
   sums_ =
       buffer(gpu::partial_count(*measure_.whole(), line_of(std::max(quads_of(finest), listed))));
   progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);

@@ -16,7 +16,7 @@ PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
 #define TILE_CONSTANT 3
 #define TILE_BINDING 7
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
   uvec2 finest;  // size of level 0

@@ -29,6 +29,10 @@ class ScaledIntrinsic {
     /// How often the frame is halved before it is solved, as far as it is not a matter of
     /// half_bound.
     size_t halvings() const { return !half_resolution ? 0 : quarter_resolution ? 2 : 1; }
+    void set_halvings(size_t halvings) {
+      half_resolution = halvings > 0;
+      quarter_resolution = halvings > 1;
+    }
     bool operator==(const Params&) const = default;
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;
@@ -50,8 +54,9 @@ class ScaledIntrinsic {
   }
   /// Builds, on a software device, every kernel that frames of any size, resolution and parameters
   /// may come to need (tiles, comparisons, a change of resolution), so that none is built in
-  /// mid-stream; once a device. Waits for it; nothing of this object changes.
-  void warm_up() const;
+  /// mid-stream; once a device. Waits for it; nothing of this object changes. False where its
+  /// video did not come to need them all: the rest is then built when frames first do.
+  bool warm_up() const;
   /// As IntrinsicDecomposition::record.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);

@@ -25,7 +25,7 @@ PLANE_IN(3, force);      // of quads of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
 #define TILE_CONSTANT 4
 #define TILE_BINDING 5
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   uvec2 finest;  // size of level 0

@@ -1,42 +1,34 @@
 // ScaledIntrinsic::warm_up: a short video on a small frame in which everything comes that can come.
-#include <algorithm>
+#include "warm_up.hpp"
+
 #include <cmath>
 #include <vector>
 
 #include "scaled_intrinsic.hpp"
 
 namespace inverse {
-namespace {
 
-/// Large enough for every kind of multigrid level at full resolution.
-constexpr Extent kSmall{192, 144};
-
-/// Tiles of many colors under a light that falls off.
-PlanePtr picture(const std::shared_ptr<gpu::Device>& device) {
+PlanePtr warm_up_picture(const std::shared_ptr<gpu::Device>& device, Extent extent, bool gray) {
   auto plane = std::make_shared<Plane>(
-      Plane{kSmall,
-            gpu::Buffer::create(device, gpu::Element::vec4, kSmall.pixels(), gpu::Memory::upload)});
+      Plane{extent,
+            gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload)});
   auto* values = plane->buffer->map_as<float>();
-  for (uint32_t y = 0; y < kSmall.height; ++y)
-    for (uint32_t x = 0; x < kSmall.width; ++x, values += 4) {
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x, values += 4) {
       const uint32_t tile = x / 13 * 5 + y / 11 * 3;
       const float light = std::exp(-0.006F * static_cast<float>(x + y));
       for (uint32_t c = 0; c < 3; ++c)
-        values[c] = light * static_cast<float>(1 + tile * (c + 2) % 7) / 8;
+        values[c] = light * static_cast<float>(1 + tile * ((gray ? 0 : c) + 2) % 7) / 8;
       values[3] = 1;
     }
   return plane;
 }
 
-}  // namespace
-
-void ScaledIntrinsic::warm_up() const {
-  if (!device_->first_warm_up("warm_up of ScaledIntrinsic")) return;
-  ScaledIntrinsic small(device_, kSmall);
-  const PlanePtr input = picture(device_);
-  const std::vector<uint8_t> nothing_changed(
-      size_t{(kSmall.width + TileList::kTile - 1) / TileList::kTile} *
-      ((kSmall.height + TileList::kTile - 1) / TileList::kTile));
+bool ScaledIntrinsic::warm_up() const {
+  if (!device_->first_warm_up("warm_up of ScaledIntrinsic")) return true;
+  ScaledIntrinsic small(device_, kWarmUpExtent);
+  const PlanePtr input = warm_up_picture(device_, kWarmUpExtent);
+  const std::vector<uint8_t> nothing_changed(TileList::count(kWarmUpExtent));
   gpu::Commands commands(device_);
   const auto play = [&](const Params& params, int frames, bool tiles) {
     for (int k = 0; k < frames; ++k) {
@@ -66,8 +58,7 @@ void ScaledIntrinsic::warm_up() const {
   params.gauge.value = 0.9F;
   params.chroma_tolerance = params.half_bound = 0;
   play(params, 6, true);
-  if (!small.methods_[0]->stats(small.methods_[0]->recorded() - 1).listed)
-    throw Error(ErrorKind::internal, "a picture that stays did not come to be worked on by tiles");
+  const bool tiles_came = small.methods_[0]->stats(small.methods_[0]->recorded() - 1).listed;
   params.settled = 0;
   play(params, 1, true);
   // Other resolutions, and back.
@@ -77,6 +68,7 @@ void ScaledIntrinsic::warm_up() const {
   play(params, 2, false);
   params.half_resolution = false;
   play(params, 1, false);
+  return tiles_came;
 }
 
 }  // namespace inverse

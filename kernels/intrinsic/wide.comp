@@ -9,7 +9,7 @@ PLANE_IN(0, cells);
 PLANE_OUT(1, wide);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {

@@ -294,8 +294,7 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   std::vector<std::unique_ptr<Run>> runs;
   for (const Candidate& c : kCandidates) {
     Params params;
-    params.half_bound = 0, params.half_resolution = c.halvings > 0,
-    params.quarter_resolution = c.halvings > 1;
+    params.half_bound = 0, params.set_halvings(c.halvings);
     params.cycles = c.cycles, params.warm_cycles = c.warm;
     params.still_tolerance = c.tolerance, params.settled = c.settled;
     runs.push_back(std::make_unique<Run>(session, extent, params));

@@ -152,6 +152,22 @@ TEST(Recolor, AClusterIsRecoloredByItsIndex) {
   gst_structure_free(stats);
 }
 
+TEST(Recolor, ABaseColorOfVideoWithoutAnyIsWarnedOfOnce) {
+  const auto warnings = [](const std::string& pattern, const std::string& decomposer) {
+    const auto result = run_line("videotestsrc num-buffers=8 pattern=" + pattern +
+                                 " ! video/x-raw,width=64,height=48 ! " + decomposer +
+                                 " ! intrinsicrecolor base-color=2 ! intrinsiccompose ! fakesink");
+    EXPECT_TRUE(result.eos) << result.first_error();
+    return result.warnings;
+  };
+  const auto told = warnings("smpte", "intrinsicdecomp");
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].find("intrinsicrecolor: base-color=2 selects nothing"), 0U) << told[0];
+  EXPECT_NE(told[0].find("globalintrinsic"), std::string::npos) << told[0];
+  EXPECT_TRUE(warnings("smpte", "globalintrinsic").empty());
+  EXPECT_TRUE(warnings("gradient", "globalintrinsic").empty()) << "black and white";
+}
+
 TEST(Recolor, PropertiesTakeEffectWhilePlaying) {
   const int width = 64, height = 48;
   const std::string caps = VideoHarness::caps("RGBA", width, height);

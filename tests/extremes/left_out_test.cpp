@@ -139,8 +139,7 @@ std::optional<std::string> wrong_crossings(const Lab& lab, const Case& one, Coun
     // What a frame needs is found out three frames later: no resolution is left before that.
     const uint32_t turn = k % kScene > 3 || k < kScene ? k : k / kScene * kScene - 1;
     const uint32_t draw = (one.seed * 2654435761U >> (turn % 13)) + turn;
-    params.half_resolution = draw % 3 > 0;
-    params.quarter_resolution = draw % 3 > 1;
+    params.set_halvings(draw % 3);
     const Pixels frame = frame_of(k / kScene % 2 ? one : clean, k);
     params.adaptive = true;
     const Pixels got = some.play(frame, params);

@@ -327,27 +327,82 @@ Pixels wall(Extent extent) {
   return frame;
 }
 
+/// With a dark square on its way before it.
+Pixels passed(Pixels frame, Extent extent, uint32_t left) {
+  const uint32_t top = 100;
+  for (uint32_t y = top; y < top + 24; ++y)
+    for (uint32_t x = left; x < left + 24; ++x)
+      for (size_t c = 0; c < 3; ++c) frame[4 * (y * size_t{extent.width} + x) + c] = 0.1F;
+  return frame;
+}
+
+/// A byte a tile, 1 where two frames differ.
+std::vector<uint8_t> changed_tiles(const Pixels& before, const Pixels& now, Extent extent) {
+  std::vector<uint8_t> changed(TileList::count(extent));
+  for (size_t i = 0; i < now.size(); ++i) {
+    const auto x = static_cast<uint32_t>(i / 4 % extent.width),
+               y = static_cast<uint32_t>(i / 4 / extent.width);
+    if (now[i] != before[i])
+      changed[size_t{y / TileList::kTile} * TileList::along(extent.width) + x / TileList::kTile] =
+          1;
+  }
+  return changed;
+}
+
+TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother) {
+  const Extent extent{320, 240};
+  const Pixels still = room(extent, 3).frame;
+  GlobalIntrinsic method(device, extent);
+  ScaledIntrinsic alone(device, extent);  // is told of what changed in its input, as it is
+  GlobalIntrinsic::Params params;
+  // So that frames are worked on by tiles, and those where it changed alone.
+  params.hold_tolerance = params.chroma_tolerance = 0;
+  params.still_tolerance = 0.5F;
+  params.tile_tolerance = 0.3F;
+  Pixels before, plain_before;
+  unsigned listed = 0;
+  for (unsigned k = 0; k < 60; ++k) {
+    const Pixels frame = passed(still, extent, 20 + 3 * k);
+    const auto changed = k > 0 ? changed_tiles(before, frame, extent) : std::vector<uint8_t>();
+    const Result got = decompose(method, frame, extent, params, {false, false, changed});
+    const auto& stats = method.stats(method.recorded() - 1);
+    Pixels plain = frame;
+    for (size_t i = 0; i < plain.size(); ++i)
+      if (i % 4 != 3) plain[i] /= got.light[i];
+    const auto truth =
+        stats.held ? changed_tiles(plain_before, plain, extent) : std::vector<uint8_t>();
+    Layers want;
+    run([&](gpu::Commands& commands) {
+      want = alone.record(commands, input(extent, plain), params, {false, truth});
+    });
+    if (stats.solve.listed) {
+      ++listed;
+      const auto concerned = spread_tiles(truth, TileList::along(extent.width));
+      EXPECT_GE(got.found.solve.tiles_active,
+                uint32_t(std::count(concerned.begin(), concerned.end(), 1)))
+          << k;
+    }
+    const Pixels expected = download(want[Role::intrinsic]->buffer);
+    double apart = 0;
+    for (size_t i = 3; i < expected.size(); i += 4)
+      apart += std::pow(std::log(got.intrinsic[i] / expected[i]), 2) / double(extent.pixels());
+    EXPECT_LT(std::sqrt(apart), 1e-5) << k;
+    before = frame;
+    plain_before = plain;
+  }
+  EXPECT_GT(listed, 30U);
+}
+
 TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
   const Extent extent{320, 240};
-  constexpr uint32_t kTile = TileList::kTile, kColumns = 320 / kTile, kRows = 240 / kTile;
   const Pixels still = wall(extent);
   GlobalIntrinsic some(device, extent), all(device, extent);
   Pixels before = still;
   unsigned held = 0, listed = 0, anew_after = 0;
   uint32_t colors = 0;
   for (int k = 0; k < 100; ++k) {
-    Pixels frame = still;  // a dark square on its way
-    const uint32_t left = 20 + uint32_t(k < 90 ? 2 * k : 180), top = 100;
-    for (uint32_t y = top; y < top + 24; ++y)
-      for (uint32_t x = left; x < left + 24; ++x)
-        for (size_t c = 0; c < 3; ++c) frame[4 * (y * size_t{extent.width} + x) + c] = 0.1F;
-    std::vector<uint8_t> changed(size_t{kColumns} * kRows);
-    for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < extent.width; ++x)
-        for (size_t c = 0; c < 4; ++c) {
-          const size_t i = 4 * (y * size_t{extent.width} + x) + c;
-          if (frame[i] != before[i]) changed[y / kTile * kColumns + x / kTile] = 1;
-        }
+    const Pixels frame = passed(still, extent, 20 + uint32_t(k < 90 ? 2 * k : 180));
+    const auto changed = changed_tiles(before, frame, extent);
     before = frame;
     const bool shares = k % 2 == 0;
     const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),
@@ -388,7 +443,7 @@ TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
   // What else the scene becomes concerns everything.
   GlobalIntrinsic::Params params;
   params.reach = 0.3F;
-  const std::vector<uint8_t> none(size_t{kColumns} * kRows);
+  const std::vector<uint8_t> none(TileList::count(extent));
   decompose(some, before, extent, params, {false, false, none});
   EXPECT_FALSE(some.stats(some.recorded() - 1).held);
 }

@@ -20,8 +20,7 @@ class IntrinsicWarmUp : public IntrinsicTest {
     std::vector<PlanePtr> alive;
     Seen seen;
     size_t t = 0;
-    const std::vector<uint8_t> nothing(size_t{(kExtent.width + 15) / 16} *
-                                       ((kExtent.height + 15) / 16));
+    const std::vector<uint8_t> nothing(TileList::count(kExtent));
     const auto show = [&](const PlanePtr& picture, const ScaledIntrinsic::Params& params,
                           bool same) {
       gpu::Commands& own = *commands[t++ % commands.size()];
@@ -68,7 +67,7 @@ class IntrinsicWarmUp : public IntrinsicTest {
 
 TEST_F(IntrinsicWarmUp, LeavesNothingToBeBuiltInMidStream) {
   ScaledIntrinsic method(device, kExtent);
-  method.warm_up();
+  EXPECT_TRUE(method.warm_up());
   const uint64_t warm = device->kernels_used();
   const Seen seen = play(method);
   EXPECT_EQ(device->kernels_used(), warm);

@@ -1,0 +1,16 @@
+#pragma once
+#include <memory>
+
+#include "../image/plane.hpp"
+
+namespace inverse {
+
+/// A picture on which everything comes that can come: tiles of many colors, or grays, under a light
+/// that falls off. Linear, 0…1.
+PlanePtr warm_up_picture(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                         bool gray = false);
+
+/// Large enough for every kind of multigrid level at full resolution.
+inline constexpr Extent kWarmUpExtent{192, 144};
+
+}  // namespace inverse
