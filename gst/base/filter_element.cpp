@@ -147,7 +147,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   if (input_) input_->configure(device);
   if (output_) output_->configure(device);
   filter_->configure(device, extent);
-  if (filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
+  if (device->variant().warm_up && filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
   device_ = device;
   configured_ = true;
   fresh_ = true;

@@ -59,7 +59,7 @@ bool GlobalIntrinsic::play_all() {
 
 bool GlobalIntrinsic::warm_up() const {
   bool all = solve_.warm_up();
-  if (!device_->first_time("warm_up of GlobalIntrinsic")) return all;
+  if (!device_->first_warm_up("warm_up of GlobalIntrinsic")) return all;
   for (const Extent extent : {kWarmUpExtent, kClose})
     all = GlobalIntrinsic(device_, extent).play_all() && all;
   return all;

@@ -302,6 +302,7 @@ void Device::read_properties() {
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
   variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
   variant_.conditional = handles_.conditional && environment_number("INVERSE_CONDITIONAL", 1) != 0;
+  variant_.warm_up = environment_number("INVERSE_WARM_UP", 1) != 0;
   if (variant_.conditional) {
     begin_conditional_ = reinterpret_cast<PFN_vkCmdBeginConditionalRenderingEXT>(
         vkGetDeviceProcAddr(handles_.device, "vkCmdBeginConditionalRenderingEXT"));
@@ -316,7 +317,8 @@ void Device::read_properties() {
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
 }
 
-bool Device::first_time(const std::string& what) {
+bool Device::first_warm_up(const std::string& what) {
+  if (!variant_.warm_up) return false;
   std::lock_guard lock(kernels_mutex_);
   return done_.insert(what).second;
 }

@@ -39,6 +39,9 @@ struct Variant {
   /// where a barrier costs by the invocation (lavapipe), many where a GPU wants its lanes filled.
   /// A multiple of 8. `INVERSE_LONE_WORKGROUP=N`.
   uint32_t lone_workgroup = 32;
+  /// Kernels are run before frames come, so that none is built while they do. `INVERSE_WARM_UP=0`
+  /// builds each with the first frame that needs it, which starts sooner.
+  bool warm_up = true;
 };
 
 struct Limits {
@@ -106,8 +109,9 @@ class Device : public std::enable_shared_from_this<Device> {
   /// dispatch: while this number stays, nothing is built.
   uint64_t kernels_used() const { return kernels_used_.load(); }
 
-  /// True for the first caller with these words alone: for what is done once a device.
-  bool first_time(const std::string& what);
+  /// Whether to run kernels ahead, so that none is built once frames come: true for the first
+  /// caller with these words, where Variant::warm_up.
+  bool first_warm_up(const std::string& what);
 
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
@@ -144,7 +148,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
-  std::set<std::string> done_;  // first_time
+  std::set<std::string> done_;  // first_warm_up
   std::atomic<bool> lost_{false}, silent_{false};
   std::atomic<uint64_t> kernels_used_{0};
   std::atomic<uint64_t> memory_bytes_{0};

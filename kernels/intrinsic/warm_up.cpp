@@ -25,7 +25,7 @@ PlanePtr warm_up_picture(const std::shared_ptr<gpu::Device>& device, Extent exte
 }
 
 bool ScaledIntrinsic::warm_up() const {
-  if (!device_->first_time("warm_up of ScaledIntrinsic")) return true;
+  if (!device_->first_warm_up("warm_up of ScaledIntrinsic")) return true;
   ScaledIntrinsic small(device_, kWarmUpExtent);
   const PlanePtr input = warm_up_picture(device_, kWarmUpExtent);
   const std::vector<uint8_t> nothing_changed(TileList::count(kWarmUpExtent));
