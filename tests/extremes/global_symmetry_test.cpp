@@ -103,8 +103,10 @@ TEST_F(GlobalSymmetry, MirroredFramesHaveMirroredLayers) {
     for (Pixels& plane : b.shares) plane = mirrored(extent, plane, vertically);
     const Apart difference = apart(a, b);
     printf("  mirrored: rms %.2e, most %.2e\n", difference.rms, difference.most);
-    EXPECT_LT(difference.rms, 1e-3) << vertically;
-    EXPECT_LT(difference.most, 1e-2) << vertically;
+    // Sums in another order move the confidence in the amount, and where that is low, as in a
+    // mosaic of random colors, the color of bounced light goes with it (kSure; 2e-4 without).
+    EXPECT_LT(difference.rms, 5e-3) << vertically;
+    EXPECT_LT(difference.most, 2e-2) << vertically;
   }
 }
 
