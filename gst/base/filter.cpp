@@ -310,8 +310,7 @@ void element_class_init(gpointer klass, gpointer data) {
           "stats", "stats",
           "What the last completed frame took: frames (count), wall-ms, device-ms and one entry "
           "for each stage (milliseconds), device-bytes now and at peak, kernels built so far on "
-          "the "
-          "device, and what the method tells",
+          "the device, and what the method tells",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   info.create()->parameters().install(object, PROP_TABLE);
   if (info.marks) {

@@ -67,7 +67,9 @@ TEST_F(GlobalThesisTest, AColorThatIsGoneRetiresWithinTwoSeconds) {
     uint64_t number = 0;
     run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
     method.collect(number);
-    if (t == 9) ASSERT_GE(blue(), 1);
+    if (t == 9) {
+      ASSERT_GE(blue(), 1);
+    }
     if (t > 9 && blue() == 0) gone = t - 9;
   }
   EXPECT_GT(gone, 10) << "somebody may walk through the picture";

@@ -1,0 +1,257 @@
+// What globalintrinsic leaves out: light of scenes without color, and of scenes that rest.
+#include <cmath>
+
+#include "global_fixture.hpp"
+
+namespace inverse::testing {
+
+/// The same frame without color: as black-and-white film, or toned as sepia.
+Pixels colorless(Pixels frame, const std::array<float, 3>& tone = {1, 1, 1}) {
+  for (size_t i = 0; i < frame.size(); i += 4)
+    for (const size_t c : {2, 1, 0}) frame[i + c] = frame[i] * tone[c];
+  return frame;
+}
+
+TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
+  const Extent extent{90, 70};
+  for (const auto& tone : {std::array{1.0F, 1.0F, 1.0F}, std::array{1.0F, 0.85F, 0.65F}}) {
+    const Pixels frame = colorless(room(extent, 2).frame, tone);
+    GlobalIntrinsic method(device, extent);
+    ScaledIntrinsic alone(device, extent);
+    for (int k = 0; k < 16; ++k) {
+      const Result got = decompose(method, frame, extent, {}, {false, true});
+      EXPECT_EQ(got.found.colors, 0U);
+      EXPECT_EQ(got.found.amount, 0);
+      EXPECT_EQ(got.found.confidence, 0);
+      EXPECT_LT(got.found.chroma, 0.02F);
+      for (const float light : got.light) ASSERT_EQ(light, 1) << "frame " << k;
+      const bool plain = method.stats(method.recorded() - 1).plain;
+      EXPECT_EQ(plain, k >= 10) << "frame " << k;
+      EXPECT_EQ(plain, !got.layers[indirect_role(0)]) << "frame " << k;
+      EXPECT_EQ(plain, !got.layers[Role::bases]) << "frame " << k;
+      Pixels expected;
+      Layers two;
+      run([&](gpu::Commands& commands) {
+        two = alone.record(commands, input(extent, frame), {}, {false, {}});
+      });
+      expected = download(two[Role::intrinsic]->buffer);
+      for (size_t i = 0; i < expected.size(); ++i)
+        ASSERT_NEAR(got.intrinsic[i], expected[i], 1e-4 + 1e-3 * expected[i]) << "frame " << k;
+    }
+  }
+}
+
+TEST_F(GlobalTest, ColorThatComesBackIsSeen) {
+  const Extent extent{160, 120};
+  const Pixels frame = room(extent, 3).frame, gray = colorless(frame);
+  GlobalIntrinsic method(device, extent), fresh(device, extent);
+  for (int k = 0; k < 14; ++k) decompose(method, gray, extent, {}, {false, true});
+  EXPECT_TRUE(method.stats(method.recorded() - 1).plain);
+  Result got, expected;
+  for (int k = 0; k < 10; ++k) {
+    got = decompose(method, frame, extent, {}, {false, true});
+    EXPECT_EQ(method.stats(method.recorded() - 1).plain, k < int(gpu::kFramesInFlight));
+    for (size_t i = 0; i < frame.size(); ++i) {
+      const size_t pixel = i / 4 * 4;
+      if (i == pixel + 3) continue;
+      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[pixel + 3] * got.light[i], frame[i], 1e-5);
+    }
+  }
+  for (int k = 0; k < 7; ++k) expected = decompose(fresh, frame, extent, {}, {false, true});
+  EXPECT_NEAR(got.found.amount, expected.found.amount, 0.05F * expected.found.amount);
+  EXPECT_EQ(got.found.colors, expected.found.colors);
+  EXPECT_TRUE(got.layers[Role::bases]);
+}
+
+TEST_F(GlobalTest, ColorFadesWithoutAJump) {
+  const Extent extent{160, 120};
+  const Room made = room(extent, 3);
+  const Pixels gray = colorless(made.frame);
+  // Where the spread of chroma goes through both thresholds, each as often as not conditional.
+  float before = 0;
+  for (int k = 0; k <= 24; ++k) {
+    Pixels frame = made.frame;
+    const float share = 0.25F * float(k) / 24;
+    for (size_t i = 0; i < frame.size(); ++i) frame[i] = gray[i] + share * (frame[i] - gray[i]);
+    GlobalIntrinsic method(device, extent);
+    const Result got = decompose(method, frame, extent, to_the_letter(), {true});
+    const auto expected =
+        reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
+                                    reference::GlobalParams{}, nullptr);
+    EXPECT_NEAR(got.found.amount, expected.amount.value, 5e-3) << share;
+    EXPECT_NEAR(got.found.amount, before, 0.25F) << share;
+    EXPECT_EQ(got.found.amount > 0, got.found.colors > 0) << share;
+    before = got.found.amount;
+  }
+  EXPECT_GT(before, 0.2F);
+}
+
+/// A wall of colored tiles.
+Pixels wall(Extent extent) {
+  Pixels frame;
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const uint32_t tile = x / 21 * 5 + y / 17 * 3;
+      const float light = 1 - 0.6F * float(x + y) / float(extent.width + extent.height);
+      for (uint32_t c = 0; c < 3; ++c) frame.push_back(light * float(2 + tile * (c + 2) % 7) / 9);
+      frame.push_back(1);
+    }
+  return frame;
+}
+
+/// With a dark square on its way before it.
+Pixels passed(Pixels frame, Extent extent, uint32_t left) {
+  const uint32_t top = 100;
+  for (uint32_t y = top; y < top + 24; ++y)
+    for (uint32_t x = left; x < left + 24; ++x)
+      for (size_t c = 0; c < 3; ++c) frame[4 * (y * size_t{extent.width} + x) + c] = 0.1F;
+  return frame;
+}
+
+/// A byte a tile, 1 where two frames differ.
+std::vector<uint8_t> changed_tiles(const Pixels& before, const Pixels& now, Extent extent) {
+  std::vector<uint8_t> changed(TileList::count(extent));
+  for (size_t i = 0; i < now.size(); ++i) {
+    const auto x = static_cast<uint32_t>(i / 4 % extent.width),
+               y = static_cast<uint32_t>(i / 4 / extent.width);
+    if (now[i] != before[i])
+      changed[size_t{y / TileList::kTile} * TileList::along(extent.width) + x / TileList::kTile] =
+          1;
+  }
+  return changed;
+}
+
+TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother) {
+  const Extent extent{320, 240};
+  const Pixels still = room(extent, 3).frame;
+  GlobalIntrinsic method(device, extent);
+  ScaledIntrinsic alone(device, extent);  // is told of what changed in its input, as it is
+  GlobalIntrinsic::Params params;
+  // So that frames are worked on by tiles, and those where it changed alone.
+  params.hold_tolerance = params.chroma_tolerance = 0;
+  params.still_tolerance = 0.5F;
+  params.tile_tolerance = 0.3F;
+  Pixels before, plain_before;
+  unsigned listed = 0;
+  for (unsigned k = 0; k < 60; ++k) {
+    const Pixels frame = passed(still, extent, 20 + 3 * k);
+    const auto changed = k > 0 ? changed_tiles(before, frame, extent) : std::vector<uint8_t>();
+    const Result got = decompose(method, frame, extent, params, {false, false, changed});
+    const auto& stats = method.stats(method.recorded() - 1);
+    Pixels plain = frame;
+    for (size_t i = 0; i < plain.size(); ++i)
+      if (i % 4 != 3) plain[i] /= got.light[i];
+    const auto truth =
+        stats.held ? changed_tiles(plain_before, plain, extent) : std::vector<uint8_t>();
+    Layers want;
+    run([&](gpu::Commands& commands) {
+      want = alone.record(commands, input(extent, plain), params, {false, truth});
+    });
+    if (stats.solve.listed) {
+      ++listed;
+      const auto concerned = spread_tiles(truth, TileList::along(extent.width));
+      EXPECT_GE(got.found.solve.tiles_active,
+                uint32_t(std::count(concerned.begin(), concerned.end(), 1)))
+          << k;
+    }
+    const Pixels expected = download(want[Role::intrinsic]->buffer);
+    double apart = 0;
+    for (size_t i = 3; i < expected.size(); i += 4)
+      apart += std::pow(std::log(got.intrinsic[i] / expected[i]), 2) / double(extent.pixels());
+    EXPECT_LT(std::sqrt(apart), 1e-5) << k;
+    before = frame;
+    plain_before = plain;
+  }
+  EXPECT_GT(listed, 30U);
+}
+
+TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
+  const Extent extent{320, 240};
+  const Pixels still = wall(extent);
+  GlobalIntrinsic some(device, extent), all(device, extent);
+  Pixels before = still;
+  unsigned held = 0, listed = 0, anew_after = 0;
+  uint32_t colors = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Pixels frame = passed(still, extent, 20 + uint32_t(k < 90 ? 2 * k : 180));
+    const auto changed = changed_tiles(before, frame, extent);
+    before = frame;
+    const bool shares = k % 2 == 0;
+    const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),
+                 want = decompose(all, frame, extent, {}, {false, shares});
+    const auto& stats = some.stats(some.recorded() - 1);
+    EXPECT_FALSE(all.stats(all.recorded() - 1).held);
+    EXPECT_TRUE(k >= 13 || !stats.held) << k;
+    anew_after += held > 0 && !stats.held;
+    held += stats.held;
+    listed += stats.solve.listed;
+    EXPECT_TRUE(stats.held || !some.drawn()) << k;
+    if (!stats.held) colors = got.found.colors;
+    EXPECT_EQ(got.found.colors, colors) << k;
+    double apart = 0, light = 0;
+    for (size_t i = 0; i < frame.size(); ++i) {
+      const size_t pixel = i / 4 * 4;
+      if (i == pixel + 3) continue;
+      ASSERT_NEAR(got.intrinsic[i] * got.intrinsic[pixel + 3] * got.light[i], frame[i], 1e-5) << k;
+      ASSERT_GE(got.light[i], got.light[pixel + 3] - 1e-6F);
+      light += std::pow(std::log(got.light[i] / want.light[i]), 2) / double(frame.size());
+      apart += std::pow(got.light[pixel + 3] - want.light[pixel + 3], 2) / double(frame.size());
+    }
+    EXPECT_LT(std::sqrt(light), 0.02) << k;
+    EXPECT_LT(std::sqrt(apart), 0.05) << k;
+    EXPECT_EQ(shares, bool(got.layers[Role::bases]));
+    if (!shares) continue;
+    // Base colors and their shares make up bounced light as well as without.
+    const Pixels first = download(got.layers[indirect_role(0)]->buffer),
+                 expected = download(want.layers[indirect_role(0)]->buffer);
+    double share = 0;
+    for (size_t i = 0; i < first.size(); ++i)
+      share += std::pow(first[i] - expected[i], 2) / double(first.size());
+    EXPECT_LT(std::sqrt(share), 0.05) << k;
+  }
+  EXPECT_GT(held, 70U);
+  EXPECT_GT(listed, 50U);
+  EXPECT_GT(anew_after, 0U) << "the scene is looked at again";
+  // What else the scene becomes concerns everything.
+  GlobalIntrinsic::Params params;
+  params.reach = 0.3F;
+  const std::vector<uint8_t> none(TileList::count(extent));
+  decompose(some, before, extent, params, {false, false, none});
+  EXPECT_FALSE(some.stats(some.recorded() - 1).held);
+}
+
+TEST_F(GlobalTest, HeldLightIsWhatItWasWhereNothingChanges) {
+  const Extent extent{150, 100};
+  const Pixels frame = room(extent, 3).frame;
+  const std::vector<uint8_t> none(size_t{10} * 7);
+  GlobalIntrinsic method(device, extent);
+  Pixels tint;
+  for (int k = 0; k < 24; ++k) {
+    const Result got = decompose(method, frame, extent, {}, {false, false, none});
+    EXPECT_EQ(method.stats(method.recorded() - 1).held, k >= 13) << k;
+    Pixels now = got.light;
+    for (size_t i = 3; i < now.size(); i += 4) now[i] = 0;  // the direct share follows shading
+    EXPECT_TRUE(k < 13 || now == tint) << k;
+    tint = now;
+  }
+}
+
+TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
+  const Extent extent{90, 70};
+  const Pixels gray = colorless(room(extent, 2).frame);
+  GlobalIntrinsic method(device, extent);
+  GlobalIntrinsic::Params params;
+  params.amount = 0.6F;
+  Result got;
+  for (int k = 0; k < 14; ++k) got = decompose(method, gray, extent, params, {false, true});
+  EXPECT_EQ(got.found.amount, 0.6F);
+  EXPECT_FALSE(method.stats(method.recorded() - 1).plain);
+  double direct = 0;
+  for (size_t i = 0; i < gray.size(); i += 4) {
+    for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got.light[i + c], 1, 1e-5);
+    direct += got.light[i + 3] / double(extent.pixels());
+  }
+  EXPECT_LT(direct, 0.8);
+}
+
+}  // namespace inverse::testing
