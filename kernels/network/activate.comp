@@ -1,0 +1,16 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "value.glsl"
+
+// An activation that could not be part of the node before.
+PLANE_IN(0, image);
+PLANE_OUT(1, result);
+layout(push_constant) uniform Push {
+  int elements;
+  float slope;
+} push;
+
+void main() {
+  int item = int(gl_GlobalInvocationID.x);
+  if (item < push.elements) STORE(result, 1 + item, activated(FETCH(image, 1 + item), push.slope));
+}

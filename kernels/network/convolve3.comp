@@ -1,0 +1,8 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "value.glsl"
+
+// A 3 x 3 convolution.
+#define ROWS 8
+#define STRIDE 1
+#include "convolve3.glsl"

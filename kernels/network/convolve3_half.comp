@@ -1,0 +1,8 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "value.glsl"
+
+// A 3 x 3 convolution, at every second pixel.
+#define ROWS 4
+#define STRIDE 2
+#include "convolve3.glsl"

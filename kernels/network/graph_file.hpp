@@ -1,0 +1,30 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph.hpp"
+
+namespace inverse::network {
+
+/// The flat file of a graph (extension .net), which needs no parser of a foreign format where it is
+/// loaded. Little-endian:
+///
+///     8 bytes  "INVERSEN"
+///     u32      version, 1
+///     u32      0
+///     u64      bytes that follow this header
+///     u64      FNV-1a of them
+///     then     inputs, nodes, outputs, weights: a u32 count before each list (weights: u64), text
+///              as u32 length and bytes, all else as u32 or f32 (Node::weights: u64)
+std::vector<std::byte> to_file(const Graph& graph);
+
+/// Reads such a file and validates all of it. `name` is for messages. Throws Error(unsupported)
+/// where it is cut short, changed, of another version, or does not hold a valid graph.
+Graph from_file(std::span<const std::byte> bytes, const std::string& name);
+
+/// The same from disk; also throws where the file cannot be read.
+Graph load(const std::string& path);
+
+}  // namespace inverse::network

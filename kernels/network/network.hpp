@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "../gpu/commands.hpp"
+#include "plan.hpp"
+
+namespace inverse::network {
+
+/// A network on a device, for inputs of one size.
+///
+/// Images lie in vec4 buffers as `Plan` says: element 0 is zero and stays so; behind it channels in
+/// blocks of four, element 1 + (block * height + y) * width + x. The caller writes inputs there,
+/// with finite numbers (what is none spreads), and zeros in channels of the last block that do not
+/// exist; what those channels hold in outputs is undefined.
+class Network {
+ public:
+  /// Throws Error(unsupported) for graphs that are not valid or do not fit these sizes,
+  /// Error(limit) and Error(out_of_memory).
+  Network(const std::shared_ptr<gpu::Device>& device, Graph graph, std::span<const Shape> inputs);
+
+  const gpu::BufferPtr& input(size_t index) const {
+    return buffer_of(static_cast<uint32_t>(index));
+  }
+  const gpu::BufferPtr& output(size_t index) const {
+    return buffer_of(graph_.outputs[index].value);
+  }
+  const Shape& output_shape(size_t index) const {
+    return plan_.shapes[graph_.outputs[index].value];
+  }
+
+  /// Records one run. With `stages` every step is one, named as its node: for benchmarks.
+  void record(gpu::Commands& commands, bool stages = false) const;
+
+  const Graph& graph() const { return graph_; }
+  const Plan& plan() const { return plan_; }
+  /// Bytes of device memory that weights take; images take plan().bytes().
+  uint64_t weight_bytes() const { return weight_bytes_; }
+
+ private:
+  struct Dispatch {
+    const char* name;
+    gpu::KernelPtr kernel;
+    std::vector<gpu::BufferPtr> buffers;
+    std::array<std::byte, 48> push;
+    gpu::Items items;
+  };
+
+  const gpu::BufferPtr& buffer_of(uint32_t value) const { return buffers_[plan_.buffer_of[value]]; }
+  gpu::BufferPtr weights_of(const Step& step, gpu::Commands& commands);
+  void prepare(const Step& step, gpu::Commands& commands);
+  /// One dispatch of `name`, `items` invocations.
+  template <typename Push>
+  void add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::BufferPtr> buffers,
+           const Push& push, uint64_t items);
+
+  std::shared_ptr<gpu::Device> device_;
+  Graph graph_;
+  Plan plan_;
+  std::vector<gpu::BufferPtr> buffers_;
+  std::vector<Dispatch> dispatches_;
+  uint64_t weight_bytes_ = 0;
+};
+
+}  // namespace inverse::network

@@ -1,0 +1,12 @@
+#pragma once
+#include <vector>
+
+#include "plan.hpp"
+
+namespace inverse::network {
+
+/// The weights of a step in the order in which its kernel reads them (convolve3.glsl,
+/// convolve1.comp, dense.comp): vec4 by vec4, zeros where a block has fewer than four channels.
+std::vector<float> packed_weights(const Graph& graph, const Plan& plan, const Step& step);
+
+}  // namespace inverse::network

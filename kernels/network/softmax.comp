@@ -1,0 +1,27 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "value.glsl"
+
+// exp of every channel over the sum of all, at one pixel an invocation; of what the largest leaves, so that nothing overflows.
+PLANE_IN(0, image);
+PLANE_OUT(1, result);
+layout(push_constant) uniform Push { int area, channels; } push;
+
+float component_max(vec4 v) { return max(max(v.r, v.g), max(v.b, v.a)); }
+
+// Channels that are there; others count as `else_` does.
+vec4 present(vec4 v, int block, float else_) {
+  return mix(vec4(else_), v, lessThan(4 * block + ivec4(0, 1, 2, 3), ivec4(push.channels)));
+}
+
+void main() {
+  int pixel = int(gl_GlobalInvocationID.x), blocks = (push.channels + 3) / 4;
+  if (pixel >= push.area) return;
+  float largest = -3.4e38, sum = 0.0;
+  for (int i = 0; i < blocks; ++i)
+    largest = max(largest, component_max(present(FETCH(image, 1 + i * push.area + pixel), i, -3.4e38)));
+  for (int i = 0; i < blocks; ++i)
+    sum += dot(vec4(1.0), present(exp(FETCH(image, 1 + i * push.area + pixel) - largest), i, 0.0));
+  for (int i = 0; i < blocks; ++i)
+    STORE(result, 1 + i * push.area + pixel, present(exp(FETCH(image, 1 + i * push.area + pixel) - largest), i, 0.0) / sum);
+}

@@ -1,0 +1,12 @@
+// A value: channels in blocks of four, a vec4 a pixel, block by block, row by row, behind one vec4 of zeros. Outside of the
+// image is that zero, so that a kernel's border costs one max of an index.
+#include "../gpu/common.glsl"
+
+layout(constant_id = 1) const uint kActivation = 0u;  // network::Activation
+
+vec4 activated(vec4 v, float slope) {
+  if (kActivation == 1u) return max(v, 0.0);
+  if (kActivation == 2u) return max(v, 0.0) + slope * min(v, 0.0);
+  if (kActivation == 3u) return 1.0 / (1.0 + exp(-v));
+  return v;
+}

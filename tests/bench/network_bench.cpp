@@ -1,0 +1,127 @@
+// What a network costs, node by node: network-bench [--runs N] [--size N] [GRAPH.net]. Without a
+// graph: a U-Net and its 3 x 3 convolutions one by one. Needs a Vulkan device and nothing else.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "../kernels/network_builder.hpp"
+#include "error.hpp"
+#include "network/graph_file.hpp"
+#include "network/network.hpp"
+#include "timing.hpp"
+
+namespace {
+
+using namespace inverse;
+using bench::Clock;
+
+struct Times {
+  double run = 0;                             ///< median, milliseconds on the clock
+  double processor = 0;                       ///< median, of all threads
+  std::vector<std::vector<double>> by_stage;  ///< device milliseconds of every run
+};
+
+Times measure(const network::Network& net, const std::shared_ptr<gpu::Device>& device, int runs) {
+  gpu::Commands commands(device);
+  Times times;
+  std::vector<double> walls, processor;
+  for (int i = -3; i < runs; ++i)
+    for (const bool stages : {false, true}) {
+      const double before = bench::processor_ms();
+      const auto start = Clock::now();
+      commands.begin();
+      net.record(commands, stages);
+      commands.submit();
+      commands.wait();
+      if (i < 0) continue;
+      if (!stages) {
+        walls.push_back(bench::milliseconds(Clock::now() - start));
+        processor.push_back(bench::processor_ms() - before);
+      }
+      times.by_stage.resize(commands.stages().size());
+      if (stages)
+        for (size_t s = 0; s < commands.stages().size(); ++s)
+          times.by_stage[s].push_back(commands.stages()[s].milliseconds);
+    }
+  times.run = bench::median(walls);
+  times.processor = bench::median(processor);
+  return times;
+}
+
+double gflop(const network::Network& net, uint32_t node) {
+  return 1e-9 * static_cast<double>(network::operations_of(net.graph(), node, net.plan().shapes));
+}
+
+void report(const std::string& name, network::Graph graph, uint32_t size,
+            const std::shared_ptr<gpu::Device>& device, int runs) {
+  std::vector<network::Shape> shapes;
+  for (const network::Input& input : graph.inputs) shapes.push_back({input.channels, size, size});
+  const auto start = Clock::now();
+  const network::Network net(device, std::move(graph), shapes);
+  gpu::Commands first(device);
+  first.begin();
+  net.record(first);
+  first.submit();
+  first.wait();
+  const double start_ms = bench::milliseconds(Clock::now() - start);
+  const Times times = measure(net, device, runs);
+  double total = 0;
+  for (const network::Step& step : net.plan().steps) total += gflop(net, step.node);
+  std::printf(
+      "%s at %u x %u: %.2f ms (processor %.2f), %.3f GFLOP, %.1f GFLOP/s; images %.2f MB, weights "
+      "%.2f MB, start %.0f ms\n",
+      name.c_str(), size, size, times.run, times.processor, total, 1e3 * total / times.run,
+      1e-6 * static_cast<double>(net.plan().bytes()),
+      1e-6 * static_cast<double>(net.weight_bytes()), start_ms);
+  for (size_t s = 0; s < times.by_stage.size(); ++s) {
+    const network::Step& step = net.plan().steps[s];
+    const network::Shape& out = net.plan().shapes[net.graph().inputs.size() + step.node];
+    const double ms = bench::median(times.by_stage[s]), work = gflop(net, step.node);
+    std::printf("  %-28s %4u x %4u x %4u %8.3f ms %8.4f GFLOP %7.1f GFLOP/s\n",
+                net.graph().nodes[step.node].name.c_str(), out.channels, out.height, out.width, ms,
+                work, ms > 0 ? 1e3 * work / ms : 0);
+  }
+}
+
+/// One convolution alone.
+network::Graph convolution(uint32_t channels, uint32_t kernel, uint32_t stride) {
+  testing::NetworkBuilder b(1);
+  b.output(b.convolution(b.input(channels), channels, kernel, stride, network::Activation::relu));
+  return b.graph();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int runs = 21;
+  uint32_t size = 128;
+  std::string path;
+  for (int i = 1; i < argc; ++i) {
+    if (!strcmp(argv[i], "--runs") && i + 1 < argc)
+      runs = std::max(1, std::atoi(argv[++i]));
+    else if (!strcmp(argv[i], "--size") && i + 1 < argc)
+      size = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
+    else
+      path = argv[i];
+  }
+  try {
+    const auto device = gpu::Device::open();
+    std::printf("%s\n", device->name().c_str());
+    if (!path.empty()) {
+      report(path, network::load(path), size, device, runs);
+      return 0;
+    }
+    for (const uint32_t channels : {16u, 32u, 64u, 128u}) {
+      const uint32_t side = size * 16 / channels;
+      report("3 x 3", convolution(channels, 3, 1), side, device, runs);
+      report("3 x 3 / 2", convolution(channels, 3, 2), side, device, runs);
+      report("1 x 1", convolution(channels, 1, 1), side, device, runs);
+    }
+    report("U-Net", testing::u_net(3, 1, 16, 4, 1), size, device, runs);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

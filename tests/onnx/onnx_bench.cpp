@@ -1,0 +1,113 @@
+// The device beside OpenCV's dnn, running the same model in turn: onnx-bench [--runs N] [--size N]
+// [MODEL.onnx …]. Without a model: U-Nets of three widths.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <opencv2/dnn.hpp>
+#include <string>
+#include <vector>
+
+#include "../bench/timing.hpp"
+#include "error.hpp"
+#include "network/network.hpp"
+#include "onnx_builder.hpp"
+#include "onnx_import.hpp"
+
+namespace {
+
+using namespace inverse;
+using bench::Clock;
+
+/// As image-to-image networks have it: four times down by strides and up again.
+std::string u_net(int64_t width, int64_t size) {
+  testing::OnnxBuilder b(1);
+  std::string value = b.input("image", {1, 3, size, size});
+  std::vector<std::string> skips;
+  std::vector<int64_t> widths = {3};
+  const auto layer = [&b](const std::string& from, int64_t in, int64_t out, int64_t stride) {
+    return b.op("Relu", {b.convolution(from, in, out, 3, stride)});
+  };
+  for (int level = 0; level < 5; ++level) {
+    const int64_t channels = width * (level + 1);
+    value = layer(value, widths.back(), channels, level ? 2 : 1);
+    widths.push_back(channels);
+    skips.push_back(value);
+  }
+  for (int level = 4; level-- > 0;) {
+    const int64_t below = widths[static_cast<size_t>(level) + 2],
+                  here = widths[static_cast<size_t>(level) + 1];
+    value = layer(b.concat({b.upsample(value), skips[static_cast<size_t>(level)]}), below + here,
+                  here, 1);
+  }
+  b.output(b.op("Sigmoid", {b.convolution(value, width, 1, 1)}), {1, 1, size, size});
+  return b.bytes();
+}
+
+/// Runs both in turn and prints medians.
+void compare(const std::string& name, const std::string& model, uint32_t size, int runs,
+             const std::shared_ptr<gpu::Device>& device) {
+  const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), name);
+  std::vector<network::Shape> shapes;
+  for (const network::Input& input : graph.inputs) shapes.push_back({input.channels, size, size});
+  const network::Network net(device, graph, shapes);
+  cv::dnn::Net peer = cv::dnn::readNetFromONNX(model.data(), model.size());
+  peer.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+  const cv::Mat image(
+      {1, static_cast<int>(shapes[0].channels), static_cast<int>(size), static_cast<int>(size)},
+      CV_32F, 0.5);
+  gpu::Commands commands(device);
+  std::vector<double> ours, theirs;
+  for (int i = -3; i < runs; ++i) {
+    const auto start = Clock::now();
+    commands.begin();
+    net.record(commands);
+    commands.submit();
+    commands.wait();
+    const auto middle = Clock::now();
+    peer.setInput(image);
+    peer.forward();
+    if (i < 0) continue;
+    ours.push_back(bench::milliseconds(middle - start));
+    theirs.push_back(bench::milliseconds(Clock::now() - middle));
+  }
+  double work = 0;
+  for (const network::Step& step : net.plan().steps)
+    work += 1e-9 * static_cast<double>(network::operations_of(graph, step.node, net.plan().shapes));
+  const double a = bench::median(ours), b = bench::median(theirs);
+  std::printf(
+      "%-24s %4u x %-4u %8.4f GFLOP  device %8.2f ms %6.1f GFLOP/s  OpenCV %8.2f ms %6.1f GFLOP/s  "
+      "%5.2f\n",
+      name.c_str(), size, size, work, a, 1e3 * work / a, b, 1e3 * work / b, a / b);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int runs = 21;
+  uint32_t size = 128;
+  std::vector<std::string> paths;
+  for (int i = 1; i < argc; ++i) {
+    if (!strcmp(argv[i], "--runs") && i + 1 < argc)
+      runs = std::max(1, std::atoi(argv[++i]));
+    else if (!strcmp(argv[i], "--size") && i + 1 < argc)
+      size = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
+    else
+      paths.emplace_back(argv[i]);
+  }
+  try {
+    const auto device = gpu::Device::open();
+    std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
+    for (const std::string& path : paths) {
+      std::ifstream file(path, std::ios::binary);
+      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, runs, device);
+    }
+    if (paths.empty())
+      for (const int64_t width : {8, 16, 32})
+        compare("U-Net of " + std::to_string(width), u_net(width, size), size, runs, device);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,115 @@
+#pragma once
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "onnx_model.hpp"
+
+namespace inverse::testing {
+
+/// Writes ONNX models as PyTorch exports them, with random weights.
+class OnnxBuilder {
+ public:
+  explicit OnnxBuilder(unsigned seed) : random_(seed) {
+    model_.set_ir_version(7);
+    model_.add_opset_import()->set_version(13);
+    model_.mutable_graph()->set_name("test");
+  }
+
+  std::string input(const std::string& name, std::vector<int64_t> shape) {
+    describe(model_.mutable_graph()->add_input(), name, shape);
+    return name;
+  }
+  void output(const std::string& name, std::vector<int64_t> shape) {
+    describe(model_.mutable_graph()->add_output(), name, shape);
+  }
+  /// A float tensor of random numbers around `middle`.
+  std::string tensor(std::vector<int64_t> shape, float spread, float middle = 0) {
+    std::normal_distribution<float> number(middle, spread);
+    int64_t count = 1;
+    for (const int64_t side : shape) count *= side;
+    std::vector<float> data(static_cast<size_t>(count));
+    for (float& v : data) v = number(random_);
+    return constant(shape, data);
+  }
+  std::string constant(const std::vector<int64_t>& shape, const std::vector<float>& data) {
+    onnx::TensorProto* t = model_.mutable_graph()->add_initializer();
+    t->set_name(fresh("w"));
+    t->set_data_type(onnx::TensorProto::FLOAT);
+    for (const int64_t side : shape) t->add_dims(side);
+    t->set_raw_data(data.data(), data.size() * sizeof(float));
+    return t->name();
+  }
+  /// Appends a node; attributes are set on what comes back, whose output(0) is the result.
+  onnx::NodeProto* node(const std::string& type, const std::vector<std::string>& inputs) {
+    onnx::NodeProto* n = model_.mutable_graph()->add_node();
+    n->set_op_type(type);
+    n->set_name(fresh(type + "_"));
+    for (const std::string& i : inputs) n->add_input(i);
+    n->add_output(fresh("v"));
+    return n;
+  }
+  std::string op(const std::string& type, const std::vector<std::string>& inputs) {
+    return node(type, inputs)->output(0);
+  }
+  static void set_list(onnx::NodeProto* n, const std::string& name,
+                       const std::vector<int64_t>& values) {
+    onnx::AttributeProto* a = n->add_attribute();
+    a->set_name(name);
+    a->set_type(onnx::AttributeProto::INTS);
+    for (const int64_t v : values) a->add_ints(v);
+  }
+  static void set(onnx::NodeProto* n, const std::string& name, int64_t value) {
+    onnx::AttributeProto* a = n->add_attribute();
+    a->set_name(name);
+    a->set_type(onnx::AttributeProto::INT);
+    a->set_i(value);
+  }
+  static void set_word(onnx::NodeProto* n, const std::string& name, const std::string& value) {
+    onnx::AttributeProto* a = n->add_attribute();
+    a->set_name(name);
+    a->set_type(onnx::AttributeProto::STRING);
+    a->set_s(value);
+  }
+  std::string convolution(const std::string& from, int64_t in, int64_t out, int64_t kernel,
+                          int64_t stride = 1) {
+    const float spread = std::sqrt(2.0f / static_cast<float>(in * kernel * kernel));
+    onnx::NodeProto* n =
+        node("Conv", {from, tensor({out, in, kernel, kernel}, spread), tensor({out}, .1f)});
+    set_list(n, "kernel_shape", {kernel, kernel});
+    set_list(n, "strides", {stride, stride});
+    set_list(n, "pads", std::vector<int64_t>(4, kernel / 2));
+    set_list(n, "dilations", {1, 1});
+    set(n, "group", 1);
+    return n->output(0);
+  }
+  std::string upsample(const std::string& from) {
+    onnx::NodeProto* n = node("Resize", {from, "", constant({4}, {1, 1, 2, 2})});
+    set_word(n, "mode", "linear");
+    set_word(n, "coordinate_transformation_mode", "pytorch_half_pixel");
+    return n->output(0);
+  }
+  std::string concat(const std::vector<std::string>& parts) {
+    onnx::NodeProto* n = node("Concat", parts);
+    set(n, "axis", 1);
+    return n->output(0);
+  }
+  std::string bytes() const { return model_.SerializeAsString(); }
+
+ private:
+  std::string fresh(const std::string& stem) { return stem + std::to_string(count_++); }
+  static void describe(onnx::ValueInfoProto* info, const std::string& name,
+                       const std::vector<int64_t>& shape) {
+    info->set_name(name);
+    auto* type = info->mutable_type()->mutable_tensor_type();
+    type->set_elem_type(onnx::TensorProto::FLOAT);
+    for (const int64_t side : shape) type->mutable_shape()->add_dim()->set_dim_value(side);
+  }
+
+  onnx::ModelProto model_;
+  std::mt19937 random_;
+  int count_ = 0;
+};
+
+}  // namespace inverse::testing

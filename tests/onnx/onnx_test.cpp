@@ -1,0 +1,229 @@
+// ONNX models through the importer and the device, against OpenCV's dnn running the same model; and
+// what the importer refuses.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <opencv2/dnn.hpp>
+
+#include "../kernels/gpu_fixture.hpp"
+#include "error.hpp"
+#include "network/network.hpp"
+#include "onnx_builder.hpp"
+#include "onnx_import.hpp"
+
+namespace inverse::testing {
+namespace {
+
+network::Graph import(const OnnxBuilder& builder) {
+  const std::string bytes = builder.bytes();
+  return onnx_import::graph_of(std::as_bytes(std::span(bytes)), "model.onnx");
+}
+
+std::string complaint(const OnnxBuilder& builder) {
+  try {
+    import(builder);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Convolutions of all kinds with batch-norm, skips and upsampling, as SegmentationNet has them.
+OnnxBuilder image_model(int64_t height, int64_t width) {
+  OnnxBuilder b(5);
+  const std::string image = b.input("image", {1, 3, height, width});
+  const auto block = [&b](const std::string& from, int64_t in, int64_t out, int64_t stride) {
+    const std::string c = b.convolution(from, in, out, 3, stride);
+    return b.op("LeakyRelu",
+                {b.op("BatchNormalization", {c, b.tensor({out}, .1f, 1), b.tensor({out}, .1f),
+                                             b.tensor({out}, .1f), b.tensor({out}, .05f, 1)})});
+  };
+  const std::string top = block(image, 3, 10, 1);
+  const std::string middle = block(top, 10, 14, 2);
+  onnx::NodeProto* pool = b.node("MaxPool", {middle});
+  OnnxBuilder::set_list(pool, "kernel_shape", {2, 2});
+  OnnxBuilder::set_list(pool, "strides", {2, 2});
+  const std::string low = b.op("Relu", {b.convolution(pool->output(0), 14, 20, 3)});
+  const std::string up = block(b.concat({b.upsample(low), middle}), 34, 12, 1);
+  const std::string all = block(b.concat({top, b.upsample(up)}), 22, 8, 1);
+  b.output(b.op("Sigmoid", {b.convolution(all, 8, 2, 1)}), {1, 2, height, width});
+  return b;
+}
+
+/// Pooling blocks and dense nodes, as ExponentNet has them.
+OnnxBuilder vector_model(int64_t side) {
+  OnnxBuilder b(6);
+  std::string value = b.input("image", {1, 2, side, side});
+  int64_t channels = 2;
+  for (const int64_t next : {8, 12, 18}) {
+    onnx::NodeProto* pool =
+        b.node("MaxPool", {b.op("Relu", {b.convolution(value, channels, next, 3)})});
+    OnnxBuilder::set_list(pool, "kernel_shape", {2, 2});
+    OnnxBuilder::set_list(pool, "strides", {2, 2});
+    value = pool->output(0);
+    channels = next;
+  }
+  onnx::NodeProto* flat = b.node("Flatten", {value});
+  OnnxBuilder::set(flat, "axis", 1);
+  const int64_t count = channels * (side / 8) * (side / 8);
+  onnx::NodeProto* first =
+      b.node("Gemm", {flat->output(0), b.tensor({30, count}, .06f), b.tensor({30}, .1f)});
+  OnnxBuilder::set(first, "transB", 1);
+  const std::string hidden = b.op("Relu", {first->output(0)});
+  onnx::NodeProto* last = b.node("Gemm", {hidden, b.tensor({8, 30}, .3f), b.tensor({8}, .1f)});
+  OnnxBuilder::set(last, "transB", 1);
+  onnx::NodeProto* soft = b.node("Softmax", {last->output(0)});
+  OnnxBuilder::set(soft, "axis", 1);
+  b.output(soft->output(0), {1, 8});
+  return b;
+}
+
+class OnnxTest : public GpuTest {
+ protected:
+  void expect_as_opencv(const OnnxBuilder& builder, network::Shape shape) {
+    const network::Graph graph = import(builder);
+    const network::Network network(device, graph, std::vector{shape});
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> value(-1, 1);
+    cv::Mat blob({1, static_cast<int>(shape.channels), static_cast<int>(shape.height),
+                  static_cast<int>(shape.width)},
+                 CV_32F);
+    Pixels image(4 * network::elements_of(shape), 0.0f);
+    const size_t area = size_t{shape.height} * shape.width;
+    for (uint32_t c = 0; c < shape.channels; ++c)
+      for (size_t i = 0; i < area; ++i)
+        image[4 * (1 + c / 4 * area + i) + c % 4] = blob.ptr<float>()[c * area + i] = value(random);
+    const auto staged = upload(gpu::Element::vec4, image.data(), image.size() / 4);
+    run([&](gpu::Commands& commands) {
+      commands.copy(staged, network.input(0), staged->bytes());
+      network.record(commands);
+    });
+    const Pixels got = download(network.output(0));
+
+    const std::string bytes = builder.bytes();
+    cv::dnn::Net peer = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
+    peer.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+    peer.setInput(blob);
+    const cv::Mat want = peer.forward();
+    const network::Shape result = network.output_shape(0);
+    ASSERT_EQ(want.total(), result.size());
+    const size_t result_area = size_t{result.height} * result.width;
+    for (uint32_t c = 0; c < result.channels; ++c)
+      for (size_t i = 0; i < result_area; ++i)
+        ASSERT_NEAR(got[4 * (1 + c / 4 * result_area + i) + c % 4],
+                    want.ptr<float>()[c * result_area + i], 1e-3)
+            << "channel " << c << ", pixel " << i;
+  }
+};
+
+}  // namespace
+
+TEST_F(OnnxTest, ImagesComeOutAsOfOpenCv) {
+  expect_as_opencv(image_model(32, 48), {3, 32, 48});
+  expect_as_opencv(image_model(128, 128), {3, 128, 128});
+}
+
+TEST_F(OnnxTest, VectorsComeOutAsOfOpenCv) { expect_as_opencv(vector_model(32), {2, 32, 32}); }
+
+TEST_F(OnnxTest, FoldsWhatCanBeFolded) {
+  const network::Graph graph = import(image_model(32, 32));
+  for (const network::Node& node : graph.nodes)
+    EXPECT_NE(node.op, network::Op::activation) << node.name;
+  EXPECT_EQ(graph.nodes.size(), 11u);
+}
+
+TEST_F(OnnxTest, MatricesMayBeTransposed) {
+  const auto matrix = [](bool transposed) {
+    OnnxBuilder b(1);
+    const std::string image = b.input("image", {1, 2, 1, 1});
+    const std::string weights = transposed ? b.constant({3, 2}, {1, 2, 3, 4, 5, 6})
+                                           : b.constant({2, 3}, {1, 3, 5, 2, 4, 6});
+    onnx::NodeProto* n = b.node("Gemm", {b.op("Flatten", {image}), weights});
+    if (transposed) OnnxBuilder::set(n, "transB", 1);
+    b.output(n->output(0), {1, 3});
+    return import(b).weights;
+  };
+  EXPECT_EQ(matrix(true), (std::vector<float>{1, 2, 3, 4, 5, 6, 0, 0, 0}));
+  EXPECT_EQ(matrix(false), matrix(true));
+}
+
+TEST_F(OnnxTest, WhatOthersReadIsNotFolded) {
+  OnnxBuilder b(1);
+  const std::string image = b.input("image", {1, 3, 8, 8});
+  const std::string plain = b.convolution(image, 3, 4, 1), same = b.op("Identity", {plain});
+  b.output(b.op("Relu", {same}), {1, 4, 8, 8});
+  b.output(plain, {1, 4, 8, 8});
+  const network::Graph graph = import(b);
+  ASSERT_EQ(graph.nodes.size(), 2u);
+  EXPECT_EQ(graph.nodes[0].activation, network::Activation::none);
+  EXPECT_EQ(graph.nodes[1].op, network::Op::activation);
+}
+
+TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {
+  const auto refused = [](const std::function<std::string(OnnxBuilder&, const std::string&)>& add,
+                          const std::string& part) {
+    OnnxBuilder b(1);
+    b.output(add(b, b.input("image", {1, 4, 8, 8})), {1, 4, 8, 8});
+    const std::string text = complaint(b);
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
+    EXPECT_EQ(text.rfind("model.onnx: ", 0), 0u) << text;
+  };
+  const auto with = [](const char* type, const char* attribute, std::vector<int64_t> values) {
+    return [=](OnnxBuilder& b, const std::string& image) {
+      onnx::NodeProto* n = b.node(type, {image, b.tensor({4, 4, 3, 3}, .1f)});
+      OnnxBuilder::set_list(n, attribute, values);
+      return n->output(0);
+    };
+  };
+  refused([](OnnxBuilder& b, const std::string& i) { return b.op("Einsum", {i}); },
+          "Einsum \"Einsum_0\": this operator is not supported");
+  refused(with("Conv", "pads", {0, 0, 0, 0}), "its padding");
+  refused(with("Conv", "dilations", {2, 2}), "dilated");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        onnx::NodeProto* n = b.node("Conv", {i, b.tensor({4, 4, 1, 1}, 1)});
+        OnnxBuilder::set_list(n, "strides", {3, 3});
+        return n->output(0);
+      },
+      "stride");
+  refused(with("MaxPool", "kernel_shape", {3, 3}), "2 x 2");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        return b.op("Conv", {i, b.tensor({4, 4, 5, 5}, 1)});
+      },
+      "5 x 5");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        return b.op("Conv", {i, i});
+      },
+      "not a constant");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        return b.op("Conv", {i, b.tensor({4, 4, 1, 1}, 1), b.tensor({3}, 1)});
+      },
+      "bias");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        return b.op("Resize", {i, "", b.constant({4}, {1, 1, 2, 2})});
+      },
+      "linear");
+  refused([](OnnxBuilder& b, const std::string&) { return b.op("Relu", {"nothing"}); },
+          "\"nothing\"");
+  refused([](OnnxBuilder& b, const std::string& i) { return b.op("Concat", {i, i}); }, "axis 1");
+  refused([](OnnxBuilder& b, const std::string& i) { return b.op("Softmax", {i}); }, "axis -1");
+  refused([](OnnxBuilder&, const std::string& i) { return i; }, "0 nodes");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        return b.op("Conv", {i, b.constant({1, 4, 1, 1}, {1, 2, NAN, 4})});
+      },
+      "Conv_1\"\": a weight is not a finite number");
+}
+
+TEST_F(OnnxTest, RefusesFilesThatAreCutShort) {
+  const std::string bytes = vector_model(16).bytes();
+  for (size_t size = 0; size < bytes.size(); size += 97)
+    EXPECT_THROW(onnx_import::graph_of(std::as_bytes(std::span(bytes.data(), size)), ""), Error)
+        << size;
+}
+
+}  // namespace inverse::testing

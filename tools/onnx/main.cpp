@@ -1,0 +1,57 @@
+// inverse-onnx-import MODEL.onnx [GRAPH.net]: makes the flat file that the plugin loads of an ONNX
+// model, or without a second name says what the model is.
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "error.hpp"
+#include "network/graph_file.hpp"
+#include "onnx_import.hpp"
+
+namespace {
+
+using namespace inverse;
+
+std::vector<char> read(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(ErrorKind::unsupported, std::string(path) + ": " + std::strerror(errno));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write(const char* path, const std::vector<std::byte>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw Error(ErrorKind::unsupported, std::string(path) + ": it cannot be written");
+}
+
+void describe(const char* path, const network::Graph& graph) {
+  std::printf("%s: %zu nodes, %zu weights\n", path, graph.nodes.size(), graph.weights.size());
+  for (const auto& input : graph.inputs)
+    std::printf("  input %s: %u channels\n", input.name.c_str(), input.channels);
+  for (const auto& output : graph.outputs) std::printf("  output %s\n", output.name.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2 && argc != 3) {
+    std::fprintf(stderr, "usage: %s MODEL.onnx [GRAPH.net]\n", argv[0]);
+    return 2;
+  }
+  try {
+    const std::vector<char> model = read(argv[1]);
+    const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), argv[1]);
+    if (argc == 3)
+      write(argv[2], network::to_file(graph));
+    else
+      describe(argv[1], graph);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+// Debian's library is built with these, and has no .pc file that would say so.
+#define ONNX_ML 1
+#define ONNX_NAMESPACE onnx
+#include <onnx/onnx_pb.h>
+
+namespace inverse::onnx_import {
+
+/// A constant of a model.
+struct Tensor {
+  std::vector<int64_t> shape;
+  std::vector<float> floats;      ///< where it is of floats
+  std::vector<int64_t> integers;  ///< where it is of integers
+};
+
+/// Reads a tensor; throws Error(unsupported) for types other than float32 and int64.
+Tensor tensor_of(const onnx::TensorProto& proto, const std::string& name);
+
+/// Constants by name: initializers, and results of Constant nodes.
+std::unordered_map<std::string, Tensor> constants_of(const onnx::GraphProto& graph);
+
+/// A node with its attributes at hand.
+class Operator {
+ public:
+  explicit Operator(const onnx::NodeProto& node) : node_(node) {}
+
+  const std::string& type() const { return node_.op_type(); }
+  /// "Conv \"name\"", for messages.
+  std::string text() const;
+  int inputs() const { return node_.input_size(); }
+  /// The name of an input; empty where there is none.
+  std::string input(int index) const;
+  const std::string& output() const { return node_.output(0); }
+  int outputs() const { return node_.output_size(); }
+
+  int64_t integer(const char* attribute, int64_t otherwise) const;
+  float number(const char* attribute, float otherwise) const;
+  std::string word(const char* attribute, const std::string& otherwise) const;
+  std::vector<int64_t> integers(const char* attribute, std::vector<int64_t> otherwise) const;
+
+  /// Throws Error(unsupported): this operator, and why it is not taken.
+  [[noreturn]] void refuse(const std::string& why) const;
+  /// Throws unless `holds`.
+  void expect(bool holds, const std::string& why) const {
+    if (!holds) refuse(why);
+  }
+
+ private:
+  const onnx::AttributeProto* find(const char* attribute) const;
+
+  const onnx::NodeProto& node_;
+};
+
+}  // namespace inverse::onnx_import
