@@ -2,8 +2,9 @@
 // memory in and out, videos that go on for a while. Each frame goes to every setting in turn, to
 // and fro, so that what else the machine does hits all alike and none always follows the same one.
 //
-// usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--whole N]
-//                       [--parts] [--brief] [--json FILE]
+// usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
+//                       [--whole N] [--parts] [--brief] [--json FILE]
+// Where much can be left out, the first frames (--settle, 24) are not measured: solves settle.
 // Where nothing can be left out, on and off get --whole frames, which tells their ratio closely.
 // With --parts each property that leaves something out is measured alone as well, and, where much
 // can be left out, all but it; with --brief only such scenes are shown.
@@ -26,7 +27,7 @@ using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
 
-constexpr int kSettling = 24;  // frames that are not measured: solves settle within a second
+constexpr int kSettling = 24;  // frames that are not measured
 
 struct Size {
   int width, height;
@@ -78,7 +79,7 @@ constexpr Scene kScenes[] = {
      }},
     {"moving light", false, nullptr}};
 
-void push(Run& run, GstBuffer* frame, int number) {
+void push(Run& run, GstBuffer* frame, int number, bool measured) {
   GstBuffer* buffer = gst_buffer_copy_deep(frame);
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(number) * (GST_SECOND / 25);
   GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
@@ -86,7 +87,7 @@ void push(Run& run, GstBuffer* frame, int number) {
   const auto start = Clock::now();
   gst_harness_push(run.harness, buffer);
   gst_buffer_unref(gst_harness_pull(run.harness));
-  if (number < kSettling) return;
+  if (!measured) return;
   run.wall.push_back(milliseconds(Clock::now() - start));
   run.processor.push_back(processor_ms() - processor);
 }
@@ -101,9 +102,10 @@ std::string list(const std::vector<double>& values) {
   return "[" + text + "]";
 }
 
-/// How many frames are shown: to every setting, and to off and on where nothing can be left out.
+/// How many frames are shown: to every setting, and to off and on where nothing can be left out;
+/// and how many of them are not measured where much can.
 struct Frames {
-  int all = 48, whole = 0;
+  int all = 48, whole = 0, settling = kSettling;
 };
 
 /// Rows of JSON, one for each setting.
@@ -117,13 +119,15 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
     runs.push_back({harness, {}, {}});
   }
+  const int settling = scene.brief ? frames.settling : kSettling;
   const int most = scene.brief ? frames.all : std::max(frames.all, frames.whole);
   for (int k = 0; k < most; ++k) {
     const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
     GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
     if (scene.draw) scene.draw(frame, size, k);
     const size_t turns = k < frames.all ? runs.size() : 2;
-    for (size_t i = 0; i < turns; ++i) push(runs[k % 2 ? turns - 1 - i : i], frame, k);
+    for (size_t i = 0; i < turns; ++i)
+      push(runs[k % 2 ? turns - 1 - i : i], frame, k, k >= settling);
     gst_buffer_unref(frame);
   }
   std::string rows;
@@ -161,7 +165,9 @@ int main(int count, char** arguments) {
              std::sscanf(next().c_str(), "%dx%d", &size.width, &size.height) == 2)
       continue;
     else if (argument == "--frames")
-      frames.all = std::max(kSettling + 4, std::stoi(next()));
+      frames.all = std::stoi(next());
+    else if (argument == "--settle")
+      frames.settling = std::stoi(next());
     else if (argument == "--whole")
       frames.whole = std::stoi(next());
     else if (argument == "--parts")
@@ -173,6 +179,7 @@ int main(int count, char** arguments) {
     else
       return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
   }
+  frames.all = std::max(frames.all, std::max(frames.settling, kSettling) + 4);
   GstElementFactory* factory = gst_element_factory_find(element.c_str());
   if (!factory) return std::fprintf(stderr, "there is no element %s\n", element.c_str()), 1;
   gst_object_unref(factory);

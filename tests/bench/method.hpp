@@ -70,8 +70,8 @@ struct Setting {
   /// Is scored by LMSE (k = 20) alone, and shown once: nobody asks for its time.
   bool lmse_only = false;
   std::set<std::string> sets = {};  ///< is measured on these sets of scenes only; empty: on all
-  /// A video of the project's own that is shorter is played to and fro until so many frames were
-  /// shown, and its last ones are judged: what settles with time shows. 0: once.
+  /// A video that is shorter is played to and fro until so many frames were shown, and its last
+  /// ones are judged: what settles with time shows. 0: once.
   std::size_t frames = 0;
   /// With --full a video is shown again until so many of its frames were timed: for times that are
   /// compared closely. 0: once, or twice.

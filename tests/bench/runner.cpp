@@ -82,7 +82,7 @@ struct Row {
   bool failed() const { return !failure.empty(); }
   /// How many frames are shown, and how many of them, the last ones, are judged.
   std::size_t shown() const {
-    const bool longer = scene->video && scene->set == "own" && scene->frames.size() > 1;
+    const bool longer = scene->video && scene->frames.size() > 1;
     return longer ? std::max(setting->frames, judged()) : judged();
   }
   std::size_t judged() const { return scene->frames.size(); }

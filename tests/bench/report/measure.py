@@ -122,6 +122,7 @@ ELEMENTS = {  # by line: sizes always, and those of --full
     "intrinsicdecomp quality=low": ("", "320x240,640x480," + LARGE),
     "globalintrinsicthesis": ("", "160x120,320x240,640x512")}
 ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # of which is measured what leaving out saves; of the first by parts, too
+SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
 BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tau-merge=0 tau-neutral=0 base-colors={}",
              "globalintrinsic with layers of light": "globalintrinsic base-colors={} ! intrinsiccompose"}
@@ -143,13 +144,15 @@ def element_parts(full):
                 "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
         parts["background"].append(("background", "background-bench", ["--frames", "45", "--json"]))
     for element in ADAPTIVE:
-        sizes = {"640x480": ["--frames", "40", "--brief"]}
+        settle = SETTLES[element]
+        sizes = {"640x480": ["--frames", str(settle + 16), "--brief"]}
         if full:
-            sizes = {"640x480": ["--frames", "44", "--whole", "124"] + (["--parts"] if element == ADAPTIVE[0] else []),
-                     "1280x720": ["--frames", "44", "--whole", "88"]}
+            shown = ["--frames", str(settle + 20)]
+            sizes = {"640x480": [*shown, "--whole", "124"] + (["--parts"] if element == ADAPTIVE[0] else []),
+                     "1280x720": [*shown, "--whole", "88"]}
         for size, more in sizes.items():
             parts["still"].append((f"adaptive {element} {size}", "adaptive-bench",
-                                   ["--element", element, "--size", size, *more, "--json"]))
+                                   ["--element", element, "--size", size, "--settle", str(settle), *more, "--json"]))
     return parts
 
 

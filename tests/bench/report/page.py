@@ -85,14 +85,16 @@ def leaving_out(results, has):
     if has["adaptivity"]:
         out.append("![Adaptivity](adaptivity.png)\n")
     if whole:
-        out.append("Whole elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second): a frame "
+        out.append("Whole elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second; of "
+                   "`globalintrinsic`, whose light comes to rest first, two: frames 57 and on where much is left out): a frame "
                    "that comes again, a ball that moves over a still picture (a tenth of the width), the same picture under a camera's noise (every "
                    "pixel changes in every frame), the clip (light moves everywhere). In bold: three times or more.\n\n" + through_elements(whole))
         parts = parts_of_elements(whole) or parts_of_elements(kept)
         if parts:
             out.append("Each property of `intrinsicdecomp` alone (all others 0), and all but it, processor time in relation to `adaptive=false`. Parts "
                        "lean on each other: a tile leaves the solve once its edges are no longer decided anew and its cycles have settled.\n\n" + parts)
-    out.append("The kernels alone at 320×240, videos of 48 frames (the project's own are played to and fro; errors are those of the last ten).\n")
+    out.append("The kernels alone at 320×240, videos of 48 frames and more (shorter ones are played to and fro; errors are those of the last time). A video's "
+               "first frames look at what may be left out, which takes some percent of each; nothing more than the first two is left aside here.\n")
     for method in dict.fromkeys(e["method"] for e in entries):
         of = [e for e in entries if e["method"] == method]
         out.append(f"**`{method}`**" + (": light's color and amount are held, too, where the scene rests; `tint` and `indJ` as in *Layers beyond two*"
