@@ -46,7 +46,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
     static const PropertyTable<Params> table =
         properties<Params>({"Sets iterations as a group; what is set explicitly wins",
                             "GstIntrinsicDecompThesisQuality",
-                            {"Half of the iterations that the thesis runs, for half of its time",
+                            {"Half of the iterations that the thesis runs, in six tenths of the time",
                              "What the thesis runs: 4 reweightings of 8 iterations a level (3.6.5)",
                              "7 x 8 iterations, with which the thesis shows convergence",
                              "16 x 16 iterations, for reference"}},

@@ -141,12 +141,12 @@ unsigned number(const char* text) {
   return static_cast<unsigned>(value);
 }
 
-/// For the thesis' elements, which take many times as long: planes come and go with a scene's base
-/// colors, so that what the device holds swings from one third of a phase to the next.
+/// For the thesis' elements, which take many times as long.
 Plan of_thesis(const char* decomposer) {
-  Plan plan{decomposer, 300, 0, 0, 300, {}};
-  plan.slack.resident_mib = 8;
-  plan.slack.device_mib = 1;
+  Plan plan;
+  plan.decomposer = decomposer;
+  plan.frames = plan.scenes = 300;
+  plan.caps_changes = plan.cycles = 0;
   return plan;
 }
 
