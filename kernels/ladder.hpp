@@ -17,8 +17,9 @@ struct Level {
   void (*set)(Params&);  ///< the parameters that make it up
 };
 
-/// The measured front of error against time of a method (docs/report), from cheap to good, and
-/// which of its levels each quality stands for.
+/// Levels of work of a method from cheap to good, measured (docs/report), and which of them each
+/// quality stands for. Not all lie on the front of error against time: by LMSE of single soft
+/// frames alone some are beaten by cheaper ones that flicker more or blur shadows.
 template <typename Params>
 struct Ladder {
   std::vector<Level<Params>> levels;

@@ -200,13 +200,11 @@ std::vector<Choice> Decomposer::show_choices(Makes makes) {
   return choices;
 }
 
-std::vector<Choice> Decomposer::quality_choices() {
-  return {
-      {static_cast<int>(Quality::low), "low", "The least work without visible loss on most video"},
-      {static_cast<int>(Quality::medium), "medium",
-       "Live video: sharp shadows, small objects and steady colors as well"},
-      {static_cast<int>(Quality::high), "high", "More iterations, for files"},
-      {static_cast<int>(Quality::best), "best", "Many iterations, for reference"}};
+std::vector<Choice> Decomposer::quality_choices(const QualityText& text) {
+  return {{static_cast<int>(Quality::low), "low", text.values[0]},
+          {static_cast<int>(Quality::medium), "medium", text.values[1]},
+          {static_cast<int>(Quality::high), "high", text.values[2]},
+          {static_cast<int>(Quality::best), "best", text.values[3]}};
 }
 
 }  // namespace inverse

@@ -78,10 +78,20 @@ class Decomposer : public Filter {
 
   /// The layers that a decomposer makes.
   enum class Makes { intrinsic, global };
-  /// The properties of DecomposerParams, then the method's own. `sets` says which parameters
-  /// `quality` stands for.
+  /// What `quality` tells of itself.
+  struct QualityText {
+    const char* sets;  ///< which parameters it stands for
+    /// The name of the enumeration of its values, and what each of them means. Of a type of its own
+    /// where that is something else.
+    const char* type = "GstInverseQuality";
+    std::array<const char*, 4> values = {
+        "The least work without visible loss on most video",
+        "Live video: sharp shadows, small objects and steady colors as well",
+        "More iterations, for files", "Many iterations, for reference"};
+  };
+  /// The properties of DecomposerParams, then the method's own.
   template <typename P>
-  static PropertyTable<P> properties(const char* sets, const PropertyTable<P>& own,
+  static PropertyTable<P> properties(const QualityText& quality, const PropertyTable<P>& own,
                                      Makes makes = Makes::intrinsic) {
     const bool global = makes == Makes::global;
     PropertyTable<P> table{
@@ -89,7 +99,7 @@ class Decomposer : public Filter {
                   show_choices(makes),
                   "What to show where ordinary video goes out; elements that take layers get all "
                   "of them"),
-        choice<P>("quality", &P::quality, "GstInverseQuality", quality_choices(), sets),
+        choice<P>("quality", &P::quality, quality.type, quality_choices(quality), quality.sets),
         number<P>("target-fps", &P::target_fps, 0., 1000.,
                   "Frames a second to hold by choosing the work for each, at most that of quality; "
                   "what is set explicitly stays. 0 = any rate"),
@@ -106,7 +116,7 @@ class Decomposer : public Filter {
 
  private:
   static std::vector<Choice> show_choices(Makes makes);
-  static std::vector<Choice> quality_choices();
+  static std::vector<Choice> quality_choices(const QualityText& text);
   bool keeps(const FrameWork& frame, const Settings& settings);
   void draw(FrameWork& frame, const Settings& settings);
   PlanePtr draw_clusters(FrameWork& frame);

@@ -75,7 +75,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
       const auto solve = solve_properties<Params>();
       all.insert(all.end(), solve.begin(), solve.end());
       all.push_back(tile_tolerance_property<Params>());
-      return properties<Params>(kSolveSets, all, Makes::global);
+      return properties<Params>({kSolveSets}, all, Makes::global);
     }();
     return table;
   }

@@ -202,9 +202,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   }
 
   static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table =
-        properties<Params>("Sets steps and pcg-iterations as a group; what is set explicitly wins",
-                           own_properties(), Makes::global);
+    static const PropertyTable<Params> table = properties<Params>(
+        {"Sets steps and pcg-iterations as a group; what is set explicitly wins",
+         "GstGlobalIntrinsicThesisQuality",
+         {"3 steps: an energy of 6 to 14 % above the end",
+          "5 steps: 4 to 7 % above it. Not live without a fast GPU: more than a second for a frame "
+          "of 320x240 on two cores",
+          "8 steps: 3 to 4 % above it", "16 steps, for reference: at it within 1 %"}},
+        own_properties(), Makes::global);
     return table;
   }
   static PropertyTable<Params> own_properties() {

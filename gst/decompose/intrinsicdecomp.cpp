@@ -42,7 +42,7 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
     static const PropertyTable<Params> table = [] {
       PropertyTable<Params> all = solve_properties<Params>();
       all.push_back(tile_tolerance_property<Params>());
-      return properties<Params>(kSolveSets, all);
+      return properties<Params>({kSolveSets}, all);
     }();
     return table;
   }

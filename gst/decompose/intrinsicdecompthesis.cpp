@@ -44,7 +44,13 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
  private:
   static const PropertyTable<Params>& table() {
     static const PropertyTable<Params> table = properties<Params>(
-        "Sets iterations as a group; what is set explicitly wins", own_properties());
+        {"Sets iterations as a group; what is set explicitly wins",
+         "GstIntrinsicDecompThesisQuality",
+         {"Half of the iterations that the thesis runs, in six tenths of the time",
+          "What the thesis runs: 4 reweightings of 8 iterations a level (3.6.5)",
+          "7 x 8 iterations, with which the thesis shows convergence",
+          "16 x 16 iterations, for reference"}},
+        own_properties());
     return table;
   }
   static PropertyTable<Params> own_properties() {

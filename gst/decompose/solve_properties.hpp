@@ -131,8 +131,7 @@ Property<P> tile_tolerance_property() {
 /// What of those `quality` stands for.
 inline constexpr const char* kSolveSets =
     "Sets half-resolution, quarter-resolution, cycles, warm-cycles, settled and still-tolerance as "
-    "a "
-    "group; what is set explicitly wins";
+    "a group; what is set explicitly wins";
 
 /// Adds to the stats what a solve tells of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,

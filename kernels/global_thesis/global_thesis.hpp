@@ -14,6 +14,8 @@
 
 namespace inverse {
 
+struct GlobalThesisPush;
+
 /// The global intrinsic video decomposition of the thesis, chapter 5, for frames of one size: into
 /// reflectance, direct light and one layer of indirect light for each base color. The energy and
 /// the systems are in energy.glsl. Keeps keyframes, palette and base colors from frame to frame.
@@ -140,7 +142,7 @@ class GlobalThesis {
   static uint64_t bytes_per_pixel(int layers, int keyframes);
 
  private:
-  struct Push;
+  using Push = GlobalThesisPush;
   struct Kernels;
   struct Readback {
     gpu::BufferPtr buffer, table;

@@ -43,7 +43,7 @@ struct GlobalThesisParams {
                                  ///< light, 0…1; not printed in the thesis
   Irls irls = Irls::consistent;  ///< form of the weights
   int clusters = 10;             ///< K, at most: superfluous ones go (5.5.1), 1…16
-  int steps = 8;                 ///< Gauss–Newton steps a frame, 1…64
+  int steps = 5;                 ///< Gauss–Newton steps a frame, 1…64
   int pcg_iterations = 16;       ///< conjugate-gradient steps for each (5.7.1), 1…256
   bool line_search = true;       ///< shorten steps that would raise the energy, see search.comp
   bool warm_start = false;       ///< begin where the last frame ended instead of at its clusters

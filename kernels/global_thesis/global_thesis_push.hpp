@@ -4,8 +4,8 @@
 
 namespace inverse {
 
-/// As in energy.glsl.
-struct GlobalThesis::Push {
+/// The push constants of all kernels of the method; what each means is in energy.glsl.
+struct GlobalThesisPush {
   int32_t size[2];
   int32_t count, mode, samples, frames, ring_start, ring_capacity, slot;
   uint32_t stream, seed;

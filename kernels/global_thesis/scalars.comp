@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
 #include "energy.glsl"
+#include "../image/conjugate_gradients.glsl"
 #include "../image/workgroup_sum.glsl"
 
 // One workgroup: adds partial sums up and keeps the scalars of the conjugate gradients: rᵀz, α, β.
@@ -23,7 +24,7 @@ void main() {
     STORE(scalars, 0, sum.x);
     STORE(scalars, 2, 0.0);
   } else if (push.mode == 1) {
-    bool good = sum.x > 1e-8 * sum.y && rz > 0.0;
+    bool good = curves(sum.xy) && rz > 0.0;
     STORE(scalars, 1, good ? rz / sum.x : 0.0);
     STORE(scalars, 0, good ? rz : 0.0);
   } else {

@@ -1,5 +1,7 @@
 // The terms of the energy and their weights, for the kernels that need them.
 
+#include "../image/conjugate_gradients.glsl"
+
 float sum3(vec3 v) { return v.r + v.g + v.b; }
 float mean3(vec3 v) { return sum3(v) * (1.0 / 3.0); }
 vec3 colored(vec3 v) { return v - mean3(v); }
@@ -37,9 +39,4 @@ vec4 local_weight(int group, vec4 x, vec4 exists) {
   vec4 negative = negative_weight(x);
   return group == 0 ? vec4(vec3(0.0), negative.w)
                     : exists * (negative + push.lambda_i_sparsity * push.irls_light * root(x * x));
-}
-
-/// Jacobi preconditioner M⁻¹, zero where the diagonal is.
-vec4 precondition(vec4 diagonal, vec4 v) {
-  return mix(vec4(0.0), v / max(diagonal, 1e-30), greaterThan(diagonal, vec4(1e-30)));
 }

@@ -27,6 +27,7 @@
 //   edges = (a to the right, a down, V to the right, V down), zero across the border
 //   node  = (ω_iw, G, Σ a, Σ V)
 
+#include "../image/conjugate_gradients.glsl"
 #include "../image/packed_chromaticity.glsl"
 
 layout(push_constant) uniform Push {
@@ -93,13 +94,3 @@ vec4 diagonal(vec4 node) {
   vec3 r = push.w_data * node.x * kChannelWeight + node.y + node.z + push.w_chromaticity * node.x * (2.0 / 3.0);
   return vec4(r, push.w_data * node.x + node.w);
 }
-
-/// Jacobi preconditioner M⁻¹, zero where the diagonal is.
-vec4 precondition(vec4 diagonal, vec4 v) {
-  return mix(vec4(0.0), v / max(diagonal, 1e-30), greaterThan(diagonal, vec4(1e-30)));
-}
-
-/// Whether a direction d of the conjugate gradients has a curvature that is more than rounding: of (dᵀA d, dᵀM d), M the
-/// diagonal. Where nothing holds a pixel's gray value (no data term, no samples, no neighbor of its color) A is singular,
-/// and a step along what is left of dᵀA d would lead anywhere.
-bool curves(vec2 products) { return products.x > 1e-8 * products.y; }

@@ -1,9 +1,11 @@
-// What leaving out saves whoever embeds intrinsicdecomp: whole elements, system memory in and out,
-// videos that go on for a while. Each frame goes to every setting in turn, so that what else the
-// machine does hits all alike.
+// What leaving out saves whoever embeds intrinsicdecomp or globalintrinsic: whole elements, system
+// memory in and out, videos that go on for a while. Each frame goes to every setting in turn, to
+// and fro, so that what else the machine does hits all alike and none always follows the same one.
 //
-// usage: adaptive-bench [--clip FILE] [--size 640x480] [--frames N] [--parts] [--brief] [--json
-// FILE]
+// usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
+//                       [--whole N] [--parts] [--brief] [--json FILE]
+// Where much can be left out, the first frames (--settle, 24) are not measured: solves settle.
+// Where nothing can be left out, on and off get --whole frames, which tells their ratio closely.
 // With --parts each property that leaves something out is measured alone as well, and, where much
 // can be left out, all but it; with --brief only such scenes are shown.
 #include <gst/check/gstharness.h>
@@ -25,7 +27,7 @@ using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
 
-constexpr int kSettling = 24;  // frames that are not measured: solves settle within a second
+constexpr int kSettling = 24;  // frames that are not measured
 
 struct Size {
   int width, height;
@@ -42,8 +44,9 @@ struct Run {
   std::vector<double> wall, processor;
 };
 
-std::vector<Setting> settings(bool parts) {
-  std::vector<Setting> all{{"off", "intrinsicdecomp adaptive=false"}, {"on", "intrinsicdecomp"}};
+/// Off and on come first.
+std::vector<Setting> settings(const std::string& element, bool parts) {
+  std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
   if (!parts) return all;
   const std::pair<const char*, const char*> named[] = {
       {"whole frames", "keep-tolerance"},          {"tiles", "tile-tolerance"},
@@ -51,12 +54,11 @@ std::vector<Setting> settings(bool parts) {
       {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "hold-tolerance"},
       {"half resolution", "half-resolution-bound"}};
   for (const auto& [name, kept] : named) {
-    std::string line = "intrinsicdecomp";
+    std::string line = element;
     for (const auto& [other, property] : named)
       if (property != kept) line += std::string(" ") + property + "=0";
     all.push_back({name, line, true});
-    all.push_back(
-        {std::string("all but ") + name, std::string("intrinsicdecomp ") + kept + "=0", false});
+    all.push_back({std::string("all but ") + name, element + " " + kept + "=0", false});
   }
   return all;
 }
@@ -77,7 +79,7 @@ constexpr Scene kScenes[] = {
      }},
     {"moving light", false, nullptr}};
 
-void push(Run& run, GstBuffer* frame, int number) {
+void push(Run& run, GstBuffer* frame, int number, bool measured) {
   GstBuffer* buffer = gst_buffer_copy_deep(frame);
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(number) * (GST_SECOND / 25);
   GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
@@ -85,7 +87,7 @@ void push(Run& run, GstBuffer* frame, int number) {
   const auto start = Clock::now();
   gst_harness_push(run.harness, buffer);
   gst_buffer_unref(gst_harness_pull(run.harness));
-  if (number < kSettling) return;
+  if (!measured) return;
   run.wall.push_back(milliseconds(Clock::now() - start));
   run.processor.push_back(processor_ms() - processor);
 }
@@ -100,9 +102,16 @@ std::string list(const std::vector<double>& values) {
   return "[" + text + "]";
 }
 
+/// How many frames are shown: to every setting, and to off and on where nothing can be left out;
+/// and how many of them are not measured where much can.
+struct Frames {
+  int all = 48, whole = 0, settling = kSettling;
+};
+
 /// Rows of JSON, one for each setting.
-std::string measure(const Scene& scene, Size size, const std::string& caps, int frames,
-                    const std::vector<GstBuffer*>& clip, std::vector<Setting> all) {
+std::string measure(const Scene& scene, const std::string& element, Size size,
+                    const std::string& caps, Frames frames, const std::vector<GstBuffer*>& clip,
+                    std::vector<Setting> all) {
   if (!scene.brief) std::erase_if(all, [](const Setting& s) { return !s.everywhere; });
   std::vector<Run> runs;
   for (const Setting& setting : all) {
@@ -110,22 +119,26 @@ std::string measure(const Scene& scene, Size size, const std::string& caps, int 
     gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
     runs.push_back({harness, {}, {}});
   }
-  for (int k = 0; k < frames; ++k) {
+  const int settling = scene.brief ? frames.settling : kSettling;
+  const int most = scene.brief ? frames.all : std::max(frames.all, frames.whole);
+  for (int k = 0; k < most; ++k) {
     const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
     GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
     if (scene.draw) scene.draw(frame, size, k);
-    for (Run& run : runs) push(run, frame, k);
+    const size_t turns = k < frames.all ? runs.size() : 2;
+    for (size_t i = 0; i < turns; ++i)
+      push(runs[k % 2 ? turns - 1 - i : i], frame, k, k >= settling);
     gst_buffer_unref(frame);
   }
   std::string rows;
   for (size_t i = 0; i < all.size(); ++i) {
-    std::printf("| %s | %dx%d | %s | %.1f | %.1f |\n", scene.name, size.width, size.height,
-                all[i].name.c_str(), median(runs[i].wall), median(runs[i].processor));
-    rows += std::string(i > 0 ? ",\n" : "") + "{\"scene\": \"" + scene.name +
-            "\", \"width\": " + std::to_string(size.width) +
+    std::printf("| %s | %s | %dx%d | %s | %.1f | %.1f |\n", element.c_str(), scene.name, size.width,
+                size.height, all[i].name.c_str(), median(runs[i].wall), median(runs[i].processor));
+    rows += std::string(i > 0 ? ",\n" : "") + "{\"element\": \"" + element + "\", \"scene\": \"" +
+            scene.name + "\", \"width\": " + std::to_string(size.width) +
             ", \"height\": " + std::to_string(size.height) +
-            ", \"frames\": " + std::to_string(frames) + ", \"setting\": \"" + all[i].name +
-            "\", \"wall_ms\": " + list(runs[i].wall) +
+            ", \"frames\": " + std::to_string(i < 2 ? most : frames.all) + ", \"setting\": \"" +
+            all[i].name + "\", \"wall_ms\": " + list(runs[i].wall) +
             ", \"processor_ms\": " + list(runs[i].processor) + "}";
     gst_harness_teardown(runs[i].harness);
   }
@@ -137,20 +150,26 @@ std::string measure(const Scene& scene, Size size, const std::string& caps, int 
 
 int main(int count, char** arguments) {
   gst_init(&count, &arguments);
-  std::string clip = "media/clip.webm", json;
+  std::string element = "intrinsicdecomp", clip = "media/clip.webm", json;
   Size size{640, 480};
-  int frames = 48;
+  Frames frames;
   bool parts = false, brief = false;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
-    if (argument == "--clip")
+    if (argument == "--element")
+      element = next();
+    else if (argument == "--clip")
       clip = next();
     else if (argument == "--size" &&
              std::sscanf(next().c_str(), "%dx%d", &size.width, &size.height) == 2)
       continue;
     else if (argument == "--frames")
-      frames = std::max(kSettling + 4, std::stoi(next()));
+      frames.all = std::stoi(next());
+    else if (argument == "--settle")
+      frames.settling = std::stoi(next());
+    else if (argument == "--whole")
+      frames.whole = std::stoi(next());
     else if (argument == "--parts")
       parts = true;
     else if (argument == "--brief")
@@ -160,23 +179,29 @@ int main(int count, char** arguments) {
     else
       return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
   }
+  frames.all = std::max(frames.all, std::max(frames.settling, kSettling) + 4);
+  GstElementFactory* factory = gst_element_factory_find(element.c_str());
+  if (!factory) return std::fprintf(stderr, "there is no element %s\n", element.c_str()), 1;
+  gst_object_unref(factory);
   const std::string caps = "video/x-raw, format=NV12, width=" + std::to_string(size.width) +
                            ", height=" + std::to_string(size.height) + ", framerate=25/1";
-  const auto video = inverse::bench::load_clip(clip, caps, static_cast<size_t>(frames));
+  const auto video = inverse::bench::load_clip(
+      clip, caps, static_cast<size_t>(std::max(frames.all, frames.whole)));
   if (video.empty()) {
     std::fprintf(stderr, "cannot read %s\n", clip.c_str());
     return 1;
   }
   std::printf(
-      "| scene | size | adaptive | wall ms a frame | processor ms |\n|---|---|---|---|---|\n");
-  const auto all = settings(parts);
+      "| element | scene | size | adaptive | wall ms a frame | processor ms "
+      "|\n|---|---|---|---|---|---|\n");
+  const auto all = settings(element, parts);
   std::string rows;
   for (const Scene& scene : kScenes) {
     if (brief && !scene.brief) continue;
     std::fprintf(stderr, "@progress %.3f %s\n",
                  static_cast<double>(&scene - kScenes) / static_cast<double>(std::size(kScenes)),
                  scene.name);
-    rows += (rows.empty() ? "" : ",\n") + measure(scene, size, caps, frames, video, all);
+    rows += (rows.empty() ? "" : ",\n") + measure(scene, element, size, caps, frames, video, all);
   }
   for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
   if (!json.empty() && !(std::ofstream(json) << "[" << rows << "]\n").flush()) {

@@ -368,7 +368,7 @@ class Table {
       const Image picture = displayed(edit.picture);
       Scores& scores = cells_[{edit.name, column}];
       scores.whole += psnr(picture, truth, whole), scores.ssim += ssim(picture, truth, whole);
-      scores.spill += psnr(picture, truth, spill);
+      scores.spill += psnr(picture, truth, spill), scores.spill_ssim += ssim(picture, truth, spill);
       scores.amount += double(edit.amount), scores.count += 1;
     }
   }
@@ -391,7 +391,8 @@ class Table {
           continue;
         }
         const Scores& s = found->second;
-        std::printf(" %.1f / %.3f / %.1f", s.whole / s.count, s.ssim / s.count, s.spill / s.count);
+        std::printf(" %.1f / %.3f / %.1f / %.3f", s.whole / s.count, s.ssim / s.count,
+                    s.spill / s.count, s.spill_ssim / s.count);
         if (s.amount > 0) std::printf(" (%.2g)", s.amount / s.count);
         std::printf(" |");
       }
@@ -402,7 +403,7 @@ class Table {
 
  private:
   struct Scores {
-    double whole = 0, ssim = 0, spill = 0, amount = 0, count = 0;
+    double whole = 0, ssim = 0, spill = 0, spill_ssim = 0, amount = 0, count = 0;
   };
   std::vector<std::string> rows_, columns_;
   std::map<std::pair<std::string, std::string>, Scores> cells_;
@@ -422,7 +423,7 @@ void run(const std::string& edits, const std::string& data, const std::string& p
     tables[pair.despill].add(pair, found);
     if (!png.empty()) write_strip(png, pair, found);
   }
-  tables[0].print("recolor: PSNR / SSIM / PSNR of the spill");
+  tables[0].print("recolor: PSNR / SSIM, then both of the spill");
   tables[1].print("despill: the same of what stays");
 }
 

@@ -11,8 +11,8 @@ namespace inverse::bench {
 
 /// The levels of `ladder` as they ship, for stills (curve "ladder") and for videos ("video
 /// ladder"); qualities are some of them. `make(params)` gives a Setting's solvers; levels that are
-/// no quality are measured with `others`, in videos with --full only. Params: ScaledIntrinsic's,
-/// and what a method adds.
+/// no quality are measured with `others`, in videos with --full and on the project's own only.
+/// Params: ScaledIntrinsic's, and what a method adds.
 template <typename Params, typename MakeOf>
 std::vector<Setting> ladder_settings(const Ladder<Params>& ladder, const MakeOf& make,
                                      Setting::Effort others) {
@@ -43,7 +43,7 @@ std::vector<Setting> ladder_settings(const Ladder<Params>& ladder, const MakeOf&
     }();
     if (!again) all.push_back(s);
     s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
-    if (s.preset.empty()) s.effort = Setting::Effort::full;
+    if (s.preset.empty()) s.effort = Setting::Effort::full, s.sets = {"own"};
     s.name =
         half + std::to_string(params.warm_cycles) + ", " + text_of(double(params.still_tolerance));
     all.push_back(s);

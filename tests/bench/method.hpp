@@ -67,10 +67,15 @@ struct Setting {
   /// Is measured only where the truth tells direct from indirect light, and by the measures of
   /// layers alone.
   bool layers_only = false;
+  /// Is scored by LMSE (k = 20) alone, and shown once: nobody asks for its time.
+  bool lmse_only = false;
   std::set<std::string> sets = {};  ///< is measured on these sets of scenes only; empty: on all
-  /// A video of the project's own that is shorter is played to and fro until so many frames were
-  /// shown, and its last ones are judged: what settles with time shows. 0: once.
+  /// A video that is shorter is played to and fro until so many frames were shown, and its last
+  /// ones are judged: what settles with time shows. 0: once.
   std::size_t frames = 0;
+  /// With --full a video is shown again until so many of its frames were timed: for times that are
+  /// compared closely. 0: once, or twice.
+  std::size_t least_samples = 0;
   enum class Effort : std::uint8_t {
     brief,  ///< in every run, on all data
     usual,  ///< in every run, on the project's own data; with --full on all

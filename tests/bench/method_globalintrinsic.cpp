@@ -1,5 +1,7 @@
 // globalintrinsic in the benchmark.
 #include "kernels/global/ladder.hpp"
+#include "tests/bench/adaptive_settings.hpp"
+#include "tests/bench/changed_tiles.hpp"
 #include "tests/bench/ladder_settings.hpp"
 
 namespace inverse::bench {
@@ -17,10 +19,12 @@ class GlobalSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
+    const auto changed = continues ? changed_tiles(before_, frame) : std::vector<std::uint8_t>();
+    before_ = frame;
     return session_.run(
         frame,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method_.record(commands, input, params_, {!continues, shares_});
+          return method_.record(commands, input, params_, {!continues, shares_, changed});
         },
         cost);
   }
@@ -30,6 +34,7 @@ class GlobalSolver final : public Solver {
   Params params_;
   bool shares_;
   GlobalIntrinsic method_;
+  Image before_;
 };
 
 }  // namespace
@@ -76,8 +81,20 @@ Method globalintrinsic(DeviceSession& session) {
                    .parameters = {{"base-colors", std::to_string(params.base_colors)},
                                   {"shares", colors > 0 ? "true" : "false"}},
                    .make = make(params, colors > 0),
+                   .stills = false,
                    .video = true,
                    .effort = Effort::full});
+  }
+  // What leaving out saves, and of that what a scene's light that is held saves by itself.
+  const std::pair<const char*, void (*)(Params&)> modes[] = {
+      {"off", [](Params& p) { p.adaptive = false; }},
+      {"on", [](Params&) {}},
+      {"scene's light", [](Params& p) { leave_nothing_out(p); }}};
+  order = 0;
+  for (const auto& [name, set] : modes) {
+    Params params;
+    set(params);
+    all.push_back(adaptive_setting(name, order++, params, make(params)));
   }
   Params converged;
   converged.cycles = 200;

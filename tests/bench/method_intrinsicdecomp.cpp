@@ -1,8 +1,9 @@
 // intrinsicdecomp in the benchmark.
-#include <algorithm>
-#include <iterator>
+#include <utility>
 
 #include "kernels/intrinsic/ladder.hpp"
+#include "tests/bench/adaptive_settings.hpp"
+#include "tests/bench/changed_tiles.hpp"
 #include "tests/bench/ladder_settings.hpp"
 
 namespace inverse::bench {
@@ -20,7 +21,7 @@ class IntrinsicSolver final : public Solver {
         method_(session.device(), {uint32_t(size.width), uint32_t(size.height)}) {}
 
   Decomposition run(const Image& frame, bool continues, Cost& cost) override {
-    const auto changed = continues ? changed_tiles(frame) : std::vector<std::uint8_t>();
+    const auto changed = continues ? changed_tiles(before_, frame) : std::vector<std::uint8_t>();
     before_ = frame;
     return session_.run(
         frame,
@@ -31,20 +32,6 @@ class IntrinsicSolver final : public Solver {
   }
 
  private:
-  /// Tiles of 16 x 16 pixels that differ from the frame before, as the element finds them in bytes.
-  std::vector<std::uint8_t> changed_tiles(const Image& frame) const {
-    constexpr int kTile = 16;
-    const int columns = (frame.width + kTile - 1) / kTile,
-              rows = (frame.height + kTile - 1) / kTile;
-    std::vector<std::uint8_t> changed(std::size_t(columns) * std::size_t(rows));
-    for (int y = 0; y < frame.height; ++y)
-      for (int x = 0; x < frame.width; ++x)
-        for (int c = 0; c < frame.channels; ++c)
-          if (frame.at(x, y, c) != before_.at(x, y, c))
-            changed[std::size_t(y / kTile) * std::size_t(columns) + std::size_t(x / kTile)] = 1;
-    return changed;
-  }
-
   DeviceSession& session_;
   Params params_;
   ScaledIntrinsic method_;
@@ -159,6 +146,7 @@ class Settings {
                                         {"value-weight", text_of(double(value_weight))},
                                         {"chroma-weight", text_of(double(chroma_weight))}},
                          .make = make(params),
+                         .lmse_only = true,
                          .effort = Effort::full});
         }
   }
@@ -167,46 +155,26 @@ class Settings {
   template <typename Tolerance>
   static void only(Params& params, Tolerance tolerance) {
     const float kept = params.*tolerance;
-    params.tile_tolerance = params.still_tolerance = params.settled = 0;
-    params.chroma_tolerance = params.hold_tolerance = params.half_bound = 0;
+    leave_nothing_out(params);
     params.*tolerance = kept;
   }
 
-  /// What leaving out saves: each mode against the one that does all the work, in videos that go on
-  /// for a while. A new one is a line here; `stills` has it measured on single frames, too.
+  /// What leaving out saves: all of it, and each part alone. A new one is a line here.
   void add_adaptive() {
-    constexpr std::size_t kFrames = 48;
-    const struct {
-      const char* name;
-      void (*set)(Params&);
-      bool stills;
-    } modes[] = {{"off", [](Params& p) { p.adaptive = false; }, false},
-                 {"on", [](Params&) {}, false},
-                 {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }, false},
-                 {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }, false},
-                 {"cycles", [](Params& p) { only(p, &Params::settled); }, false},
-                 {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }, false},
-                 {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }, false},
-                 {"half resolution", [](Params& p) { only(p, &Params::half_bound); }, false}};
-    const bool any_stills =
-        std::any_of(std::begin(modes), std::end(modes), [](const auto& m) { return m.stills; });
+    const std::pair<const char*, void (*)(Params&)> modes[] = {
+        {"off", [](Params& p) { p.adaptive = false; }},
+        {"on", [](Params&) {}},
+        {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }},
+        {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }},
+        {"cycles", [](Params& p) { only(p, &Params::settled); }},
+        {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }},
+        {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }},
+        {"half resolution", [](Params& p) { only(p, &Params::half_bound); }}};
     double order = 0;
-    for (const auto& [name, set, stills] : modes) {
+    for (const auto& [name, set] : modes) {
       Params params;
       set(params);
-      const bool off = !params.adaptive;
-      all.push_back({.curve = "adaptive",
-                     .name = name,
-                     .order = order++,
-                     .parameters = {{"adaptive", off ? "false" : "true"},
-                                    {"settled", text_of(double(params.settled))},
-                                    {"still-tolerance", text_of(double(params.still_tolerance))}},
-                     .make = make(params),
-                     .stills = off ? any_stills : stills,
-                     .video = true,
-                     .frames = kFrames,
-                     .effort = off || name == std::string("on") ? Effort::brief : Effort::full,
-                     .against = off ? "" : "adaptive/off"});
+      all.push_back(adaptive_setting(name, order++, params, make(params)));
     }
   }
 

@@ -126,22 +126,27 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                   times](Size size) { return at_lower_resolution(size, times, make(base)); },
          .effort = Effort::full});
   if (pcg) add_ablations(method, base, make);
-  ThesisParams alone = base;
-  alone.keyframes = 0;
-  method.settings.push_back({.curve = "keyframes",
-                             .name = "none",
-                             .parameters = {{"keyframes", "0"}},
-                             .make = make(alone),
-                             .stills = false,
-                             .video = true,
-                             .effort = Effort::full});
-  method.settings.push_back({.curve = "video",
-                             .name = "4x8",
-                             .make = make(base),
-                             .preset = pcg ? "medium" : "",
-                             .stills = false,
-                             .video = true,
-                             .effort = Effort::full});
+  Setting video{.curve = "video",
+                .name = "4x8",
+                .make = make(base),
+                .preset = pcg ? "medium" : "",
+                .stills = false,
+                .video = true,
+                .effort = Effort::full};
+  if (pcg) {
+    ThesisParams alone = base;
+    alone.keyframes = 0;
+    method.settings.push_back({.curve = "keyframes",
+                               .name = "none",
+                               .parameters = {{"keyframes", "0"}},
+                               .make = make(alone),
+                               .stills = false,
+                               .video = true,
+                               .effort = Effort::full});
+  } else {
+    video.sets = {"own"};  // the other solver of the same energy is measured on all
+  }
+  method.settings.push_back(video);
   ThesisParams converged = base;
   converged.irls_iterations = pcg ? 24 : 32;
   converged.pcg_iterations = pcg ? 16 : 8;

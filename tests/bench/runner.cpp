@@ -82,7 +82,7 @@ struct Row {
   bool failed() const { return !failure.empty(); }
   /// How many frames are shown, and how many of them, the last ones, are judged.
   std::size_t shown() const {
-    const bool longer = scene->video && scene->set == "own" && scene->frames.size() > 1;
+    const bool longer = scene->video && scene->frames.size() > 1;
     return longer ? std::max(setting->frames, judged()) : judged();
   }
   std::size_t judged() const { return scene->frames.size(); }
@@ -168,18 +168,20 @@ class Bench {
   }
 
  private:
+  static constexpr std::size_t kUntimed = 2;  // first frames of a video
+
   std::string converged_path(const std::string& method, const Scene& scene) const {
     std::string name = method + "-" + scene.set + "-" + scene.name + ".f32";
     std::replace(name.begin(), name.end(), ' ', '_');
     return options_.converged + "/" + name;
   }
 
-  /// Every method's converged reflectance of a scene of stills: of all with --full, else of the
-  /// project's first, as some methods take seconds to converge.
+  /// Every method's converged reflectance of the project's own stills, with --full of all of them,
+  /// else of the first, as some methods take seconds to converge.
   Converged converge(const Scene& scene) {
     Converged all;
-    if (scene.video || options_.brief) return all;
-    const bool first = scene.set == "own" && !std::exchange(first_still_seen_, true);
+    if (scene.video || scene.set != "own" || options_.brief) return all;
+    const bool first = !std::exchange(first_still_seen_, true);
     if (!first && !options_.full) return all;
     for (const Method* m : methods_) {
       if (m->converged) try {
@@ -223,15 +225,25 @@ class Bench {
           });
         }
     // All settings take turns on every frame, so that what disturbs the machine disturbs all alike.
-    std::size_t most = 0;
-    for (const Row& row : rows) most = std::max(most, row.shown());
-    for (int round = 0; round < options_.rounds; ++round)
+    for (int round = 0;; ++round) {
+      std::vector<Row*> turns;
+      std::size_t most = 0;
+      for (Row& row : rows)
+        if (!row.failed() && (round == 0 || again(row, round))) {
+          turns.push_back(&row);
+          most = std::max(most, row.shown());
+        }
+      if (turns.empty()) break;
       for (std::size_t k = 0; k < most; ++k) {
-        for (Row& row : rows)
-          if (k < row.shown() && !row.failed() && (round == 0 || again(row)))
-            attempt(row, [&] { step(row, k, round == 0 && !options_.brief); });
-        in_parallel(rows.size(), [&](std::size_t n) { judge(rows[n], rows[n].at(k), converged); });
+        for (Row* row : turns)
+          if (k < row->shown() && !row->failed())
+            attempt(*row, [&] { step(*row, k, round == 0 && !options_.brief); });
+        std::reverse(turns.begin(), turns.end());  // so that nobody always follows the same one
+        if (round == 0)
+          in_parallel(rows.size(),
+                      [&](std::size_t n) { judge(rows[n], rows[n].at(k), converged); });
       }
+    }
     if (scene.video) add_temporal(scene, rows);
     for (Row& row : rows) write(row);
   }
@@ -264,11 +276,15 @@ class Bench {
 
   /// Whether a row gets another round: slow ones have enough samples after one, and so have videos'
   /// many frames, but with --full those whose times are compared with each other.
-  bool again(const Row& row) const {
-    if (row.slow) return false;
+  bool again(const Row& row, int round) const {
+    const Setting& setting = *row.setting;
+    if (setting.lmse_only) return false;
+    if (options_.full && !options_.brief && row.scene->video && row.shown() > kUntimed &&
+        row.wall.size() < setting.least_samples)
+      return true;
+    if (row.slow || round >= options_.rounds) return false;
     if (!row.scene->video) return true;
-    return options_.full && row.shown() == row.judged() &&
-           row.setting->effort == Setting::Effort::brief;
+    return options_.full && row.shown() == row.judged() && setting.effort == Setting::Effort::brief;
   }
 
   void step(Row& row, std::size_t k, bool judged) {
@@ -282,7 +298,7 @@ class Bench {
     // ones (fast settings of the same kernels ran before); the first frame of a video has no
     // history, and the second finds things that it left.
     row.slow = row.slow || cost.wall > kSlow;
-    if (video ? k > 1 : row.warm || row.slow) row.sample(cost);
+    if (video ? k >= kUntimed : row.warm || row.slow) row.sample(cost);
     row.warm = true;
     if (!judged || k + row.judged() < row.shown()) return;
     if (video) row.reflectance.push_back(d.reflectance);
@@ -295,6 +311,11 @@ class Bench {
     if (!row.found) return;
     const Decomposition d = *std::exchange(row.found, std::nullopt);
     const TruthFrame& truth = row.scene->frames[k];
+    const auto add_lmse = [&] {
+      row.errors["lmse20"].push_back(
+          score_lmse(d.reflectance, d.shading, truth.reflectance, truth.shading, truth.mask));
+    };
+    if (row.setting->lmse_only) return add_lmse();
     const auto note = [&](const char* name, double value) { row.errors[name].push_back(value); };
     if (!d.direct.empty() && !truth.direct.empty()) {
       const LayerScores scores =
@@ -322,11 +343,7 @@ class Bench {
     if (colored && !d.direct.empty())
       note("lmse20_dir", color_lmse(d.direct, truth.direct, truth.mask));
     if (row.setting->layers_only) return;
-    if (row.scene->video) {
-      note("lmse20",
-           score_lmse(d.reflectance, d.shading, truth.reflectance, truth.shading, truth.mask));
-      return;
-    }
+    if (row.scene->video) return add_lmse();
     const Scores scores =
         score(d.reflectance, d.shading, truth.reflectance, truth.shading, truth.mask);
     for (const auto& [name, field] : kScoreFields) note(name, scores.*field);

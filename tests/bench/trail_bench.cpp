@@ -18,6 +18,7 @@
 
 #include "frames.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/bench/changed_tiles.hpp"
 #include "tests/bench/device_session.hpp"
 #include "tests/bench/scene.hpp"
 #include "timing.hpp"
@@ -61,16 +62,6 @@ Image with_ball(Image picture, int number, int cross) {
       for (int c = 0; c < 3; ++c) picture.at(x, y, c) = float(light * paint[c]);
     }
   return picture;
-}
-
-std::vector<uint8_t> changed_tiles(const Image& a, const Image& b) {
-  const int columns = (a.width + kTile - 1) / kTile, rows = (a.height + kTile - 1) / kTile;
-  std::vector<uint8_t> changed(size_t(columns) * size_t(rows));
-  for (int y = 0; y < a.height; ++y)
-    for (int x = 0; x < a.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        if (a.at(x, y, c) != b.at(x, y, c)) changed[size_t(y / kTile * columns + x / kTile)] = 1;
-  return changed;
 }
 
 struct Distance {

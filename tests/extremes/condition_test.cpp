@@ -27,8 +27,14 @@ TEST_P(Conditions, NoMoreDigitsAreLostThanTheConditionPredicts) {
   EXPECT_GT(most, 1e8) << "and ends at hopeless ones";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Conditions, testing::ValuesIn(kSolvers),
-                         [](const auto& info) { return std::string(name_of(info.param)); });
+INSTANTIATE_TEST_SUITE_P(All, Conditions,
+                         testing::Values(Solver::multigrid, Solver::pcg, Solver::schwarz,
+                                         Solver::global_thesis),
+                         [](const auto& info) {
+                           std::string name = name_of(info.param);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(Dense, KnowsSpectrumAndSolutionOfAChain) {
   // The chain 2, −1 of n: eigenvalues 2 − 2 cos(k π/(n + 1)).

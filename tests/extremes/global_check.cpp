@@ -18,17 +18,14 @@ std::string at(const std::string& what, uint32_t frame, size_t index, double val
 /// larger part of the input's squares. Dark noise it may leave.
 std::optional<std::string> wrong_model(uint32_t frame, const Pixels& input,
                                        const GlobalLayers& got) {
-  double off = 0, light = 0, most = 0;
+  double off = 0, light = 0;
   for (size_t i = 0; i < input.size(); ++i) {
     if (i % 4 == 3) continue;
     const auto wanted = static_cast<double>(finite_light(input[i], 65504));
     off += std::pow(
         static_cast<double>(got.intrinsic[i] * got.intrinsic[i | 3] * got.light[i]) - wanted, 2);
     light += wanted * wanted;
-    most = std::max(most, wanted);
   }
-  // Steps have no line search: beside light of thousands of the rest's they may overshoot for ever.
-  if (most > 2) return {};
   if (off <= 0.5 * light + 1e-4 * static_cast<double>(input.size())) return {};
   return at("part of the input that the model leaves", frame, 0, off / light);
 }

@@ -31,7 +31,7 @@ void GlobalMethod::reset() {
   first_ = true;
 }
 
-GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
+GlobalLayers GlobalMethod::decompose(const Pixels& frame, std::span<const uint8_t> changed) {
   const PlanePtr input = lab_.plane(extent_, frame);
   Layers layers;
   uint64_t number = 0;
@@ -42,7 +42,7 @@ GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
   first_ = false;
   lab_.run([&](gpu::Commands& commands) {
     if (global_)
-      layers = global_->record(commands, input, params_, {false, true});
+      layers = global_->record(commands, input, params_, {false, true, changed});
     else
       number = thesis_->record(commands, *input, layers);
   });
@@ -50,7 +50,9 @@ GlobalLayers GlobalMethod::decompose(const Pixels& frame) {
     thesis_->collect(number);
     stats_ = thesis_->stats(number);
   } else {
-    found_ = global_->findings(global_->recorded() - 1);
+    const uint64_t last = global_->recorded() - 1;
+    found_ = global_->findings(last);
+    left_out_ = global_->stats(last);
   }
   GlobalLayers got;
   got.intrinsic = lab_.download(layers[Role::intrinsic]->buffer);

@@ -1,6 +1,7 @@
 // Both global methods, asked for one frame after the other in the same words.
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "global/global_intrinsic.hpp"
@@ -29,11 +30,13 @@ class GlobalMethod {
   void set(const GlobalThesisParams& params) { thesis_->set_params(params); }
 
   /// The next frame of a video. The thesis' method finds the colors of its first frame before.
-  GlobalLayers decompose(const Pixels& frame);
+  /// globalintrinsic may be told which tiles changed (GlobalIntrinsic::FrameInfo::changed).
+  GlobalLayers decompose(const Pixels& frame, std::span<const uint8_t> changed = {});
   void reset();
 
   /// Of globalintrinsic's last frame.
   const GlobalIntrinsic::Findings& found() const { return found_; }
+  const GlobalIntrinsic::Stats& left_out() const { return left_out_; }
   GlobalThesis& thesis() { return *thesis_; }
   /// Of the thesis' method's last frame.
   const GlobalThesis::Stats& stats() const { return stats_; }
@@ -45,6 +48,7 @@ class GlobalMethod {
   std::unique_ptr<GlobalIntrinsic> global_;
   std::unique_ptr<GlobalThesis> thesis_;
   GlobalIntrinsic::Findings found_;
+  GlobalIntrinsic::Stats left_out_;
   GlobalThesis::Stats stats_;
   bool first_ = true;
 };

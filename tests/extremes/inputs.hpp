@@ -33,6 +33,9 @@ enum Fault : uint32_t {
   kGray,        ///< the green channel in all three
   kFaults       ///< how many
 };
+/// Sets of them with light of 1e4 and more beside full scale, which no format that the elements
+/// take holds.
+inline constexpr uint32_t kBeyondFormats = 1U << kStripes | 1U << kHotPixel | 1U << kHuge;
 /// How many of them a method's random cases draw from: those that spoil color, from kColorNoise on,
 /// are for methods that look for the light's.
 uint32_t faults_for(Solver solver);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "global_thesis_problem.hpp"
 #include "grid_problem.hpp"
 #include "problem.hpp"
 #include "thesis_problem.hpp"
@@ -232,6 +233,7 @@ std::vector<Problem> ladder() {
   add_grids(problems);
   add_thesis(problems, Solver::pcg);
   add_thesis(problems, Solver::schwarz);
+  add_global_thesis(problems);
   return problems;
 }
 

@@ -2,13 +2,12 @@
 // resolutions that it crosses with extreme content. Finite, R S = I, and near adaptive=false.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "check.hpp"
 #include "inputs.hpp"
 #include "intrinsic/scaled_intrinsic.hpp"
+#include "window.hpp"
 
 namespace inverse::extremes {
 namespace {
@@ -18,7 +17,7 @@ template <typename Method>
 class Player {
  public:
   Player(const Lab& lab, Extent extent)
-      : lab_(lab), extent_(extent), method(lab.device(), extent) {}
+      : method(lab.device(), extent), lab_(lab), extent_(extent) {}
   /// Log shading in the solver's own scale goes to `log_shading`.
   Pixels play(const Pixels& frame, const typename Method::Params& params,
               const std::vector<uint8_t>& changed = {}) {
@@ -35,13 +34,12 @@ class Player {
     return pixels;
   }
 
+  Method method;
+  std::vector<float> log_shading;
+
  private:
   const Lab& lab_;
   Extent extent_;
-
- public:
-  Method method;
-  std::vector<float> log_shading;
 };
 
 double rms(const std::vector<float>& a, const std::vector<float>& b) {
@@ -50,25 +48,11 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-std::vector<uint8_t> changed_tiles(Extent extent, const Pixels& a, const Pixels& b) {
-  const size_t columns = (extent.width + 15) / 16, rows = (extent.height + 15) / 16;
-  std::vector<uint8_t> changed(columns * rows);
-  for (size_t i = 0; i < extent.pixels(); ++i)
-    if (memcmp(&a[4 * i], &b[4 * i], 16) != 0)
-      changed[i / extent.width / 16 * columns + i % extent.width / 16] = 1;
-  return changed;
-}
-
 // Log shading from that of adaptive=false, rms over pixels: with tiles left out; and at resolutions
 // that change, once a scene has stayed for kKnown frames, as what it needs is only known some
 // frames after it came.
 constexpr double kMostByTiles = 0.2, kMostAcross = 0.5;
 constexpr uint32_t kScene = 9, kKnown = 6;
-
-// Light of 1e4 beside full scale, which no format that the elements take holds, can bind chroma
-// bins in a few pixels of a frame of a few more without the mean telling so (docs/stability.md):
-// finite and R S = I is all that is asked of it across resolutions.
-constexpr uint32_t kBeyondFormats = 1U << kStripes | 1U << kHotPixel | 1U << kHuge;
 
 struct Counts {
   unsigned frames = 0, listed = 0;  // with bad input in a tile
@@ -93,20 +77,18 @@ std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts
   const IntrinsicDecomposition::Params params = intrinsic_params_of(one);
   auto all = params;
   all.adaptive = false;
-  constexpr uint32_t kWindow = 12, kFirst = 8, kWhole = 14, kLast = 30;
-  const uint32_t left = one.seed * 7 % one.width, top = one.seed * 13 % one.height;
+  constexpr uint32_t kFirst = 8, kWhole = 14, kLast = 30;
+  const Window window{one.seed * 7 % one.width, one.seed * 13 % one.height};
   Pixels before;
   for (uint32_t k = 0; k < kLast; ++k) {
     Pixels frame = picture;
     const bool bad = k >= kFirst && k % 6 < 4;
     if (bad) {
       const Pixels spoilt = frame_of(one, k);
-      for (size_t i = 0; i < extent.pixels(); ++i) {
-        const auto x = static_cast<uint32_t>(i % extent.width),
-                   y = static_cast<uint32_t>(i / extent.width);
-        if (k == kWhole || (x - left < kWindow && y - top < kWindow))
-          std::copy_n(&spoilt[4 * i], 4, &frame[4 * i]);
-      }
+      if (k == kWhole)
+        frame = spoilt;
+      else
+        paste(extent, spoilt, window, &frame);
     }
     const auto changed =
         before.empty() ? std::vector<uint8_t>() : changed_tiles(extent, before, frame);
@@ -146,6 +128,8 @@ std::optional<std::string> wrong_crossings(const Lab& lab, const Case& one, Coun
     if (auto wrong = wrong_layers(one, k, frame, got)) return wrong;
     counts.frames += 1;
     counts.listed += some.method.stats(k).crossed;
+    // Light of 1e4 beside full scale can bind chroma bins in a few pixels of a frame of a few more
+    // without the mean telling so (docs/stability.md): finite and R S = I is all that is asked.
     if (one.knobs != 0 || one.faults & kBeyondFormats) continue;
     params.adaptive = false;
     whole.play(frame, params);

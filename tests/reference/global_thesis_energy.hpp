@@ -38,7 +38,7 @@ struct GlobalThesisParams {
   double indirect_start = 0.1;
   bool consistent_irls = true;
   bool line_search = true;
-  int steps = 8;
+  int steps = 5;
   int pcg_iterations = 16;
   int samples = 9;
   int keyframes = 5;

@@ -121,6 +121,8 @@ ELEMENTS = {  # by line: sizes always, and those of --full
     "intrinsicdecompthesis": ("320x240", "640x480,640x512," + LARGE),
     "intrinsicdecomp quality=low": ("", "320x240,640x480," + LARGE),
     "globalintrinsicthesis": ("", "160x120,320x240,640x512")}
+ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # of which is measured what leaving out saves; of the first by parts, too
+SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
 BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tau-merge=0 tau-neutral=0 base-colors={}",
              "globalintrinsic with layers of light": "globalintrinsic base-colors={} ! intrinsiccompose"}
@@ -141,10 +143,16 @@ def element_parts(full):
             parts["by_colors"].append((f"base colors {name}", "element-bench", [
                 "--sizes", "320x240", "--frames", "12", "--rounds", "1", *(line.format(k) for k in COLORS), "--json"]))
         parts["background"].append(("background", "background-bench", ["--frames", "45", "--json"]))
-        for size, more in (("640x480", ["--parts"]), ("1280x720", [])):
-            parts["still"].append((f"adaptive {size}", "adaptive-bench", ["--size", size, "--frames", "44", *more, "--json"]))
-    else:
-        parts["still"].append(("adaptive 640x480", "adaptive-bench", ["--size", "640x480", "--frames", "40", "--brief", "--json"]))
+    for element in ADAPTIVE:
+        settle = SETTLES[element]
+        sizes = {"640x480": ["--frames", str(settle + 16), "--brief"]}
+        if full:
+            shown = ["--frames", str(settle + 20)]
+            sizes = {"640x480": [*shown, "--whole", "124"] + (["--parts"] if element == ADAPTIVE[0] else []),
+                     "1280x720": [*shown, "--whole", "88"]}
+        for size, more in sizes.items():
+            parts["still"].append((f"adaptive {element} {size}", "adaptive-bench",
+                                   ["--element", element, "--size", size, "--settle", str(settle), *more, "--json"]))
     return parts
 
 
@@ -209,13 +217,13 @@ def weights(full):
     """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
     short = {"data": 1, "bench-methods scenes-own": 28, "bench-peers scenes-own": 5, "bench-methods scenes-given": 11,
              "bench-peers scenes-given": 5, "elements intrinsicdecomp": 4, "elements globalintrinsic": 2,
-             "elements intrinsicdecompthesis": 2, "adaptive 640x480": 4, "extremes": 8, "plots and page": 6}
+             "elements intrinsicdecompthesis": 2, "adaptive": 4, "extremes": 8, "plots and page": 6}
     long = {**short, "data": 5, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
             "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
             "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
-            "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive 640x480": 65, "adaptive 1280x720": 30,
-            "background": 50}
+            "elements globalintrinsicthesis": 60, "base colors": 30, "adaptive intrinsicdecomp 640x480": 72, "adaptive intrinsicdecomp 1280x720": 41,
+            "adaptive globalintrinsic 640x480": 25, "adaptive globalintrinsic 1280x720": 45, "background": 50}
     return long if full else short
 
 

@@ -260,27 +260,38 @@ def regimes(by_regime, folder):
 
 
 def adaptivity(entries, clock, folder):
-    """What leaving out saves: time with it over time without, by scene."""
+    """What leaving out saves: time with it over time without, by scene, a panel for each method."""
     ratio = clock.replace("_ms", "_ratio")
-    entries = sorted((e for e in entries if e.get(ratio) and e["setting"] == "adaptive=on"), key=lambda e: -e[ratio][1])
-    if not entries:
+    panels = {}
+    for e in entries:
+        if e.get(ratio) and e["setting"] == "adaptive=on":
+            panels.setdefault(e.get("method") or tables.element_of(e), {})[tables.left_out_where(e)] = e[ratio]
+    if not panels:
         return False
-    figure, ax = plt.subplots(figsize=(8, 0.46 * len(entries) + 1.3))
-    for k, e in enumerate(entries):
-        low, middle, high = e[ratio]
-        color = "#0072B2" if high < 1 else "#D55E00" if low > 1 else FAINT
-        ax.plot([low, high], [k, k], color=color, linewidth=4, alpha=0.35, solid_capstyle="butt")
-        ax.plot(middle, k, "o", color=color, markersize=6)
-        ax.annotate(f"{1 / middle:.{2 if middle > 0.1 else 0}f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
-                    textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
-    ax.axvline(1, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(entries)), [tables.left_out_where(e) for e in entries])
-    ax.set_ylim(-0.6, len(entries) - 0.3)
-    ax.set_xlim(0, max(1.2, max(e[ratio][2] for e in entries) * 1.05))
-    ax.grid(axis="y", visible=False)
+    panels = dict(sorted(panels.items(), key=lambda p: tables.OURS.index(p[0]) if p[0] in tables.OURS else len(tables.OURS)))
+    scenes = sorted({s for of in panels.values() for s in of}, key=lambda s: -next(of[s][1] for of in panels.values() if s in of))
+    figure, axes = plt.subplots(1, len(panels), squeeze=False, sharey=True, figsize=(4.2 + 4 * len(panels), 0.46 * len(scenes) + 1.3))
     name = {"processor_ms": "processor time", "device_ms": "device time"}[clock]
-    ax.set_xlabel(f"{name} with adaptive=true over that without; median of interleaved pairs, 95 % interval")
-    ax.set_title("What leaving out saves")
+    most = max(r[2] for of in panels.values() for r in of.values())
+    for ax, (method, of) in zip(axes.flat, panels.items()):
+        for k, scene in enumerate(scenes):
+            if scene not in of:
+                continue
+            low, middle, high = of[scene]
+            color = "#0072B2" if high < 1 else "#D55E00" if low > 1 else FAINT
+            ax.plot([low, high], [k, k], color=color, linewidth=4, alpha=0.35, solid_capstyle="butt")
+            ax.plot(middle, k, "o", color=color, markersize=6)
+            ax.annotate(f"{1 / middle:.{2 if middle > 0.1 else 0}f}× faster" if middle < 1 else f"{middle:.2f}× the time", (middle, k), (0, 9),
+                        textcoords="offset points", fontsize=7, color=color, ha="center", va="center")
+        ax.axvline(1, color=INK, linewidth=0.8)
+        ax.set_yticks(range(len(scenes)), scenes)
+        ax.set_ylim(-0.6, len(scenes) - 0.3)
+        ax.set_xlim(0, max(1.2, most * 1.05))
+        ax.grid(axis="y", visible=False)
+        ax.set_title(method)
+    figure.supxlabel(f"{name} with adaptive=true over that without; median of interleaved pairs, 95 % interval", fontsize=9)
+    figure.suptitle("What leaving out saves")
+    figure.tight_layout()
     save(figure, folder, "adaptivity")
     return True
 

@@ -11,6 +11,7 @@ ERRORS = ["lmse20", "lmse10", "mse", "dssim", "ms_ssim", "psnr", "whdr", "ind", 
           "lmse20_dir", "mse_R", "mse_S", "dssim_R", "dssim_S"]
 # What a method tells of a frame beside its layers: errors of base colors, clicks, how many layers there are.
 FIGURES = ["base_before", "base_after", "clicks", "clicks_right", "misclustered", "refining_frames", "layers"]
+ADDED = ["lmse20", "flicker", "tint", "indJ"]  # errors that leaving out may add to
 TIMES = ["wall_ms", "processor_ms", "device_ms"]
 
 
@@ -152,23 +153,26 @@ def adaptivity(rows):
                                                            for r in (other, row)]}
         for name in TIMES:
             entry[name.replace("_ms", "_ratio")] = bootstrap_ratio(row[name], other[name])
-        for name in ["lmse20", "flicker"]:
+        for name in ADDED:
             if name in row and name in other:
-                take = mean if name == "lmse20" else (lambda v: v)
+                take = (lambda v: v) if name == "flicker" else mean
                 entry[name + "_added"] = take(row[name]) - take(other[name])
         out.append(entry)
     return out
 
 
 def against_off(rows):
-    """What leaving out saves through the element: each setting of a scene and size against "off", by pairs of frames."""
-    off = {(r["scene"], r["width"], r["height"]): r for r in rows if r["setting"] == "off"}
+    """What leaving out saves through the elements: each setting of a scene and size against "off", by pairs of frames."""
+    def place(row):
+        return row["element"], row["scene"], row["width"], row["height"]
+    off = {place(r): r for r in rows if r["setting"] == "off"}
     out = []
     for row in rows:
-        other = off.get((row["scene"], row["width"], row["height"]))
+        other = off.get(place(row))
         if row["setting"] == "off" or not other:
             continue
-        entry = {k: row[k] for k in ("scene", "width", "height", "frames", "setting")}
+        entry = {k: row[k] for k in ("element", "scene", "width", "height", "frames", "setting")}
+        entry["pairs"] = min(len(r["wall_ms"]) for r in (other, row))
         for name in ("wall_ms", "processor_ms"):
             entry[name] = [quartiles(r[name])[1] for r in (other, row)]
             entry[name.replace("_ms", "_ratio")] = bootstrap_ratio(row[name], other[name])

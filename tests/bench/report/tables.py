@@ -200,21 +200,38 @@ def times_faster(found):
     return f"**{text}**" if 1 / found[1] >= 3 else text
 
 
-def by_parts(entries, ratio_name, where):
-    """Ratios of times, a row for each scene of which parts were measured, a column for each part that is left out alone."""
+def added(value):
+    """+.0006, of an error."""
+    return "–" if value is None else figure(abs(value)) if figure(value) == "0" else ("−" if value < 0 else "+") + figure(abs(value))
+
+
+def by_parts(entries, field, where):
+    """Ratios of processor times, or errors added, a row for each scene of which parts were measured, a column for each part
+    that is left out alone."""
+    def cell(entry):
+        value = entry.get(field) if entry else None
+        return added(value) if field.endswith("_added") else figure(value[1], 2) if value else "–"
     settings = [s for s in dict.fromkeys(e["setting"].removeprefix("adaptive=") for e in entries) if s != "on"]
     if not settings:
         return ""
     rows = {}
     for e in entries:
-        rows.setdefault(where(e), {})[e["setting"].removeprefix("adaptive=")] = e.get(ratio_name)
-    return table(["processor time"] + ["all"] + settings,
-                 [[name] + [figure(of[s][1], 2) if of.get(s) else "–" for s in ["on"] + settings]
-                  for name, of in rows.items() if len(of) > 1])
+        rows.setdefault(where(e), {})[e["setting"].removeprefix("adaptive=")] = e
+    head = {"processor_ratio": "processor time", "device_ratio": "device time", "lmse20_added": "LMSE added"}[field]
+    return table([head, "all"] + settings,
+                 [[name] + [cell(of.get(s)) for s in ["on"] + settings] for name, of in rows.items() if len(of) > 1])
+
+
+def element_of(entry):
+    """The element of an entry of through_elements; earlier reports had but one."""
+    return entry.get("element", "intrinsicdecomp")
 
 
 def parts_of_elements(entries):
-    """Ratios of processor time, a row for each part, a column for each scene: the part alone / all but it."""
+    """Ratios of processor time, a row for each part, a column for each scene: the part alone / all but it; of the element of
+    which parts were measured."""
+    measured = {element_of(e) for e in entries if e["setting"] != "on"}
+    entries = [e for e in entries if element_of(e) in measured]
     rows, scenes = {}, {}
     for e in entries:
         part, slot = e["setting"].removeprefix("all but "), e["setting"].startswith("all but ")
@@ -235,25 +252,27 @@ def through_elements(entries):
     rows = []
     for e in (e for e in entries if e["setting"] == "on"):
         wall, cpu = e["wall_ms"], e["processor_ms"]
-        rows.append([e["scene"], f"{e['width']}×{e['height']}", f"{wall[0]:.1f} → {wall[1]:.1f}", f"{cpu[0]:.1f} → {cpu[1]:.1f}",
+        rows.append([f"`{element_of(e)}`", e["scene"], f"{e['width']}×{e['height']}", e.get("pairs", "–"), f"{wall[0]:.1f} → {wall[1]:.1f}", f"{cpu[0]:.1f} → {cpu[1]:.1f}",
                      ratio(e["processor_ratio"], 3), times_faster(e["processor_ratio"])])
-    return table(["scene", "size", "ms without → with", "processor ms", "ratio (95 % bound)", "faster"], rows)
+    return table(["element", "scene", "size", "pairs", "ms without → with", "processor ms", "ratio (95 % bound)", "faster"], rows)
 
 
 def adaptivity(entries):
-    """What leaving out saves by scene, all of it together, and what it does to errors."""
+    """What leaving out saves by scene, all of it together, and what it does to errors: of light, too, of a method that knows
+    its color."""
+    entries = [e for e in entries if e["wall_ratio"] and e["setting"] == "adaptive=on"]
+    errors = {"lmse20": "LMSE", "flicker": "flicker", "tint": "`tint`", "indJ": "`indJ`"}
+    errors = {n: t for n, t in errors.items() if n in ("lmse20", "flicker") or any(f"{n}_added" in e for e in entries)}
     rows = []
-    for e in (e for e in entries if e["wall_ratio"] and e["setting"] == "adaptive=on"):
+    for e in entries:
         low, middle, high = e["wall_ratio"]
-        rows.append([(e["scene"] if e["set"] == "own" else given_video(e)),
-                     e["regime"], f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}"
-                     if None not in e["wall_ms"] else "–",
+        rows.append([(e["scene"] if e["set"] == "own" else given_video(e)), e["regime"], e["pairs"],
+                     f"{time([0, e['wall_ms'][0]])} → {time([0, e['wall_ms'][1]])}" if None not in e["wall_ms"] else "–",
                      f"{100 * (1 - middle):.0f} % ({100 * (1 - high):.0f}…{100 * (1 - low):.0f})",
-                     ratio(e["processor_ratio"]), times_faster(e["processor_ratio"]),
-                     f"{e['lmse20_added']:+.4f}" if "lmse20_added" in e else "–",
-                     f"{e['flicker_added']:+.4f}" if "flicker_added" in e else "–"])
-    return table(["scene", "what happens", "ms without → with", "time saved (95 %)",
-                  "processor-time ratio (95 % bound)", "faster", "LMSE added", "flicker added"], rows)
+                     ratio(e["processor_ratio"]), times_faster(e["processor_ratio"])] +
+                    [added(e.get(f"{n}_added")) for n in errors])
+    return table(["scene", "what happens", "pairs", "ms without → with", "time saved (95 %)", "processor-time ratio (95 % bound)",
+                  "faster"] + [f"{t} added" for t in errors.values()], rows)
 
 
 def extremes(cases):
@@ -328,7 +347,7 @@ def layers_beyond_two(rows, methods):
     def name(key, of):
         preset = next((r["preset"] for r in of.values() if r["preset"]), "")
         return f"{key[0]} `{preset}`" if preset else f"{key[0]} {key[1]} {key[2]}" if key[1] in ("with", "without") else ": ".join(n for n in (key[0], key[2]) if n)
-    out = []
+    out, means = [], {}
     for field, title in (("ind", "Indirect light, at its own best scale (`ind`)"), ("indJ", "Indirect light, at the scale of the whole shading (`indJ`)"),
                          ("dirJ", "Direct light, at that scale (`dirJ`)"), ("tint", "Color of the shading (`tint`), rms of ln chroma")):
         least = {s: min((of[s][field] for _, of in shown if s in of), default=None) for s in scenes}
@@ -338,9 +357,13 @@ def layers_beyond_two(rows, methods):
                      for s in scenes]
             table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()) if len(of) == len(scenes) else None)] +
                               cells)
-        out.append(table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows))
+        out.append(folded(title, table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows)))
+        for row in table_rows:
+            means.setdefault(row[0], []).append(row[1])
     return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
-            "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading.\n\n" + "\n".join(out))
+            "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading. Means over all scenes, "
+            "of who was measured on all of them:\n\n" +
+            table(["mean", "`ind`", "`indJ`", "`dirJ`", "`tint`"], [[n, *v] for n, v in means.items() if set(v) != {"–"}]) + "".join(out))
 
 
 def by_device(results):

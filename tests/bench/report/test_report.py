@@ -74,13 +74,32 @@ class Summary(unittest.TestCase):
         entry, = summary.adaptivity([off, on])
         self.assertEqual(entry["wall_ratio"][1], 0.5)
         self.assertAlmostEqual(entry["lmse20_added"], 0.1)
+        self.assertNotIn("tint_added", entry)
+
+    def test_errors_of_light_are_added_up_where_a_method_tells_it(self):
+        off = row("off", [10, 20, 30], 0.1, tint=[0.2, 0.4], indJ=[0.5])
+        rows = [off, row("on", [5, 10, 15], 0.2, against="c/off", curve="adaptive", tint=[0.1, 0.2], indJ=[0.5]),
+                row("light", [10, 20, 30], 0.1003, against="c/off", curve="adaptive")]
+        entries = summary.adaptivity(rows)
+        self.assertAlmostEqual(entries[0]["tint_added"], -0.15)
+        text = tables.adaptivity(entries)
+        self.assertIn("flicker added | `tint` added | `indJ` added |", text)
+        self.assertIn("| +.1000 | – | −.1500 | 0 |", text)
+        self.assertNotIn("tint", tables.adaptivity([{k: v for k, v in e.items() if k not in ("tint_added", "indJ_added")} for e in entries]))
+        self.assertIn("| a: r | +.1000 | +.0003 |", tables.by_parts(entries, "lmse20_added", tables.left_out_where))
 
 
 class ThroughElements(unittest.TestCase):
     def test_ratios_are_of_the_same_scene_and_size(self):
-        def sample(setting, times, width=640):
-            return {"scene": "ball", "width": width, "height": 480, "frames": 3, "setting": setting, "wall_ms": times, "processor_ms": times}
+        def sample(setting, times, width=640, element="intrinsicdecomp"):
+            return {"element": element, "scene": "ball", "width": width, "height": 480, "frames": 3, "setting": setting, "wall_ms": times, "processor_ms": times}
         rows = [sample("off", [10, 20, 30]), sample("on", [1, 2, 3]), sample("tiles", [5, 10, 15]), sample("on", [1, 1, 1], 1280)]
+        other = [sample("off", [2, 2], element="globalintrinsic"), sample("on", [1, 1], element="globalintrinsic")]
+        both = summary.against_off(rows + other)
+        self.assertEqual([(e["element"], e["pairs"]) for e in both], [("intrinsicdecomp", 3)] * 2 + [("globalintrinsic", 2)])
+        self.assertAlmostEqual(both[2]["processor_ratio"][1], 0.5)
+        self.assertIn("| `globalintrinsic` | ball | 640×480 | 2 | 2.0 → 1.0 |", tables.through_elements(both))
+        self.assertIn("| all | .10 |\n", tables.parts_of_elements(both))  # only of the element of which parts were measured
         found = summary.against_off(rows)
         self.assertEqual([e["setting"] for e in found], ["on", "tiles"])
         self.assertAlmostEqual(found[0]["processor_ratio"][1], 0.1)

@@ -1,0 +1,37 @@
+// A window in which bad input comes while the rest of a picture stays.
+#pragma once
+#include <algorithm>
+#include <cstring>
+
+#include "lab.hpp"
+
+namespace inverse::extremes {
+
+/// Where it begins; it ends after kSide pixels, or with the frame.
+struct Window {
+  static constexpr uint32_t kSide = 12;
+  uint32_t left, top;
+};
+
+/// Copies what lies in the window from one frame to another.
+inline void paste(Extent extent, const Pixels& from, Window window, Pixels* to) {
+  const uint32_t right = std::min(window.left + Window::kSide, extent.width),
+                 bottom = std::min(window.top + Window::kSide, extent.height);
+  for (uint32_t y = window.top; y < bottom; ++y)
+    for (uint32_t x = window.left; x < right; ++x) {
+      const size_t i = 4 * (size_t{y} * extent.width + x);
+      std::copy_n(&from[i], 4, &(*to)[i]);
+    }
+}
+
+/// Tiles of 16 x 16 pixels, row by row, 1 where frames differ in a bit.
+inline std::vector<uint8_t> changed_tiles(Extent extent, const Pixels& a, const Pixels& b) {
+  const size_t columns = (extent.width + 15) / 16, rows = (extent.height + 15) / 16;
+  std::vector<uint8_t> changed(columns * rows);
+  for (size_t i = 0; i < extent.pixels(); ++i)
+    if (memcmp(&a[4 * i], &b[4 * i], 16) != 0)
+      changed[i / extent.width / 16 * columns + i % extent.width / 16] = 1;
+  return changed;
+}
+
+}  // namespace inverse::extremes
