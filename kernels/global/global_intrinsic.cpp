@@ -66,6 +66,7 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   keep(params.typical, 0.05F, 2.0F);
   keep(params.spread, 0.05F, 10.0F);
   keep(params.trust, 0.0F, 100.0F);
+  keep(params.full_trust, 0.01F, 10.0F);
   keep(params.base_colors, 1, static_cast<int>(kSlots));
   keep(params.least_share, 0.0F, 0.5F);
   keep(params.same_color, 0.0F, 10.0F);

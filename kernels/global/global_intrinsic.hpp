@@ -30,8 +30,8 @@ class GlobalIntrinsic {
     float amount = 0;
     /// Of the measurement: weight of neutrality beside sharpness of chroma; the amount of a scene
     /// that says nothing, and how much scenes differ (standard deviation of its ln); how much a
-    /// difference says.
-    float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8;
+    /// difference says where chroma spreads by full_trust or more; below that, in proportion.
+    float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8, full_trust = 0.35F;
     /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up
     /// to which one continues a color of the frame before.
     int base_colors = 16;

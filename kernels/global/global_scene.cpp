@@ -47,9 +47,10 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
   commands.dispatch(amount_, {colors_, points_, labels_, received_, candidates_}, amount,
                     line_of(grid_.pixels()));
   const struct {
-    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, manual;
-  } weigh{std::log(kLeastAmount), std::log(kAmountRatio), params.neutral, std::log(params.typical),
-          params.spread,          params.trust,           params.amount};
+    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, full_trust, manual;
+  } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
+          std::log(params.typical), params.spread,          params.trust,
+          params.full_trust,        params.amount};
   commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
 }
 

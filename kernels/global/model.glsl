@@ -19,7 +19,7 @@ const int kCandidates = 16;  // for the amount of indirect light
                         // how far chroma spreads
 #define SCENE_TIME 2    // 1 where nothing is taken over from earlier frames, frames since then with color to go by, this one's
                         // share, change
-#define SCENE_WHITE 3   // log chroma of the lamps, as far as it is taken out
+#define SCENE_WHITE 3   // log chroma of the lamps, as far as it is taken out; how far the color of gathered light is believed
 #define SCENE_COSTS 4   // four vec4: of the candidates
 #define SCENE_COLORS 8  // log chroma, 1 where there is such a color, share of the frame
 #define SCENE_SIZE 24
@@ -41,9 +41,8 @@ vec3 light_of(float shading, vec3 indirect) {
   float all = mean3(indirect), kept = all > shading ? shading / all : 1.0;
   return shading - kept * all + kept * indirect;
 }
-// Indirect light of a color that is sure only as far as the amount is: gray where the frame says nothing of it.
-const float kSure = 0.03;  // confidence that is enough
-vec3 colored_by(float confidence, vec3 light) { return mix(vec3(mean3(light)), light, smoothstep(0.0, kSure, confidence)); }
+// Light of a color that is believed that far: gray where the frame says nothing of it.
+vec3 colored_by(float belief, vec3 light) { return mix(vec3(mean3(light)), light, belief); }
 float fraction_of(float shading, vec3 indirect) { return min(1.0, mean3(indirect) / max(shading, 1e-6)); }
 
 // Where a chroma lies in a histogram, in bins (gray is a bin's center, or it would be the corner of four); and the bin whose

@@ -37,7 +37,8 @@ void main() {
   if (first.y >= push.size.y) return;
   vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
   bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
-  vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
+  vec4 lamps = FETCH(scene, SCENE_WHITE);
+  vec3 white = color_of(lamps.xy);
   vec2 v = between(first.y, float(push.factor), push.grid.y);
   vec4 tint_at[4], smooth_at[4], fit_at[4];
   int last = min(first.x + 4, push.size.x);
@@ -59,7 +60,7 @@ void main() {
       vec2 z = chroma_of(rgb);
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
-      indirect = known.x * colored_by(known.y, indirect);
+      indirect = known.x * colored_by(lamps.z, indirect);
       if (known.w > 1.5) {  // a frame of one color says nothing of its light's
         vec2 tint = chroma_of(light_of(shading, indirect));
         float fraction = fraction_of(shading, indirect);

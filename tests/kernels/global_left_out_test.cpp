@@ -79,6 +79,7 @@ TEST_F(GlobalTest, ColorFadesWithoutAJump) {
         reference::decompose_global(rgb_of(frame).data(), int(extent.width), int(extent.height),
                                     reference::GlobalParams{}, nullptr);
     EXPECT_NEAR(got.found.amount, expected.amount.value, 5e-3) << share;
+    EXPECT_NEAR(got.found.confidence, expected.amount.confidence, 5e-3) << share;
     EXPECT_NEAR(got.found.amount, before, 0.25F) << share;
     EXPECT_EQ(got.found.amount > 0, got.found.colors > 0) << share;
     before = got.found.amount;

@@ -28,6 +28,11 @@ Moments moments(const AmountCost& cost, double trust, const AmountParams& params
   return {mean, std::max(0.0, second / all - mean * mean)};
 }
 
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
 /// Shading around every point of the grid, so that its errors average out.
 std::vector<double> shading_around(const Grid& grid) {
   constexpr double kLeastShading = 1e-4;
@@ -73,14 +78,7 @@ AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
   return cost;
 }
 
-Amount amount_of(const AmountCost& cost, const AmountParams& params) {
-  if (params.manual > 0) return {params.manual, 1};
-  const Moments seen = moments(cost, params.trust, params), blind = moments({}, 0, params);
-  return {std::exp(seen.mean), std::clamp(1 - seen.variance / blind.variance, 0.0, 1.0)};
-}
-
-double usable_color(const Grid& grid, const AmountParams& params) {
-  if (params.manual > 0) return 1;
+double color_spread(const Grid& grid) {
   double all = 1e-9;
   Chroma mean{};
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -91,9 +89,26 @@ double usable_color(const Grid& grid, const AmountParams& params) {
   double variance = 0;
   for (std::size_t i = 0; i < grid.size(); ++i)
     variance += grid.weight[i] * norm2(grid.chroma[i] - mean) / all;
-  const double x = std::clamp(
-      (std::sqrt(variance) - params.no_color) / (params.full_color - params.no_color), 0.0, 1.0);
-  return x * x * (3 - 2 * x);
+  return std::sqrt(variance);
+}
+
+double usable_color(double spread, const AmountParams& params) {
+  if (params.manual > 0) return 1;
+  return smooth_step((spread - params.no_color) / (params.full_color - params.no_color));
+}
+
+Amount amount_of(const AmountCost& cost, double spread, const AmountParams& params) {
+  if (params.manual > 0) return {params.manual, 1, 1};
+  constexpr double kSure = 0.03;  // confidence that is enough for the color
+  const double apart = std::min(1.0, spread / params.full_trust);
+  const double usable = usable_color(spread, params);
+  const Moments blind = moments(cost, 0, params),
+                seen = moments(cost, apart * params.trust, params),
+                sharp = moments(cost, params.trust, params);
+  const auto confidence = [&](const Moments& m) {
+    return usable * std::clamp(1 - m.variance / blind.variance, 0.0, 1.0);
+  };
+  return {usable * std::exp(seen.mean), confidence(seen), smooth_step(confidence(sharp) / kSure)};
 }
 
 }  // namespace inverse::reference::global

@@ -12,7 +12,8 @@ struct AmountParams {
   double neutral_width = 0.2;  ///< Log chroma that still counts as neutral.
   double typical = 0.5;        ///< Amount of a scene that says nothing.
   double spread = 0.65;        ///< Standard deviation of ln amount among scenes.
-  double trust = 8;            ///< Log-likelihood of a difference of cost of 1.
+  double trust = 8;            ///< Log-likelihood of a difference of cost of 1,
+  double full_trust = 0.35;    ///< from this spread of chroma on; below, in proportion to it.
   double no_color = 0.03;      ///< Spread of chroma where there is no color to go by,
   double full_color = 0.06;    ///< and from where on there is; in between the amount fades.
 };
@@ -27,6 +28,7 @@ double candidate(int i);
 struct Amount {
   double value = 0;       ///< kappa.
   double confidence = 0;  ///< 0: the image says nothing, the typical one; 1: it leaves no doubt.
+  double color = 0;       ///< How far the color of the gathered light is believed, 0 ... 1.
 };
 
 /// Cost of every candidate for light E0 at the points of the grid: entropy of the histogram of
@@ -34,11 +36,17 @@ struct Amount {
 AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
                        const AmountParams& params);
 
-/// What color there is to go by, 0 ... 1: all of it where `manual` asks for no measurement.
-double usable_color(const Grid& grid, const AmountParams& params);
+/// How far chroma spreads over the grid: its standard deviation.
+double color_spread(const Grid& grid);
 
-/// Mean of ln kappa under the log-likelihood -trust cost and a normal prior; and by how much its
-/// variance is below the prior's.
-Amount amount_of(const AmountCost& cost, const AmountParams& params);
+/// What color there is to go by, 0 ... 1: all of it where `manual` asks for no measurement.
+double usable_color(double spread, const AmountParams& params);
+
+/// Mean of ln kappa under the log-likelihood -trust cost and a normal prior, and by how much its
+/// variance is below the prior's. Colors that lie close together are moved alike by any tint, past
+/// the borders of bins and towards gray, which says nothing of whether it is right: the less chroma
+/// spreads, the less a difference of cost is trusted; but not where it is about the color of the
+/// light, for which there is nothing better. All fade with usable_color.
+Amount amount_of(const AmountCost& cost, double spread, const AmountParams& params);
 
 }  // namespace inverse::reference::global

@@ -28,20 +28,18 @@ struct Look {
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
 
-/// Received light times the amount, of a color that is sure only as far as that is.
+/// Received light times the amount, of a color as far as that is believed.
 Vec3 indirect_of(const Amount& amount, const Vec3& received) {
-  constexpr double kSure = 0.03;  // confidence that is enough
-  const double x = std::min(amount.confidence / kSure, 1.0), share = x * x * (3 - 2 * x);
   Vec3 light;
   for (std::size_t c = 0; c < 3; ++c)
-    light[c] = amount.value * (mean(received) + share * (received[c] - mean(received)));
+    light[c] = amount.value * (mean(received) + amount.color * (received[c] - mean(received)));
   return light;
 }
 
 /// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
 /// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
 /// what this frame says.
-Look look(const Grid& grid, const GlobalParams& params, double renew, double usable,
+Look look(const Grid& grid, const GlobalParams& params, double renew, double spread,
           GlobalScene& scene) {
   const std::size_t n = grid.size();
   scene.labels.resize(n, 0);
@@ -57,8 +55,7 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, double usa
 
   const AmountCost cost = amount_cost(grid, received, params.amount);
   for (std::size_t k = 0; k < cost.size(); ++k) scene.cost[k] += renew * (cost[k] - scene.cost[k]);
-  out.amount = amount_of(scene.cost, params.amount);
-  out.amount.value *= usable, out.amount.confidence *= usable;
+  out.amount = amount_of(scene.cost, spread, params.amount);
 
   double mean_weight = 1e-9;
   for (const double w : grid.weight) mean_weight += w / double(n);
@@ -204,12 +201,12 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const std::vector<double> shading =
       guess_shading(rgb, params, warm && !result.cut ? state : nullptr);
   const Grid grid = make_grid(rgb, shading, width, height, factor);
-  const double usable = usable_color(grid, params.amount);
+  const double spread = color_spread(grid), usable = usable_color(spread, params.amount);
   if (usable <= 0) scene = {.chroma = raw.chroma, .white = scene.white};
   Look seen;
   Light light{std::vector<Vec3>(n), std::vector<Chroma>(n), std::vector<int>(n, 0)};
   if (usable > 0) {
-    seen = look(grid, params, renew, usable, scene);
+    seen = look(grid, params, renew, spread, scene);
     ++scene.frames;
     light = light_of(rgb, shading, width, height, grid, seen, params);
   }

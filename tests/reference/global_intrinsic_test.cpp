@@ -235,15 +235,30 @@ TEST(GlobalPalette, SlotsSurviveNewcomersAndLosses) {
 
 TEST(GlobalAmount, SaysNothingWhereColorsSayNothing) {
   const AmountParams params;
-  const Amount blind = amount_of({}, params);
+  const Amount blind = amount_of({}, 1, params);
   EXPECT_NEAR(blind.value, params.typical, 0.1);
   EXPECT_NEAR(blind.confidence, 0, 1e-9);
   AmountCost sharp{};
   sharp.fill(5);
   sharp[10] = 0;
-  const Amount sure = amount_of(sharp, params);
+  const Amount sure = amount_of(sharp, 1, params);
   EXPECT_NEAR(sure.value, candidate(10), 1e-3);
   EXPECT_GT(sure.confidence, 0.99);
+}
+
+TEST(GlobalAmount, MutedColorsAreTrustedLess) {
+  const AmountParams params;
+  AmountCost cost{};
+  for (int i = 0; i < kCandidates; ++i) cost[std::size_t(i)] = 0.05 * std::abs(i - 13);
+  const Amount vivid = amount_of(cost, params.full_trust, params),
+               muted = amount_of(cost, 0.2 * params.full_trust, params);
+  EXPECT_EQ(vivid.value, amount_of(cost, 1, params).value);
+  AmountParams less = params;
+  less.trust *= 0.2;
+  EXPECT_NEAR(muted.value, amount_of(cost, 1, less).value, 1e-12);
+  EXPECT_LT(muted.value, vivid.value);
+  EXPECT_LT(muted.confidence, vivid.confidence);
+  EXPECT_EQ(muted.color, vivid.color);
 }
 
 }  // namespace
