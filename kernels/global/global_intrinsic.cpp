@@ -106,30 +106,30 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   grid_ = reduced(extent_, factor_);
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
-  tint_ = device_->kernel(shaders::global_tint);
-  white_ = device_->kernel(shaders::global_white, {}, lanes);
-  look_ = device_->kernel(shaders::global_look, {1, 1}, lanes);
-  decide_ = device_->kernel(shaders::global_look, {1, 0}, lanes);
-  start_ = device_->kernel(shaders::global_look, {0, 1}, lanes);
+  kernels_.tint = device_->kernel(shaders::global_tint);
+  kernels_.white = device_->kernel(shaders::global_white, {}, lanes);
+  kernels_.decide_and_start = device_->kernel(shaders::global_look, {1, 1}, lanes);
+  kernels_.decide = device_->kernel(shaders::global_look, {1, 0}, lanes);
+  kernels_.start = device_->kernel(shaders::global_look, {0, 1}, lanes);
   // Where points are eight pixels apart, four aligned ones lie between the same.
-  untint_ = {device_, shaders::global_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
-  summary_ = device_->kernel(shaders::global_summary, {}, lanes);
-  received_kernel_ = device_->kernel(shaders::global_received);
-  amount_ = device_->kernel(shaders::global_amount);
-  statistics_ = device_->kernel(shaders::global_statistics, {}, lanes);
-  fields_kernel_ = device_->kernel(shaders::global_fields);
-  believe_ = device_->kernel(shaders::global_believe);
-  direct_ = {device_, shaders::global_direct, {}, 4, 16};
-  weigh_ = device_->kernel(shaders::global_weigh, {}, lanes);
-  modes_ = device_->kernel(shaders::global_modes, {}, lanes);
+  kernels_.untint = {device_, shaders::global_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
+  kernels_.summary = device_->kernel(shaders::global_summary, {}, lanes);
+  kernels_.received = device_->kernel(shaders::global_received);
+  kernels_.amount = device_->kernel(shaders::global_amount);
+  kernels_.statistics = device_->kernel(shaders::global_statistics, {}, lanes);
+  kernels_.fields = device_->kernel(shaders::global_fields);
+  kernels_.believe = device_->kernel(shaders::global_believe);
+  kernels_.direct = {device_, shaders::global_direct, {}, 4, 16};
+  kernels_.weigh = device_->kernel(shaders::global_weigh, {}, lanes);
+  kernels_.modes = device_->kernel(shaders::global_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
-    grid_kernel_[k] = device_->kernel(shaders::global_grid, {k});
-    emit_[k] = device_->kernel(shaders::global_emit, {k});
-    blur_[k] = device_->kernel(shaders::global_blur, {k});
+    kernels_.grid[k] = device_->kernel(shaders::global_grid, {k});
+    kernels_.emit[k] = device_->kernel(shaders::global_emit, {k});
+    kernels_.blur[k] = device_->kernel(shaders::global_blur, {k});
   }
-  plain_grid_ = device_->kernel(shaders::global_grid, {0, 1});
+  kernels_.plain_grid = device_->kernel(shaders::global_grid, {0, 1});
   for (const uint32_t pass : {0U, 1U, 2U})
-    fit_[pass] = device_->kernel(shaders::global_fit, {pass});
+    kernels_.fit[pass] = device_->kernel(shaders::global_fit, {pass});
 
   using gpu::Buffer;
   using gpu::Element;
@@ -151,7 +151,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   heights_ = buffer(Element::scalar, uint64_t{2} * kBinCount);
   work_ = buffer(Element::word, kWorkWords);
   slots_ = buffer(Element::word, kBinCount);
-  sums_ = buffer(Element::vec4, gpu::partial_count(*tint_, line_of(points)));
+  sums_ = buffer(Element::vec4, gpu::partial_count(*kernels_.tint, line_of(points)));
   scene_ = buffer(Element::vec4, kSceneSize);
 }
 
@@ -296,11 +296,11 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
     Place place;
     float gauge, trust, trust_tint;
   } push{place(), params.gauge.value, kTrust, kTrustTint};
-  untint_.dispatch(commands,
-                   mode_ == Tint::held ? &*changed_[recorded_ % changed_.size()] : nullptr,
-                   {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2], scene_,
-                    plain->buffer, tau->buffer},
-                   push, fours_of(extent_));
+  kernels_.untint.dispatch(commands,
+                           mode_ == Tint::held ? &*changed_[recorded_ % changed_.size()] : nullptr,
+                           {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2],
+                            scene_, plain->buffer, tau->buffer},
+                           push, fours_of(extent_));
   commands.stage("untint");
 }
 
@@ -314,7 +314,7 @@ PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr&
     light = planes_.acquire();
     if (drawn_) commands.copy(kept_light_->buffer, light->buffer, light->buffer->bytes());
   }
-  direct_.dispatch(
+  kernels_.direct.dispatch(
       commands, drawn_,
       {plain->buffer, layers[Role::intrinsic]->buffer, scene_, tau->buffer, light->buffer, memory_},
       std::array<uint32_t, 2>{extent_.width, extent_.height}, fours_of(extent_));
@@ -345,7 +345,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
       Place place;
       float near, own;
     } push{place(), params.near, params.own};
-    commands.dispatch(fields_kernel_, {emitted_, means_, known_, scene_, fields_, bases->buffer},
+    commands.dispatch(kernels_.fields, {emitted_, means_, known_, scene_, fields_, bases->buffer},
                       push, line_of(coarse_.pixels() * kSlots));
     if (mode_ != Tint::anew) kept_bases_ = bases;
   }

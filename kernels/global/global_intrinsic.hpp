@@ -159,10 +159,15 @@ class GlobalIntrinsic {
   uint32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_, lamps_;
-  gpu::KernelPtr grid_kernel_[2], plain_grid_, white_, look_, decide_, start_, emit_[2], summary_,
-      blur_[2], received_kernel_, amount_, weigh_, tint_, statistics_, modes_, fields_kernel_,
-      believe_, fit_[3];
-  TileKernel untint_, direct_;
+  /// Named as their shaders.
+  struct Kernels {
+    gpu::KernelPtr grid[2], plain_grid;  // in white light and in the lamps'; of colors alone
+    gpu::KernelPtr decide_and_start, decide, start;  // look.comp, whole and in two halves
+    gpu::KernelPtr white, emit[2], summary, blur[2], received;
+    gpu::KernelPtr amount, weigh, tint, statistics, modes, believe, fit[3];
+    TileKernel untint, direct;
+    gpu::KernelPtr fields;
+  } kernels_;
   gpu::BufferPtr memory_;                                                        // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];     // the grid
   gpu::BufferPtr emitted_, blurred_, received_, known_, means_, taps_, fields_;  // the coarse grid

@@ -23,19 +23,20 @@ constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the
 void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool known) {
   const Place here = place();
   const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
-  commands.dispatch(emit_[known ? 1 : 0], {colors_, scene_, labels_, emitted_}, here, coarse);
-  commands.dispatch(summary_, {colors_, labels_, means_}, here, {});
+  commands.dispatch(kernels_.emit[known ? 1 : 0], {colors_, scene_, labels_, emitted_}, here,
+                    coarse);
+  commands.dispatch(kernels_.summary, {colors_, labels_, means_}, here, {});
   const struct {
     Place place;
     uint32_t reach;
   } blur{here, static_cast<uint32_t>(taps_->count() - 1)};
-  commands.dispatch(blur_[0], {emitted_, means_, taps_, blurred_}, blur, all);
-  commands.dispatch(blur_[1], {blurred_, means_, taps_, emitted_}, blur, all);
+  commands.dispatch(kernels_.blur[0], {emitted_, means_, taps_, blurred_}, blur, all);
+  commands.dispatch(kernels_.blur[1], {blurred_, means_, taps_, emitted_}, blur, all);
   const struct {
     Place place;
     float near, own;
   } received{here, params.near, params.own};
-  commands.dispatch(received_kernel_, {emitted_, means_, known ? known_ : received_}, received,
+  commands.dispatch(kernels_.received, {emitted_, means_, known ? known_ : received_}, received,
                     all);
 }
 
@@ -44,24 +45,25 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
     Place place;
     float least, ratio, neutral;
   } amount{place(), kLeastAmount, kAmountRatio, 1 / (2 * kNeutralWidth * kNeutralWidth)};
-  commands.dispatch(amount_, {colors_, points_, labels_, received_, candidates_}, amount,
+  commands.dispatch(kernels_.amount, {colors_, points_, labels_, received_, candidates_}, amount,
                     line_of(grid_.pixels()));
   const struct {
     float ln_least, ln_ratio, neutral, ln_typical, spread, trust, full_trust, manual;
   } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
           std::log(params.typical), params.spread,          params.trust,
           params.full_trust,        params.amount};
-  commands.dispatch(weigh_, {candidates_, scene_}, weigh, {});
+  commands.dispatch(kernels_.weigh, {candidates_, scene_}, weigh, {});
 }
 
 void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
-  commands.dispatch(tint_, {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_},
-                    place(), line_of(grid_.pixels()));
+  commands.dispatch(kernels_.tint,
+                    {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_}, place(),
+                    line_of(grid_.pixels()));
   const struct {
     int32_t count;
     float gate, residual;
   } statistics{static_cast<int32_t>(sums_->count()), kGate, params.residual};
-  commands.dispatch(statistics_, {sums_, scene_}, statistics, {});
+  commands.dispatch(kernels_.statistics, {sums_, scene_}, statistics, {});
 }
 
 void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params) {
@@ -69,7 +71,8 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
     float smoothing, least_share, same;
     int32_t most;
   } modes{params.smoothing, params.least_share, params.same_color, params.base_colors};
-  commands.dispatch(modes_, {counts_, scene_, slots_, histogram_, heights_, work_}, modes, {});
+  commands.dispatch(kernels_.modes, {counts_, scene_, slots_, histogram_, heights_, work_}, modes,
+                    {});
 }
 
 PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
@@ -79,7 +82,7 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
     float gauge;
   } grid{place(), params.gauge.value};
   const auto make_grid = [&](size_t raw) {
-    commands.dispatch(plain ? plain_grid_ : grid_kernel_[raw],
+    commands.dispatch(plain ? kernels_.plain_grid : kernels_.grid[raw],
                       {frame->buffer, memory_, scene_, colors_, points_}, grid,
                       line_of(grid_.pixels()));
   };
@@ -103,19 +106,19 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
   };
   if (!balances) {
     make_grid(0);
-    look_at(look_);
+    look_at(kernels_.decide_and_start);
     return nullptr;
   }
   make_grid(1);
-  look_at(decide_);
+  look_at(kernels_.decide);
   PlanePtr lamp = lamps_.acquire();
   const struct {
     int32_t count;
     float share;
   } white{count, params.white_balance};
-  commands.dispatch(white_, {colors_, scene_, lamp->buffer}, white, {});
+  commands.dispatch(kernels_.white, {colors_, scene_, lamp->buffer}, white, {});
   make_grid(0);
-  look_at(start_);
+  look_at(kernels_.start);
   return lamp;
 }
 
@@ -142,7 +145,8 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
     int32_t count;
     float trust, trust_tint;
   } believe{static_cast<int32_t>(grid_.pixels()), kTrust, kTrustTint};
-  commands.dispatch(believe_, {points_, tints_, slots_, scene_, labels_, raw_}, believe, points);
+  commands.dispatch(kernels_.believe, {points_, tints_, slots_, scene_, labels_, raw_}, believe,
+                    points);
   const struct {
     uint32_t grid[2];
     int32_t radius;
@@ -151,8 +155,8 @@ void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
         std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width)))),
         kEdge};
   for (size_t pass = 0; pass < 3; ++pass)
-    commands.dispatch(fit_[pass], {raw_, pass == 0 ? raw_ : fits_[pass - 1], fits_[pass]}, fit,
-                      points);
+    commands.dispatch(kernels_.fit[pass], {raw_, pass == 0 ? raw_ : fits_[pass - 1], fits_[pass]},
+                      fit, points);
 }
 
 void GlobalIntrinsic::find_scene(gpu::Commands& commands, const Params& params) {
