@@ -8,13 +8,17 @@ Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl
 import argparse
 import json
 import math
+import os
 import pathlib
 import time
 
-import torch
+# Threads that wait let others have the core: spinning costs most of a shared machine's time. Read when torch is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from lime import corpus, curves, stages
-from lime.networks import SIZES, Networks
+import torch  # noqa: E402
+
+from lime import corpus, curves, stages  # noqa: E402
+from lime.networks import SIZES, Networks  # noqa: E402
 
 VALIDATION_SEED = 2  # of the test split; the scores of evaluate.py are of seed 1
 HELD_BACK = 64       # validation samples
@@ -25,7 +29,6 @@ def arguments():
     p.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
     p.add_argument("--minutes", type=float, default=60, help="of training in all; shared out among the stages")
     p.add_argument("--seed", type=int, default=1)
-    p.add_argument("--batch", type=int, default=16)
     p.add_argument("--hdri", default=None, help="folder of CC0 environment maps; '' for rooms only")
     p.add_argument("--threads", type=int, default=2, help="of the training")
     p.add_argument("--workers", type=int, default=1, help="threads that render samples")
@@ -58,9 +61,9 @@ def main():
     args.out.mkdir(parents=True, exist_ok=True)
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
-    networks = Networks(**variant).to(args.device)
+    networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
     order = stages.stages_of(networks)
-    state = {"variant": variant, "stage": 0, "seconds": 0.0, "batches": 0, "trained_seconds": 0.0}
+    state = {"variant": variant, "stage": 0, "seconds": 0.0, "samples": 0, "trained_seconds": 0.0}
     path, optimizer_state = args.out / "checkpoint.pt", None
     if args.resume:
         saved = torch.load(path, map_location=args.device)
@@ -71,13 +74,13 @@ def main():
         if args.start:
             state.update(stage=[s.name for s in order].index(args.start), seconds=0.0)
             optimizer_state = None
-    state["seed"], state["batch"], state["perceptual"] = args.seed, args.batch, not args.no_perceptual
+    state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
 
     samples = corpus.Corpus(args.hdri)
     pixels = SIZES[size]["input"]
     held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
-    held_back = [corpus.Batch({k: a[i:i + args.batch] for k, a in held_back.items()}, args.device)
-                 for i in range(0, HELD_BACK, args.batch)]
+    held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
+                 for i in range(0, HELD_BACK, 16)]
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 
     def write(**record):
@@ -102,12 +105,19 @@ def main():
             optimizer.load_state_dict(optimizer_state)
             optimizer_state = None
         flags = corpus.MAY_BE_EMPTY if stage.name == "segmentation" else 0
-        stream = corpus.Stream(samples, args.seed, state["batches"], args.batch, pixels, flags, args.workers, args.device)
+        stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:
             started = time.monotonic()
             progress = state["seconds"] / budget
             warm = min(1, (count + 1) / 50)
+            coarse = progress < stage.coarse
+            if stream_pixels != pixels >> coarse:
+                stream_pixels, batch = pixels >> coarse, stage.batch << 2 * coarse
+                if stream:
+                    stream.close()
+                stream = corpus.Stream(samples, args.seed, state["samples"], batch, stream_pixels, flags, args.workers,
+                                       args.device)
             for group in optimizer.param_groups:
                 group["lr"] = stage.rate * warm * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
             terms = stages.stage_losses(stage.name, networks, next(stream), not args.no_perceptual)
@@ -117,7 +127,7 @@ def main():
             torch.nn.utils.clip_grad_norm_(learning, 1.0)
             optimizer.step()
             count += 1
-            state["batches"] += 1
+            state["samples"] += batch
             for name, value in terms.items():
                 means[name] = means.get(name, 0) + float(value)
             took = time.monotonic() - started
@@ -129,13 +139,14 @@ def main():
                 if count % 200 == 0:
                     record.update({"held_out_" + k: v for k, v in
                                    validate(stage, networks, held_back, not args.no_perceptual).items()})
-                write(stage=stage.name, batches=state["batches"], minutes=state["trained_seconds"] / 60,
+                write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
                       rate=optimizer.param_groups[0]["lr"], **record)
             if time.monotonic() - saved > 60:
                 save(optimizer)
                 saved = time.monotonic()
-        stream.close()
-        write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, batches=state["batches"],
+        if stream:
+            stream.close()
+        write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
               **{"held_out_" + k: v for k, v in validate(stage, networks, held_back, not args.no_perceptual).items()})
         # The optimizer of an ended stage is of no use to the next one.
         state.update(stage=number + 1, seconds=0.0)

@@ -60,12 +60,12 @@ struct View {
   Pose pose;
 };
 
-/// The object fills 40 … 90 % of the picture (a tenth of them less), seldom reaches over its edge, and may lie off the axis
+/// The sphere around the object fills 48 … 98 % of the picture (8 % of them less), seldom reaches over its edge, and may lie off the axis
 /// of the lens, as in a crop from a larger picture.
 View draw_view(Random& random, bool upright, int size) {
   const float half = 0.5f * float(size);
   const float focal = random.log_uniform(2.2f, 6.f) * half;  // 49° … 19° across
-  const float radius = random.chance(0.1f) ? random.uniform(0.22f, 0.4f) : random.uniform(0.42f, 0.9f);
+  const float radius = random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f);
   const float room = std::clamp(1.04f - radius, 0.05f, 0.3f);
   const float x = random.uniform(-room, room), y = random.uniform(-room, room);
   const bool crop = random.chance(0.35f);

@@ -86,7 +86,7 @@ class Batch:
         self.diffuse = torch.stack([parameters["diffuse_" + c] for c in "rgb"], 1)
         self.alpha, self.shininess = parameters["alpha"], parameters["shininess"]
         self.bin, self.ambient = parameters["bin"].long(), parameters["ambient"]
-        self.image = tensor(arrays["image"]).float() / 255
+        self.image = (tensor(arrays["image"]).float() / 255).contiguous(memory_format=torch.channels_last)
         self.mask = (tensor(arrays["coverage"]) >= 128).float()
         self.shading = tensor(arrays["diffuse"])
         specular = tensor(arrays["specular"])
@@ -99,7 +99,7 @@ class Batch:
 
 
 class Stream:
-    """Batches first, first + 1, … of one seed, rendered ahead by a thread."""
+    """Batches of one seed from sample `first` on, rendered ahead by a thread."""
 
     def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4):
         self.queue = queue.Queue(ahead)
@@ -109,14 +109,14 @@ class Stream:
         def work():
             index = first
             while not self.stopped:
-                arrays = corpus.render(seed, index * batch, batch, size, flags, threads)
+                arrays = corpus.render(seed, index, batch, size, flags, threads)
                 while not self.stopped:
                     try:
                         self.queue.put(arrays, timeout=0.5)
                         break
                     except queue.Full:
                         pass
-                index += 1
+                index += batch
 
         self.thread = threading.Thread(target=work, daemon=True)
         self.thread.start()

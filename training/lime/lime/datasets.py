@@ -72,10 +72,12 @@ def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
 
 
 def materials(folder):
-    """The Blinn-Phong part of the rendered evaluation set."""
+    """The Blinn-Phong part of the rendered evaluation set: those of its items whose pictures are there."""
     items = []
     for m in json.loads((folder / "meta.json").read_text())["items"]:
         name = f"{m['id']:03d}"
+        if not (folder / "I8" / f"{name}.png").exists():
+            continue
         exr = {k: read(folder / k / f"{name}.exr").astype(np.float32) for k in "DSM"}
         items.append(Item(
             name, read(folder / "I8" / f"{name}.png").astype(np.float32) / 255,

@@ -9,20 +9,22 @@ from . import losses
 @dataclasses.dataclass(frozen=True)
 class Stage:
     name: str
-    share: float  # of the whole time
-    rate: float   # first learning rate; it falls to a hundredth as a cosine over the stage
-    parts: tuple  # networks that learn
+    share: float      # of the whole time
+    rate: float       # first learning rate; it falls to a hundredth as a cosine over the stage
+    batch: int        # samples a step
+    coarse: float     # share of the stage that sees pictures of half the size, four times as many
+    parts: tuple      # networks that learn
 
 
 STAGES = (
-    Stage("segmentation", 0.12, 2e-3, ("segmentation",)),
-    Stage("specular", 0.32, 2e-3, ("specular",)),
-    Stage("mirror", 0.11, 2e-3, ("mirror",)),
-    Stage("albedo", 0.08, 1e-3, ("albedo",)),
-    Stage("exponent", 0.06, 1e-3, ("exponent",)),
-    Stage("chain-mirror", 0.06, 5e-4, ("specular", "mirror")),
-    Stage("chain-exponent", 0.12, 5e-4, ("specular", "mirror", "exponent")),
-    Stage("chain-albedo", 0.13, 5e-4, ("specular", "mirror", "exponent", "albedo")),
+    Stage("segmentation", 0.10, 2e-3, 16, 0.4, ("segmentation",)),
+    Stage("specular", 0.30, 2e-3, 16, 0.4, ("specular",)),
+    Stage("mirror", 0.10, 2e-3, 16, 0.4, ("mirror",)),
+    Stage("albedo", 0.08, 1e-3, 32, 0, ("albedo",)),
+    Stage("exponent", 0.06, 1e-3, 32, 0, ("exponent",)),
+    Stage("chain-mirror", 0.06, 5e-4, 16, 0, ("specular", "mirror")),
+    Stage("chain-exponent", 0.14, 5e-4, 16, 0, ("specular", "mirror", "exponent")),
+    Stage("chain-albedo", 0.16, 5e-4, 16, 0, ("specular", "mirror", "exponent", "albedo")),
 )
 
 
