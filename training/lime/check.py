@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sanity of the corpus and the networks, in seconds: check.py. Prints what it measured and ends with an error if it is off."""
+"""Sanity of the corpus and the networks, in seconds: check.py. Prints what it measured, and stops at what is off."""
 import argparse
 import time
 
@@ -24,14 +24,14 @@ def expect(ok, text):
 
 
 def check_constant_light(samples):
-    """Under constant radiance E, D = π E for every normal, and a lobe seen along the normal integrates to 8π/(s+2)·(1 − 2^(−(s+2)/2))."""
+    """Under constant radiance E, D = π E for every normal, and S has a closed form where the view is along the normal."""
     env = np.full((48, 96, 3), 0.7, np.float32)
     n = sphere(200)
     d, _ = samples.shade(env, n, n, 10)
     error = np.abs(d / (0.7 * np.pi) - 1).max()
     expect(error < 5e-3, f"D under constant light: off by {error:.1e} of π E")
     for s in (2, 30, 300):
-        # w·n > 0 is h·n > √½ when the view is along the normal: ∫ cos^s θ · 4 cos θ sin θ dθ dφ over θ < 45°
+        # w·n > 0 is then h·n > √½: ∫ cos^s θ · 4 cos θ sin θ dθ dφ over θ < 45°
         closed = 8 * np.pi / (s + 2) * (1 - 0.5 ** ((s + 2) / 2))
         _, got = samples.shade(env, n, n, s)
         error = np.abs(got / (0.7 * closed) - 1).max()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Scores a checkpoint: evaluate.py [--checkpoint out/lime/checkpoint.pt]. Prints Markdown and writes it with --report.
 
-Sets: held-out samples of the corpus; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real objects
-with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real objects,
-which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
+Sets: held-out samples of the corpus; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real
+objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
+objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
 """
 import argparse
 import pathlib
@@ -20,8 +20,8 @@ COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next
            ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
            ("mask_iou", "mask IoU", "{:.2%}"), ("layer_mse", "MSE layer", "{:.5f}"),
            ("layer_relative", "of its power", "{:.2f}"), ("layer_code", "MAE code", "{:.4f}"))
-THESIS = {"bin_exact": 0.4507, "bin_adjacent": 0.8519, "diffuse_mse": 0.0674, "alpha_mse": 0.2158, "log_shininess_mse": 0.3073,
-          "mask_iou": 0.9983}
+THESIS = {"bin_exact": 0.4507, "bin_adjacent": 0.8519, "diffuse_mse": 0.0674, "alpha_mse": 0.2158,
+          "log_shininess_mse": 0.3073, "mask_iou": 0.9983}
 
 
 def table(rows):

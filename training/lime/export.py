@@ -18,7 +18,7 @@ from torch.nn.utils.fusion import fuse_conv_bn_eval
 from lime import corpus
 from lime.networks import Networks, count_flops
 
-OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "Resize", "Concat", "Gemm", "Flatten", "Softmax", "Constant"}
+OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
 OUTPUTS = {"segmentation": nn.Sigmoid(), "specular": nn.ReLU(), "mirror": nn.ReLU(), "albedo": nn.Sigmoid(),
            "exponent": nn.Softmax(1)}
 
@@ -31,6 +31,19 @@ def fold(module):
         else:
             fold(child)
     return module
+
+
+def tidy(path):
+    """Turns constant nodes (the scales of Resize) into initializers, which is where an importer looks for numbers."""
+    model = onnx.load(str(path))
+    graph = model.graph
+    for node in [n for n in graph.node if n.op_type == "Constant"]:
+        value = node.attribute[0].t
+        value.name = node.output[0]
+        graph.initializer.append(value)
+        graph.node.remove(node)
+    onnx.checker.check_model(model)
+    onnx.save(model, str(path))
 
 
 def check(path, network, shape):
@@ -63,6 +76,7 @@ def main():
         path = args.models / f"{name}.onnx"
         torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
                           output_names=["output"], do_constant_folding=True)
+        tidy(path)
         error = check(path, network, shape)
         print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
               f"OpenCV dnn within {error:.1e}")

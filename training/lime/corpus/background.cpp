@@ -31,7 +31,8 @@ void clutter(Random& random, int size, int count, std::vector<Vec>& pixels) {
     const auto pixel = [&](float t) { return std::clamp(int(t * float(size)), 0, size - 1); };
     for (int row = pixel(y - reach); row <= pixel(y + reach); ++row)
       for (int column = pixel(x - reach); column <= pixel(x + reach); ++column) {
-        const float dx = (float(column) + 0.5f) / float(size) - x, dy = (float(row) + 0.5f) / float(size) - y;
+        const float dx = (float(column) + 0.5f) / float(size) - x,
+                    dy = (float(row) + 0.5f) / float(size) - y;
         const float u = (c * dx + s * dy) / a, v = (c * dy - s * dx) / b;
         const bool inside = round ? u * u + v * v < 1 : std::max(std::abs(u), std::abs(v)) < 1;
         if (inside) pixels[std::size_t(row * size + column)] = std::max(1 + shade * u, 0.f) * color;
@@ -39,7 +40,8 @@ void clutter(Random& random, int size, int count, std::vector<Vec>& pixels) {
   }
 }
 
-/// The environment behind the object, through a lens of `width` (tangent of half the angle of view), exposed to mean 0.4.
+/// The environment behind the object, through a lens of `width` (tangent of half the angle of
+/// view), exposed to mean 0.4.
 void look_around(const Environment& map, float width, int size, std::vector<Vec>& pixels) {
   float total = 0;
   for (int row = 0; row < size; ++row)
@@ -72,19 +74,33 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
       const auto textured = [&](Vec color) { return (1 + rough * (2 * n - 1)) * color; };
       Vec& p = pixels[std::size_t(row * size + column)];
       switch (kind) {
-        case 0: p = mix(one, two, std::clamp(2 * n - 0.5f, 0.f, 1.f)); break;
-        case 1: p = textured(mix(one, two, 0.5f + 0.5f * std::sin(frequency * (c * x + s * y)))); break;
-        case 2: p = textured((int(x * cells) + int(y * cells)) % 2 ? one : two); break;
-        case 3: p = textured(one); break;
-        case 4: p = textured(y + 0.05f * c * x > table ? one : two); break;
-        case 5: p = (0.9f + 0.2f * n) * mix(one, two, std::clamp(0.5f + c * (x - 0.5f) + s * (y - 0.5f), 0.f, 1.f)); break;
+        case 0:
+          p = mix(one, two, std::clamp(2 * n - 0.5f, 0.f, 1.f));
+          break;
+        case 1:
+          p = textured(mix(one, two, 0.5f + 0.5f * std::sin(frequency * (c * x + s * y))));
+          break;
+        case 2:
+          p = textured((int(x * cells) + int(y * cells)) % 2 ? one : two);
+          break;
+        case 3:
+          p = textured(one);
+          break;
+        case 4:
+          p = textured(y + 0.05f * c * x > table ? one : two);
+          break;
+        case 5:
+          p = (0.9f + 0.2f * n) *
+              mix(one, two, std::clamp(0.5f + c * (x - 0.5f) + s * (y - 0.5f), 0.f, 1.f));
+          break;
       }
     }
   if (kind == 3 || (kind == 4 && random.chance(0.7f)) || random.chance(0.15f))
     clutter(random, size, kind == 3 ? 40 : 8, pixels);
   const float level = random.uniform(0.3f, 1.f);
   for (Vec& p : pixels)
-    p = {std::clamp(level * p.x, 0.f, 1.f), std::clamp(level * p.y, 0.f, 1.f), std::clamp(level * p.z, 0.f, 1.f)};
+    p = {std::clamp(level * p.x, 0.f, 1.f), std::clamp(level * p.y, 0.f, 1.f),
+         std::clamp(level * p.z, 0.f, 1.f)};
   return pixels;
 }
 

@@ -10,12 +10,14 @@ using Words = std::int32_t __attribute__((vector_size(64)));
 
 inline Lanes fill(float x) { return Lanes{} + x; }
 
-/// log2 for positive finite x: the exponent, and the series of artanh on [√½, √2); relative error below 3e-7 near 1.
+/// log2 for positive finite x: the exponent, and the series of artanh on [√½, √2); relative error
+/// below 3e-7 near 1.
 inline Lanes log2_of(Lanes x) {
   const Words bits = (Words)x, exponent = (bits - 0x3f3504f3) >> 23;
   const Lanes m = (Lanes)(bits - (exponent << 23));
   const Lanes z = (m - 1.f) / (m + 1.f), q = z * z;
-  return z * (2.885390082f + q * (0.961796694f + q * (0.577078016f + q * (0.412198583f + q * 0.320598898f)))) +
+  return z * (2.885390082f +
+              q * (0.961796694f + q * (0.577078016f + q * (0.412198583f + q * 0.320598898f)))) +
          __builtin_convertvector(exponent, Lanes);
 }
 
@@ -24,7 +26,9 @@ inline Lanes exp2_of(Lanes y) {
   y = y < -126.f ? fill(-126.f) : y;
   const Lanes shifted = y + 12582912.f;  // 1.5 · 2^23: rounds to an integer in the low bits
   const Lanes f = y - (shifted - 12582912.f);
-  const Lanes p = 1.f + f * (0.69314718f + f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
+  const Lanes p =
+      1.f + f * (0.69314718f +
+                 f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
   return (Lanes)((Words)p + (((Words)shifted - 0x4b400000) << 23));
 }
 
@@ -57,7 +61,8 @@ Lights::Lights(const Environment& map) {
       tile.axis = normalize(tile.axis);
       float cosine = 1;
       for (int i = 0; i < 32; ++i)
-        cosine = std::min(cosine, tile.axis.x * tile.x[i / 16][i % 16] + tile.axis.y * tile.y[i / 16][i % 16] +
+        cosine = std::min(cosine, tile.axis.x * tile.x[i / 16][i % 16] +
+                                      tile.axis.y * tile.y[i / 16][i % 16] +
                                       tile.axis.z * tile.z[i / 16][i % 16]);
       tile.cosine = cosine;
       tile.sine = std::sqrt(std::max(0.f, 1 - cosine * cosine));
@@ -83,7 +88,8 @@ Vec Lights::diffuse(Vec n) const {
 Vec Lights::specular(Vec n, Vec view, float shininess, bool all) const {
   const float facing = dot(n, view);
   const Vec mirror = 2 * facing * n - view;
-  // cos of the cone around `mirror` outside of which the lobe is negligible; −1 where it covers the sphere.
+  // cos of the cone around `mirror` outside of which the lobe is negligible; −1 where it covers the
+  // sphere.
   const float edge = std::exp(-9.2103f / shininess);  // ln 1e4
   const float lobe_cosine = all || edge < 0.7072f ? -1.f : 2 * edge * edge - 1;
   const float lobe_sine = std::sqrt(std::max(0.f, 1 - lobe_cosine * lobe_cosine));
@@ -91,8 +97,11 @@ Vec Lights::specular(Vec n, Vec view, float shininess, bool all) const {
   Lanes red{}, green{}, blue{};
   for (const Tile& tile : tiles_) {
     if (dot(tile.axis, n) < -tile.sine) continue;
-    // Cones miss each other where the angle of their axes exceeds the sum of their half angles (when that is below π).
-    if (lobe_cosine > -tile.cosine && dot(tile.axis, mirror) < lobe_cosine * tile.cosine - lobe_sine * tile.sine) continue;
+    // Cones miss each other where the angle of their axes exceeds the sum of their half angles
+    // (when that is below π).
+    if (lobe_cosine > -tile.cosine &&
+        dot(tile.axis, mirror) < lobe_cosine * tile.cosine - lobe_sine * tile.sine)
+      continue;
     for (int k = 0; k < 2; ++k) {
       const Lanes wn = tile.x[k] * n.x + tile.y[k] * n.y + tile.z[k] * n.z;
       const Lanes wo = tile.x[k] * view.x + tile.y[k] * view.y + tile.z[k] * view.z;

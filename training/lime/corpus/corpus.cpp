@@ -50,21 +50,21 @@ int lime_is_held_out_shape(int family, float trait) { return is_held_out(Family(
 /// Floats of a sample's parameters.
 int lime_parameters() { return kParameters; }
 
-/// Samples first … first + count − 1, on `threads` threads. Flags: 1 test split, 2 clean, 4 may be empty.
-/// Images are as in sample.hpp, one sample after another.
-void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t first, int count, int size, int flags,
-                 int threads, std::uint8_t* image, std::uint8_t* coverage, float* diffuse, float* specular,
-                 float* mirror, float* parameters) {
+/// Samples first … first + count − 1, on `threads` threads. Flags: 1 test split, 2 clean, 4 may be
+/// empty. Images are as in sample.hpp, one sample after another.
+void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t first, int count,
+                 int size, int flags, int threads, std::uint8_t* image, std::uint8_t* coverage,
+                 float* diffuse, float* specular, float* mirror, float* parameters) {
   std::atomic<int> next{0};
   const auto work = [&] {
     for (int i = next++; i < count; i = next++) {
-      Request request{seed, first + std::uint64_t(i), flags & 1 ? Split::test : Split::train, size, (flags & 2) != 0,
-                      (flags & 4) != 0};
+      Request request{seed, first + std::uint64_t(i), flags & 1 ? Split::test : Split::train,
+                      size, (flags & 2) != 0,         (flags & 4) != 0};
       const auto plane = std::size_t(size) * std::size_t(size), n = std::size_t(i);
       Parameters p;
       render(request, corpus->maps,
-             {image + 3 * plane * n, coverage + plane * n, diffuse + 3 * plane * n, specular + 3 * plane * n,
-              mirror + 3 * plane * n},
+             {image + 3 * plane * n, coverage + plane * n, diffuse + 3 * plane * n,
+              specular + 3 * plane * n, mirror + 3 * plane * n},
              p);
       const auto* values = reinterpret_cast<const float*>(&p);
       std::copy(values, values + kParameters, parameters + std::size_t(kParameters) * n);
@@ -76,9 +76,10 @@ void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t fir
   for (std::thread& thread : pool) thread.join();
 }
 
-/// D and S (Eq. 6.3, RGB) for `count` normals and views under a map of rows × 2 rows texels; `all`: no tile is left out.
-void lime_shade(const float* map, int rows, int count, const float* normals, const float* views, float shininess, int all,
-                float* diffuse, float* specular) {
+/// D and S (Eq. 6.3, RGB) for `count` normals and views under a map of rows × 2 rows texels; `all`:
+/// no tile is left out.
+void lime_shade(const float* map, int rows, int count, const float* normals, const float* views,
+                float shininess, int all, float* diffuse, float* specular) {
   Environment environment{rows, std::vector<Vec>(std::size_t(2 * rows * rows))};
   for (std::size_t i = 0; i < environment.radiance.size(); ++i)
     environment.radiance[i] = {map[3 * i], map[3 * i + 1], map[3 * i + 2]};

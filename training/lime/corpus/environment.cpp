@@ -12,18 +12,21 @@ Vec texel_direction(int row, int column, int rows, int columns) {
 }
 
 float texel_solid_angle(int row, int rows, int columns) {
-  return std::sin((float(row) + 0.5f) / float(rows) * kPi) * (kPi / float(rows)) * (2 * kPi / float(columns));
+  return std::sin((float(row) + 0.5f) / float(rows) * kPi) * (kPi / float(rows)) *
+         (2 * kPi / float(columns));
 }
 
 Vec Environment::look(Vec direction) const {
   const float v = std::acos(std::clamp(direction.y, -1.f, 1.f)) / kPi * float(rows) - 0.5f;
-  const float u = (std::atan2(direction.x, direction.z) / (2 * kPi) + 0.5f) * float(columns()) - 0.5f;
+  const float u =
+      (std::atan2(direction.x, direction.z) / (2 * kPi) + 0.5f) * float(columns()) - 0.5f;
   const float row = std::clamp(v, 0.f, float(rows - 1));
   const int r0 = int(row), r1 = std::min(r0 + 1, rows - 1);
   const float left = std::floor(u);
   const int c0 = (int(left) + columns()) % columns(), c1 = (c0 + 1) % columns();
   const float fr = row - float(r0), fc = u - left;
-  return (1 - fr) * ((1 - fc) * at(r0, c0) + fc * at(r0, c1)) + fr * ((1 - fc) * at(r1, c0) + fc * at(r1, c1));
+  return (1 - fr) * ((1 - fc) * at(r0, c0) + fc * at(r0, c1)) +
+         fr * ((1 - fc) * at(r1, c0) + fc * at(r1, c1));
 }
 
 Environment shrink(const Environment& map, int rows) {
@@ -35,7 +38,8 @@ Environment shrink(const Environment& map, int rows) {
       const float w = texel_solid_angle(row * n + i, map.rows, map.columns());
       weight += w * float(n);
       for (int column = 0; column < columns; ++column)
-        for (int j = 0; j < n; ++j) small.at(row, column) += w * map.at(row * n + i, column * n + j);
+        for (int j = 0; j < n; ++j)
+          small.at(row, column) += w * map.at(row * n + i, column * n + j);
     }
     for (int column = 0; column < columns; ++column)
       small.at(row, column) = (1 / weight) * small.at(row, column);
@@ -61,7 +65,8 @@ bool is_lit_from_front(const Environment& map) {
     for (int column = 0; column < small.columns(); ++column) {
       const float light = luminance(small.at(row, column));
       all = std::max(all, light);
-      if (texel_direction(row, column, small.rows, small.columns()).z > 0.05f) front = std::max(front, light);
+      if (texel_direction(row, column, small.rows, small.columns()).z > 0.05f)
+        front = std::max(front, light);
     }
   return front >= 0.6f * all;
 }
@@ -73,7 +78,9 @@ void balance_white(Environment& map, float strength) {
     for (int column = 0; column < map.columns(); ++column) mean += w * map.at(row, column);
   }
   const float gray = (mean.x + mean.y + mean.z) / 3;
-  const auto gain = [&](float channel) { return std::pow(gray / std::max(channel, 1e-6f), strength); };
+  const auto gain = [&](float channel) {
+    return std::pow(gray / std::max(channel, 1e-6f), strength);
+  };
   const Vec gains{gain(mean.x), gain(mean.y), gain(mean.z)};
   for (Vec& e : map.radiance) e = gains * e;
 }

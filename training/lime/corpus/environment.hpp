@@ -1,4 +1,5 @@
-// Environment maps: equirectangular, row 0 = +y (up), center column = +z (towards the camera), x right.
+// Environment maps: equirectangular, row 0 = +y (up), center column = +z (towards the camera), x
+// right.
 #pragma once
 
 #include <vector>
@@ -14,13 +15,16 @@ float texel_solid_angle(int row, int rows, int columns);
 
 /// Linear radiance of any scale, rows × 2 rows.
 struct Environment {
-  static constexpr int kRows = 96, kColumns = 192;  ///< Of all maps that samples are rendered under.
+  static constexpr int kRows = 96,
+                       kColumns = 192;  ///< Of all maps that samples are rendered under.
   int rows = kRows;
   std::vector<Vec> radiance;
 
   int columns() const { return 2 * rows; }
   Vec& at(int row, int column) { return radiance[std::size_t(row * columns() + column)]; }
-  const Vec& at(int row, int column) const { return radiance[std::size_t(row * columns() + column)]; }
+  const Vec& at(int row, int column) const {
+    return radiance[std::size_t(row * columns() + column)];
+  }
   /// Bilinear lookup; what a mirror shows that reflects into `direction` (unit length).
   Vec look(Vec direction) const;
 };
@@ -31,8 +35,8 @@ Environment shrink(const Environment& map, int rows);
 /// The map turned about y by whole columns, and mirrored left to right on request.
 Environment turn(const Environment& map, int columns, bool mirrored);
 
-/// Whether a strong light is in the frontal hemisphere, where its highlights are visible: the brightest frontal block of
-/// 4 × 4 texels reaches 60 % of the brightest of all.
+/// Whether a strong light is in the frontal hemisphere, where its highlights are visible: the
+/// brightest frontal block of 4 × 4 texels reaches 60 % of the brightest of all.
 bool is_lit_from_front(const Environment& map);
 
 /// Scales channels towards equal mean radiance, as a camera's white balance does; strength 0 … 1.

@@ -25,8 +25,8 @@ Grid make_grid(int rows, int columns, bool wrap_rows,
   grid.positions.reserve(std::size_t(rows * columns));
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      grid.positions.push_back(
-          position(float(row) / float(wrap_rows ? rows : rows - 1), float(column) / float(columns)));
+      grid.positions.push_back(position(float(row) / float(wrap_rows ? rows : rows - 1),
+                                        float(column) / float(columns)));
   finish(grid);
   return grid;
 }

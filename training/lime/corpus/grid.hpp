@@ -8,9 +8,9 @@
 
 namespace inverse::lime {
 
-/// rows × columns vertices. Columns wrap around; rows wrap where `wrap_rows`, and otherwise start and end at a point.
-/// Seen from outside, (row, column), (row, column + 1), (row + 1, column) run counter-clockwise or not as `finish` left it:
-/// after `finish` the winding is outward.
+/// rows × columns vertices. Columns wrap around; rows wrap where `wrap_rows`, and otherwise start
+/// and end at a point. Seen from outside, (row, column), (row, column + 1), (row + 1, column) run
+/// counter-clockwise or not as `finish` left it: after `finish` the winding is outward.
 struct Grid {
   int rows = 0, columns = 0;
   bool wrap_rows = false;
@@ -24,11 +24,13 @@ struct Grid {
   int cells() const { return wrap_rows ? rows : rows - 1; }
 };
 
-/// The grid of `position(u, v)`: u in [0, 1] over rows (without 1 where they wrap), v in [0, 1) over columns; finished.
+/// The grid of `position(u, v)`: u in [0, 1] over rows (without 1 where they wrap), v in [0, 1)
+/// over columns; finished.
 Grid make_grid(int rows, int columns, bool wrap_rows,
                const std::function<Vec(float u, float v)>& position);
 
-/// Turns the winding outward (positive enclosed volume) and computes normals, area-weighted over the cells around.
+/// Turns the winding outward (positive enclosed volume) and computes normals, area-weighted over
+/// the cells around.
 void finish(Grid& grid);
 
 /// Calls visit(i, j, k) for the vertex indices of every triangle.

@@ -17,10 +17,12 @@ struct Picture {
   std::vector<Vec> pixels;
 };
 
-/// A Radiance RGBE picture in the usual order (-Y height +X width), run-length coded by scan line (Ward 1991) or flat.
+/// A Radiance RGBE picture in the usual order (-Y height +X width), run-length coded by scan line
+/// (Ward 1991) or flat.
 Picture read_radiance(const std::filesystem::path& path) {
   const auto fail = [&](const char* why) {
-    throw std::runtime_error(path.string() + ": " + why + "; give a Radiance .hdr file, -Y +X, 32-bit_rle_rgbe");
+    throw std::runtime_error(path.string() + ": " + why +
+                             "; give a Radiance .hdr file, -Y +X, 32-bit_rle_rgbe");
   };
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -31,7 +33,8 @@ Picture read_radiance(const std::filesystem::path& path) {
   if (!std::getline(file, line) ||
       std::sscanf(line.c_str(), "-Y %d +X %d", &picture.height, &picture.width) != 2)
     fail("unknown orientation");
-  if (picture.width < 8 || picture.height < 8 || picture.width > 32767 || picture.height > 32767) fail("unusual size");
+  if (picture.width < 8 || picture.height < 8 || picture.width > 32767 || picture.height > 32767)
+    fail("unusual size");
   const auto width = std::size_t(picture.width);
   std::vector<std::array<std::uint8_t, 4>> row(width);
   picture.pixels.reserve(width * std::size_t(picture.height));
@@ -66,7 +69,8 @@ Picture read_radiance(const std::filesystem::path& path) {
 
 /// Mean over the area of every texel, fractions of pixels included.
 Environment resample(const Picture& picture) {
-  Environment map{Environment::kRows, std::vector<Vec>(std::size_t(Environment::kRows * Environment::kColumns))};
+  Environment map{Environment::kRows,
+                  std::vector<Vec>(std::size_t(Environment::kRows * Environment::kColumns))};
   const auto overlaps = [](int texel, int texels, int pixels, auto visit) {
     const float low = float(texel) * float(pixels) / float(texels);
     const float high = float(texel + 1) * float(pixels) / float(texels);
@@ -109,7 +113,8 @@ std::vector<NamedMap> load_maps(const std::string& folder) {
   std::vector<NamedMap> maps;
   for (const auto& path : paths) {
     const std::string name = path.stem().string();
-    const bool held_out = std::find(std::begin(kHeldOutMaps), std::end(kHeldOutMaps), name) != std::end(kHeldOutMaps);
+    const bool held_out =
+        std::find(std::begin(kHeldOutMaps), std::end(kHeldOutMaps), name) != std::end(kHeldOutMaps);
     Environment map = resample(read_radiance(path));
     normalize_mean(map);
     maps.push_back({name, held_out, std::move(map)});

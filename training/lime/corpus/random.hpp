@@ -1,5 +1,5 @@
-// Random numbers of one sample: a function of (seed, index, stream) alone, so that sample i of seed k is always the same,
-// whichever thread draws it and whatever was drawn before.
+// Random numbers of one sample: a function of (seed, index, stream) alone, so that sample i of seed
+// k is always the same, whichever thread draws it and whatever was drawn before.
 #pragma once
 
 #include <array>
@@ -31,7 +31,8 @@ class Random {
     const float radius = std::sqrt(-2 * std::log(1 - uniform()));
     return radius * std::cos(6.2831853f * uniform());
   }
-  /// Nearly standard normal: the sum of four 16-bit uniforms, of bounded tails; cheap enough for every pixel.
+  /// Nearly standard normal: the sum of four 16-bit uniforms, of bounded tails; cheap enough for
+  /// every pixel.
   float rough_normal() {
     const std::uint64_t b = bits();
     const int sum = int(b & 0xffff) + int(b >> 16 & 0xffff) + int(b >> 32 & 0xffff) + int(b >> 48);

@@ -14,7 +14,8 @@ enum Face { kLeft, kRight, kFloor, kCeiling, kBack, kFront };
 /// The room around the origin: distance of each face.
 using Distances = std::array<float, 6>;
 
-/// Where a ray from the origin ends: the face, and coordinates on it (horizontal first, where there is one).
+/// Where a ray from the origin ends: the face, and coordinates on it (horizontal first, where there
+/// is one).
 struct Hit {
   int face;
   float a, b;
@@ -39,9 +40,9 @@ Hit trace(const Distances& box, Vec d) {
 struct Patch {
   int face;
   float a, b, half_a, half_b;
-  Vec color;        ///< Reflectance-like for furniture, radiance for lights.
-  float fade = 0;   ///< Light of a window: brighter towards its top.
-  float bars = 0;   ///< Bars per unit length; 6 % of it are bar.
+  Vec color;       ///< Reflectance-like for furniture, radiance for lights.
+  float fade = 0;  ///< Light of a window: brighter towards its top.
+  float bars = 0;  ///< Bars per unit length; 6 % of it are bar.
 
   bool covers(const Hit& hit) const {
     return hit.face == face && std::abs(hit.a - a) < half_a && std::abs(hit.b - b) < half_b;
@@ -100,14 +101,16 @@ Patch area_light(Random& random, const Distances& box, bool frontal) {
 
 Environment make_room(Random& random) {
   Distances box;
-  for (const int face : {kLeft, kRight, kBack, kFront}) box[std::size_t(face)] = random.uniform(1.2f, 4.5f);
+  for (const int face : {kLeft, kRight, kBack, kFront})
+    box[std::size_t(face)] = random.uniform(1.2f, 4.5f);
   box[kFloor] = random.uniform(0.7f, 1.4f);
   box[kCeiling] = random.uniform(0.9f, 2.2f);
   const float base = random.uniform(0.2f, 0.8f);
   std::array<Vec, 6> walls;
   for (Vec& wall : walls) {
     const float level = base * random.uniform(0.5f, 1.15f);
-    wall = level * Vec{1 + 0.12f * random.normal(), 1 + 0.08f * random.normal(), 1 + 0.12f * random.normal()};
+    wall = level * Vec{1 + 0.12f * random.normal(), 1 + 0.08f * random.normal(),
+                       1 + 0.12f * random.normal()};
   }
   walls[kCeiling] = base * random.uniform(0.9f, 1.2f) * Vec{1, 1, 1};
   walls[kFloor] = random.uniform(0.25f, 0.8f) * walls[kFloor];
@@ -117,8 +120,12 @@ Environment make_room(Random& random) {
     static constexpr int kFaces[] = {kLeft, kRight, kBack, kFront, kFloor};
     const int face = kFaces[random.below(5)];
     const auto [a0, a1, b0, b1] = extent(box, face);
-    Patch patch{face, random.uniform(a0, a1), random.uniform(b0, face == kFloor ? b1 : 0.7f * b1), random.uniform(0.1f, 0.8f),
-                random.uniform(0.1f, 0.6f), {}};
+    Patch patch{face,
+                random.uniform(a0, a1),
+                random.uniform(b0, face == kFloor ? b1 : 0.7f * b1),
+                random.uniform(0.1f, 0.8f),
+                random.uniform(0.1f, 0.6f),
+                {}};
     const auto channel = [&] { return 0.02f + 0.85f * std::pow(random.uniform(), 1.5f); };
     patch.color = base * Vec{channel(), channel(), channel()};
     furniture.push_back(patch);
@@ -134,7 +141,8 @@ Environment make_room(Random& random) {
       const float up = random.uniform(0.1f, 0.95f), out = std::sqrt(1 - up * up);
       lamps.push_back({{out * std::sin(azimuth), up, out * std::cos(azimuth)},
                        random.log_uniform(12, 80) * warm_or_cold(random),
-                       random.uniform(0.05f, 0.2f), random.uniform(0.01f, 0.06f)});
+                       random.uniform(0.05f, 0.2f),
+                       random.uniform(0.01f, 0.06f)});
     } else {
       lights.push_back(area_light(random, box, i == 0));
       // Office ceilings repeat their panels.
@@ -162,7 +170,8 @@ Environment make_room(Random& random) {
       e = (1 - 0.35f * std::max(-d.y, 0.f)) * e;
       for (const Patch& light : lights)
         if (light.covers(hit) && !light.is_bar(hit))
-          e = (1 - light.fade + light.fade * (hit.b - light.b + light.half_b) / light.half_b) * light.color;
+          e = (1 - light.fade + light.fade * (hit.b - light.b + light.half_b) / light.half_b) *
+              light.color;
       for (const Lamp& lamp : lamps) {
         const float angle = std::acos(std::clamp(dot(d, lamp.direction), -1.f, 1.f));
         e += std::clamp((lamp.radius - angle) / lamp.soft + 0.5f, 0.f, 1.f) * lamp.color;

@@ -42,11 +42,13 @@ Lighting draw_light(Random& random, const std::vector<NamedMap>& maps, bool held
 
 void draw_material(Random& random, Parameters& p) {
   do {  // uniform in YUV within the cube of plausible RGB
-    const float y = random.uniform(0.05f, 0.9f), u = random.uniform(-0.436f, 0.436f), v = random.uniform(-0.615f, 0.615f);
+    const float y = random.uniform(0.05f, 0.9f), u = random.uniform(-0.436f, 0.436f),
+                v = random.uniform(-0.615f, 0.615f);
     p.diffuse[0] = y + 1.13983f * v;
     p.diffuse[1] = y - 0.39465f * u - 0.5806f * v;
     p.diffuse[2] = y + 2.03211f * u;
-  } while (*std::min_element(p.diffuse, p.diffuse + 3) < 0.02f || *std::max_element(p.diffuse, p.diffuse + 3) > 0.95f);
+  } while (*std::min_element(p.diffuse, p.diffuse + 3) < 0.02f ||
+           *std::max_element(p.diffuse, p.diffuse + 3) > 0.95f);
   p.alpha = random.uniform(0.03f, 0.9f);
   const int bin = random.below(8);
   p.bin = float(bin);
@@ -60,21 +62,24 @@ struct View {
   Pose pose;
 };
 
-/// The sphere around the object fills 48 … 98 % of the picture (8 % of them less), seldom reaches over its edge, and may lie off the axis
-/// of the lens, as in a crop from a larger picture.
+/// The sphere around the object fills 48 … 98 % of the picture (8 % of them less), seldom reaches
+/// over its edge, and may lie off the axis of the lens, as in a crop from a larger picture.
 View draw_view(Random& random, bool upright, int size) {
   const float half = 0.5f * float(size);
   const float focal = random.log_uniform(2.2f, 6.f) * half;  // 49° … 19° across
-  const float radius = random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f);
+  const float radius =
+      random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f);
   const float room = std::clamp(1.04f - radius, 0.05f, 0.3f);
   const float x = random.uniform(-room, room), y = random.uniform(-room, room);
   const bool crop = random.chance(0.35f);
-  const float off_x = crop ? random.uniform(-1.f, 1.f) : 0.f, off_y = crop ? random.uniform(-0.7f, 0.7f) : 0.f;
+  const float off_x = crop ? random.uniform(-1.f, 1.f) : 0.f,
+              off_y = crop ? random.uniform(-0.7f, 0.7f) : 0.f;
 
   Rotation turn;
   if (upright && random.chance(0.6f)) {
     // The lathe's z becomes the picture's up, then leans towards or away from the camera.
-    const float lean = random.uniform(-0.3f, 0.7f) - 0.5f * kPi, roll = 0.2f * random.normal(), spin = random.uniform(0.f, 2 * kPi);
+    const float lean = random.uniform(-0.3f, 0.7f) - 0.5f * kPi, roll = 0.2f * random.normal(),
+                spin = random.uniform(0.f, 2 * kPi);
     const Rotation a = rotation_of({std::cos(spin / 2), 0, 0, std::sin(spin / 2)});
     const Rotation b = rotation_of({std::cos(lean / 2), std::sin(lean / 2), 0, 0});
     const Rotation c = rotation_of({std::cos(roll / 2), 0, 0, std::sin(roll / 2)});
@@ -87,7 +92,8 @@ View draw_view(Random& random, bool upright, int size) {
   const Camera camera{focal, half - off_x * half, half - off_y * half};
   // A sphere of radius 1 at distance d covers focal / sqrt(d² − 1) on the axis.
   const float distance = std::sqrt(1 + (focal * focal) / (radius * half * radius * half));
-  const Vec position{(x + off_x) * half / focal * distance, -(y + off_y) * half / focal * distance, -distance};
+  const Vec position{(x + off_x) * half / focal * distance, -(y + off_y) * half / focal * distance,
+                     -distance};
   return {camera, {turn, 1, position}};
 }
 
@@ -97,12 +103,15 @@ struct Pixel {
   Vec diffuse, specular, mirror;
 };
 
-std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Environment& map, float shininess) {
-  // Texels of 7.5° are fine enough for D and for wide lobes; of 3.75° for narrow ones (s = 1024: 8.4° between half maxima).
+std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Environment& map,
+                         float shininess) {
+  // Texels of 7.5° are fine enough for D and for wide lobes; of 3.75° for narrow ones (s =
+  // 1024: 8.4° between half maxima).
   const Lights wide(shrink(map, 24));
   const Lights narrow(shrink(map, shininess > 100 ? 48 : 24));
   // Subpixels are shaded one by one only where the lobe resolves the difference of their normals.
-  const float spread = std::min(0.35f / std::sqrt(shininess), 0.12f), flat = 1 - 0.5f * spread * spread;
+  const float spread = std::min(0.35f / std::sqrt(shininess), 0.12f),
+              flat = 1 - 0.5f * spread * spread;
   const int size = raster.size() / kOversampling;
   std::vector<Pixel> pixels(std::size_t(size * size));
   for (int row = 0; row < size; ++row)
@@ -111,7 +120,8 @@ std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Envir
       int count = 0;
       Vec normal, view;
       for (int k = 0; k < kOversampling * kOversampling; ++k) {
-        const int x = kOversampling * column + k % kOversampling, y = kOversampling * row + k / kOversampling;
+        const int x = kOversampling * column + k % kOversampling,
+                  y = kOversampling * row + k / kOversampling;
         if (!raster.covered(x, y)) continue;
         const Vec o = camera.view(x, y);
         Vec n = normalize(raster.normal(x, y));
@@ -148,8 +158,9 @@ std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Envir
   return pixels;
 }
 
-/// Mean of D at 0.45 … 0.95, but no more than leaves 98 % of the object's values below white; a fifth of the pictures
-/// are exposed differently by up to 0.4 stops. k absorbs 1/π and the camera's gain.
+/// Mean of D at 0.45 … 0.95, but no more than leaves 98 % of the object's values below white; a
+/// fifth of the pictures are exposed differently by up to 0.4 stops. k absorbs 1/π and the camera's
+/// gain.
 float draw_exposure(Random& random, const std::vector<Pixel>& pixels, const Parameters& p) {
   double mean = 0;
   std::vector<float> values;
@@ -166,7 +177,8 @@ float draw_exposure(Random& random, const std::vector<Pixel>& pixels, const Para
   mean /= double(values.size());
   const auto rank = values.begin() + std::ptrdiff_t(0.98 * double(values.size() - 1));
   std::nth_element(values.begin(), rank, values.end());
-  return jitter * std::min(level / std::max(float(mean), 1e-9f), (1 - p.ambient) / std::max(*rank, 1e-9f));
+  return jitter *
+         std::min(level / std::max(float(mean), 1e-9f), (1 - p.ambient) / std::max(*rank, 1e-9f));
 }
 
 /// A third of the lenses blur by the kernel 1 2 1; a border keeps its pixels.
@@ -197,13 +209,15 @@ std::uint8_t encode(float linear) {
 
 void expose(Random& random, int size, bool clean, std::vector<Vec>& linear, std::uint8_t* image) {
   const bool soft = random.chance(0.3f), noisy = random.chance(0.7f);
-  const float read = std::pow(10.f, random.uniform(-4.f, -2.3f)), shot = std::pow(10.f, random.uniform(-5.f, -3.f));
+  const float read = std::pow(10.f, random.uniform(-4.f, -2.3f)),
+              shot = std::pow(10.f, random.uniform(-5.f, -3.f));
   if (soft && !clean) blur(size, linear);
   const auto plane = std::size_t(size * size);
   for (std::size_t i = 0; i < plane; ++i) {
     std::array<float, 3> rgb{linear[i].x, linear[i].y, linear[i].z};
     for (std::size_t c = 0; c < 3; ++c) {
-      if (noisy && !clean) rgb[c] += std::sqrt(read * read + shot * std::max(rgb[c], 0.f)) * random.rough_normal();
+      if (noisy && !clean)
+        rgb[c] += std::sqrt(read * read + shot * std::max(rgb[c], 0.f)) * random.rough_normal();
       image[c * plane + i] = encode(rgb[c]);
     }
   }
@@ -211,12 +225,14 @@ void expose(Random& random, int size, bool clean, std::vector<Vec>& linear, std:
 
 }  // namespace
 
-void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images, Parameters& parameters) {
+void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images,
+            Parameters& parameters) {
   // Test samples have a seed space of their own; shapes and maps are told apart below.
   const bool held_out = request.split == Split::test;
   const std::uint64_t seed = 2 * request.seed + held_out;
   const auto stream = [&](Stream s) { return Random(seed, request.index, std::uint64_t(s)); };
-  Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight), material = stream(kMaterial);
+  Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
+         material = stream(kMaterial);
   Random background = stream(kBackground), sensor = stream(kSensor);
 
   parameters = {};

@@ -14,23 +14,24 @@ enum class Split { train, test };
 struct Request {
   std::uint64_t seed = 0, index = 0;
   Split split = Split::train;
-  int size = 128;          ///< Pixels on a side.
-  bool clean = false;      ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
+  int size = 128;  ///< Pixels on a side.
+  bool clean =
+      false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
   bool may_be_empty = false;  ///< Every twentieth image shows no object.
 };
 
 /// Material and circumstances; the order of these floats is the C interface's.
 struct Parameters {
-  float diffuse[3];  ///< m_d, linear RGB, uniform in YUV.
-  float alpha;       ///< Specular albedo before the lobe's normalization, 0.03 … 0.9.
-  float shininess;   ///< s, log-uniform in its bin.
-  float bin;         ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
-  float ambient;     ///< m_a.
-  float specular;    ///< m_s = alpha · (s + 8) / 16 for s > 8, else alpha.
-  float exposure;    ///< k, already multiplied into D, S and M.
+  float diffuse[3];     ///< m_d, linear RGB, uniform in YUV.
+  float alpha;          ///< Specular albedo before the lobe's normalization, 0.03 … 0.9.
+  float shininess;      ///< s, log-uniform in its bin.
+  float bin;            ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
+  float ambient;        ///< m_a.
+  float specular;       ///< m_s = alpha · (s + 8) / 16 for s > 8, else alpha.
+  float exposure;       ///< k, already multiplied into D, S and M.
   float family, trait;  ///< Of the shape (shapes.hpp).
-  float map;         ///< Index into the maps; −1: a room.
-  float empty;       ///< 1: no object.
+  float map;            ///< Index into the maps; −1: a room.
+  float empty;          ///< 1: no object.
 };
 constexpr int kParameters = sizeof(Parameters) / sizeof(float);
 
@@ -43,6 +44,7 @@ struct Images {
   float* mirror;           ///< 3: M = k E(reflected view), linear.
 };
 
-void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images, Parameters& parameters);
+void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images,
+            Parameters& parameters);
 
 }  // namespace inverse::lime

@@ -11,7 +11,8 @@ template <typename Position>
 Grid sphere_grid(Position position) {
   return make_grid(80, 160, false, [&](float u, float v) {
     const float theta = kPi * u, phi = 2 * kPi * v;
-    return position(Vec{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
+    return position(
+        Vec{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
   });
 }
 
@@ -23,7 +24,8 @@ Grid superquadric(Random& random, float exponent) {
   const float twist = random.chance(0.25f) ? random.uniform(-1.2f, 1.2f) : 0.f;
   return sphere_grid([&](Vec d) {
     const float x = std::abs(d.x) / axes.x, y = std::abs(d.y) / axes.y, z = std::abs(d.z) / axes.z;
-    const float ring = std::pow(std::pow(x, 2 / around) + std::pow(y, 2 / around), around / exponent);
+    const float ring =
+        std::pow(std::pow(x, 2 / around) + std::pow(y, 2 / around), around / exponent);
     const Vec p = std::pow(ring + std::pow(z, 2 / exponent), -exponent / 2) * d;
     const float wide = 1 + taper * p.z, c = std::cos(twist * p.z), s = std::sin(twist * p.z);
     return Vec{wide * (c * p.x - s * p.y), wide * (s * p.x + c * p.y), p.z};
@@ -41,7 +43,8 @@ float legendre(int l, float x) {
   return now;
 }
 
-/// 1 + a spherical harmonic of one degree (a sum of zonal ones about random axes, which span them) + one of degree 2.
+/// 1 + a spherical harmonic of one degree (a sum of zonal ones about random axes, which span them)
+/// + one of degree 2.
 Grid blob(Random& random, int degree) {
   struct Lobe {
     Vec axis;
@@ -73,19 +76,23 @@ ProfilePoint on_curve(const std::vector<ProfilePoint>& points, bool smooth, floa
   const auto at = [&](int k) { return points[std::size_t(std::clamp(k, 0, last))]; };
   const auto mix = [&](float a, float b, float c, float d) {
     if (!smooth) return b + f * (c - b);
-    return 0.5f * (2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f * f + (3 * b - a - 3 * c + d) * f * f * f);
+    return 0.5f * (2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f * f +
+                   (3 * b - a - 3 * c + d) * f * f * f);
   };
   const ProfilePoint a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
-  return {std::max(mix(a.radius, b.radius, c.radius, d.radius), 0.01f), mix(a.height, b.height, c.height, d.height)};
+  return {std::max(mix(a.radius, b.radius, c.radius, d.radius), 0.01f),
+          mix(a.height, b.height, c.height, d.height)};
 }
 
-/// A surface of revolution about z: flat or pointed ends, solid or hollow with a rim, plain or fluted.
+/// A surface of revolution about z: flat or pointed ends, solid or hollow with a rim, plain or
+/// fluted.
 Grid lathe(Random& random, int points) {
   std::vector<ProfilePoint> wall;
   const float height = random.uniform(0.4f, 1.3f);
   for (int i = 0; i < points; ++i) {
     const float radius = random.uniform(0.15f, 1.f);
-    wall.push_back({radius, height * (2 * float(i) / float(points - 1) - 1) + 0.1f * random.normal() / float(points)});
+    wall.push_back({radius, height * (2 * float(i) / float(points - 1) - 1) +
+                                0.1f * random.normal() / float(points)});
   }
   const bool smooth = random.chance(0.7f), hollow = random.chance(0.35f);
   if (random.chance(0.4f)) wall.front().radius = 0.03f;
@@ -124,12 +131,14 @@ Grid lathe(Random& random, int points) {
   });
 }
 
-/// A tube around a torus knot: `turns` around the ring while it goes 1 to 3 times along it; no turns: a torus.
+/// A tube around a torus knot: `turns` around the ring while it goes 1 to 3 times along it; no
+/// turns: a torus.
 Grid tube(Random& random, int turns) {
   int along = 1;
   if (turns > 0 && random.chance(0.5f)) along = 2 + random.below(2);
   if (std::gcd(along, turns) != 1) along = 1;
-  const float out = turns ? random.uniform(0.15f, 0.4f) : 0.f, up = turns ? random.uniform(0.15f, 0.5f) : 0.f;
+  const float out = turns ? random.uniform(0.15f, 0.4f) : 0.f,
+              up = turns ? random.uniform(0.15f, 0.5f) : 0.f;
   const float thick = turns == 0   ? random.uniform(0.15f, 0.55f)
                       : along == 1 ? random.uniform(0.12f, 0.35f)
                                    : random.uniform(0.1f, 0.22f);
@@ -138,12 +147,14 @@ Grid tube(Random& random, int turns) {
   const int swells = 1 + random.below(6);
   const auto curve = [&](float t) {
     const float ring = 1 + out * std::cos(float(turns) * t);
-    return Vec{ring * std::cos(float(along) * t), ring * std::sin(float(along) * t), up * std::sin(float(turns) * t)};
+    return Vec{ring * std::cos(float(along) * t), ring * std::sin(float(along) * t),
+               up * std::sin(float(turns) * t)};
   };
   return make_grid(along == 1 ? 160 : 220, 32, true, [&](float u, float v) {
     const float t = 2 * kPi * u, a = 2 * kPi * v;
     const Vec center = curve(t), tangent = normalize(curve(t + 0.01f) - curve(t - 0.01f));
-    // A frame that closes by itself: from the ring's radial direction, which is nowhere along the curve.
+    // A frame that closes by itself: from the ring's radial direction, which is nowhere along the
+    // curve.
     const Vec radial{std::cos(float(along) * t), std::sin(float(along) * t), 0};
     const Vec side = normalize(cross(tangent, radial)), front = cross(side, tangent);
     const float r = thick * (1 + swell * std::cos(float(swells) * t));
@@ -173,18 +184,24 @@ void displace(Random& random, float frequency, Grid& grid) {
 }
 
 float draw_trait(Random& random, Family family, bool held_out) {
-  static constexpr int kDegrees[] = {2, 3, 5, 6, 7}, kPoints[] = {4, 5, 7, 8, 9}, kTurns[] = {0, 0, 2, 3, 5, 6};
+  static constexpr int kDegrees[] = {2, 3, 5, 6, 7}, kPoints[] = {4, 5, 7, 8, 9},
+                       kTurns[] = {0, 0, 2, 3, 5, 6};
   const auto range = [&](float low, float high, float from, float to) {
     if (held_out) return random.uniform(from, to);
     const float x = random.uniform(low, high - (to - from));
     return x < from ? x : x + (to - from);
   };
   switch (family) {
-    case Family::superquadric: return range(0.15f, 2.f, 0.5f, 0.75f);
-    case Family::blob: return held_out ? 4.f : float(kDegrees[random.below(5)]);
-    case Family::lathe: return held_out ? 6.f : float(kPoints[random.below(5)]);
-    case Family::tube: return held_out ? 4.f : float(kTurns[random.below(6)]);
-    case Family::displaced: return range(2.5f, 9.f, 4.5f, 6.f);
+    case Family::superquadric:
+      return range(0.15f, 2.f, 0.5f, 0.75f);
+    case Family::blob:
+      return held_out ? 4.f : float(kDegrees[random.below(5)]);
+    case Family::lathe:
+      return held_out ? 6.f : float(kPoints[random.below(5)]);
+    case Family::tube:
+      return held_out ? 4.f : float(kTurns[random.below(6)]);
+    case Family::displaced:
+      return range(2.5f, 9.f, 4.5f, 6.f);
   }
   return 0;
 }
@@ -199,11 +216,16 @@ Part make_part(Random& random, bool held_out, int families) {
   const auto family = Family(random.below(families));
   const float trait = draw_trait(random, family, held_out);
   switch (family) {
-    case Family::superquadric: return {superquadric(random, trait), family, trait};
-    case Family::blob: return {blob(random, int(trait)), family, trait};
-    case Family::lathe: return {lathe(random, int(trait)), family, trait};
-    case Family::tube: return {tube(random, int(trait)), family, trait};
-    case Family::displaced: break;
+    case Family::superquadric:
+      return {superquadric(random, trait), family, trait};
+    case Family::blob:
+      return {blob(random, int(trait)), family, trait};
+    case Family::lathe:
+      return {lathe(random, int(trait)), family, trait};
+    case Family::tube:
+      return {tube(random, int(trait)), family, trait};
+    case Family::displaced:
+      break;
   }
   Part part = make_part(random, held_out, kFamilies - 1);
   displace(random, trait, part.grid);
@@ -220,11 +242,16 @@ void place(Grid& grid, const Rotation& turn, float scale, Vec center) {
 
 bool is_held_out(Family family, float trait) {
   switch (family) {
-    case Family::superquadric: return trait >= 0.5f && trait < 0.75f;
-    case Family::blob: return trait == 4;
-    case Family::lathe: return trait == 6;
-    case Family::tube: return trait == 4;
-    case Family::displaced: return trait >= 4.5f && trait < 6;
+    case Family::superquadric:
+      return trait >= 0.5f && trait < 0.75f;
+    case Family::blob:
+      return trait == 4;
+    case Family::lathe:
+      return trait == 6;
+    case Family::tube:
+      return trait == 4;
+    case Family::displaced:
+      return trait >= 4.5f && trait < 6;
   }
   return false;
 }

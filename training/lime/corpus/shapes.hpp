@@ -23,12 +23,13 @@ bool is_held_out(Family family, float trait);
 /// One object of one to three parts; bounding sphere of radius 1 around the origin.
 struct Object {
   std::vector<Grid> parts;
-  Family family;    ///< Of the first and largest part.
-  float trait = 0;  ///< Of the first part.
+  Family family;         ///< Of the first and largest part.
+  float trait = 0;       ///< Of the first part.
   bool upright = false;  ///< Whether +z is its natural up (lathes).
 };
 
-/// Draws an object all of whose parts (and the forms that displaced ones start from) are held out, or none.
+/// Draws an object all of whose parts (and the forms that displaced ones start from) are held out,
+/// or none.
 Object make_object(Random& random, bool held_out);
 
 }  // namespace inverse::lime

@@ -121,6 +121,6 @@ def mit(folder, size=128):
         mask, original, specular = crop(mask), crop(original), crop(specular)
         inside = mask[0] > 0.5
         gain = 1 / max(np.percentile(original[:, inside], 98), 1e-6)
-        items.append(Item(path.name, to_srgb8(gain * original * np.ones((3, 1, 1), np.float32)), inside[None].astype(np.float32),
-                          gain * specular.mean(0, keepdims=True)))
+        image = to_srgb8(gain * np.broadcast_to(original, (3, size, size)))  # gray pictures become three equal channels
+        items.append(Item(path.name, image, inside[None].astype(np.float32), gain * specular.mean(0, keepdims=True)))
     return items

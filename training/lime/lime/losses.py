@@ -30,8 +30,8 @@ def exponent_loss(scores, batch, regress):
 def rendering_loss(batch, specular, albedo=None):
     """The perceptual rendering loss, Eq. 6.4: mean square over the mask of I − (A + m̂_d D + m̂_s Ŝ).
 
-    specular: code of the predicted layer; it stands for m_s Ŝ, so that m̂_s Ŝ is the layer times the predicted over the true
-    alpha. albedo: n × 4 or None for the true one. Compared as the camera shows it: clipped at white, where I tells nothing
+    specular: code of the predicted layer; it stands for m_s Ŝ, so that m̂_s Ŝ is the layer times the predicted over the
+    true alpha. albedo: n × 4 or None for the true one. Compared as the camera shows it: clipped at white, where I tells nothing
     more. The highlight's color, which a gray layer leaves out, is the true one, as D is.
     """
     layer = encoding.decode(specular) * batch.tint

@@ -19,7 +19,9 @@ def predict(networks, items, device="cpu", true_mask=False):
             part = items[first:first + 25]
             image = torch.from_numpy(np.stack([i.image for i in part])).float().to(device)
             found = networks.find_mask(image)
-            mask = torch.from_numpy(np.stack([i.mask for i in part])).float().to(device) if true_mask else (found > 0.5).float()
+            mask = (found > 0.5).float()
+            if true_mask:
+                mask = torch.from_numpy(np.stack([i.mask for i in part])).float().to(device)
             specular = networks.find_specular(image, mask)
             mirror = networks.find_mirror(specular, mask) if networks.use_mirror else torch.zeros_like(specular)
             albedo = networks.find_albedo(image, mask, specular).cpu().numpy()
@@ -46,6 +48,11 @@ def trivial_layers(item):
             "above 90th percentile": np.maximum(gray - bright, 0)}
 
 
+def code_of(linear):
+    """encoding.encode for arrays."""
+    return np.log1p(4 * np.maximum(linear, 0)) / 2
+
+
 def layer_errors(items, layers):
     """Inside the true mask: mean square of the layer clipped at white, that over the truth's mean square (pooled), and
     the mean absolute difference of codes."""
@@ -55,7 +62,7 @@ def layer_errors(items, layers):
         a, b = np.minimum(layer, 1)[inside], np.minimum(item.layer, 1)[inside]
         square += ((a - b) ** 2).mean()
         power += (b ** 2).mean()
-        code += np.abs(np.log1p(4 * np.maximum(layer[inside], 0)) - np.log1p(4 * np.maximum(item.layer[inside], 0))).mean() / 2
+        code += np.abs(code_of(layer[inside]) - code_of(item.layer[inside])).mean()
         pixels += 1
     return {"layer_mse": square / pixels, "layer_relative": square / power, "layer_code": code / pixels}
 
@@ -88,7 +95,7 @@ def score(items, predictions):
     out["mask_iou"] = float(np.mean(union))
     if items[0].mirror is not None:
         out["mirror_code"] = float(np.mean([
-            np.abs(np.log1p(4 * p["mirror"]) - np.log1p(4 * i.mirror))[i.mask > 0.5].mean() / 2 for p, i in zip(predictions, items)]))
+            np.abs(code_of(p["mirror"]) - code_of(i.mirror))[i.mask > 0.5].mean() for p, i in zip(predictions, items)]))
     return out
 
 
@@ -105,8 +112,8 @@ def baselines(items):
         for column in ("bin_exact", "bin_adjacent"):
             best[column] = max(t[column] for t in tries)
         if alpha is not None:
-            true = np.array([math.log10(i.alpha * max((i.shininess + 8) / 16, 1) if i.shininess > 8 else i.alpha) for i in items])
-            best["log_specular_mse"] = float(true.var())
+            gains = encoding.lobe_gain(torch.tensor([i.shininess for i in items])).numpy()
+            best["log_specular_mse"] = float(np.log10([i.alpha for i in items] * gains).var())
         rows["constant"] = best
     trivial = [trivial_layers(i) for i in items]
     for name in trivial[0]:
