@@ -2,8 +2,8 @@
 """Trains the five networks on the rendered corpus: train.py --minutes 60. See README.md.
 
 Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl and OUT/curves.png. The same command with
---resume goes on where the checkpoint ended; with more --minutes, stages that have ended are not repeated unless
---from names one.
+--resume goes on where the checkpoint ended. --resume --stages a,b,… goes through those stages (again), from the weights of
+the checkpoint, and shares --minutes out among them; --resume alone then goes on with that list.
 """
 import argparse
 import json
@@ -22,6 +22,7 @@ from lime.networks import SIZES, Networks  # noqa: E402
 
 VALIDATION_SEED = 2  # of the test split; the scores of evaluate.py are of seed 1
 HELD_BACK = 64       # validation samples
+LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped for a while, not training
 
 
 def arguments():
@@ -35,7 +36,7 @@ def arguments():
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
     p.add_argument("--resume", action="store_true")
-    p.add_argument("--from", dest="start", help="with --resume: go through this stage and the later ones (again)")
+    p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
     p.add_argument("--no-perceptual", action="store_true", help="ablation: without the rendering loss")
     p.add_argument("--no-mirror", action="store_true", help="ablation: without MirrorNet")
     p.add_argument("--regress", action="store_true", help="ablation: log10 of the shininess instead of bins")
@@ -62,8 +63,7 @@ def main():
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
-    order = stages.stages_of(networks)
-    state = {"variant": variant, "stage": 0, "seconds": 0.0, "samples": 0, "trained_seconds": 0.0}
+    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "trained_seconds": 0.0}
     path, optimizer_state = args.out / "checkpoint.pt", None
     if args.resume:
         saved = torch.load(path, map_location=args.device)
@@ -71,9 +71,10 @@ def main():
         networks.load_state_dict(saved.pop("networks"))
         optimizer_state = saved.pop("optimizer")
         state.update(saved)
-        if args.start:
-            state.update(stage=[s.name for s in order].index(args.start), seconds=0.0)
-            optimizer_state = None
+    if args.stages:
+        state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
+        optimizer_state = None
+    order = stages.stages_of(networks, state["stages"])
     state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
 
     samples = corpus.Corpus(args.hdri)
@@ -130,7 +131,7 @@ def main():
             state["samples"] += batch
             for name, value in terms.items():
                 means[name] = means.get(name, 0) + float(value)
-            took = time.monotonic() - started
+            took = min(time.monotonic() - started, LONGEST_STEP)
             state["seconds"] += took
             state["trained_seconds"] += took
             if count % 50 == 0:
