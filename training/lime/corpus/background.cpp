@@ -1,0 +1,107 @@
+#include "background.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "noise.hpp"
+
+namespace inverse::lime {
+namespace {
+
+Vec random_color(Random& random) {
+  const auto channel = [&] { return std::pow(random.uniform(), 1.4f); };
+  const Vec color{channel(), channel(), channel()};
+  // Most surroundings are less colorful than three independent numbers.
+  const float gray = luminance(color), keep = random.uniform();
+  return gray * Vec{1, 1, 1} + keep * (color - gray * Vec{1, 1, 1});
+}
+
+Vec mix(Vec a, Vec b, float t) { return (1 - t) * a + t * b; }
+
+/// Ellipses and turned rectangles over each other, some of them shaded across.
+void clutter(Random& random, int size, int count, std::vector<Vec>& pixels) {
+  for (int i = 0; i < count; ++i) {
+    const float x = random.uniform(), y = random.uniform(), angle = random.uniform(0.f, kPi);
+    const float c = std::cos(angle), s = std::sin(angle);
+    const float a = random.log_uniform(0.03f, 0.3f), b = random.log_uniform(0.03f, 0.3f);
+    const bool round = random.chance(0.4f);
+    const float shade = random.chance(0.5f) ? random.uniform(-0.8f, 0.8f) : 0.f;
+    const Vec color = random_color(random);
+    const float reach = a + b;
+    const auto pixel = [&](float t) { return std::clamp(int(t * float(size)), 0, size - 1); };
+    for (int row = pixel(y - reach); row <= pixel(y + reach); ++row)
+      for (int column = pixel(x - reach); column <= pixel(x + reach); ++column) {
+        const float dx = (float(column) + 0.5f) / float(size) - x,
+                    dy = (float(row) + 0.5f) / float(size) - y;
+        const float u = (c * dx + s * dy) / a, v = (c * dy - s * dx) / b;
+        const bool inside = round ? u * u + v * v < 1 : std::max(std::abs(u), std::abs(v)) < 1;
+        if (inside) pixels[std::size_t(row * size + column)] = std::max(1 + shade * u, 0.f) * color;
+      }
+  }
+}
+
+/// The environment behind the object, through a lens of `width` (tangent of half the angle of
+/// view), exposed to mean 0.4.
+void look_around(const Environment& map, float width, int size, std::vector<Vec>& pixels) {
+  float total = 0;
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column) {
+      const float x = (2 * (float(column) + 0.5f) / float(size) - 1) * width;
+      const float y = (1 - 2 * (float(row) + 0.5f) / float(size)) * width;
+      const Vec color = map.look(normalize({x, y, -1}));
+      pixels[std::size_t(row * size + column)] = color;
+      total += std::min(luminance(color), 10.f);
+    }
+  const float gain = 0.4f * float(size * size) / std::max(total, 1e-6f);
+  for (Vec& p : pixels) p = gain * p;
+}
+
+}  // namespace
+
+std::vector<Vec> make_background(Random& random, int size, const Environment& map) {
+  std::vector<Vec> pixels(std::size_t(size * size));
+  const Noise noise(random, 4 + 4 * random.below(3), 5);
+  const Vec one = random_color(random), two = random_color(random);
+  const float angle = random.uniform(0.f, kPi), c = std::cos(angle), s = std::sin(angle);
+  const float frequency = random.log_uniform(10, 60), cells = float(4 + random.below(20));
+  const float table = random.uniform(0.35f, 0.8f), rough = random.uniform(0.f, 1.f);
+  const int kind = random.below(7);
+  if (kind == 6) look_around(map, random.uniform(0.4f, 1.2f), size, pixels);
+  for (int row = 0; row < size && kind != 6; ++row)
+    for (int column = 0; column < size; ++column) {
+      const float x = (float(column) + 0.5f) / float(size), y = (float(row) + 0.5f) / float(size);
+      const float n = noise(4 * x, 4 * y);
+      const auto textured = [&](Vec color) { return (1 + rough * (2 * n - 1)) * color; };
+      Vec& p = pixels[std::size_t(row * size + column)];
+      switch (kind) {
+        case 0:
+          p = mix(one, two, std::clamp(2 * n - 0.5f, 0.f, 1.f));
+          break;
+        case 1:
+          p = textured(mix(one, two, 0.5f + 0.5f * std::sin(frequency * (c * x + s * y))));
+          break;
+        case 2:
+          p = textured((int(x * cells) + int(y * cells)) % 2 ? one : two);
+          break;
+        case 3:
+          p = textured(one);
+          break;
+        case 4:
+          p = textured(y + 0.05f * c * x > table ? one : two);
+          break;
+        case 5:
+          p = (0.9f + 0.2f * n) *
+              mix(one, two, std::clamp(0.5f + c * (x - 0.5f) + s * (y - 0.5f), 0.f, 1.f));
+          break;
+      }
+    }
+  if (kind == 3 || (kind == 4 && random.chance(0.7f)) || random.chance(0.15f))
+    clutter(random, size, kind == 3 ? 40 : 8, pixels);
+  const float level = random.uniform(0.3f, 1.f);
+  for (Vec& p : pixels)
+    p = {std::clamp(level * p.x, 0.f, 1.f), std::clamp(level * p.y, 0.f, 1.f),
+         std::clamp(level * p.z, 0.f, 1.f)};
+  return pixels;
+}
+
+}  // namespace inverse::lime

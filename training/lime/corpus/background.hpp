@@ -1,0 +1,15 @@
+// What is behind the object.
+#pragma once
+
+#include <vector>
+
+#include "environment.hpp"
+#include "random.hpp"
+
+namespace inverse::lime {
+
+/// size × size pixels, linear, 0 … 1: noise, stripes, checks, clutter, a table before a wall, a
+/// plain gradient, or the environment itself as the camera would see it.
+std::vector<Vec> make_background(Random& random, int size, const Environment& map);
+
+}  // namespace inverse::lime

@@ -1,0 +1,50 @@
+// One training image with everything that made it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hdri.hpp"
+
+namespace inverse::lime {
+
+enum class Split { train, test };
+
+/// What to render. Sample (seed, index) of a split is always the same.
+struct Request {
+  std::uint64_t seed = 0, index = 0;
+  Split split = Split::train;
+  int size = 128;  ///< Pixels on a side.
+  bool clean =
+      false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
+  bool may_be_empty = false;  ///< Every twentieth image shows no object.
+};
+
+/// Material and circumstances; the order of these floats is the C interface's.
+struct Parameters {
+  float diffuse[3];     ///< m_d, linear RGB, uniform in YUV.
+  float alpha;          ///< Specular albedo before the lobe's normalization, 0.03 … 0.9.
+  float shininess;      ///< s, log-uniform in its bin.
+  float bin;            ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
+  float ambient;        ///< m_a.
+  float specular;       ///< m_s = alpha · (s + 8) / 16 for s > 8, else alpha.
+  float exposure;       ///< k, already multiplied into D, S and M.
+  float family, trait;  ///< Of the shape (shapes.hpp).
+  float map;            ///< Index into the maps; −1: a room.
+  float empty;          ///< 1: no object.
+};
+constexpr int kParameters = sizeof(Parameters) / sizeof(float);
+
+/// Planar images, channels × size × size, rows from the top. D, S and M are zero where coverage is.
+struct Images {
+  std::uint8_t* image;     ///< 3: sRGB, 8 bit, the object over a background.
+  std::uint8_t* coverage;  ///< 1: 255 × the share of the pixel that the object covers.
+  float* diffuse;          ///< 3: D, linear, exposed.
+  float* specular;         ///< 3: S, linear, exposed.
+  float* mirror;           ///< 3: M = k E(reflected view), linear.
+};
+
+void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images,
+            Parameters& parameters);
+
+}  // namespace inverse::lime

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Scores a checkpoint: evaluate.py [--checkpoint out/lime/checkpoint.pt]. Prints Markdown and writes it with --report.
+
+Sets: held-out samples of the corpus; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real
+objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
+objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
+"""
+import argparse
+import pathlib
+
+import numpy as np
+import torch
+from PIL import Image
+
+from lime import corpus, datasets, scores
+from lime.networks import Networks
+
+COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
+           ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
+           ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
+           ("mask_iou", "mask IoU", "{:.2%}"), ("layer_mse", "MSE layer", "{:.5f}"),
+           ("layer_relative", "of its power", "{:.2f}"), ("layer_code", "MAE code", "{:.4f}"))
+THESIS = {"bin_exact": 0.4507, "bin_adjacent": 0.8519, "diffuse_mse": 0.0674, "alpha_mse": 0.2158,
+          "log_shininess_mse": 0.3073, "mask_iou": 0.9983}
+
+
+def table(rows):
+    lines = ["| | " + " | ".join(title for _, title, _ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    for name, row in rows.items():
+        cells = [form.format(row[key]) if key in row else "" for key, _, form in COLUMNS]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def picture(items, predictions, path):
+    """Input, predicted mask, true and predicted specular layer, true and predicted mirror image, predicted diffuse image."""
+    rows = []
+    for item, p in list(zip(items, predictions))[:16]:
+        def gray(x):
+            return np.broadcast_to(datasets.to_srgb8(np.zeros_like(item.mask) if x is None else x), item.image.shape)
+
+        diffuse = datasets.to_srgb8((item.image_linear - p["layer"]) * item.mask)
+        rows.append(np.concatenate([item.image, np.broadcast_to(p["found"], item.image.shape), gray(item.layer),
+                                    gray(p["layer"]), gray(item.mirror), gray(p["mirror"]), diffuse], 2))
+    half = (len(rows) + 1) // 2
+    rows += [np.zeros_like(rows[0])] * (2 * half - len(rows))
+    whole = np.concatenate([np.concatenate(rows[:half], 1), np.concatenate(rows[half:], 1)], 2)
+    Image.fromarray((whole.transpose(1, 2, 0) * 255 + 0.5).astype(np.uint8)).save(path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
+    parser.add_argument("--checkpoint", type=pathlib.Path)
+    parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
+    parser.add_argument("--hdri", default=None)
+    parser.add_argument("--count", type=int, default=1000, help="held-out samples of the corpus")
+    parser.add_argument("--report", type=pathlib.Path)
+    args = parser.parse_args()
+    saved = torch.load(args.checkpoint or args.out / "checkpoint.pt", map_location="cpu")
+    networks = Networks(**saved["variant"])
+    networks.load_state_dict(saved["networks"])
+    samples = corpus.Corpus(args.hdri)
+
+    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False)}
+    for title, load, folder, true_mask in (
+            ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
+            ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),
+            ("MIT objects, real", datasets.mit, "mit", True)):
+        if (args.data / folder).is_dir():
+            sets[title] = (load(args.data / folder), true_mask)
+    parts = []
+    for number, (title, (items, true_mask)) in enumerate(sets.items()):
+        predictions = scores.predict(networks, items, true_mask=true_mask)
+        rows = {"networks": scores.score(items, predictions), **scores.baselines(items)}
+        if number == 0:
+            rows["thesis, on its own corpus"] = THESIS
+        parts.append(f"### {title} ({len(items)})\n\n" + table(rows))
+        if items[0].shininess is not None and len(items) >= 100:
+            shares = scores.confusion(items, predictions)
+            parts.append("Bins, true by row, in %:\n\n```\n" +
+                         "\n".join(" ".join(f"{100 * x:3.0f}" for x in row) for row in shares) + "\n```")
+        picture(items, predictions, args.out / f"predictions-{number}.png")
+    text = "\n\n".join(parts) + "\n"
+    print(text)
+    if args.report:
+        args.report.write_text(text)
+
+
+main()

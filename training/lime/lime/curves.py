@@ -1,0 +1,36 @@
+"""Loss curves of a training as a picture."""
+import json
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402  (the backend comes first)
+
+
+def plot(log, picture):
+    """One panel per loss term over minutes; held-out samples as dots; stages by shade."""
+    with open(log, encoding="utf-8") as file:
+        records = [json.loads(line) for line in file]
+    records = [r for r in records if "stage" in r]
+    terms = sorted({k for r in records for k in r} & {"mask", "specular", "mirror", "albedo", "exponent", "rendering"})
+    if not terms:
+        return
+    figure, axes = pyplot.subplots(len(terms), 1, figsize=(8, 2.2 * len(terms)), sharex=True, squeeze=False)
+    order = list(dict.fromkeys(r["stage"] for r in records))
+    for term, (axis,) in zip(terms, axes):
+        for number, stage in enumerate(order):
+            color = f"C{number}"
+            points = [(r["minutes"], r[term]) for r in records if r["stage"] == stage and term in r]
+            held = [(r["minutes"], r["held_out_" + term]) for r in records
+                    if r["stage"] == stage and "held_out_" + term in r]
+            if points:
+                axis.plot(*zip(*points), color=color, label=stage)
+            if held:
+                axis.plot(*zip(*held), "o", color=color, markersize=3)
+        axis.set_ylabel(term)
+        axis.set_yscale("log")
+        axis.legend(fontsize=6)
+    axes[-1][0].set_xlabel("minutes of training (dots: held-out samples)")
+    figure.tight_layout()
+    figure.savefig(picture, dpi=90)
+    pyplot.close(figure)

@@ -1,0 +1,125 @@
+"""The five networks of thesis Fig. 6.3, from operators that the project's own engine runs.
+
+Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), ReLU, 2×2 max-pooling, bilinear ×2 upsampling
+(half-pixel centers), concatenation, dense layers, sigmoid and soft-max.
+"""
+import torch
+from torch import nn
+from torch.nn import functional
+
+from .encoding import BINS
+
+# Widths of the U-Nets per level (each half as wide as the one before) and of the encoders per block, and the dense layer.
+SIZES = {
+    "standard": {"input": 128, "segmentation": (8, 16, 32, 48, 64), "specular": (12, 24, 48, 64, 80, 80),
+                 "mirror": (8, 16, 32, 48, 64, 64), "albedo": (16, 32, 48, 64, 96), "exponent": (16, 32, 48, 64, 96),
+                 "dense": 64},
+    # For GPUs: close to the thesis' own sizes.
+    "wide": {"input": 256, "segmentation": (24, 48, 96, 128, 192, 256), "specular": (32, 64, 128, 256, 256, 256),
+             "mirror": (32, 64, 128, 192, 256, 256), "albedo": (32, 64, 128, 192, 256), "exponent": (32, 64, 128, 192, 256),
+             "dense": 256},
+}
+
+
+def convolution(inputs, outputs, stride=1):
+    return nn.Sequential(nn.Conv2d(inputs, outputs, 3, stride, 1, bias=False), nn.BatchNorm2d(outputs), nn.ReLU(True))
+
+
+class UNet(nn.Module):
+    """n × inputs × h × w → n × outputs × h × w, linear outputs; h and w are multiples of 2^(levels − 1)."""
+
+    def __init__(self, inputs, outputs, widths):
+        super().__init__()
+        self.down = nn.ModuleList([convolution(inputs, widths[0])])
+        for a, b in zip(widths, widths[1:]):
+            self.down.append(nn.Sequential(convolution(a, b, 2), convolution(b, b)))
+        self.up = nn.ModuleList([convolution(a + b, a) for a, b in zip(widths, widths[1:])])
+        self.last = nn.Conv2d(widths[0], outputs, 3, 1, 1)
+
+    def forward(self, x):
+        levels = []
+        for down in self.down:
+            x = down(x)
+            levels.append(x)
+        for level, up in reversed(list(zip(levels, self.up))):
+            wide = functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
+            x = up(torch.cat([wide, level], 1))
+        return self.last(x)
+
+
+class Encoder(nn.Module):
+    """Five convolutions with ReLU and max-pooling, and three dense layers: n × inputs × size × size → n × outputs."""
+
+    def __init__(self, inputs, outputs, widths, dense, size):
+        super().__init__()
+        self.blocks = nn.Sequential(*[nn.Sequential(convolution(a, b), nn.MaxPool2d(2))
+                                      for a, b in zip((inputs, *widths), widths)])
+        cells = (size >> len(widths)) ** 2
+        self.dense = nn.Sequential(nn.Flatten(), nn.Linear(cells * widths[-1], dense), nn.ReLU(True),
+                                   nn.Linear(dense, dense), nn.ReLU(True), nn.Linear(dense, outputs))
+
+    def forward(self, x):
+        return self.dense(self.blocks(x))
+
+
+class Networks(nn.Module):
+    """All five, and the way of a picture through them. Codes are those of encoding.encode.
+
+    use_mirror=False leaves MirrorNet out; regress=True lets ExponentNet give log10 of the shininess instead of bins.
+    """
+
+    def __init__(self, size="standard", use_mirror=True, regress=False):
+        super().__init__()
+        s = SIZES[size]
+        self.size, self.use_mirror, self.regress = s["input"], use_mirror, regress
+        self.segmentation = UNet(3, 1, s["segmentation"])
+        self.specular = UNet(4, 1, s["specular"])
+        self.mirror = UNet(1, 1, s["mirror"])
+        self.albedo = Encoder(4, 4, s["albedo"], s["dense"], s["input"])
+        self.exponent = Encoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], s["dense"], s["input"])
+
+    def find_mask(self, image):
+        """sRGB n × 3 × h × w → probability of the object, n × 1 × h × w."""
+        return torch.sigmoid(self.segmentation(image))
+
+    def find_specular(self, image, mask):
+        """Masked sRGB and mask → code of the specular layer m_s S (gray)."""
+        return self.specular(torch.cat([image * mask, mask], 1)) * mask
+
+    def find_mirror(self, specular, mask):
+        """Code of the specular layer → code of the mirror image alpha M (gray)."""
+        return self.mirror(specular) * mask
+
+    def find_albedo(self, image, mask, specular):
+        """→ n × 4: diffuse albedo m_d in linear RGB, and alpha; 0 … 1."""
+        return torch.sigmoid(self.albedo(torch.cat([image * mask, specular], 1)))
+
+    def find_exponent(self, specular, mirror):
+        """Codes → scores of the 8 bins (before soft-max), or log10 of the shininess (n × 1) in the regressing variant."""
+        return self.exponent(torch.cat([specular, mirror], 1) if self.use_mirror else specular)
+
+    def parts(self):
+        """Networks by name, with the shape of their inputs (one sample)."""
+        n = self.size
+        shapes = {"segmentation": (1, 3, n, n), "specular": (1, 4, n, n), "mirror": (1, 1, n, n), "albedo": (1, 4, n, n),
+                  "exponent": (1, 1 + self.use_mirror, n, n)}
+        return {name: (getattr(self, name), shape) for name, shape in shapes.items() if name != "mirror" or self.use_mirror}
+
+
+def count_flops(network, shape):
+    """Floating-point operations of one forward pass: 2 per multiply-add of convolutions and dense layers."""
+    total = 0
+
+    def add(layer, _, out):
+        nonlocal total
+        total += 2 * out.numel() * layer.weight[0].numel()
+
+    hooks = [m.register_forward_hook(add) for m in network.modules() if isinstance(m, (nn.Conv2d, nn.Linear))]
+    was_training = network.training
+    network.eval()
+    with torch.no_grad():
+        network(torch.zeros(shape))
+    network.train(was_training)
+    for hook in hooks:
+        hook.remove()
+    return total

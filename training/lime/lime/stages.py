@@ -1,0 +1,84 @@
+"""The order of the training (thesis 6.5.4): each network apart, with the truth as its input, then chained step by step."""
+import dataclasses
+
+import torch
+
+from . import losses
+
+
+@dataclasses.dataclass(frozen=True)
+class Stage:
+    name: str
+    share: float      # of the whole time
+    rate: float       # first learning rate; it falls to a hundredth as a cosine over the stage
+    batch: int        # samples a step
+    coarse: float     # share of the stage that sees pictures of half the size, four times as many
+    parts: tuple      # networks that learn
+
+
+STAGES = (
+    Stage("segmentation", 0.10, 2e-3, 16, 0.4, ("segmentation",)),
+    Stage("specular", 0.30, 2e-3, 16, 0.4, ("specular",)),
+    Stage("mirror", 0.10, 2e-3, 16, 0.4, ("mirror",)),
+    Stage("albedo", 0.08, 1e-3, 32, 0, ("albedo",)),
+    Stage("exponent", 0.06, 1e-3, 32, 0, ("exponent",)),
+    Stage("chain-mirror", 0.06, 5e-4, 16, 0, ("specular", "mirror")),
+    Stage("chain-exponent", 0.14, 5e-4, 16, 0, ("specular", "mirror", "exponent")),
+    Stage("chain-albedo", 0.16, 5e-4, 16, 0, ("specular", "mirror", "exponent", "albedo")),
+)
+
+
+def stages_of(networks, names=None):
+    """The stages that a variant has, or those of them that are named; shares add up to 1."""
+    chosen = [s for s in STAGES if networks.use_mirror or s.name not in ("mirror", "chain-mirror")]
+    unknown = set(names or ()) - {s.name for s in chosen}
+    if unknown:
+        raise ValueError(f"no stage is called {', '.join(sorted(unknown))}; there are {', '.join(s.name for s in chosen)}")
+    if names:
+        chosen = [s for s in chosen if s.name in names]
+    total = sum(s.share for s in chosen)
+    return [dataclasses.replace(s, share=s.share / total,
+                                parts=tuple(p for p in s.parts if networks.use_mirror or p != "mirror")) for s in chosen]
+
+
+def pick_mask(networks, batch, predicted):
+    """The true mask, and in every second sample the predicted one where `predicted`, as in use."""
+    if not predicted:
+        return batch.mask
+    with torch.no_grad():
+        was_training = networks.segmentation.training
+        networks.segmentation.eval()
+        found = (networks.find_mask(batch.image) > 0.5).float()
+        networks.segmentation.train(was_training)
+    # An object that was not found leaves nothing to learn from.
+    use = (found * batch.mask).sum((1, 2, 3)) > 0.5 * batch.mask.sum((1, 2, 3))
+    use &= torch.arange(len(use), device=use.device) % 2 == 0
+    return torch.where(use.view(-1, 1, 1, 1), found, batch.mask)
+
+
+def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
+    """Dictionary of the loss terms of one batch in one stage; their sum is what the stage minimizes."""
+    terms = {}
+    if stage == "segmentation":
+        terms["mask"] = losses.mask_loss(networks.find_mask(batch.image), batch)
+        return terms
+    mask = pick_mask(networks, batch, predicted_mask)
+    inside = mask * batch.mask
+    chained = stage.startswith("chain")
+    specular, mirror = batch.layer_code, batch.mirror_code
+    if stage == "specular" or chained:
+        specular = networks.find_specular(batch.image, mask)
+        terms["specular"] = losses.code_loss(specular, batch.layer_code, inside)
+    if networks.use_mirror and (stage == "mirror" or chained):
+        mirror = networks.find_mirror(specular, mask)
+        terms["mirror"] = losses.code_loss(mirror, batch.mirror_code, inside)
+    if stage in ("exponent", "chain-exponent", "chain-albedo"):
+        scores = networks.find_exponent(specular, mirror)
+        terms["exponent"] = 0.1 * losses.exponent_loss(scores, batch, networks.regress)
+    albedo = None
+    if stage in ("albedo", "chain-albedo"):
+        albedo = networks.find_albedo(batch.image, mask, specular)
+        terms["albedo"] = 5 * losses.albedo_loss(albedo, batch)
+    if perceptual and ("specular" in terms or albedo is not None):
+        terms["rendering"] = 5 * losses.rendering_loss(batch, specular, albedo)
+    return terms

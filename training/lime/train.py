@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Trains the five networks on the rendered corpus: train.py --minutes 60. See README.md.
+
+Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl and OUT/curves.png. The same command with
+--resume goes on where the checkpoint ended. --resume --stages a,b,… goes through those stages (again), from the weights of
+the checkpoint, and shares --minutes out among them; --resume alone then goes on with that list.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import time
+
+# Threads that wait let others have the core: spinning costs most of a shared machine's time. Read when torch is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import torch  # noqa: E402
+
+from lime import corpus, curves, stages  # noqa: E402
+from lime.networks import SIZES, Networks  # noqa: E402
+
+VALIDATION_SEED = 2  # of the test split; the scores of evaluate.py are of seed 1
+HELD_BACK = 64       # validation samples
+LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped for a while, not training
+
+
+def arguments():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
+    p.add_argument("--minutes", type=float, default=60, help="of training in all; shared out among the stages")
+    p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--hdri", default=None, help="folder of CC0 environment maps; '' for rooms only")
+    p.add_argument("--threads", type=int, default=2, help="of the training")
+    p.add_argument("--workers", type=int, default=1, help="threads that render samples")
+    p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
+    p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
+    p.add_argument("--resume", action="store_true")
+    p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
+    p.add_argument("--no-perceptual", action="store_true", help="ablation: without the rendering loss")
+    p.add_argument("--no-mirror", action="store_true", help="ablation: without MirrorNet")
+    p.add_argument("--regress", action="store_true", help="ablation: log10 of the shininess instead of bins")
+    return p.parse_args()
+
+
+def validate(stage, networks, batches, perceptual):
+    """Mean loss terms over held-out samples."""
+    networks.eval()
+    sums = {}
+    with torch.no_grad():
+        for batch in batches:
+            for name, value in stages.stage_losses(stage.name, networks, batch, perceptual).items():
+                sums[name] = sums.get(name, 0) + float(value) / len(batches)
+    networks.train()
+    return sums
+
+
+def main():
+    args = arguments()
+    torch.manual_seed(args.seed)
+    torch.set_num_threads(args.threads)
+    args.out.mkdir(parents=True, exist_ok=True)
+    size = "wide" if args.wide else "standard"
+    variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
+    networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
+    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "trained_seconds": 0.0}
+    path, optimizer_state = args.out / "checkpoint.pt", None
+    if args.resume:
+        saved = torch.load(path, map_location=args.device)
+        assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
+        networks.load_state_dict(saved.pop("networks"))
+        optimizer_state = saved.pop("optimizer")
+        state.update(saved)
+    if args.stages:
+        state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
+        optimizer_state = None
+    order = stages.stages_of(networks, state["stages"])
+    state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
+
+    samples = corpus.Corpus(args.hdri)
+    pixels = SIZES[size]["input"]
+    held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
+    held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
+                 for i in range(0, HELD_BACK, 16)]
+    log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
+
+    def write(**record):
+        log.write(json.dumps(record) + "\n")
+        log.flush()
+
+    def save(optimizer):
+        torch.save({**state, "networks": networks.state_dict(), "optimizer": optimizer.state_dict()}, str(path) + ".new")
+        pathlib.Path(str(path) + ".new").replace(path)
+        curves.plot(args.out / "log.jsonl", args.out / "curves.png")
+
+    write(event="start", maps=samples.maps(False), arguments={k: str(v) for k, v in vars(args).items()})
+    networks.train()
+    for number in range(state["stage"], len(order)):
+        stage = order[number]
+        if number != state["stage"]:
+            state.update(stage=number, seconds=0.0)
+        budget = 60 * args.minutes * stage.share
+        learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
+        optimizer = torch.optim.Adam(learning, lr=stage.rate)
+        if optimizer_state:
+            optimizer.load_state_dict(optimizer_state)
+            optimizer_state = None
+        flags = corpus.MAY_BE_EMPTY if stage.name == "segmentation" else 0
+        stream, stream_pixels = None, 0
+        means, count, saved = {}, 0, time.monotonic()
+        while state["seconds"] < budget:
+            started = time.monotonic()
+            progress = state["seconds"] / budget
+            warm = min(1, (count + 1) / 50)
+            coarse = progress < stage.coarse
+            if stream_pixels != pixels >> coarse:
+                stream_pixels, batch = pixels >> coarse, stage.batch << 2 * coarse
+                if stream:
+                    stream.close()
+                stream = corpus.Stream(samples, args.seed, state["samples"], batch, stream_pixels, flags, args.workers,
+                                       args.device)
+            for group in optimizer.param_groups:
+                group["lr"] = stage.rate * warm * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
+            terms = stages.stage_losses(stage.name, networks, next(stream), not args.no_perceptual)
+            total = sum(terms.values())
+            optimizer.zero_grad(set_to_none=True)
+            total.backward()
+            torch.nn.utils.clip_grad_norm_(learning, 1.0)
+            optimizer.step()
+            count += 1
+            state["samples"] += batch
+            for name, value in terms.items():
+                means[name] = means.get(name, 0) + float(value)
+            took = min(time.monotonic() - started, LONGEST_STEP)
+            state["seconds"] += took
+            state["trained_seconds"] += took
+            if count % 50 == 0:
+                record = {name: value / 50 for name, value in means.items()}
+                means = {}
+                if count % 200 == 0:
+                    record.update({"held_out_" + k: v for k, v in
+                                   validate(stage, networks, held_back, not args.no_perceptual).items()})
+                write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
+                      rate=optimizer.param_groups[0]["lr"], **record)
+            if time.monotonic() - saved > 60:
+                save(optimizer)
+                saved = time.monotonic()
+        if stream:
+            stream.close()
+        write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
+              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back, not args.no_perceptual).items()})
+        # The optimizer of an ended stage is of no use to the next one.
+        state.update(stage=number + 1, seconds=0.0)
+        save(optimizer)
+
+
+main()
