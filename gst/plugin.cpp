@@ -1,6 +1,7 @@
 // The list of elements, nothing else.
 #include "base/filter.hpp"
 #include "base/layers_meta.hpp"
+#include "base/material_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kGlobalIntrinsic;
@@ -10,16 +11,19 @@ extern const ElementInfo kIntrinsicDecomp;
 extern const ElementInfo kIntrinsicDecompThesis;
 extern const ElementInfo kIntrinsicDespill;
 extern const ElementInfo kIntrinsicRecolor;
+extern const ElementInfo kLimeMaterial;
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
+  inverse::register_material_meta();
   for (const inverse::ElementInfo* element : {
            &inverse::kIntrinsicDecomp,
            &inverse::kIntrinsicDecompThesis,
            &inverse::kGlobalIntrinsic,
            &inverse::kGlobalIntrinsicThesis,
+           &inverse::kLimeMaterial,
            &inverse::kIntrinsicRecolor,
            &inverse::kIntrinsicDespill,
            &inverse::kIntrinsicCompose,

@@ -11,6 +11,7 @@ enum class ErrorKind {
   out_of_memory,  ///< host or device memory ran out
   limit,          ///< the request exceeds a limit of the device (the text names it)
   unsupported,    ///< a format, colorimetry or option that this build cannot handle
+  file,           ///< a file that is missing, damaged, or not what it should be
   internal,       ///< a broken promise inside this library
 };
 

@@ -18,6 +18,9 @@ void post_error(GstElement* element, const Error& error) {
     case ErrorKind::unsupported:
       GST_ELEMENT_ERROR(element, STREAM, FORMAT, ("%s", error.what()), (nullptr));
       break;
+    case ErrorKind::file:
+      GST_ELEMENT_ERROR(element, RESOURCE, READ, ("%s", error.what()), (nullptr));
+      break;
     case ErrorKind::internal:
       GST_ELEMENT_ERROR(element, LIBRARY, FAILED, ("%s", error.what()), (nullptr));
       break;

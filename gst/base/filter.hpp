@@ -1,6 +1,7 @@
 #pragma once
 #include <gst/video/video.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -43,6 +44,8 @@ struct FrameWork {
   bool same_picture = false;  ///< out: it would come out as the one that was drawn last
   /// out: the only tiles where it would not; null: all may differ.
   const TileList* drawn = nullptr;
+  /// out: adds metas of the filter's own to the buffer that goes out.
+  std::function<void(GstBuffer*)> decorate = {};
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,

@@ -303,6 +303,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   }
   post();
   send(out, slot, frame);
+  if (frame.decorate) frame.decorate(out);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
   if (in_images_) slot.commands->wait();

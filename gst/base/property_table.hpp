@@ -128,6 +128,26 @@ Property<P> flag(const char* name, Access access, const char* blurb,
   return property;
 }
 
+/// A text; null is the empty one.
+template <typename P, typename Access>
+Property<P> text(const char* name, Access access, const char* blurb,
+                 Mutable when = Mutable::playing) {
+  using property_detail::field;
+  Property<P> property = property_detail::named<P>(name, access);
+  property.make_spec = [=](const P& defaults) {
+    return g_param_spec_string(name, property_detail::nick(name), blurb,
+                               field(defaults, access).c_str(), property_detail::flags(when));
+  };
+  property.read = [access](const P& from, GValue* to) {
+    g_value_set_string(to, field(from, access).c_str());
+  };
+  property.write = [access](P& to, const GValue* from) {
+    const char* value = g_value_get_string(from);
+    field(to, access) = value ? value : "";
+  };
+  return property;
+}
+
 /// One value of an enumerated property.
 struct Choice {
   int value;

@@ -52,6 +52,7 @@ struct Shape {
 struct Input {
   std::string name;
   uint32_t channels = 0;
+  uint32_t height = 0, width = 0;  ///< that the network was made for, where that is known
 };
 
 struct Output {

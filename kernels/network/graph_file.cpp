@@ -55,7 +55,7 @@ class Reader {
   Reader(std::span<const std::byte> bytes, const std::string& name) : left_(bytes), name_(name) {}
 
   [[noreturn]] void refuse(const std::string& why) const {
-    throw Error(ErrorKind::unsupported, name_ + ": " + why);
+    throw Error(ErrorKind::file, name_ + ": " + why);
   }
   template <typename T>
   T value() {
@@ -137,7 +137,7 @@ std::vector<std::byte> to_file(const Graph& graph) {
   body.count(graph.inputs.size());
   for (const Input& input : graph.inputs) {
     body.text(input.name);
-    body.value(input.channels);
+    for (const uint32_t number : {input.channels, input.height, input.width}) body.value(number);
   }
   body.count(graph.nodes.size());
   for (const Node& node : graph.nodes) write_node(body, node);
@@ -161,10 +161,11 @@ std::vector<std::byte> to_file(const Graph& graph) {
 Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
   Reader in(body_of(bytes, name), name);
   Graph graph;
-  graph.inputs.resize(in.count(8));
+  graph.inputs.resize(in.count(16));
   for (Input& input : graph.inputs) {
     input.name = in.text();
-    input.channels = in.value<uint32_t>();
+    for (uint32_t* number : {&input.channels, &input.height, &input.width})
+      *number = in.value<uint32_t>();
   }
   const size_t nodes = in.count(40);
   for (size_t i = 0; i < nodes; ++i) graph.nodes.push_back(read_node(in));
@@ -189,10 +190,9 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 
 Graph load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw Error(ErrorKind::unsupported, path + ": " + std::strerror(errno) + " (a network file)");
+  if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + " (a network file)");
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) throw Error(ErrorKind::unsupported, path + ": it cannot be read");
+  if (file.bad()) throw Error(ErrorKind::file, path + ": it cannot be read");
   return from_file(std::as_bytes(std::span(bytes)), path);
 }
 

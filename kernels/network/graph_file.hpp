@@ -20,7 +20,7 @@ namespace inverse::network {
 ///              as u32 length and bytes, all else as u32 or f32 (Node::weights: u64)
 std::vector<std::byte> to_file(const Graph& graph);
 
-/// Reads such a file and validates all of it. `name` is for messages. Throws Error(unsupported)
+/// Reads such a file and validates all of it. `name` is for messages. Throws Error(file)
 /// where it is cut short, changed, of another version, or does not hold a valid graph.
 Graph from_file(std::span<const std::byte> bytes, const std::string& name);
 

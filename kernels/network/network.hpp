@@ -22,6 +22,9 @@ class Network {
   /// Error(limit) and Error(out_of_memory).
   Network(const std::shared_ptr<gpu::Device>& device, Graph graph, std::span<const Shape> inputs);
 
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
   const gpu::BufferPtr& input(size_t index) const {
     return buffer_of(static_cast<uint32_t>(index));
   }

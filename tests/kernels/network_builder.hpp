@@ -13,8 +13,9 @@ class NetworkBuilder {
  public:
   explicit NetworkBuilder(unsigned seed) : random_(seed) {}
 
-  uint32_t input(uint32_t channels) {
-    graph_.inputs.push_back({"input " + std::to_string(graph_.inputs.size()), channels});
+  uint32_t input(uint32_t channels, uint32_t height = 0, uint32_t width = 0) {
+    graph_.inputs.push_back(
+        {"input " + std::to_string(graph_.inputs.size()), channels, height, width});
     channels_.push_back(channels);
     return static_cast<uint32_t>(channels_.size() - 1);
   }

@@ -31,7 +31,8 @@ void write(const char* path, const std::vector<std::byte>& bytes) {
 void describe(const char* path, const network::Graph& graph) {
   std::printf("%s: %zu nodes, %zu weights\n", path, graph.nodes.size(), graph.weights.size());
   for (const auto& input : graph.inputs)
-    std::printf("  input %s: %u channels\n", input.name.c_str(), input.channels);
+    std::printf("  input %s: %u channels, %u x %u\n", input.name.c_str(), input.channels,
+                input.height, input.width);
   for (const auto& output : graph.outputs) std::printf("  output %s\n", output.name.c_str());
 }
 

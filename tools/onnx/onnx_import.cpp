@@ -1,5 +1,6 @@
 #include "onnx_import.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
@@ -47,7 +48,10 @@ class Importer {
           "input \"" + input.name() +
               "\": an image is wanted, of [1, channels, height, width] with known channels");
     values_[input.name()] = static_cast<uint32_t>(graph_.inputs.size());
-    graph_.inputs.push_back({input.name(), static_cast<uint32_t>(shape.dim(1).dim_value())});
+    const auto side = [&shape](int index) {  // 0 where it is open, as dim_value is then
+      return static_cast<uint32_t>(std::max<int64_t>(0, shape.dim(index).dim_value()));
+    };
+    graph_.inputs.push_back({input.name(), side(1), side(2), side(3)});
   }
 
   uint32_t value(const Operator& op, int index) const {

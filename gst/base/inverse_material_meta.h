@@ -1,0 +1,47 @@
+/* gst-inverse: the material of the object that limematerial sees in a frame.
+ *
+ * This header is all that is needed: no library to link.
+ *
+ * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
+ */
+#pragma once
+#include <gst/gst.h>
+
+G_BEGIN_DECLS
+
+#define GST_MATERIAL_META_API_NAME "GstMaterialMetaAPI"
+#define GST_MATERIAL_BINS 8
+
+/**
+ * GstMaterialMeta:
+ * @found: whether there is an object; nothing else means anything where there is none
+ * @diffuse: diffuse albedo, linear RGB, 0...1
+ * @specular: specular albedo, white, 0...1
+ * @shininess: exponent of Blinn-Phong's lobe, 2...1024. What the object gives back of the light is
+ * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1
+ * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
+ * @estimates: frames that went into it
+ * @left: the object's box, in pixels of the frame
+ * @top: the same
+ * @right: the same
+ * @bottom: the same
+ */
+typedef struct {
+  GstMeta meta;
+  gboolean found;
+  gfloat diffuse[3];
+  gfloat specular;
+  gfloat shininess;
+  gfloat bins[GST_MATERIAL_BINS];
+  guint64 estimates;
+  gfloat left, top, right, bottom;
+} GstMaterialMeta;
+
+/** The material of a buffer, or %NULL. */
+static inline GstMaterialMeta* gst_buffer_get_material_meta(GstBuffer* buffer) {
+  const GType api = g_type_from_name(GST_MATERIAL_META_API_NAME);
+  if (!api) return NULL;  // NOLINT(modernize-use-nullptr): C reads this, too
+  return (GstMaterialMeta*)gst_buffer_get_meta(buffer, api);
+}
+
+G_END_DECLS

@@ -1,0 +1,253 @@
+// limematerial: the material of the object in front of the camera (thesis chapter 6).
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/filter.hpp"
+#include "base/material_meta.hpp"
+#include "image/mosaic.hpp"
+#include "image/tile_list.hpp"
+#include "material/lime_material.hpp"
+#include "material_properties.hpp"
+
+namespace inverse {
+namespace {
+
+enum class LimeShow { input, mask, specular, diffuse, mirror, mosaic };
+
+struct Params : LimeMaterial::Params {
+  LimeShow show = LimeShow::diffuse;
+  std::string models;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      choice<P>("show", &P::show, "GstInverseLimeShow",
+                {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
+                 {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
+                 {static_cast<int>(LimeShow::specular), "specular",
+                  "Highlights: what the object's surface reflects, as gray"},
+                 {static_cast<int>(LimeShow::diffuse), "diffuse",
+                  "The frame without the object's highlights"},
+                 {static_cast<int>(LimeShow::mirror), "mirror",
+                  "What the object would reflect if it were a perfect mirror, as gray"},
+                 {static_cast<int>(LimeShow::mosaic), "mosaic",
+                  "Input, diffuse, specular and mirror at half size, side by side"}},
+                "What to show"),
+      text<P>("models", &P::models,
+              "Folder with a folder lime of networks; empty = the environment variable "
+              "INVERSE_MODELS, else where the plugin's models were installed",
+              Mutable::ready),
+      number<P>(
+          "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
+          "Frames over which the material is averaged, at most (thesis Eq. 6.5)"),
+      number<P>(
+          "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
+          "A diffuse albedo that is so far from the average (largest channel, linear) for "
+          "five frames is of another object: averaging starts anew"),
+      flag<P>(
+          "adaptive", &P::adaptive,
+          "Leave out what cannot matter: all networks but the one that looks for the object while "
+          "there is none, or one that rests and whose material is known; that one, too, where "
+          "the picture rests"),
+      number<P>("recheck", &P::recheck, 1, 1000,
+                "The material of an object that rests is estimated every so many frames"),
+      number<P>("steady", &P::steady, 0, 1,
+                "A material is known when its standard error (of albedos; of log2 of the "
+                "shininess, a sixth) is below this"),
+  };
+  return table;
+}
+
+std::string models_folder(const std::string& set) {
+  if (!set.empty()) return set + "/lime";
+  const char* environment = g_getenv("INVERSE_MODELS");
+  return std::string(environment && *environment ? environment : MODELS_FOLDER) + "/lime";
+}
+
+/// Whether a tile of the frame that changed lies in the square.
+bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
+  if (changed.empty()) return true;
+  constexpr uint32_t kTile = TileList::kTile;
+  const uint32_t columns = (frame.width + kTile - 1) / kTile;
+  for (size_t i = 0; i < changed.size(); ++i) {
+    const size_t column = i % columns, row = i / columns;
+    const auto left = static_cast<float>(column * kTile), top = static_cast<float>(row * kTile);
+    const float right = left + kTile, bottom = top + kTile;
+    if (changed[i] && right > square.x && left < square.x + square.size && bottom > square.y &&
+        top < square.y + square.size)
+      return true;
+  }
+  return false;
+}
+
+class LimeElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    const std::string folder = models_folder(parameters_.snapshot().models);
+    if (!models_ || folder != folder_) {
+      models_ = LimeModels::load(folder);
+      folder_ = folder;
+    }
+    extent_ = extent;
+    method_.emplace(device, extent, *models_);
+    mosaic_.emplace(device);
+    planes_.emplace(device, extent);
+    if (device->first_warm_up("limematerial")) method_->warm_up();
+    publish();
+  }
+  void release() override {
+    method_.reset();
+    mosaic_.reset();
+    planes_.reset();
+  }
+  void reset() override {
+    method_->reset();
+    publish();
+  }
+
+  void process(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    const PlanePtr input = frame.layers[Role::input];
+    const bool still = frame.repeated || !changed_within(frame.changed, extent_, method_->square());
+    tell(frame);
+    numbers_[frame.number % numbers_.size()] = method_->recorded();
+    const LimeMaterial::Layers layers = method_->record(frame.commands, *input, params, still);
+    frame.decorate = [object = method_->object()](GstBuffer* buffer) { attach(buffer, object); };
+    switch (params.show) {
+      case LimeShow::input:
+        frame.picture = {input};
+        break;
+      case LimeShow::mask:
+        frame.picture = {layers.diffuse, true};
+        break;
+      case LimeShow::specular:
+        frame.picture = {layers.gloss};
+        break;
+      case LimeShow::diffuse:
+        frame.picture = {layers.diffuse};
+        break;
+      case LimeShow::mirror:
+        frame.picture = {layers.gloss, true};
+        break;
+      case LimeShow::mosaic:
+        frame.picture = {planes_->acquire()};
+        mosaic_->record(frame.commands,
+                        {{{input.get()},
+                          {layers.diffuse.get()},
+                          {layers.gloss.get()},
+                          {layers.gloss.get(), Drawing::Source::shading}}},
+                        *frame.picture.plane);
+        break;
+    }
+  }
+
+  void took(uint64_t number, double) override {
+    method_->done(numbers_[number % numbers_.size()]);
+    publish();
+  }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const LimeMaterial::Report& report = method_->report(numbers_[number % numbers_.size()]);
+    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "segmentations",
+                      G_TYPE_UINT64, report.segmentations, "estimates", G_TYPE_UINT64,
+                      report.estimates, "network-bytes", G_TYPE_UINT64, method_->network_bytes(),
+                      nullptr);
+    describe_object(stats, method_->object());
+  }
+
+ private:
+  static void describe_object(GstStructure* s, const LimeMaterial::Object& object) {
+    gst_structure_set(s, "found", G_TYPE_BOOLEAN, object.found, nullptr);
+    if (!object.found) return;
+    const auto real = [](float v) { return static_cast<gdouble>(v); };
+    const Material& m = object.material;
+    gst_structure_set(
+        s, "diffuse-red", G_TYPE_DOUBLE, real(m.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
+        real(m.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE, real(m.diffuse[2]), "specular",
+        G_TYPE_DOUBLE, real(m.specular), "shininess", G_TYPE_DOUBLE, real(m.shininess()), "bin",
+        G_TYPE_UINT, static_cast<guint>(m.bin()), "averaged", G_TYPE_UINT64, object.estimates,
+        "spread", G_TYPE_DOUBLE, real(object.spread), "left", G_TYPE_DOUBLE, real(object.box.left),
+        "top", G_TYPE_DOUBLE, real(object.box.top), "right", G_TYPE_DOUBLE, real(object.box.right),
+        "bottom", G_TYPE_DOUBLE, real(object.box.bottom), nullptr);
+  }
+
+  static void attach(GstBuffer* buffer, const LimeMaterial::Object& object) {
+    GstMaterialMeta* meta = add_material_meta(buffer);
+    meta->found = object.found;
+    if (!object.found) return;
+    std::copy(object.material.diffuse.begin(), object.material.diffuse.end(), meta->diffuse);
+    std::copy(object.material.bins.begin(), object.material.bins.end(), meta->bins);
+    meta->specular = object.material.specular;
+    meta->shininess = object.material.shininess();
+    meta->estimates = object.estimates;
+    meta->left = object.box.left;
+    meta->top = object.box.top;
+    meta->right = object.box.right;
+    meta->bottom = object.box.bottom;
+  }
+
+  /// For the properties, which any thread may ask for.
+  void publish() {
+    const LimeMaterial::Object& object = method_->object();
+    parameters_.publish(object.found && object.estimates ? std::optional(object.material)
+                                                         : std::nullopt);
+  }
+
+  /// A message when an object comes or goes, and when its material is another than was told.
+  void tell(FrameWork& frame) {
+    const LimeMaterial::Object& object = method_->object();
+    const bool known = object.found && object.estimates > 0;
+    if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
+    if (known)
+      told_ = object.material;
+    else
+      told_.reset();
+    StructurePtr message(gst_structure_new_empty("material"));
+    describe_object(message.get(), known ? object : LimeMaterial::Object{});
+    frame.messages.push_back(std::move(message));
+  }
+  static bool near(const Material& a, const Material& b) {
+    constexpr float kAlbedo = 0.02F, kOctaves = 0.25F;
+    for (size_t c = 0; c < 3; ++c)
+      if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
+    return std::fabs(a.specular - b.specular) <= kAlbedo &&
+           std::fabs(std::log2(a.shininess() / b.shininess())) <= kOctaves;
+  }
+
+  MaterialProperties<Params> parameters_{table()};
+  std::optional<LimeModels> models_;
+  std::string folder_;
+  Extent extent_;
+  std::optional<LimeMaterial> method_;
+  std::optional<Mosaic> mosaic_;
+  std::optional<PlanePool> planes_;
+  std::array<uint64_t, gpu::kFramesInFlight> numbers_{};  // the method's, by the frame's
+  std::optional<Material> told_;
+};
+
+}  // namespace
+
+extern const ElementInfo kLimeMaterial;
+const ElementInfo kLimeMaterial{
+    "limematerial",
+    "GstLimeMaterial",
+    "Live material estimation",
+    "Filter/Analyzer/Video",
+    "Names the material of the object in front of the camera: diffuse and specular albedo and "
+    "shininess, with its mask, highlights and mirror image",
+    Flow::pixels,
+    Flow::pixels,
+    nullptr,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new LimeElement); }};
+
+}  // namespace inverse

@@ -1,0 +1,44 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "lime.glsl"
+#include "../image/finite.glsl"
+
+// The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
+// codes are bilinear; of a pixel no more is taken for specular than its least channel has.
+layout(constant_id = 1) const bool kFound = true;  // whether there is an object
+PLANE_IN(0, frame);
+PLANE_IN(1, probability);
+PLANE_IN(2, codes);     // specular, mirror: what ExponentNet took
+PLANE_OUT(3, diffuse);  // linear RGB of the frame without the specular layer; w: mask
+PLANE_OUT(4, gloss);    // specular, mirror; linear
+layout(push_constant) uniform Push {
+  ivec2 size;
+  vec2 corner;
+  float pixels;
+  int side;
+} push;
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= push.size.x * push.size.y) return;
+  vec3 rgb = finite(FETCH(frame, i)).rgb;
+  float mask = 0.0;
+  vec2 layers = vec2(0.0);
+  vec2 at = (vec2(i % push.size.x, i / push.size.x) + 0.5 - push.corner) / push.pixels;
+  if (kFound && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(push.side)))) {
+    vec2 between = clamp(at - 0.5, vec2(0.0), vec2(push.side - 1));
+    ivec2 low = ivec2(between), high = min(low + 1, push.side - 1);
+    vec2 share = between - vec2(low);
+    int a = 1 + low.y * push.side + low.x, b = 1 + low.y * push.side + high.x, c = 1 + high.y * push.side + low.x,
+        d = 1 + high.y * push.side + high.x;
+    float p = mix(mix(FETCH(probability, a).x, FETCH(probability, b).x, share.x),
+                  mix(FETCH(probability, c).x, FETCH(probability, d).x, share.x), share.y);
+    mask = smoothstep(0.25, 0.75, p);
+    vec2 code = mix(mix(FETCH(codes, a).xy, FETCH(codes, b).xy, share.x),
+                    mix(FETCH(codes, c).xy, FETCH(codes, d).xy, share.x), share.y);
+    layers = mask * decode(code);
+    layers.x = min(layers.x, min(rgb.r, min(rgb.g, rgb.b)));
+  }
+  STORE(diffuse, i, vec4(rgb - layers.x, mask));
+  STORE(gloss, i, vec4(layers.xxx, layers.y));
+}

@@ -1,0 +1,208 @@
+#include "lime_material.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "../gpu/shaders.hpp"
+
+INVERSE_SHADER(material_crop);
+INVERSE_SHADER(material_layers);
+INVERSE_SHADER(material_masked);
+INVERSE_SHADER(material_mirror_out);
+INVERSE_SHADER(material_specular_out);
+
+namespace inverse {
+namespace {
+
+constexpr float kMoved = 0.02F;   // share of the object's points: less is rest
+constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
+
+struct Place {
+  Place(Extent extent, const Square& square, uint32_t points)
+      : width(static_cast<int32_t>(extent.width)),
+        height(static_cast<int32_t>(extent.height)),
+        x(square.x),
+        y(square.y),
+        pixels(square.size / static_cast<float>(points)),
+        side(static_cast<int32_t>(points)) {}
+  int32_t width, height;
+  float x, y, pixels;
+  int32_t side;
+};
+
+network::Network make(const std::shared_ptr<gpu::Device>& device, network::Graph& graph,
+                      uint32_t side) {
+  const network::Shape shape{graph.inputs[0].channels, side, side};
+  return {device, std::move(graph), std::span(&shape, 1)};
+}
+
+}  // namespace
+
+LimeMaterial::LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                           LimeModels models)
+    : device_(device),
+      extent_(extent),
+      side_(models.side),
+      segmentation_(make(device, models.segmentation, side_)),
+      specular_(make(device, models.specular, side_)),
+      mirror_(make(device, models.mirror, side_)),
+      albedo_(make(device, models.albedo, side_)),
+      exponent_(make(device, models.exponent, side_)),
+      crop_(device->kernel(shaders::material_crop)),
+      masked_(device->kernel(shaders::material_masked)),
+      specular_out_(device->kernel(shaders::material_specular_out)),
+      mirror_out_(device->kernel(shaders::material_mirror_out)),
+      layers_{device->kernel(shaders::material_layers, {0}),
+              device->kernel(shaders::material_layers, {1})},
+      planes_(device, extent),
+      tracker_(extent) {
+  const auto readback = [&device](const gpu::BufferPtr& like) {
+    return gpu::Buffer::create(device, gpu::Element::vec4, like->count(), gpu::Memory::readback);
+  };
+  for (Slot& slot : slots_) {
+    slot.probability = readback(segmentation_.output(0));
+    slot.albedo = readback(albedo_.output(0));
+    slot.exponent = readback(exponent_.output(0));
+  }
+}
+
+uint64_t LimeMaterial::network_bytes() const {
+  uint64_t sum = 0;
+  for (const network::Network* net : {&segmentation_, &specular_, &mirror_, &albedo_, &exponent_})
+    sum += net->plan().bytes() + net->weight_bytes();
+  return sum;
+}
+
+void LimeMaterial::reset() {
+  tracker_.reset();
+  fusion_.reset();
+  object_ = {};
+  have_layers_ = false;
+  rested_ = 0;
+  ++epoch_;
+}
+
+bool LimeMaterial::rests(const Params& params) const {
+  if (!params.adaptive || !object_.found || !have_layers_) return false;
+  if (!(tracker_.square() == estimated_in_)) return false;
+  const bool steady =
+      fusion_.count() >= kFewest &&
+      fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.count()));
+  return steady && tracker_.moved() < kMoved;
+}
+
+void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot) {
+  commands.dispatch(crop_, {frame.buffer, segmentation_.input(0)},
+                    Place(extent_, slot.square, side_), {side_ * side_});
+  segmentation_.record(commands);
+  commands.stage("segmentation");
+  commands.copy(segmentation_.output(0), slot.probability, slot.probability->bytes());
+}
+
+void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
+  const auto points = static_cast<int32_t>(side_ * side_);
+  const gpu::Items items{side_ * side_};
+  commands.dispatch(masked_, {segmentation_.input(0), segmentation_.output(0), specular_.input(0)},
+                    points, items);
+  specular_.record(commands);
+  commands.stage("specular");
+  commands.dispatch(specular_out_,
+                    {specular_.input(0), specular_.output(0), mirror_.input(0), albedo_.input(0)},
+                    points, items);
+  mirror_.record(commands);
+  commands.stage("mirror");
+  commands.dispatch(mirror_out_,
+                    {specular_.input(0), mirror_.input(0), mirror_.output(0), exponent_.input(0)},
+                    points, items);
+  albedo_.record(commands);
+  commands.stage("albedo");
+  exponent_.record(commands);
+  commands.stage("exponent");
+  commands.copy(albedo_.output(0), slot.albedo, slot.albedo->bytes());
+  commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
+}
+
+LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame,
+                                                 bool known) {
+  Layers layers{planes_.acquire(), planes_.acquire()};
+  commands.dispatch(layers_[known],
+                    {frame.buffer, segmentation_.output(0), exponent_.input(0),
+                     layers.diffuse->buffer, layers.gloss->buffer},
+                    Place(extent_, estimated_in_, side_),
+                    {static_cast<uint32_t>(extent_.pixels())});
+  commands.stage("layers");
+  return layers;
+}
+
+void LimeMaterial::warm_up() {
+  gpu::Commands commands(device_);
+  const PlanePtr frame = planes_.acquire();
+  slots_[0].square = estimated_in_ = tracker_.square();
+  commands.begin();
+  commands.fill(frame->buffer);
+  record_segmentation(commands, *frame, slots_[0]);
+  record_networks(commands, slots_[0]);
+  for (const bool known : {false, true}) record_layers(commands, *frame, known);
+  commands.submit();
+  commands.wait();
+}
+
+LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& frame,
+                                          const Params& params, bool still) {
+  Slot& slot = slots_[recorded_ % slots_.size()];
+  slot.params = params;
+  slot.square = tracker_.square();
+  slot.epoch = epoch_;
+  Report report;
+  const bool rest = rests(params) && ++rested_ < std::max(params.recheck, uint32_t{1});
+  if (!rest) rested_ = 0;
+  report.segmented = !rest || !still;
+  report.estimated = !rest && (object_.found || !params.adaptive);
+  if (!report.segmented)
+    report.skipped = "networks: the picture rests and its material is known";
+  else if (rest)
+    report.skipped = "networks of the material: the object rests and its material is known";
+  else if (!report.estimated)
+    report.skipped = "networks of the material: no object was found";
+  if (report.segmented) record_segmentation(commands, frame, slot);
+  if (report.estimated) {
+    record_networks(commands, slot);
+    estimated_in_ = slot.square;
+    have_layers_ = true;
+  }
+  totals_.segmentations += report.segmented;
+  totals_.estimates += report.estimated;
+  report.segmentations = totals_.segmentations;
+  report.estimates = totals_.estimates;
+  slot.report = report;
+  ++recorded_;
+
+  return record_layers(commands, frame, object_.found && have_layers_);
+}
+
+void LimeMaterial::done(uint64_t number) {
+  const Slot& slot = this->slot(number);
+  if (slot.epoch != epoch_ || !slot.report.segmented) return;
+  const bool was_found = tracker_.found();
+  tracker_.update({slot.probability->map_as<float>() + 4, size_t{4} * side_ * side_}, side_, 4,
+                  slot.square);
+  if (was_found && !tracker_.found()) {
+    fusion_.reset();
+    have_layers_ = false;
+  }
+  if (tracker_.found() && slot.report.estimated) {
+    const float *albedo = slot.albedo->map_as<float>() + 4,
+                *bins = slot.exponent->map_as<float>() + 4;
+    Material estimate;
+    std::copy_n(albedo, 3, estimate.diffuse.begin());
+    estimate.specular = albedo[3];
+    std::copy_n(bins, Material::kBins, estimate.bins.begin());
+    fusion_.add(estimate, slot.params.fusion);
+  }
+  object_ = {tracker_.found(), fusion_.material(), fusion_.count(),
+             fusion_.spread(), tracker_.share(),   tracker_.box()};
+}
+
+}  // namespace inverse

@@ -1,0 +1,111 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "../gpu/commands.hpp"
+#include "../image/plane.hpp"
+#include "../network/network.hpp"
+#include "lime_models.hpp"
+#include "material_fusion.hpp"
+#include "object_tracker.hpp"
+
+namespace inverse {
+
+/// Live material estimation (thesis chapter 6): the mask of the object in front of the camera, its
+/// specular and mirror layers, and its diffuse and specular albedo and shininess.
+///
+/// What a frame's mask says is known when the frame is done on the device (`done`), so that the
+/// square that is looked at, and the material, follow by as many frames as are in flight. Where the
+/// last frame that is done had no object, SegmentationNet runs alone; so it does where an object
+/// rests and its material is known, but for one frame in `recheck`; and where the picture rests as
+/// well, not even that.
+class LimeMaterial {
+ public:
+  struct Params {
+    MaterialFusion::Params fusion;
+    uint32_t recheck =
+        8;  ///< a resting object with a steady material is looked at every so many frames
+    float steady = 0.02F;  ///< spread of estimates (MaterialFusion) over the root of their number
+                           ///< below which a material is steady
+    bool adaptive = true;  ///< whether anything is left out at all
+  };
+  /// What ran for a frame, and what it found; for `stats`.
+  struct Report {
+    bool segmented = false, estimated = false;
+    uint64_t segmentations = 0, estimates = 0;  ///< so far
+    const char* skipped = "";                   ///< what was left out, and why
+  };
+  /// What is known of the object now.
+  struct Object {
+    bool found = false;
+    Material material;
+    uint64_t estimates = 0;  ///< in the material
+    float spread = 0;
+    float share = 0;  ///< of the square that was looked at
+    ObjectTracker::Box box;
+  };
+
+  /// For frames of this size. Throws as network::Network.
+  LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent extent, LimeModels models);
+
+  /// The layers of a frame: `diffuse` has linear RGB without the specular layer, w = mask; `gloss`
+  /// the specular layer (gray, linear) in rgb, w = mirror image.
+  struct Layers {
+    PlanePtr diffuse, gloss;
+  };
+  /// Records a frame. `still`: it is, pixel by pixel, the one before.
+  Layers record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// A frame, by its place in the calls of `record` from 0, is done on the device. In order, each
+  /// once.
+  void done(uint64_t number);
+  /// Forgets the object, its material and all earlier frames; frames in flight are not looked at.
+  void reset();
+
+  /// Runs everything once on a black frame, so that no kernel is built while frames come.
+  void warm_up();
+
+  uint64_t recorded() const { return recorded_; }
+  /// The square that the next frame is looked at in.
+  const Square& square() const { return tracker_.square(); }
+  const Object& object() const { return object_; }
+  const Report& report(uint64_t number) const { return slot(number).report; }
+  /// Bytes of device memory that the networks take.
+  uint64_t network_bytes() const;
+
+ private:
+  struct Slot {
+    gpu::BufferPtr probability, albedo, exponent;  // read back
+    Square square;
+    Report report;
+    Params params;
+    uint64_t epoch = 0;
+  };
+  const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
+  bool rests(const Params& params) const;
+  void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
+  void record_networks(gpu::Commands& commands, Slot& slot);
+  Layers record_layers(gpu::Commands& commands, const Plane& frame, bool known);
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  uint32_t side_;
+  network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
+  gpu::KernelPtr crop_, masked_, specular_out_, mirror_out_;
+  std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
+  PlanePool planes_;
+  std::array<Slot, gpu::kFramesInFlight> slots_;
+
+  ObjectTracker tracker_;
+  MaterialFusion fusion_;
+  Object object_;
+  Square estimated_in_;       // the square that the networks' results are of
+  bool have_layers_ = false;  // of the object, from some frame since the last reset
+  uint64_t recorded_ = 0, epoch_ = 0;
+  uint32_t rested_ = 0;
+  Report totals_;
+};
+
+}  // namespace inverse

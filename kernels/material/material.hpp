@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace inverse {
+
+/// A homogeneous Blinn-Phong material (thesis Eq. 6.2): what an object gives back of the light is
+/// diffuse * D + specular * lobe_gain(shininess) * S, with D and S as in Eq. 6.3.
+struct Material {
+  static constexpr size_t kBins = 8;
+
+  std::array<float, 3> diffuse{};   ///< diffuse albedo m_d, linear RGB, 0…1
+  float specular = 0;               ///< specular albedo alpha, white, 0…1
+  std::array<float, kBins> bins{};  ///< probabilities of the bins of shininess, sum 1
+
+  /// Bins are even in log2, 2 to 1024: the middle of one.
+  static float bin_middle(size_t bin) {
+    return std::exp2(1 + 9 * (static_cast<float>(bin) + 0.5F) / kBins);
+  }
+  /// The bin of the largest probability.
+  size_t bin() const {
+    size_t best = 0;
+    for (size_t b = 1; b < kBins; ++b)
+      if (bins[b] > bins[best]) best = b;
+    return best;
+  }
+  /// The exponent s: the mean of the bins' middles in log2.
+  float shininess() const {
+    float sum = 0, all = 0;
+    for (size_t b = 0; b < kBins; ++b) {
+      sum += bins[b] * std::log2(bin_middle(b));
+      all += bins[b];
+    }
+    return std::exp2(all > 0 ? sum / all : 1);
+  }
+  /// m_s = lobe_gain * alpha keeps sharp lobes visible.
+  static float lobe_gain(float shininess) { return shininess > 8 ? (shininess + 8) / 16 : 1; }
+};
+
+}  // namespace inverse

@@ -1,0 +1,88 @@
+#include "material_fusion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace inverse {
+namespace {
+
+constexpr size_t kNumbers = 4 + Material::kBins;
+using Numbers = std::array<float, kNumbers>;
+
+Numbers numbers_of(const Material& m) {
+  Numbers all{m.diffuse[0], m.diffuse[1], m.diffuse[2], m.specular};
+  std::copy(m.bins.begin(), m.bins.end(), all.begin() + 4);
+  return all;
+}
+
+Material material_of(const Numbers& all) {
+  Material m;
+  std::copy_n(all.begin(), 3, m.diffuse.begin());
+  m.specular = all[3];
+  std::copy_n(all.begin() + 4, Material::kBins, m.bins.begin());
+  return m;
+}
+
+float diffuse_distance(const Material& a, const Material& b) {
+  float largest = 0;
+  for (size_t c = 0; c < 3; ++c)
+    largest = std::max(largest, std::fabs(a.diffuse[c] - b.diffuse[c]));
+  return largest;
+}
+
+float distance(const Material& a, const Material& b) {
+  return std::max({diffuse_distance(a, b), std::fabs(a.specular - b.specular),
+                   std::fabs(std::log2(a.shininess() / b.shininess())) / 6});
+}
+
+/// Number by number; bins are made to add up to 1 again.
+Material median(const std::deque<Material>& window) {
+  Numbers result{};
+  std::vector<float> column;
+  for (size_t n = 0; n < kNumbers; ++n) {
+    column.clear();
+    for (const Material& m : window) column.push_back(numbers_of(m)[n]);
+    std::sort(column.begin(), column.end());
+    const size_t half = column.size() / 2;
+    result[n] = column.size() % 2 ? column[half] : (column[half - 1] + column[half]) / 2;
+  }
+  Material m = material_of(result);
+  float all = 0;
+  for (const float p : m.bins) all += p;
+  for (float& p : m.bins) p = all > 0 ? p / all : 1.0F / Material::kBins;
+  return m;
+}
+
+bool finite(const Material& m) {
+  const Numbers all = numbers_of(m);
+  return std::all_of(all.begin(), all.end(), [](float v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+void MaterialFusion::reset() { *this = {}; }
+
+void MaterialFusion::add(const Material& estimate, const Params& params) {
+  if (!finite(estimate)) return;
+  window_.push_back(estimate);
+  if (window_.size() > kWindow) window_.pop_front();
+  const Material middle = median(window_);
+  others_ = count_ && diffuse_distance(middle, mean_) > params.other ? others_ + 1 : 0;
+  if (others_ >= kWindow) {
+    reset();
+    window_.push_back(estimate);
+  }
+  ++count_;
+  const float alpha =
+      1.0F / static_cast<float>(std::min<uint64_t>(count_, std::max(params.memory, uint32_t{1})));
+  const Numbers now = numbers_of(count_ == 1 ? estimate : middle), before = numbers_of(mean_);
+  Numbers mixed{};
+  for (size_t n = 0; n < kNumbers; ++n) mixed[n] = alpha * now[n] + (1 - alpha) * before[n];
+  mean_ = material_of(mixed);
+  const float off = distance(estimate, mean_);
+  constexpr float kRecent = 0.1F;
+  spread_ = std::sqrt((1 - kRecent) * spread_ * spread_ + kRecent * off * off);
+}
+
+}  // namespace inverse

@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+
+#include "material.hpp"
+
+namespace inverse {
+
+/// Estimates of one object's material over time (thesis 6.6): a median of the last five, which
+/// takes outliers away, and of these a mean in which every frame weighs the same (Eq. 6.5 with
+/// alpha = 1/t) up to a longest memory. Starts anew where the material is another.
+class MaterialFusion {
+ public:
+  struct Params {
+    /// Frames that the mean remembers: alpha is never below 1 over it.
+    uint32_t memory = 100;
+    /// A median whose diffuse albedo is so far (largest channel) from the mean, five times in a
+    /// row, is of another object.
+    float other = 0.2F;
+  };
+
+  /// Takes the estimate of one frame.
+  void add(const Material& estimate, const Params& params);
+  void reset();
+
+  /// The fused material; nothing is known of it before the first `add`.
+  const Material& material() const { return mean_; }
+  /// Estimates in the mean, at most those since the object came.
+  uint64_t count() const { return count_; }
+  /// How far single estimates are from the mean: root mean square over the last ones of the largest
+  /// difference in diffuse albedo, specular albedo, and a sixth of log2 of the shininess.
+  float spread() const { return spread_; }
+
+ private:
+  static constexpr size_t kWindow = 5;
+
+  std::deque<Material> window_;
+  Material mean_;
+  uint64_t count_ = 0;
+  uint32_t others_ = 0;
+  float spread_ = 0;
+};
+
+}  // namespace inverse

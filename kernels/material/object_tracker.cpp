@@ -1,0 +1,120 @@
+#include "object_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace inverse {
+namespace {
+
+constexpr float kObject = 0.5F;        // probability
+constexpr float kLeastShare = 0.005F;  // of the square
+constexpr float kFill = 0.66F;         // of the square that the object's longer side takes
+constexpr float kRest = 0.12F;     // of the square's size: less is no reason to move or resize it
+constexpr float kLeastSize = 32;   // pixels
+constexpr uint32_t kPatience = 3;  // frames without the object before it is looked for everywhere
+
+struct Part {
+  uint32_t area = 0, left = ~0u, top = ~0u, right = 0, bottom = 0;
+};
+
+/// The largest part of a mask whose points are neighbors; all others are cleared.
+Part keep_largest(std::vector<uint8_t>& mask, uint32_t side) {
+  std::vector<uint32_t> part_of(mask.size(), 0), open;
+  std::vector<Part> parts(1);
+  for (uint32_t start = 0; start < mask.size(); ++start) {
+    if (!mask[start] || part_of[start]) continue;
+    const auto number = static_cast<uint32_t>(parts.size());
+    Part part;
+    open.assign(1, start);
+    part_of[start] = number;
+    while (!open.empty()) {
+      const uint32_t at = open.back(), x = at % side, y = at / side;
+      open.pop_back();
+      ++part.area;
+      part.left = std::min(part.left, x);
+      part.right = std::max(part.right, x + 1);
+      part.top = std::min(part.top, y);
+      part.bottom = std::max(part.bottom, y + 1);
+      const auto visit = [&](bool inside, uint32_t next) {
+        if (!inside || !mask[next] || part_of[next]) return;
+        part_of[next] = number;
+        open.push_back(next);
+      };
+      visit(x > 0, at - 1);
+      visit(x + 1 < side, at + 1);
+      visit(y > 0, at - side);
+      visit(y + 1 < side, at + side);
+    }
+    parts.push_back(part);
+  }
+  const auto best = std::max_element(parts.begin(), parts.end(),
+                                     [](const Part& a, const Part& b) { return a.area < b.area; });
+  const auto kept = static_cast<uint32_t>(best - parts.begin());
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = kept && part_of[i] == kept;
+  return *best;
+}
+
+}  // namespace
+
+Square ObjectTracker::whole() const {
+  const auto width = static_cast<float>(frame_.width), height = static_cast<float>(frame_.height);
+  const float size = std::max(width, height);
+  return {(width - size) / 2, (height - size) / 2, size};
+}
+
+void ObjectTracker::reset() {
+  square_ = whole();
+  found_ = false;
+  missing_ = 0;
+  share_ = 0;
+  moved_ = 1;
+  before_.clear();
+}
+
+void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
+                           const Square& square) {
+  std::vector<uint8_t> mask(size_t{side} * side);
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = probabilities[i * stride] > kObject;
+  const Part part = keep_largest(mask, side);
+  share_ = static_cast<float>(part.area) / static_cast<float>(mask.size());
+  if (share_ < kLeastShare) {
+    moved_ = 1;
+    before_.clear();
+    if (++missing_ >= kPatience || !found_) reset();
+    return;
+  }
+  found_ = true;
+  missing_ = 0;
+
+  moved_ = 1;
+  if (before_.size() == mask.size() && before_square_ == square) {
+    uint32_t differ = 0;
+    for (size_t i = 0; i < mask.size(); ++i) differ += mask[i] != before_[i];
+    moved_ = std::min(1.0F, static_cast<float>(differ) / static_cast<float>(part.area));
+  }
+  before_ = std::move(mask);
+  before_square_ = square;
+
+  const float scale = square.size / static_cast<float>(side);
+  box_ = {square.x + scale * static_cast<float>(part.left),
+          square.y + scale * static_cast<float>(part.top),
+          square.x + scale * static_cast<float>(part.right),
+          square.y + scale * static_cast<float>(part.bottom)};
+  // Cut by the square but not by the frame: there is more of it outside.
+  const bool cut = (part.left == 0 && box_.left > 0) || (part.top == 0 && box_.top > 0) ||
+                   (part.right == side && box_.right < static_cast<float>(frame_.width)) ||
+                   (part.bottom == side && box_.bottom < static_cast<float>(frame_.height));
+  const float longer = std::max(box_.right - box_.left, box_.bottom - box_.top);
+  const float largest = whole().size;
+  const float size =
+      std::clamp(longer / kFill * (cut ? 1.3F : 1.0F), std::min(kLeastSize, largest), largest);
+  const float middle_x = (box_.left + box_.right) / 2, middle_y = (box_.top + box_.bottom) / 2;
+  const Square wanted{middle_x - size / 2, middle_y - size / 2, size};
+  const float off = std::max({std::fabs(wanted.size - square_.size),
+                              std::fabs(middle_x - square_.x - square_.size / 2),
+                              std::fabs(middle_y - square_.y - square_.size / 2)});
+  if (off > kRest * square_.size || cut) square_ = wanted;
+}
+
+}  // namespace inverse

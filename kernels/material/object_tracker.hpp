@@ -1,0 +1,59 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "../image/plane.hpp"
+
+namespace inverse {
+
+/// A square of a frame, in pixels; may reach over its borders.
+struct Square {
+  float x = 0, y = 0;  ///< top left corner
+  float size = 0;
+  bool operator==(const Square&) const = default;
+};
+
+/// Where the object is: looks at the mask that was found in a square, and says where to look next.
+/// The largest connected part of a mask counts. The square is chosen so that the object fills two
+/// thirds of it, and stays where it is while the object moves or grows little, so that what is
+/// estimated from it stays alike.
+class ObjectTracker {
+ public:
+  explicit ObjectTracker(Extent frame) : frame_(frame) { reset(); }
+
+  /// Back to looking at the whole frame.
+  void reset();
+  /// Takes the probabilities of the object at `side` x `side` points of a square, row by row,
+  /// `stride` floats apart. Numbers that are none count as 0.
+  void update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
+              const Square& square);
+
+  /// Where to look next.
+  const Square& square() const { return square_; }
+  bool found() const { return found_; }
+  /// The object's share of the square where it was found, 0…1.
+  float share() const { return share_; }
+  /// The box around it, in pixels of the frame.
+  struct Box {
+    float left = 0, top = 0, right = 0, bottom = 0;
+  };
+  const Box& box() const { return box_; }
+  /// Share of the object's points that are no longer, or were not before, of the object: 0 where it
+  /// rests.
+  float moved() const { return moved_; }
+
+ private:
+  Square whole() const;
+
+  Extent frame_;
+  Square square_;
+  Box box_;
+  bool found_ = false;
+  uint32_t missing_ = 0;  // frames in a row
+  float share_ = 0, moved_ = 1;
+  std::vector<uint8_t> before_;
+  Square before_square_;
+};
+
+}  // namespace inverse

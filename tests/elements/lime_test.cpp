@@ -1,0 +1,191 @@
+// limematerial, with networks whose results are known.
+#include <gst/base/gstbasetransform.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../kernels/lime_models.hpp"
+#include "base/inverse_material_meta.h"
+#include "element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 96, kHeight = 64;
+
+/// Gray, with a disc that the networks take for an object; none where the radius is 0.
+std::vector<uint8_t> scene(int x, int y, int radius, int width = kWidth, int height = kHeight) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(width) * height * 4, 128);
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column)
+      if (std::hypot(column - x, row - y) < radius) {
+        uint8_t* pixel = &bytes[4 * (static_cast<size_t>(row) * width + column)];
+        pixel[0] = 230;
+        pixel[1] = pixel[2] = 100;
+      }
+  return bytes;
+}
+
+class LimeElementTest : public ::testing::Test {
+ protected:
+  std::string line(const std::string& more = "") const {
+    return "limematerial name=lime models=" + files.folder() + " " + more;
+  }
+  static std::string caps(int width = kWidth, int height = kHeight) {
+    return VideoHarness::caps("RGBA", width, height);
+  }
+  HandMadeLime files;
+};
+
+template <typename T>
+T property(GstElement* element, const char* name) {
+  T value{};
+  g_object_get(element, name, &value, nullptr);
+  return value;
+}
+
+/// A field of `stats`.
+template <typename T>
+T stat(GstElement* element, const char* name, GType type) {
+  GstStructure* stats = nullptr;
+  g_object_get(element, "stats", &stats, nullptr);
+  T value{};
+  const GValue* field = gst_structure_get_value(stats, name);
+  if (field && G_VALUE_HOLDS(field, type)) gst_structure_get(stats, name, type, &value, nullptr);
+  gst_structure_free(stats);
+  return value;
+}
+
+}  // namespace
+
+TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
+  VideoHarness harness(line(), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  const auto color = property<guint>(lime, "diffuse-albedo");
+  const auto code = [](double v) {
+    return std::lround(255 * (1.055 * std::pow(v, 1 / 2.4) - .055));
+  };
+  EXPECT_EQ(color, 0xff000000u | static_cast<guint>(code(.2) << 16 | code(.5) << 8 | code(.7)));
+  EXPECT_NEAR(std::log2(property<gfloat>(lime, "shininess")), 1 + 9 * 5.5 / 8, .5);
+  EXPECT_GT(property<gfloat>(lime, "specular-albedo"), .2);
+  EXPECT_EQ(stat<guint>(lime, "bin", G_TYPE_UINT), 5u);
+  EXPECT_NEAR(stat<gdouble>(lime, "diffuse-green", G_TYPE_DOUBLE), .5, 1e-3);
+
+  ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+  GstBuffer* out = gst_harness_pull(harness.harness());
+  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  ASSERT_NE(meta, nullptr);
+  EXPECT_TRUE(meta->found);
+  EXPECT_NEAR(meta->diffuse[2], .7, 1e-3);
+  EXPECT_NEAR((meta->left + meta->right) / 2, 60, 3);
+  GstBuffer* copy = gst_buffer_copy(out);
+  ASSERT_NE(gst_buffer_get_material_meta(copy), nullptr);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy)->estimates, meta->estimates);
+  gst_buffer_unref(copy);
+  gst_buffer_unref(out);
+}
+
+TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {
+  VideoHarness harness(line(), caps(), caps());
+  GstBus* bus = gst_bus_new();
+  gst_element_set_bus(harness.find("limematerial"), bus);
+  const auto news = [bus] {
+    std::vector<bool> found;
+    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+      const GstStructure* s = gst_message_get_structure(message);
+      gboolean value = FALSE;
+      if (gst_structure_has_name(s, "material") && gst_structure_get_boolean(s, "found", &value))
+        found.push_back(value);
+      gst_message_unref(message);
+    }
+    return found;
+  };
+  for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_TRUE(news().empty());
+  for (int i = 0; i < 12; ++i) harness.process(scene(40, 30, 18));
+  const auto came = news();
+  ASSERT_FALSE(came.empty());
+  EXPECT_TRUE(came.front());
+  EXPECT_LE(came.size(), 4u) << "not with every frame";
+  for (int i = 0; i < 8; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_EQ(news(), std::vector<bool>{false});
+  EXPECT_EQ(property<guint>(harness.find("limematerial"), "diffuse-albedo"), 0u);
+  gst_element_set_bus(harness.find("limematerial"), nullptr);
+  gst_object_unref(bus);
+}
+
+TEST_F(LimeElementTest, EveryShowHasAPicture) {
+  for (const char* show : {"input", "mask", "specular", "diffuse", "mirror", "mosaic"}) {
+    VideoHarness harness(line(std::string("show=") + show), caps(), caps());
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 6; ++i) out = harness.process(scene(60, 30, 20));
+    ASSERT_EQ(out.size(), scene(0, 0, 0).size()) << show;
+    const uint8_t* object = &out[4 * (30 * kWidth + 60)];
+    if (!strcmp(show, "input")) {
+      EXPECT_LE(largest_difference(out, scene(60, 30, 20)), 1);
+    }
+    if (!strcmp(show, "mask")) {
+      EXPECT_EQ(object[0], 255);
+      EXPECT_EQ(out[0], 0);
+    }
+    if (!strcmp(show, "specular") || !strcmp(show, "mirror")) {
+      EXPECT_GT(object[0], 20) << show;
+      EXPECT_EQ(out[0], 0) << show;
+    }
+    if (!strcmp(show, "diffuse")) {
+      EXPECT_LT(object[0], 230);
+      EXPECT_NEAR(out[0], 128, 1);
+    }
+  }
+}
+
+TEST_F(LimeElementTest, RestsWithARestingObject) {
+  VideoHarness harness(line("recheck=6"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
+  const auto before = stat<guint64>(lime, "estimates", G_TYPE_UINT64);
+  for (int i = 0; i < 24; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 4);
+  g_object_set(lime, "adaptive", FALSE, nullptr);
+  for (int i = 0; i < 5; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
+}
+
+TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
+  VideoHarness harness(line(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 5; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.flush();
+  ASSERT_FALSE(harness.process(scene(0, 0, 0)).empty());
+  EXPECT_FALSE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}}) {
+    harness.set_src_caps(caps(width, height));
+    for (int i = 0; i < 4; ++i)
+      ASSERT_FALSE(
+          harness.process(scene(width / 2, height / 2, height / 3, width, height)).empty());
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {
+  const auto error = [](const std::string& models) {
+    return run_line("videotestsrc num-buffers=2 ! limematerial models=" + models + " ! fakesink")
+        .first_error();
+  };
+  EXPECT_NE(error("/nowhere").find("/nowhere/lime/segmentation.net"), std::string::npos)
+      << error("/nowhere");
+  std::filesystem::remove(files.path("albedo"));
+  EXPECT_NE(error(files.folder()).find("albedo.net"), std::string::npos);
+}
+
+TEST_F(LimeElementTest, WorksBehindOtherFormatsAndBesideOtherElements) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=6 pattern=ball ! video/x-raw,format=NV12,width=160,height=120 ! "
+      "limematerial models=" +
+      files.folder() + " ! intrinsicdecomp ! video/x-raw,format=I420 ! appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_EQ(result.frames.size(), 6u);
+}
+
+}  // namespace inverse::testing

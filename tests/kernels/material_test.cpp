@@ -1,0 +1,367 @@
+// Material of one object: fusion over time, where to look, and the whole with networks whose
+// results are known.
+#include <cmath>
+#include <limits>
+
+#include "error.hpp"
+#include "gpu_fixture.hpp"
+#include "lime_models.hpp"
+#include "material/lime_material.hpp"
+
+namespace inverse::testing {
+namespace {
+
+Material material(float red, float specular, size_t bin) {
+  Material m;
+  m.diffuse = {red, .5F, .25F};
+  m.specular = specular;
+  m.bins[bin] = 1;
+  return m;
+}
+
+// sRGB's inverse, for expected values.
+float linear(float srgb) {
+  return srgb <= .04045F ? srgb / 12.92F : std::pow((srgb + .055F) / 1.055F, 2.4F);
+}
+float decoded(float code) { return (std::exp(2 * code) - 1) / 4; }
+
+}  // namespace
+
+TEST(MaterialTest, BinsCoverTwoTo1024Evenly) {
+  EXPECT_NEAR(Material::bin_middle(0), std::exp2(1 + 9. / 16), 1e-4);
+  EXPECT_NEAR(Material::bin_middle(7), std::exp2(10 - 9. / 16), 1e-1);
+  Material m = material(0, 0, 3);
+  EXPECT_EQ(m.bin(), 3u);
+  EXPECT_NEAR(m.shininess(), Material::bin_middle(3), 1e-3);
+  m.bins = {0, 0, 0, .5F, .5F, 0, 0, 0};
+  EXPECT_NEAR(std::log2(m.shininess()), 1 + 9 * 4. / 8, 1e-5) << "between the two";
+}
+
+TEST(MaterialFusion, OneEstimateIsItself) {
+  MaterialFusion fusion;
+  fusion.add(material(.3F, .4F, 2), {});
+  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], .3F);
+  EXPECT_FLOAT_EQ(fusion.material().specular, .4F);
+  EXPECT_EQ(fusion.material().bin(), 2u);
+  EXPECT_EQ(fusion.count(), 1u);
+  EXPECT_EQ(fusion.spread(), 0);
+}
+
+TEST(MaterialFusion, SingleOutliersLeaveNoTrace) {
+  MaterialFusion fusion, clean;
+  for (int i = 0; i < 40; ++i) {
+    fusion.add(material(i % 7 == 6 ? .95F : .3F, .4F, i % 7 == 6 ? 7 : 2), {});
+    clean.add(material(.3F, .4F, 2), {});
+  }
+  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], clean.material().diffuse[0]);
+  EXPECT_NEAR(fusion.material().shininess(), clean.material().shininess(), 1e-3);
+}
+
+TEST(MaterialFusion, NoiseFallsWithTheRootOfTime) {
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0, .05F);
+  MaterialFusion fusion;
+  for (int i = 0; i < 400; ++i) fusion.add(material(.5F + noise(random), .4F, 2), {400});
+  EXPECT_NEAR(fusion.material().diffuse[0], .5F, 4 * .05F / 20);
+  EXPECT_NEAR(fusion.spread(), .05F, .03F);
+}
+
+TEST(MaterialFusion, AnotherObjectIsTakenUpAfterFiveFrames) {
+  MaterialFusion fusion;
+  for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .4F, 2), {});
+  int frames = 0;
+  while (fusion.material().diffuse[0] < .7F && frames < 100) {
+    fusion.add(material(.8F, .1F, 6), {});
+    ++frames;
+  }
+  EXPECT_LE(frames, 8);
+  EXPECT_LE(fusion.count(), 2u);
+}
+
+TEST(MaterialFusion, WhatIsNoNumberIsNotTaken) {
+  MaterialFusion fusion;
+  fusion.add(material(.3F, .4F, 2), {});
+  fusion.add(material(std::numeric_limits<float>::quiet_NaN(), .4F, 2), {});
+  fusion.add(material(.3F, std::numeric_limits<float>::infinity(), 2), {});
+  EXPECT_EQ(fusion.count(), 1u);
+  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], .3F);
+}
+
+namespace {
+
+/// What a network that finds this disc (in pixels of the frame) would say of a square.
+std::vector<float> look(const Square& square, uint32_t side, float x, float y, float radius) {
+  std::vector<float> probabilities(size_t{side} * side, 0.0F);
+  for (uint32_t row = 0; row < side; ++row)
+    for (uint32_t column = 0; column < side; ++column) {
+      const float px =
+          square.x + square.size * (static_cast<float>(column) + .5F) / static_cast<float>(side);
+      const float py =
+          square.y + square.size * (static_cast<float>(row) + .5F) / static_cast<float>(side);
+      probabilities[size_t{row} * side + column] = std::hypot(px - x, py - y) < radius ? .9F : .1F;
+    }
+  return probabilities;
+}
+
+}  // namespace
+
+TEST(ObjectTracker, FindsAnObjectAndStaysWithIt) {
+  ObjectTracker tracker({640, 480});
+  EXPECT_EQ(tracker.square().size, 640);
+  EXPECT_FALSE(tracker.found());
+  for (int i = 0; i < 100; ++i) {
+    const float x = 150 + 3 * static_cast<float>(i), y = 200;
+    const Square square = tracker.square();
+    tracker.update(look(square, 64, x, y, 60), 64, 1, square);
+    ASSERT_TRUE(tracker.found()) << i;
+    EXPECT_NEAR((tracker.box().left + tracker.box().right) / 2, x, 8);
+    EXPECT_NEAR(tracker.box().right - tracker.box().left, 120, 16);
+    if (i > 2) {
+      EXPECT_NEAR(tracker.square().size, 120 / .66F, 30) << i;
+      EXPECT_LT(tracker.square().x, x - 60);
+      EXPECT_GT(tracker.square().x + tracker.square().size, x + 60);
+    }
+  }
+}
+
+TEST(ObjectTracker, TheSquareRestsWithTheObject) {
+  ObjectTracker tracker({320, 240});
+  for (int i = 0; i < 5; ++i)
+    tracker.update(look(tracker.square(), 64, 160, 120, 40), 64, 1, Square(tracker.square()));
+  const Square square = tracker.square();
+  for (int i = 0; i < 20; ++i) {
+    tracker.update(look(square, 64, 160 + static_cast<float>(i % 3), 120, 40), 64, 1, square);
+    EXPECT_EQ(tracker.square(), square);
+  }
+  tracker.update(look(square, 64, 160, 120, 40), 64, 1, square);
+  tracker.update(look(square, 64, 160, 120, 40), 64, 1, square);
+  EXPECT_EQ(tracker.moved(), 0);
+}
+
+TEST(ObjectTracker, TheLargerOfTwoObjectsCounts) {
+  ObjectTracker tracker({400, 400});
+  auto both = look(tracker.square(), 64, 100, 100, 40);
+  const auto other = look(tracker.square(), 64, 300, 300, 60);
+  for (size_t i = 0; i < both.size(); ++i) both[i] = std::max(both[i], other[i]);
+  tracker.update(both, 64, 1, Square(tracker.square()));
+  EXPECT_NEAR((tracker.box().left + tracker.box().right) / 2, 300, 8);
+}
+
+TEST(ObjectTracker, LooksEverywhereAgainWhenItIsGone) {
+  ObjectTracker tracker({640, 360});
+  for (int i = 0; i < 4; ++i)
+    tracker.update(look(tracker.square(), 32, 300, 200, 50), 32, 1, Square(tracker.square()));
+  EXPECT_LT(tracker.square().size, 300);
+  const std::vector<float> nothing(32 * 32, .1F),
+      invalid(32 * 32, std::numeric_limits<float>::quiet_NaN());
+  for (const auto* frame : {&nothing, &invalid, &nothing})
+    tracker.update(*frame, 32, 1, Square(tracker.square()));
+  EXPECT_FALSE(tracker.found());
+  EXPECT_EQ(tracker.square().size, 640);
+}
+
+TEST(ObjectTracker, AnObjectThatTheSquareCutsIsFollowedOutward) {
+  ObjectTracker tracker({640, 480});
+  for (int i = 0; i < 4; ++i)
+    tracker.update(look(tracker.square(), 64, 300, 240, 30), 64, 1, Square(tracker.square()));
+  float before = tracker.square().size;
+  for (int i = 0; i < 6; ++i)
+    tracker.update(look(tracker.square(), 64, 300, 240, 150), 64, 1, Square(tracker.square()));
+  EXPECT_GT(tracker.square().size, 2 * before);
+  EXPECT_NEAR(tracker.box().right - tracker.box().left, 300, 20);
+}
+
+TEST(ObjectTracker, SmallAndNeedleShapedFramesHaveASquare) {
+  for (const Extent extent : {Extent{1, 1}, Extent{1, 900}, Extent{16, 16}, Extent{7680, 4320}}) {
+    ObjectTracker tracker(extent);
+    for (int i = 0; i < 3; ++i)
+      tracker.update(std::vector<float>(16 * 16, 1.0F), 16, 1, Square(tracker.square()));
+    EXPECT_TRUE(tracker.found());
+    EXPECT_GT(tracker.square().size, 0);
+    EXPECT_LE(tracker.square().size, static_cast<float>(std::max(extent.width, extent.height)));
+  }
+}
+
+/// A frame of gray with a red disc, some of it bluish.
+class LimeTest : public GpuTest {
+ protected:
+  static constexpr Extent kFrame{96, 64};
+  const float kRed = linear(.9F), kBlue = linear(.4F), kGray = linear(.5F);
+
+  Plane scene(float x, float y, float radius) {
+    Pixels pixels(kFrame.pixels() * 4, kGray);
+    for (uint32_t row = 0; row < kFrame.height; ++row)
+      for (uint32_t column = 0; column < kFrame.width; ++column)
+        if (std::hypot(static_cast<float>(column) + .5F - x, static_cast<float>(row) + .5F - y) <
+            radius) {
+          float* pixel = &pixels[4 * (size_t{row} * kFrame.width + column)];
+          pixel[0] = kRed;
+          pixel[1] = kBlue;
+          pixel[2] = kBlue;
+        }
+    return plane(kFrame, pixels);
+  }
+  LimeMaterial::Layers frame(LimeMaterial& lime, const Plane& plane, bool still = false) {
+    LimeMaterial::Layers layers;
+    run([&](gpu::Commands& commands) { layers = lime.record(commands, plane, params, still); });
+    lime.done(lime.recorded() - 1);
+    return layers;
+  }
+  LimeMaterial::Params params;
+};
+
+TEST_F(LimeTest, FindsWhatTheNetworksSay) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  const Plane picture = scene(60, 30, 20);
+  LimeMaterial::Layers layers;
+  for (int i = 0; i < 6; ++i) layers = frame(lime, picture);
+  const LimeMaterial::Object& object = lime.object();
+  ASSERT_TRUE(object.found);
+  EXPECT_NEAR(object.material.diffuse[0], .2, 1e-4);
+  EXPECT_NEAR(object.material.diffuse[1], .5, 1e-4);
+  EXPECT_NEAR(object.material.diffuse[2], .7, 1e-4);
+  EXPECT_EQ(object.material.bin(), 5u);
+  const float code = .5F * .4F;  // within the object, of which the square has this share
+  EXPECT_NEAR(object.material.specular, 1 / (1 + std::exp(1 - 8 * code * object.share)), .01);
+  EXPECT_NEAR((object.box.left + object.box.right) / 2, 60, 2);
+
+  const Pixels diffuse = download(layers.diffuse->buffer), gloss = download(layers.gloss->buffer);
+  const auto pixel = [](const Pixels& p, uint32_t x, uint32_t y) {
+    return &p[4 * (size_t{y} * kFrame.width + x)];
+  };
+  EXPECT_NEAR(pixel(gloss, 60, 30)[0], decoded(code), 1e-3);
+  EXPECT_NEAR(pixel(gloss, 60, 30)[3], decoded(2 * code), 1e-3);
+  EXPECT_NEAR(pixel(diffuse, 60, 30)[0], kRed - decoded(code), 1e-3);
+  EXPECT_NEAR(pixel(diffuse, 60, 30)[2], std::max(0.0F, kBlue - decoded(code)), 1e-3);
+  EXPECT_EQ(pixel(diffuse, 60, 30)[3], 1);
+  EXPECT_EQ(pixel(diffuse, 4, 4)[3], 0);
+  EXPECT_EQ(pixel(gloss, 4, 4)[0], 0);
+  EXPECT_NEAR(pixel(diffuse, 4, 4)[1], kGray, 1e-5);
+}
+
+TEST_F(LimeTest, WithoutAnObjectOnlyTheSearchRuns) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  const Plane empty = scene(0, 0, 0);
+  for (int i = 0; i < 5; ++i) {
+    const auto layers = frame(lime, empty);
+    EXPECT_TRUE(lime.report(lime.recorded() - 1).segmented);
+    EXPECT_FALSE(lime.report(lime.recorded() - 1).estimated);
+    for (const float v : download(layers.gloss->buffer)) ASSERT_EQ(v, 0);
+  }
+  EXPECT_FALSE(lime.object().found);
+  frame(lime, scene(60, 30, 20));
+  frame(lime, scene(60, 30, 20));
+  EXPECT_TRUE(lime.report(lime.recorded() - 1).estimated);
+}
+
+TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.recheck = 5;
+  const Plane picture = scene(50, 30, 20);
+  for (int i = 0; i < 30; ++i) frame(lime, picture);
+  const auto before = lime.report(lime.recorded() - 1).estimates;
+  const Pixels expected = download(frame(lime, picture).diffuse->buffer);
+  for (int i = 0; i < 19; ++i) EXPECT_EQ(download(frame(lime, picture).diffuse->buffer), expected);
+  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 4);
+  params.adaptive = false;
+  for (int i = 0; i < 5; ++i) frame(lime, picture);
+  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 9);
+}
+
+TEST_F(LimeTest, ASteadyObjectThatLeavesIsMissedAtOnce) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.recheck = 1000;
+  for (int i = 0; i < 30; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_FALSE(lime.report(lime.recorded() - 1).estimated);
+  EXPECT_TRUE(lime.report(lime.recorded() - 1).segmented);
+  frame(lime, scene(50, 30, 20), true);
+  EXPECT_FALSE(lime.report(lime.recorded() - 1).segmented);
+  for (int i = 0; i < 4; ++i) frame(lime, scene(0, 0, 0));
+  EXPECT_FALSE(lime.object().found);
+}
+
+TEST_F(LimeTest, ForgetsTheObjectOnReset) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
+  lime.reset();
+  EXPECT_FALSE(lime.object().found);
+  EXPECT_EQ(lime.square().size, kFrame.width);
+  for (const float v : download(frame(lime, scene(50, 30, 20)).gloss->buffer)) ASSERT_EQ(v, 0);
+}
+
+TEST_F(LimeTest, BadFramesLeaveNumbers) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  Pixels pixels(kFrame.pixels() * 4);
+  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), -3,
+                       std::numeric_limits<float>::infinity(), 1e30F, 0};
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = bad[i % 5];
+  for (int i = 0; i < 4; ++i) {
+    const auto layers = frame(lime, plane(kFrame, pixels));
+    for (const auto* layer : {&layers.diffuse, &layers.gloss})
+      for (const float v : download((*layer)->buffer)) ASSERT_TRUE(std::isfinite(v));
+  }
+}
+
+TEST_F(LimeTest, FramesOfEverySizeHaveLayers) {
+  for (const Extent extent : {Extent{1, 1}, Extent{3, 200}, Extent{500, 7}}) {
+    LimeMaterial lime(device, extent, HandMadeLime::models());
+    const Plane red = plane(extent, [&] {
+      Pixels pixels(extent.pixels() * 4, 0.0F);
+      for (size_t i = 0; i < pixels.size(); i += 4) pixels[i] = 1;
+      return pixels;
+    }());
+    LimeMaterial::Layers layers;
+    for (int i = 0; i < 4; ++i) layers = frame(lime, red);
+    EXPECT_TRUE(lime.object().found);
+    const Pixels diffuse = download(layers.diffuse->buffer);
+    EXPECT_EQ(diffuse[4 * (extent.pixels() / 2) + 3], 1);
+  }
+}
+
+// In a process of its own, as others would have built them.
+class LimeWarmUp : public LimeTest {};
+
+TEST_F(LimeWarmUp, NoKernelIsBuiltWhileFramesCome) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  lime.warm_up();
+  const uint64_t before = device->kernels_used();
+  EXPECT_GT(before, 5u);
+  for (int i = 0; i < 6; ++i) frame(lime, scene(60, 30, i < 2 ? 0 : 20));
+  for (int i = 0; i < 30; ++i) frame(lime, scene(60, 30, 20), i % 2);
+  EXPECT_TRUE(lime.object().found);
+  EXPECT_EQ(device->kernels_used(), before);
+}
+
+TEST(LimeModels, AreLoadedFromAFolder) {
+  const HandMadeLime files;
+  const LimeModels m = LimeModels::load(files.folder() + "/lime");
+  EXPECT_EQ(m.side, HandMadeLime::kSide);
+  EXPECT_EQ(m.albedo.weights, HandMadeLime::models().albedo.weights);
+}
+
+TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
+  const auto complaint = [](const HandMadeLime& files) -> std::string {
+    try {
+      LimeModels::load(files.folder() + "/lime");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::file);
+      return error.what();
+    }
+    return "";
+  };
+  HandMadeLime missing, shape, cut;
+  std::filesystem::remove(missing.path("mirror"));
+  EXPECT_NE(complaint(missing).find("mirror.net: No such file"), std::string::npos)
+      << complaint(missing);
+  shape.write("albedo", network::to_file(HandMadeLime::models().exponent));
+  EXPECT_NE(complaint(shape).find("albedo.net: it takes 2 x 32 x 32 in place of 4 x 32 x 32"),
+            std::string::npos)
+      << complaint(shape);
+  auto bytes = network::to_file(HandMadeLime::models().exponent);
+  bytes.resize(bytes.size() - 5);
+  cut.write("exponent", bytes);
+  EXPECT_NE(complaint(cut).find("exponent.net"), std::string::npos);
+  EXPECT_NE(complaint(cut).find("cut short"), std::string::npos) << complaint(cut);
+}
+
+}  // namespace inverse::testing
