@@ -179,6 +179,47 @@ TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {
   EXPECT_NE(error(files.folder()).find("albedo.net"), std::string::npos);
 }
 
+// With the networks that come along: a glossy ball of one color before a checkered wall.
+TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
+  const gchar* models = g_getenv("INVERSE_MODELS");
+  if (!models || !std::filesystem::exists(std::string(models) + "/lime/albedo.net"))
+    GTEST_SKIP() << "built without inverse-onnx-import";
+  constexpr int kSide = 256, kRadius = 85;
+  const double albedo[3] = {.08, .35, .5};
+  std::vector<uint8_t> ball(size_t{4} * kSide * kSide, 255);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double nx = (x - 128.) / kRadius, ny = (y - 128.) / kRadius, r2 = nx * nx + ny * ny;
+      for (int c = 0; c < 3; ++c) {
+        double light = ((x / 24 + y / 24) % 2 ? .30 : .18) * (c == 2 ? .6 : 1);
+        if (r2 < 1) {
+          const double nz = std::sqrt(1 - r2), facing = -.48 * nx - .48 * ny + .73 * nz;
+          const double half = -.26 * nx - .26 * ny + .93 * nz;
+          light =
+              albedo[c] * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
+        }
+        const double code =
+            light <= .0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - .055;
+        ball[4 * (size_t{256} * y + x) + c] =
+            static_cast<uint8_t>(std::lround(255 * std::clamp(code, 0., 1.)));
+      }
+    }
+  VideoHarness harness("limematerial show=specular", caps(kSide, kSide), caps(kSide, kSide));
+  GstElement* lime = harness.find("limematerial");
+  std::vector<uint8_t> highlights;
+  for (int i = 0; i < 8; ++i) highlights = harness.process(ball);
+  ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  EXPECT_NEAR(stat<gdouble>(lime, "left", G_TYPE_DOUBLE), 128 - kRadius, 12);
+  EXPECT_NEAR(stat<gdouble>(lime, "bottom", G_TYPE_DOUBLE), 128 + kRadius, 12);
+  const double red = stat<gdouble>(lime, "diffuse-red", G_TYPE_DOUBLE);
+  const double blue = stat<gdouble>(lime, "diffuse-blue", G_TYPE_DOUBLE);
+  EXPECT_LT(red, .6 * blue) << "of a blue ball";
+  const auto at = [&](int x, int y) { return highlights[4 * (size_t{256} * y + x)]; };
+  EXPECT_GT(at(104, 104), 150) << "where the highlight is";
+  EXPECT_LT(at(160, 160), 90) << "where none is";
+  EXPECT_EQ(at(10, 10), 0) << "outside of the ball";
+}
+
 TEST_F(LimeElementTest, WorksBehindOtherFormatsAndBesideOtherElements) {
   const auto result = run_line(
       "videotestsrc num-buffers=6 pattern=ball ! video/x-raw,format=NV12,width=160,height=120 ! "
