@@ -63,18 +63,15 @@ std::optional<std::string> wrong_light(const Lab& lab, const Case& small, Counts
   const auto place = [&](uint32_t draw, uint32_t side) {
     return draw % ((side + 15) / 16) * 16 + draw % 4;
   };
-  const Window window{place(one.seed * 7, one.width), place(one.seed * 13, one.height)};
+  const SpoiltVideo video{one,
+                          picture,
+                          {place(one.seed * 7, one.width), place(one.seed * 13, one.height)},
+                          kFirst,
+                          kWhole};
   Pixels before;
   for (uint32_t k = 0; k < kLast; ++k) {
-    Pixels frame = picture;
-    const bool bad = k >= kFirst && k % 6 < 4;
-    if (bad) {
-      const Pixels spoilt = frame_of(one, k);
-      if (k == kWhole)
-        frame = spoilt;
-      else
-        paste(extent, spoilt, window, &frame);
-    }
+    const Pixels frame = video.frame(k);
+    const bool bad = video.bad(k);
     const auto changed =
         before.empty() ? std::vector<uint8_t>() : changed_tiles(extent, before, frame);
     const GlobalLayers got = some.decompose(frame, changed);

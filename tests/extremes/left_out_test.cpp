@@ -78,18 +78,12 @@ std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts
   auto all = params;
   all.adaptive = false;
   constexpr uint32_t kFirst = 8, kWhole = 14, kLast = 30;
-  const Window window{one.seed * 7 % one.width, one.seed * 13 % one.height};
+  const SpoiltVideo video{
+      one, picture, {one.seed * 7 % one.width, one.seed * 13 % one.height}, kFirst, kWhole};
   Pixels before;
   for (uint32_t k = 0; k < kLast; ++k) {
-    Pixels frame = picture;
-    const bool bad = k >= kFirst && k % 6 < 4;
-    if (bad) {
-      const Pixels spoilt = frame_of(one, k);
-      if (k == kWhole)
-        frame = spoilt;
-      else
-        paste(extent, spoilt, window, &frame);
-    }
+    const Pixels frame = video.frame(k);
+    const bool bad = video.bad(k);
     const auto changed =
         before.empty() ? std::vector<uint8_t>() : changed_tiles(extent, before, frame);
     const Pixels got = some.play(frame, params, changed);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "inputs.hpp"
 #include "lab.hpp"
 
 namespace inverse::extremes {
@@ -23,6 +24,25 @@ inline void paste(Extent extent, const Pixels& from, Window window, Pixels* to) 
       std::copy_n(&from[i], 4, &(*to)[i]);
     }
 }
+
+/// A video of a picture in whose window, from frame `first` on, four frames of six have the bad
+/// input of a case; frame `whole` has it everywhere.
+struct SpoiltVideo {
+  const Case& one;
+  const Pixels& picture;
+  Window window;
+  uint32_t first, whole;
+
+  bool bad(uint32_t k) const { return k >= first && k % 6 < 4; }
+  Pixels frame(uint32_t k) const {
+    if (!bad(k)) return picture;
+    Pixels spoilt = frame_of(one, k);
+    if (k == whole) return spoilt;
+    Pixels frame = picture;
+    paste({one.width, one.height}, spoilt, window, &frame);
+    return frame;
+  }
+};
 
 /// Tiles of 16 x 16 pixels, row by row, 1 where frames differ in a bit.
 inline std::vector<uint8_t> changed_tiles(Extent extent, const Pixels& a, const Pixels& b) {
