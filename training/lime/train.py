@@ -78,6 +78,9 @@ def main():
     state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
 
     samples = corpus.Corpus(args.hdri)
+    maps = samples.maps(False)
+    print(f"light: procedural rooms and {len(maps)} environment maps" if maps else
+          "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
     pixels = SIZES[size]["input"]
     held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
     held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
