@@ -1,10 +1,8 @@
 #pragma once
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <mutex>
 #include <optional>
 
+#include "base/color.hpp"
 #include "base/property_table.hpp"
 #include "material/material.hpp"
 
@@ -48,7 +46,7 @@ class MaterialProperties final : public PropertyStore {
     const Material m = material_.value_or(Material{});
     switch (index - count_) {
       case 0:
-        g_value_set_uint(value, material_ ? packed(m.diffuse) : 0);
+        g_value_set_uint(value, material_ ? srgb_color(m.diffuse) : 0);
         break;
       case 1:
         g_value_set_float(value, m.specular);
@@ -61,16 +59,6 @@ class MaterialProperties final : public PropertyStore {
   void set(size_t index, const GValue* value) override { own_.set(index, value); }
 
  private:
-  static guint packed(const std::array<float, 3>& linear) {
-    guint color = 0xff;
-    for (const float v : linear) {
-      const float x = std::clamp(v, 0.0F, 1.0F);
-      const float code = x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F;
-      color = color << 8 | static_cast<guint>(std::lround(255 * code));
-    }
-    return color;
-  }
-
   Parameters<P> own_;
   size_t count_;
   mutable std::mutex mutex_;
