@@ -62,7 +62,11 @@ def main():
     networks.load_state_dict(saved["networks"])
     samples = corpus.Corpus(args.hdri)
 
-    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False)}
+    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False),
+            "The same, every fourth object painted": (
+                datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.MAY_BE_PAINTED), False),
+            "The same, in whole frames (mask only)": (
+                datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.WHOLE_FRAME), False)}
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),

@@ -108,7 +108,7 @@ def main():
         if optimizer_state:
             optimizer.load_state_dict(optimizer_state)
             optimizer_state = None
-        flags = corpus.MAY_BE_EMPTY if stage.name == "segmentation" else 0
+        flags = corpus.MAY_BE_PAINTED | (corpus.WHOLE_FRAME if stage.name == "segmentation" else 0)
         stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:

@@ -50,16 +50,21 @@ int lime_is_held_out_shape(int family, float trait) { return is_held_out(Family(
 /// Floats of a sample's parameters.
 int lime_parameters() { return kParameters; }
 
-/// Samples first … first + count − 1, on `threads` threads. Flags: 1 test split, 2 clean, 4 may be
-/// empty. Images are as in sample.hpp, one sample after another.
+/// Samples first … first + count − 1, on `threads` threads. Flags: 1 test split, 2 clean, 4 whole
+/// frame, 8 may be painted. Images are as in sample.hpp, one sample after another.
 void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t first, int count,
                  int size, int flags, int threads, std::uint8_t* image, std::uint8_t* coverage,
                  float* diffuse, float* specular, float* mirror, float* parameters) {
   std::atomic<int> next{0};
   const auto work = [&] {
     for (int i = next++; i < count; i = next++) {
-      Request request{seed, first + std::uint64_t(i), flags & 1 ? Split::test : Split::train,
-                      size, (flags & 2) != 0,         (flags & 4) != 0};
+      Request request{seed,
+                      first + std::uint64_t(i),
+                      flags & 1 ? Split::test : Split::train,
+                      size,
+                      (flags & 2) != 0,
+                      (flags & 4) != 0,
+                      (flags & 8) != 0};
       const auto plane = std::size_t(size) * std::size_t(size), n = std::size_t(i);
       Parameters p;
       render(request, corpus->maps,

@@ -14,7 +14,7 @@ namespace inverse::lime {
 namespace {
 
 /// Streams of random numbers, so that a change to one thing leaves the others as they are.
-enum Stream { kShape, kPose, kLight, kMaterial, kBackground, kSensor };
+enum Stream { kShape, kPose, kLight, kMaterial, kBackground, kSensor, kPaint, kDistance };
 
 /// Subpixels along a pixel's side.
 constexpr int kOversampling = 2;
@@ -62,14 +62,15 @@ struct View {
   Pose pose;
 };
 
-/// The sphere around the object fills 48 … 98 % of the picture (8 % of them less), seldom reaches
-/// over its edge, and may lie off the axis of the lens, as in a crop from a larger picture.
-View draw_view(Random& random, bool upright, int size) {
+/// The sphere around the object fills 48 … 98 % of the picture (8 % of them less; `scale` of that),
+/// seldom reaches over its edge, and may lie off the axis of the lens, as in a crop from a larger
+/// picture.
+View draw_view(Random& random, bool upright, float scale, int size) {
   const float half = 0.5f * float(size);
   const float focal = random.log_uniform(2.2f, 6.f) * half;  // 49° … 19° across
   const float radius =
-      random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f);
-  const float room = std::clamp(1.04f - radius, 0.05f, 0.3f);
+      scale * (random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f));
+  const float room = std::clamp(1.04f - radius, 0.05f, scale < 1 ? 0.7f : 0.3f);
   const float x = random.uniform(-room, room), y = random.uniform(-room, room);
   const bool crop = random.chance(0.35f);
   const float off_x = crop ? random.uniform(-1.f, 1.f) : 0.f,
@@ -158,6 +159,33 @@ std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Envir
   return pixels;
 }
 
+/// Paints the object with a picture of the kind that backgrounds are, more or less of it over its own
+/// color: m_d becomes the mean, and D what makes m_d D the painted one's.
+void paint(Random& random, const Environment& map, int size, std::vector<Pixel>& pixels,
+           Parameters& p) {
+  const std::vector<Vec> picture = make_background(random, size, map);
+  const float share = random.uniform(0.1f, 0.9f);
+  const Vec own{p.diffuse[0], p.diffuse[1], p.diffuse[2]};
+  const auto albedo = [&](std::size_t i) { return own + share * (picture[i] - own); };
+  Vec mean;
+  float area = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    mean += pixels[i].coverage * albedo(i);
+    area += pixels[i].coverage;
+  }
+  if (area == 0) return;
+  constexpr float kLeast = 0.02f;  // as of other objects
+  const auto limit = [&](float v) { return std::max(v / area, kLeast); };
+  mean = {limit(mean.x), limit(mean.y), limit(mean.z)};
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Vec a = albedo(i);
+    pixels[i].diffuse = Vec{a.x / mean.x, a.y / mean.y, a.z / mean.z} * pixels[i].diffuse;
+  }
+  p.diffuse[0] = mean.x;
+  p.diffuse[1] = mean.y;
+  p.diffuse[2] = mean.z;
+}
+
 /// Mean of D at 0.45 … 0.95, but no more than leaves 98 % of the object's values below white; a
 /// fifth of the pictures are exposed differently by up to 0.4 stops. k absorbs 1/π and the camera's
 /// gain.
@@ -233,7 +261,8 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   const auto stream = [&](Stream s) { return Random(seed, request.index, std::uint64_t(s)); };
   Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
          material = stream(kMaterial);
-  Random background = stream(kBackground), sensor = stream(kSensor);
+  Random background = stream(kBackground), sensor = stream(kSensor), brush = stream(kPaint),
+         distance = stream(kDistance);
 
   parameters = {};
   const Object object = make_object(shape, held_out);
@@ -242,14 +271,18 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   parameters.family = float(object.family);
   parameters.trait = object.trait;
   parameters.map = float(lighting.name);
-  const View view = draw_view(pose, object.upright, kOversampling * request.size);
-  const bool is_empty = pose.chance(0.05f) && request.may_be_empty;
+  const float scale =
+      request.whole_frame && distance.chance(0.33f) ? distance.uniform(0.3f, 0.8f) : 1.f;
+  const View view = draw_view(pose, object.upright, scale, kOversampling * request.size);
+  const bool is_empty = pose.chance(0.05f) && request.whole_frame;
   parameters.empty = float(is_empty);
 
   Raster raster(kOversampling * request.size);
   if (!is_empty)
     for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
   std::vector<Pixel> pixels = shade(raster, view.camera, lighting.map, parameters.shininess);
+  if (request.may_be_painted && brush.chance(0.25f))
+    paint(brush, lighting.map, request.size, pixels, parameters);
   const float k = parameters.exposure = draw_exposure(sensor, pixels, parameters);
 
   const auto plane = std::size_t(request.size * request.size);

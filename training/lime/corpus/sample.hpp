@@ -17,12 +17,15 @@ struct Request {
   int size = 128;  ///< Pixels on a side.
   bool clean =
       false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
-  bool may_be_empty = false;  ///< Every twentieth image shows no object.
+  /// As where an object is looked for in a whole frame: every twentieth image shows none, and a
+  /// third of the objects are small.
+  bool whole_frame = false;
+  bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
 };
 
 /// Material and circumstances; the order of these floats is the C interface's.
 struct Parameters {
-  float diffuse[3];     ///< m_d, linear RGB, uniform in YUV.
+  float diffuse[3];     ///< m_d, linear RGB, uniform in YUV; of painted objects the mean.
   float alpha;          ///< Specular albedo before the lobe's normalization, 0.03 … 0.9.
   float shininess;      ///< s, log-uniform in its bin.
   float bin;            ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
@@ -39,7 +42,7 @@ constexpr int kParameters = sizeof(Parameters) / sizeof(float);
 struct Images {
   std::uint8_t* image;     ///< 3: sRGB, 8 bit, the object over a background.
   std::uint8_t* coverage;  ///< 1: 255 × the share of the pixel that the object covers.
-  float* diffuse;          ///< 3: D, linear, exposed.
+  float* diffuse;          ///< 3: D, linear, exposed; of painted objects times albedo over m_d.
   float* specular;         ///< 3: S, linear, exposed.
   float* mirror;           ///< 3: M = k E(reflected view), linear.
 };

@@ -14,7 +14,7 @@ LIBRARY = ROOT / "out/lime/libcorpus.so"
 HDRI = ROOT.parent / "shared/data/hdri"  # CC0 maps of Poly Haven, where they are at hand
 FIELDS = ("diffuse_r", "diffuse_g", "diffuse_b", "alpha", "shininess", "bin", "ambient", "specular", "exposure", "family",
           "trait", "map", "empty")
-TEST, CLEAN, MAY_BE_EMPTY = 1, 2, 4
+TEST, CLEAN, WHOLE_FRAME, MAY_BE_PAINTED = 1, 2, 4, 8  # sample.hpp's Request
 
 
 class Corpus:

@@ -55,13 +55,15 @@ def read(path):
 
 
 def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
-    """Corpus samples; by default of held-out shapes under held-out maps."""
+    """Corpus samples that show an object; by default held-out shapes under held-out maps."""
     items = []
     for first in range(0, count, 50):
         n = min(50, count - first)
         arrays = samples.render(seed, first, n, size, flags)
         for i in range(n):
             p = dict(zip(corpus.FIELDS, arrays["parameters"][i]))
+            if p["empty"]:
+                continue
             items.append(Item(
                 f"{first + i}", arrays["image"][i].astype(np.float32) / 255,
                 (arrays["coverage"][i] >= 128).astype(np.float32),

@@ -29,13 +29,14 @@ STAGES = (
 
 
 def stages_of(networks, names=None):
-    """The stages that a variant has, or those of them that are named; shares add up to 1."""
+    """The stages that a variant has, or those of them that are named; shares add up to 1. Named ones go on from weights
+    that are known already: at full size only, from half the learning rate."""
     chosen = [s for s in STAGES if networks.use_mirror or s.name not in ("mirror", "chain-mirror")]
     unknown = set(names or ()) - {s.name for s in chosen}
     if unknown:
         raise ValueError(f"no stage is called {', '.join(sorted(unknown))}; there are {', '.join(s.name for s in chosen)}")
     if names:
-        chosen = [s for s in chosen if s.name in names]
+        chosen = [dataclasses.replace(s, coarse=0, rate=s.rate / 2) for s in chosen if s.name in names]
     total = sum(s.share for s in chosen)
     return [dataclasses.replace(s, share=s.share / total,
                                 parts=tuple(p for p in s.parts if networks.use_mirror or p != "mirror")) for s in chosen]
