@@ -1,8 +1,6 @@
-// What a network costs, node by node: network-bench [--runs N] [--size N] [GRAPH.net]. Without a
+// What a network costs, node by node: network-bench [--runs N] [--size N] [GRAPH.net …]. Without a
 // graph: a U-Net and its 3 x 3 convolutions one by one. Needs a Vulkan device and nothing else.
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -10,6 +8,7 @@
 #include "error.hpp"
 #include "network/graph_file.hpp"
 #include "network/network.hpp"
+#include "network_figures.hpp"
 #include "timing.hpp"
 
 namespace {
@@ -50,14 +49,9 @@ Times measure(const network::Network& net, const std::shared_ptr<gpu::Device>& d
   return times;
 }
 
-double gflop(const network::Network& net, uint32_t node) {
-  return 1e-9 * static_cast<double>(network::operations_of(net.graph(), node, net.plan().shapes));
-}
-
 void report(const std::string& name, network::Graph graph, uint32_t size,
             const std::shared_ptr<gpu::Device>& device, int runs) {
-  std::vector<network::Shape> shapes;
-  for (const network::Input& input : graph.inputs) shapes.push_back({input.channels, size, size});
+  const std::vector<network::Shape> shapes = bench::shapes_at(graph, size);
   const auto start = Clock::now();
   const network::Network net(device, std::move(graph), shapes);
   gpu::Commands first(device);
@@ -67,8 +61,7 @@ void report(const std::string& name, network::Graph graph, uint32_t size,
   first.wait();
   const double start_ms = bench::milliseconds(Clock::now() - start);
   const Times times = measure(net, device, runs);
-  double total = 0;
-  for (const network::Step& step : net.plan().steps) total += gflop(net, step.node);
+  const double total = bench::gflop(net);
   std::printf(
       "%s at %u x %u: %.2f ms (processor %.2f), %.3f GFLOP, %.1f GFLOP/s; images %.2f MB, weights "
       "%.2f MB, start %.0f ms\n",
@@ -78,7 +71,7 @@ void report(const std::string& name, network::Graph graph, uint32_t size,
   for (size_t s = 0; s < times.by_stage.size(); ++s) {
     const network::Step& step = net.plan().steps[s];
     const network::Shape& out = net.plan().shapes[net.graph().inputs.size() + step.node];
-    const double ms = bench::median(times.by_stage[s]), work = gflop(net, step.node);
+    const double ms = bench::median(times.by_stage[s]), work = bench::gflop(net, step.node);
     std::printf("  %-28s %4u x %4u x %4u %8.3f ms %8.4f GFLOP %7.1f GFLOP/s\n",
                 net.graph().nodes[step.node].name.c_str(), out.channels, out.height, out.width, ms,
                 work, ms > 0 ? 1e3 * work / ms : 0);
@@ -95,24 +88,12 @@ network::Graph convolution(uint32_t channels, uint32_t kernel, uint32_t stride) 
 }  // namespace
 
 int main(int argc, char** argv) {
-  int runs = 21;
-  uint32_t size = 128;
-  std::string path;
-  for (int i = 1; i < argc; ++i) {
-    if (!strcmp(argv[i], "--runs") && i + 1 < argc)
-      runs = std::max(1, std::atoi(argv[++i]));
-    else if (!strcmp(argv[i], "--size") && i + 1 < argc)
-      size = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
-    else
-      path = argv[i];
-  }
+  const auto [runs, size, files] = bench::NetworkArguments(argc, argv);
   try {
     const auto device = gpu::Device::open();
     std::printf("%s\n", device->name().c_str());
-    if (!path.empty()) {
-      report(path, network::load(path), size, device, runs);
-      return 0;
-    }
+    for (const std::string& path : files) report(path, network::load(path), size, device, runs);
+    if (!files.empty()) return 0;
     for (const uint32_t channels : {16u, 32u, 64u, 128u}) {
       const uint32_t side = size * 16 / channels;
       report("3 x 3", convolution(channels, 3, 1), side, device, runs);

@@ -42,17 +42,9 @@ Apart apart(const Pixels& a, const Pixels& b) {
 /// A picture stays until its light is held; then bad frames come, go and come again in a window of
 /// it, once the whole frame is bad, and light is held again after it.
 std::optional<std::string> wrong_light(const Lab& lab, const Case& small, Counts& counts) {
-  // Frames of enough tiles for light to be held; needles stay needles.
-  const auto large = [](uint32_t side) { return side <= 3 ? side : 64 + side; };
-  Case one = small;
-  one.width = large(small.width);
-  one.height = large(small.height);
-  if (one.width <= 3) one.height *= 3;
-  if (one.height <= 3) one.width *= 3;
+  const Case one = enlarged(small, 64);
   const Extent extent{one.width, one.height};
-  Case clean = one;
-  clean.faults = 0;
-  const Pixels picture = frame_of(clean, 0);
+  const Pixels picture = clean_picture(one);
   GlobalMethod some(lab, Solver::global, extent), whole(lab, Solver::global, extent);
   GlobalIntrinsic::Params params = global_params_of(one);
   some.set(params);

@@ -62,17 +62,9 @@ struct Counts {
 /// A picture stays; in a window of it bad frames come, go and come again, and once the whole frame
 /// is bad.
 std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts& counts) {
-  // Frames of enough tiles for some to be left out; needles stay needles.
-  const auto large = [](uint32_t side) { return side <= 3 ? side : 112 + side; };
-  Case one = small;
-  one.width = large(small.width);
-  one.height = large(small.height);
-  if (one.width <= 3) one.height *= 3;
-  if (one.height <= 3) one.width *= 3;
+  const Case one = enlarged(small, 112);
   const Extent extent{one.width, one.height};
-  Case clean = one;
-  clean.faults = 0;
-  const Pixels picture = frame_of(clean, 0);
+  const Pixels picture = clean_picture(one);
   Player<IntrinsicDecomposition> some(lab, extent), whole(lab, extent);
   const IntrinsicDecomposition::Params params = intrinsic_params_of(one);
   auto all = params;

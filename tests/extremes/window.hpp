@@ -8,6 +8,22 @@
 
 namespace inverse::extremes {
 
+/// The case on a frame of `more` pixels more on each side, so that it has tiles enough; needles (up
+/// to 3 pixels wide) stay needles, three times as long.
+inline Case enlarged(Case one, uint32_t more) {
+  for (uint32_t* side : {&one.width, &one.height})
+    if (*side > 3) *side += more;
+  if (one.width <= 3) one.height *= 3;
+  if (one.height <= 3) one.width *= 3;
+  return one;
+}
+
+/// The first frame of a case without what is bad in it.
+inline Pixels clean_picture(Case one) {
+  one.faults = 0;
+  return frame_of(one, 0);
+}
+
 /// Where it begins; it ends after kSide pixels, or with the frame.
 struct Window {
   static constexpr uint32_t kSide = 12;

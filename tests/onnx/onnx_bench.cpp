@@ -1,14 +1,13 @@
 // The device beside OpenCV's dnn, running the same model in turn: onnx-bench [--runs N] [--size N]
 // [MODEL.onnx …]. Without a model: U-Nets of three widths.
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <opencv2/dnn.hpp>
 #include <string>
 #include <vector>
 
+#include "../bench/network_figures.hpp"
 #include "../bench/timing.hpp"
 #include "error.hpp"
 #include "network/network.hpp"
@@ -49,8 +48,7 @@ std::string u_net(int64_t width, int64_t size) {
 void compare(const std::string& name, const std::string& model, uint32_t size, int runs,
              const std::shared_ptr<gpu::Device>& device) {
   const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), name);
-  std::vector<network::Shape> shapes;
-  for (const network::Input& input : graph.inputs) shapes.push_back({input.channels, size, size});
+  const std::vector<network::Shape> shapes = bench::shapes_at(graph, size);
   const network::Network net(device, graph, shapes);
   cv::dnn::Net peer = cv::dnn::readNetFromONNX(model.data(), model.size());
   peer.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -72,9 +70,7 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
     ours.push_back(bench::milliseconds(middle - start));
     theirs.push_back(bench::milliseconds(Clock::now() - middle));
   }
-  double work = 0;
-  for (const network::Step& step : net.plan().steps)
-    work += 1e-9 * static_cast<double>(network::operations_of(graph, step.node, net.plan().shapes));
+  const double work = bench::gflop(net);
   const double a = bench::median(ours), b = bench::median(theirs);
   std::printf(
       "%-24s %4u x %-4u %8.4f GFLOP  device %8.2f ms %6.1f GFLOP/s  OpenCV %8.2f ms %6.1f GFLOP/s  "
@@ -85,17 +81,7 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  int runs = 21;
-  uint32_t size = 128;
-  std::vector<std::string> paths;
-  for (int i = 1; i < argc; ++i) {
-    if (!strcmp(argv[i], "--runs") && i + 1 < argc)
-      runs = std::max(1, std::atoi(argv[++i]));
-    else if (!strcmp(argv[i], "--size") && i + 1 < argc)
-      size = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
-    else
-      paths.emplace_back(argv[i]);
-  }
+  const auto [runs, size, paths] = bench::NetworkArguments(argc, argv);
   try {
     const auto device = gpu::Device::open();
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
