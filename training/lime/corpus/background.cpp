@@ -104,4 +104,26 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
   return pixels;
 }
 
+std::vector<Vec> make_plain_background(Random& random, int size) {
+  std::vector<Vec> pixels(std::size_t(size * size));
+  const bool black = random.chance(0.17f), has_table = random.chance(0.6f);
+  const float level = black ? random.uniform(0.f, 0.01f) : random.uniform(0.05f, 0.9f);
+  const auto pale = [&](Vec color) { return mix(luminance(color) * Vec{1, 1, 1}, color, 0.4f); };
+  const Vec wall = pale(random_color(random)), table = pale(random_color(random));
+  const float edge = has_table ? random.uniform(0.3f, 0.9f) : 2, tilt = random.uniform(-0.1f, 0.1f);
+  const float soft = random.log_uniform(0.002f, 0.05f);
+  const float slope_x = random.uniform(-0.6f, 0.6f), slope_y = random.uniform(-0.6f, 0.6f);
+  const Noise noise(random, 4, 5);
+  const float rough = random.uniform(0.f, 0.15f);
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column) {
+      const float x = (float(column) + 0.5f) / float(size), y = (float(row) + 0.5f) / float(size);
+      const float under = std::clamp(0.5f + (y + tilt * x - edge) / soft, 0.f, 1.f);
+      const float lit = std::max(1 + slope_x * (x - 0.5f) + slope_y * (y - 0.5f), 0.f) *
+                        (1 + rough * (2 * noise(4 * x, 4 * y) - 1));
+      pixels[std::size_t(row * size + column)] = level * lit * mix(wall, table, under);
+    }
+  return pixels;
+}
+
 }  // namespace inverse::lime

@@ -12,4 +12,7 @@ namespace inverse::lime {
 /// plain gradient, or the environment itself as the camera would see it.
 std::vector<Vec> make_background(Random& random, int size, const Environment& map);
 
+/// A wall, often with a table before it, lit unevenly; every sixth time black.
+std::vector<Vec> make_plain_background(Random& random, int size);
+
 }  // namespace inverse::lime

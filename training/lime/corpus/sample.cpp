@@ -14,7 +14,7 @@ namespace inverse::lime {
 namespace {
 
 /// Streams of random numbers, so that a change to one thing leaves the others as they are.
-enum Stream { kShape, kPose, kLight, kMaterial, kBackground, kSensor, kPaint, kDistance };
+enum Stream { kShape, kPose, kLight, kMaterial, kBackground, kSensor, kPaint, kSurroundings };
 
 /// Subpixels along a pixel's side.
 constexpr int kOversampling = 2;
@@ -159,8 +159,8 @@ std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Envir
   return pixels;
 }
 
-/// Paints the object with a picture of the kind that backgrounds are, more or less of it over its own
-/// color: m_d becomes the mean, and D what makes m_d D the painted one's.
+/// Paints the object with a picture of the kind that backgrounds are, more or less of it over its
+/// own color: m_d becomes the mean, and D what makes m_d D the painted one's.
 void paint(Random& random, const Environment& map, int size, std::vector<Pixel>& pixels,
            Parameters& p) {
   const std::vector<Vec> picture = make_background(random, size, map);
@@ -207,6 +207,41 @@ float draw_exposure(Random& random, const std::vector<Pixel>& pixels, const Para
   std::nth_element(values.begin(), rank, values.end());
   return jitter *
          std::min(level / std::max(float(mean), 1e-9f), (1 - p.ambient) / std::max(*rank, 1e-9f));
+}
+
+/// A soft shadow below the object, as on a table that it stands on, or beside it on a wall.
+void throw_shadow(Random& random, int size, const std::vector<Pixel>& pixels,
+                  std::vector<Vec>& background) {
+  float left = 1, right = 0, bottom = 0;
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column)
+      if (pixels[std::size_t(row * size + column)].coverage > 0) {
+        left = std::min(left, float(column) / float(size));
+        right = std::max(right, float(column) / float(size));
+        bottom = std::max(bottom, float(row) / float(size));
+      }
+  if (right <= left) return;
+  const float wide = right - left;
+  const float x = 0.5f * (left + right) + wide * random.uniform(-0.5f, 0.5f),
+              y = bottom - wide * random.uniform(0.f, 0.25f), a = wide * random.uniform(0.4f, 1.f),
+              b = wide * random.uniform(0.08f, 0.4f), dark = random.uniform(0.15f, 0.8f),
+              soft = random.uniform(0.2f, 1.f);
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column) {
+      const float u = ((float(column) + 0.5f) / float(size) - x) / a,
+                  v = ((float(row) + 0.5f) / float(size) - y) / b;
+      const float inside = std::clamp((1 - std::sqrt(u * u + v * v)) / soft, 0.f, 1.f);
+      Vec& p = background[std::size_t(row * size + column)];
+      p = (1 - dark * inside) * p;
+    }
+}
+
+/// Exposure and white balance of a camera that was not set for the object.
+void misadjust(Random& random, std::vector<Vec>& linear) {
+  const float exposure = random.chance(0.4f) ? std::exp2(random.uniform(-3.f, 0.5f)) : 1.f;
+  const auto gain = [&] { return exposure * std::exp2(random.uniform(-0.3f, 0.3f)); };
+  const Vec gains{gain(), gain(), gain()};
+  for (Vec& p : linear) p = gains * p;
 }
 
 /// A third of the lenses blur by the kernel 1 2 1; a border keeps its pixels.
@@ -262,7 +297,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
          material = stream(kMaterial);
   Random background = stream(kBackground), sensor = stream(kSensor), brush = stream(kPaint),
-         distance = stream(kDistance);
+         surroundings = stream(kSurroundings);
 
   parameters = {};
   const Object object = make_object(shape, held_out);
@@ -272,7 +307,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   parameters.trait = object.trait;
   parameters.map = float(lighting.name);
   const float scale =
-      request.whole_frame && distance.chance(0.33f) ? distance.uniform(0.3f, 0.8f) : 1.f;
+      request.whole_frame && surroundings.chance(0.33f) ? surroundings.uniform(0.3f, 0.8f) : 1.f;
   const View view = draw_view(pose, object.upright, scale, kOversampling * request.size);
   const bool is_empty = pose.chance(0.05f) && request.whole_frame;
   parameters.empty = float(is_empty);
@@ -286,7 +321,11 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   const float k = parameters.exposure = draw_exposure(sensor, pixels, parameters);
 
   const auto plane = std::size_t(request.size * request.size);
-  std::vector<Vec> linear = make_background(background, request.size, lighting.map);
+  std::vector<Vec> linear = request.whole_frame && surroundings.chance(0.4f)
+                                ? make_plain_background(surroundings, request.size)
+                                : make_background(background, request.size, lighting.map);
+  if (request.whole_frame && surroundings.chance(0.4f))
+    throw_shadow(surroundings, request.size, pixels, linear);
   const Vec albedo{parameters.diffuse[0], parameters.diffuse[1], parameters.diffuse[2]};
   const Vec ambient{parameters.ambient, parameters.ambient, parameters.ambient};
   for (std::size_t i = 0; i < plane; ++i) {
@@ -306,6 +345,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
     put(images.specular, p.specular);
     put(images.mirror, p.mirror);
   }
+  if (request.whole_frame) misadjust(surroundings, linear);
   expose(sensor, request.size, request.clean, linear, images.image);
 }
 

@@ -17,8 +17,9 @@ struct Request {
   int size = 128;  ///< Pixels on a side.
   bool clean =
       false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
-  /// As where an object is looked for in a whole frame: every twentieth image shows none, and a
-  /// third of the objects are small.
+  /// As where an object is looked for in a whole frame: every twentieth image shows none, a third
+  /// of the objects are small, many stand before something plain or black and throw a shadow, and
+  /// the camera's exposure and white balance may be off.
   bool whole_frame = false;
   bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
 };
