@@ -10,7 +10,7 @@ namespace inverse {
 namespace global_model {
 
 inline constexpr uint32_t kSlots = 16, kBinCount = 64 * 64, kCandidates = 16, kSceneAmount = 0,
-                          kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 24;
+                          kSceneTint = 1, kSceneTime = 2, kSceneColors = 8, kSceneSize = 40;
 inline constexpr uint64_t kUsable = 16 * kSceneTint + 8;  // bytes into the scene's buffer
 /// How residuals of chroma are believed (residual.glsl).
 inline constexpr float kTrust = 0.35F, kTrustTint = 0.7F;

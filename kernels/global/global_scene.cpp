@@ -14,8 +14,12 @@ namespace {
 
 // Of candidate amounts: the least, and each to the one before.
 constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
-constexpr float kNeutralWidth = 0.2F;            // log chroma that still counts as neutral
+constexpr float kRenewColor = 0.05F;   // share of the newest frame in whether light has color
+constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
 constexpr float kEdge = 0.01F, kWindow = 0.05F;  // how residuals of chroma are smoothed (fit.comp)
+// Of base colors in the histogram of chroma (modes.comp).
+constexpr float kFollow = 0.1F;               // share of the newest frame in where one usually is
+constexpr int32_t kKeep = 50, kForget = 250;  // frames without a mode: stays, keeps its slot
 constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
 
 }  // namespace
@@ -48,10 +52,10 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
   commands.dispatch(kernels_.amount, {colors_, points_, labels_, received_, candidates_}, amount,
                     line_of(grid_.pixels()));
   const struct {
-    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, full_trust, manual;
+    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, full_trust, manual, renew_color;
   } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
           std::log(params.typical), params.spread,          params.trust,
-          params.full_trust,        params.amount};
+          params.full_trust,        params.amount,          kRenewColor};
   commands.dispatch(kernels_.weigh, {candidates_, scene_}, weigh, {});
 }
 
@@ -68,9 +72,11 @@ void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
 
 void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params) {
   const struct {
-    float smoothing, least_share, same;
-    int32_t most;
-  } modes{params.smoothing, params.least_share, params.same_color, params.base_colors};
+    float smoothing, least_share, same, follow;
+    int32_t most, keep, forget;
+  } modes{params.smoothing, params.least_share, params.same_color,
+          kFollow,          params.base_colors, kKeep,
+          kForget};
   commands.dispatch(kernels_.modes, {counts_, scene_, slots_, histogram_, heights_, work_}, modes,
                     {});
 }

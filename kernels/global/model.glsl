@@ -22,7 +22,8 @@ const int kCandidates = 16;  // for the amount of indirect light
 #define SCENE_WHITE 3   // log chroma of the lamps, as far as it is taken out; how far the color of gathered light is believed
 #define SCENE_COSTS 4   // four vec4: of the candidates
 #define SCENE_COLORS 8  // log chroma, 1 where there is such a color, share of the frame
-#define SCENE_SIZE 24
+#define SCENE_MEMORY 24  // of base colors' slots: where it usually is, 1 where it is a color's, frames since that had a mode
+#define SCENE_SIZE 40
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
 

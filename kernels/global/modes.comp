@@ -6,7 +6,8 @@
 #include "counts.glsl"
 
 // One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
-// lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues.
+// lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues. A color
+// whose peak is gone stays a while, in the basin that it fell into, and its slot for longer.
 // Reads what it wrote itself, and so uses storage buffers.
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
@@ -18,14 +19,17 @@ layout(push_constant) uniform Push {
   float smoothing;    // standard deviation, bins
   float least_share;  // of all mass, for a mode to count
   float same;         // chroma up to which a mode continues a color of before
+  float follow;       // share of the newest frame in where a color usually is
   int most;           // base colors at most
+  int keep, forget;   // frames that a color without a mode stays, and keeps its slot
 } push;
 
 // Of work: every bin's peak; of peaks, the mass of their basin and its moments about them, in fixed point; a list.
 const int kPeak = 0, kMass = kBinCount, kMoment = 2 * kBinCount, kList = 4 * kBinCount, kListed = kList + 1;
 const float kMassUnit = 16777216.0, kMomentUnit = 4194304.0;
 const int kMostListed = 1024;
-const int kReach = 8;  // of the smoothing, bins
+const int kReach = 8;   // of the smoothing, bins
+const int kAround = 2;  // bins around where a color usually is that tell whether it is there
 
 #define SYNC memoryBarrierBuffer(); barrier()
 #define EVERY_BIN(b) for (int b = int(gl_LocalInvocationID.x); b < kBinCount; b += int(gl_WorkGroupSize.x))
@@ -46,8 +50,74 @@ float smoothed(int b, int from, int step, int along) {
   return sum / all;
 }
 
+float mass_around(vec2 chroma) {
+  int at = bin_of(chroma);
+  ivec2 middle = ivec2(at & (kBins - 1), at / kBins), low = max(middle - kAround, 0), high = min(middle + kAround, kBins - 1);
+  float sum = 0.0;
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x) sum += LOAD(histogram, y * kBins + x);
+  return sum;
+}
+
+// Gives modes the slots of the colors that they continue, nearest pairs first, and others a free one, or that of the color that
+// has been away for longest; adds the colors that stay without a mode.
+void keep_slots(float all) {
+  bool anew = LOAD(scene, SCENE_TIME).y < 1.5;
+  uint free = (1u << push.most) - 1u;
+  for (int s = 0; s < kSlots; ++s)
+    if (anew || s >= push.most) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
+  for (int pair = 0; pair < mode_count; ++pair) {
+    float nearest = push.same * push.same;
+    int mode = -1, slot = -1;
+    for (int m = 0; m < mode_count; ++m)
+      for (int s = 0; s < push.most; ++s) {
+        vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+        vec2 off = memory.xy - modes[m].xy;
+        if (modes[m].w < 0.0 && (free & (1u << s)) != 0u && memory.z > 0.0 && dot(off, off) < nearest) {
+          nearest = dot(off, off);
+          mode = m;
+          slot = s;
+        }
+      }
+    if (mode < 0) break;
+    modes[mode].w = float(slot);
+    free &= ~(1u << slot);
+  }
+  int seen = mode_count;
+  for (int s = 0; s < push.most; ++s) {
+    vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+    if ((free & (1u << s)) == 0u || memory.z == 0.0) continue;
+    memory.w += 1.0;
+    LOAD(scene, SCENE_MEMORY + s) = memory.w > float(push.forget) ? vec4(0.0) : memory;
+    float left = mass_around(memory.xy);
+    if (memory.w > float(min(push.keep, push.forget)) || mode_count == push.most || left < 0.5 * push.least_share * all) continue;
+    modes[mode_count] = vec4(memory.xy, left, float(s));
+    mode_peaks[mode_count++] = LOAD(work, kPeak + bin_of(memory.xy));
+    free &= ~(1u << s);
+  }
+  for (int m = 0; m < seen; ++m) {
+    if (modes[m].w < 0.0) {
+      int slot = -1;
+      float longest = -1.0;
+      for (int s = push.most - 1; s >= 0; --s) {
+        vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+        float away = memory.z == 0.0 ? 3e38 : memory.w;
+        if ((free & (1u << s)) != 0u && away >= longest) {
+          longest = away;
+          slot = s;
+        }
+      }
+      modes[m].w = float(slot);
+      free &= ~(1u << slot);
+      LOAD(scene, SCENE_MEMORY + slot) = vec4(modes[m].xy, 1.0, 0.0);
+    }
+    int at = SCENE_MEMORY + int(modes[m].w);
+    LOAD(scene, at) = vec4(mix(LOAD(scene, at).xy, modes[m].xy, push.follow), 1.0, 0.0);
+  }
+}
+
 // Modes in falling order of mass, and their slots.
-void choose() {
+void choose(float all) {
   int count = min(LOAD(work, kList), kMostListed);
   mode_count = 0;
   for (int m = 0; m < push.most; ++m) {
@@ -77,29 +147,8 @@ void choose() {
     mode_peaks[0] = bin_of(vec2(0.0));
     mode_count = 1;
   }
-  uint taken = 0u;
-  bool anew = LOAD(scene, SCENE_TIME).y < 1.5, usable = LOAD(scene, SCENE_TINT).z > 0.0;
-  for (int m = 0; m < mode_count; ++m) {
-    float nearest = push.same * push.same;
-    int slot = -1;
-    for (int s = 0; s < push.most && !anew; ++s) {
-      vec4 color = LOAD(scene, SCENE_COLORS + s);
-      if (color.z == 0.0 || (taken & (1u << s)) != 0u) continue;
-      vec2 off = color.xy - modes[m].xy;
-      if (dot(off, off) < nearest) {
-        nearest = dot(off, off);
-        slot = s;
-      }
-    }
-    modes[m].w = float(slot);
-    if (slot >= 0) taken |= 1u << slot;
-  }
-  for (int m = 0; m < mode_count; ++m)
-    if (modes[m].w < 0.0) {
-      int slot = findLSB(~taken);
-      modes[m].w = float(slot);
-      taken |= 1u << slot;
-    }
+  keep_slots(all);
+  bool usable = LOAD(scene, SCENE_TINT).z > 0.0;
   for (int s = 0; s < kSlots; ++s) LOAD(scene, SCENE_COLORS + s) = vec4(0.0);
   for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z) * float(usable);
   LOAD(scene, SCENE_AMOUNT).w = usable ? float(mode_count) : 0.0;
@@ -164,14 +213,18 @@ void main() {
     }
   }
   SYNC;
-  if (gl_LocalInvocationID.x == 0u) choose();
+  if (gl_LocalInvocationID.x == 0u) choose(all);
   barrier();
   EVERY_BIN(b) {
     int peak = LOAD(work, kPeak + b), best = -1, nearest = 0;
     float least = 3e38;
+    float least_here = 3e38;
     for (int m = 0; m < mode_count; ++m) {
       vec2 off = modes[m].xy - bin_center(b);
-      if (mode_peaks[m] == peak) best = m;
+      if (mode_peaks[m] == peak && dot(off, off) < least_here) {
+        least_here = dot(off, off);
+        best = m;
+      }
       if (dot(off, off) < least) {
         least = dot(off, off);
         nearest = m;

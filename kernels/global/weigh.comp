@@ -18,9 +18,10 @@ layout(push_constant) uniform Push {
   float ln_typical, spread;  // the prior
   float trust, full_trust;  // from this spread of chroma on; below, in proportion to it
   float manual;             // above 0: the amount
+  float renew_color;        // least share of the newest frame in how far the color of light is believed
 } push;
 
-const float kSure = 0.03;  // confidence that is enough for the color
+const float kSure = 0.06;  // confidence that is enough for the color
 
 float cost[kCandidates];
 
@@ -67,5 +68,7 @@ void main() {
   vec2 confidence = usable * clamp(1.0 - vec2(seen.y, sharp.y) / blind.y, 0.0, 1.0);
   bool manual = push.manual > 0.0;
   LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
-  LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : smoothstep(0.0, kSure, confidence.y);
+  // Over more frames than the rest: light that loses its color and finds it again is seen.
+  float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / LOAD(scene, SCENE_TIME).y);
+  LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, belief, share);
 }

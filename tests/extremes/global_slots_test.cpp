@@ -113,6 +113,42 @@ TEST_P(BaseColorSlots, AreStableOverSlowChangeAndFollowWhatComesAndGoes) {
   EXPECT_LE(gone - kGoes, fades);
 }
 
+TEST(GlobalSlots, AColorThatWasAwayFindsItsSlotAgain) {
+  const Lab lab;
+  GlobalMethod method(lab, Solver::global, kExtent);
+  const std::vector<Rgb> paints{
+      {0.8F, 0.12F, 0.1F}, {0.15F, 0.6F, 0.2F}, {0.2F, 0.3F, 0.9F}, {0.7F, 0.68F, 0.65F}};
+  const Rgb guest{0.75F, 0.05F, 0.7F}, other{0.8F, 0.75F, 0.04F};
+  std::optional<size_t> own;
+  unsigned others = 0;
+  for (unsigned frame = 0; frame < 100; ++frame) {
+    Pixels picture = walls(kExtent, paints, 0.03F, frame, 0.8F);
+    const auto put = [&](const Rgb& color, uint32_t left) {
+      for (uint32_t y = 18; y < 34; ++y)
+        for (uint32_t x = left; x < left + 14; ++x)
+          for (size_t c = 0; c < 3; ++c)
+            picture[4 * (size_t{y} * kExtent.width + x) + c] = 0.8F * color[c];
+    };
+    if (frame >= 10 && (frame < 25 || frame >= 85)) put(guest, 20);
+    if (frame >= 55 && frame < 80) put(other, 38);
+    const Slots slots = slots_of(Solver::global, method.decompose(picture), method);
+    const auto found = slot_near(slots, guest, 0.5), new_one = slot_near(slots, other, 0.4);
+    if (frame == 20) own = found;
+    if (frame > 20 && found) {
+      ASSERT_EQ(*found, *own) << "frame " << frame;
+    }
+    if (new_one) {
+      ASSERT_NE(*new_one, own.value_or(kMaxBases)) << "frame " << frame;
+      ++others;
+    }
+    if (frame >= 90) {
+      ASSERT_TRUE(found) << "frame " << frame;
+    }
+  }
+  ASSERT_TRUE(own);
+  EXPECT_GT(others, 15U);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, BaseColorSlots, testing::ValuesIn(kGlobalMethods),
                          [](const auto& info) {
                            return std::string(info.param == Solver::global ? "global" : "thesis");

@@ -31,6 +31,28 @@ TEST_F(GlobalTest, AgreesWithReferenceOverTime) {
   }
 }
 
+TEST_F(GlobalTest, SlotsAreTheReferencesWhereColorsComeAndGo) {
+  const Extent extent{160, 120};
+  GlobalIntrinsic method(device, extent);
+  reference::GlobalState state;
+  const std::array<float, 3> violet{0.5F, 0.05F, 0.6F}, cyan{0.05F, 0.5F, 0.6F};
+  for (unsigned frame = 0; frame < 12; ++frame) {
+    Room made = room(extent, 3);
+    const auto put = [&](const std::array<float, 3>& color, uint32_t left) {
+      for (uint32_t y = 70; y < 90; ++y)
+        for (uint32_t x = left; x < left + 20; ++x)
+          std::copy(color.begin(), color.end(), &made.frame[4 * (size_t{y} * extent.width + x)]);
+    };
+    if (frame % 8 >= 2 && frame % 8 < 5) put(violet, 60);
+    if (frame >= 6 && frame < 9) put(cyan, 90);
+    const Result got = decompose(method, made.frame, extent, to_the_letter(), {false});
+    const auto expected =
+        reference::decompose_global(rgb_of(made.frame).data(), int(extent.width),
+                                    int(extent.height), reference::GlobalParams{}, &state);
+    expect_agreement(got, expected, "frame " + std::to_string(frame));
+  }
+}
+
 TEST_F(GlobalTest, TakesTheLampsColorOutAsTheReferenceDoes) {
   const Extent extent{160, 120};
   GlobalIntrinsic::Params params = to_the_letter();

@@ -99,7 +99,7 @@ double usable_color(double spread, const AmountParams& params) {
 
 Amount amount_of(const AmountCost& cost, double spread, const AmountParams& params) {
   if (params.manual > 0) return {params.manual, 1, 1};
-  constexpr double kSure = 0.03;  // confidence that is enough for the color
+  constexpr double kSure = 0.06;  // confidence that is enough for the color
   const double apart = std::min(1.0, spread / params.full_trust);
   const double usable = usable_color(spread, params);
   const Moments blind = moments(cost, 0, params),

@@ -12,8 +12,9 @@ Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
 
-constexpr double kLeastTau = 0.02;  // of a channel
-constexpr double kMostLight = 1e4;  // that the solve takes
+constexpr double kLeastTau = 0.02;    // of a channel
+constexpr double kMostLight = 1e4;    // that the solve takes
+constexpr double kRenewColor = 0.05;  // share of the newest frame in whether light has color
 
 /// What one look at the grid gives for the frame.
 struct Look {
@@ -56,6 +57,10 @@ Look look(const Grid& grid, const GlobalParams& params, double renew, double spr
   const AmountCost cost = amount_cost(grid, received, params.amount);
   for (std::size_t k = 0; k < cost.size(); ++k) scene.cost[k] += renew * (cost[k] - scene.cost[k]);
   out.amount = amount_of(scene.cost, spread, params.amount);
+  const double share =
+      params.amount.manual > 0 ? 1 : std::max(kRenewColor, 1.0 / (scene.frames + 1));
+  scene.color += share * (out.amount.color - scene.color);
+  out.amount.color = scene.color;
 
   double mean_weight = 1e-9;
   for (const double w : grid.weight) mean_weight += w / double(n);

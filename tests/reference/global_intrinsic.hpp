@@ -36,6 +36,7 @@ struct GlobalScene {
   std::vector<global::Chroma> chroma;  ///< Of the frame, at the points of the grid.
   std::vector<int> labels;             ///< Base colors of these points; empty: not known.
   global::Chroma white{};              ///< Log chroma of the illuminant that was taken out.
+  double color = 0;                    ///< How far the color of light is believed.
   int frames = 0;                      ///< Looked at since a reset or cut.
 };
 

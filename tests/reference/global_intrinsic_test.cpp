@@ -233,6 +233,57 @@ TEST(GlobalPalette, SlotsSurviveNewcomersAndLosses) {
   EXPECT_EQ(second.label[h.nearest({0, 1})], first.label[h.nearest({0, 1})]);
 }
 
+TEST(GlobalPalette, AColorStaysWhereAnothersBasinTookItsMode) {
+  const PaletteParams params;
+  const auto make = [](double wall) {  // red on the slope of a wall, more or less of it
+    ChromaHistogram h(64, 0.08);
+    h.add({0, 0}, 10), h.add({-1, 1}, 5);
+    for (int k = 1; k < 12; ++k) h.add({0.08 * k, 0}, wall * (12 - k));
+    h.add({0.4, 0}, 0.3);
+    return h;
+  };
+  BaseColors colors = find_modes(make(0), {}, params);
+  ASSERT_EQ(colors.used(), 3);
+  const ChromaHistogram merged = make(0.08);
+  const std::size_t at = merged.nearest({0.4, 0});
+  const int red = colors.label[at];
+  ASSERT_EQ(find_modes(merged, {}, params).used(), 2) << "the wall has to hide the mode";
+  for (int frame = 1; frame <= params.keep; ++frame) {
+    colors = find_modes(merged, colors, params);
+    EXPECT_EQ(colors.label[at], red) << frame;
+    EXPECT_NE(colors.label[merged.nearest({0, 0})], red) << frame;
+  }
+  colors = find_modes(merged, colors, params);
+  EXPECT_NE(colors.label[at], red) << "it stays for good";
+  EXPECT_EQ(find_modes(make(0), colors, params).label[at], red) << "and finds its slot again";
+}
+
+TEST(GlobalPalette, ASlotIsAnothersOnlyAfterLong) {
+  PaletteParams params;
+  params.most = 3;
+  const auto make = [](bool guest, bool other) {
+    ChromaHistogram h(64, 0.08);
+    h.add({0, 0}, 10), h.add({1, 0}, 5);
+    if (guest) h.add({0, 1}, 2);
+    if (other) h.add({-1, 0}, 2);
+    return h;
+  };
+  const BaseColors before = find_modes(make(true, false), {}, params);
+  const int guest = before.label[make(true, false).nearest({0, 1})];
+  BaseColors away = before;
+  for (int frame = 1; frame < params.forget; ++frame)
+    away = find_modes(make(false, false), away, params);
+  EXPECT_EQ(away.used(), 2);
+  EXPECT_TRUE(away.memory[std::size_t(guest)]);
+  // Where there is no other slot it goes to what comes, else not before it is forgotten.
+  const std::size_t place = make(false, true).nearest({-1, 0});
+  EXPECT_EQ(find_modes(make(false, true), away, params).label[place], guest);
+  params.most = 4;
+  EXPECT_NE(find_modes(make(false, true), away, params).label[place], guest);
+  for (int frame = 0; frame < 2; ++frame) away = find_modes(make(false, false), away, params);
+  EXPECT_FALSE(away.memory[std::size_t(guest)]);
+}
+
 TEST(GlobalAmount, SaysNothingWhereColorsSayNothing) {
   const AmountParams params;
   const Amount blind = amount_of({}, 1, params);

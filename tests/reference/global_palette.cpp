@@ -101,28 +101,47 @@ std::vector<std::size_t> climb(const std::vector<double>& height, int n) {
 
 double distance2(const Chroma& a, const Chroma& b) { return norm2(a - b); }
 
-/// Slots for modes in falling order of mass: the one of the color that a mode continues, or a free
-/// one.
-std::vector<std::size_t> slots_of(const std::vector<Mode>& modes, const BaseColors& before,
-                                  const PaletteParams& params) {
-  std::vector<bool> taken(std::size_t(params.most), false);
-  constexpr auto kNone = std::size_t(-1);
+constexpr auto kNone = std::size_t(-1);
+
+/// Slots of modes that continue a color, nearest pairs first.
+std::vector<std::size_t> continued(const std::vector<Mode>& modes, const BaseColors& colors,
+                                   double same) {
   std::vector<std::size_t> slot(modes.size(), kNone);
-  for (std::size_t m = 0; m < modes.size(); ++m) {
-    double nearest = params.same * params.same;
-    for (std::size_t s = 0; s < before.color.size(); ++s) {
-      if (!before.color[s] || taken[s]) continue;
-      const double d = distance2(*before.color[s], modes[m].center);
-      if (d < nearest) nearest = d, slot[m] = s;
-    }
-    if (slot[m] != kNone) taken[slot[m]] = true;
+  std::vector<bool> taken(colors.memory.size(), false);
+  for (;;) {
+    double nearest = same * same;
+    std::size_t mode = kNone, at = kNone;
+    for (std::size_t m = 0; m < modes.size(); ++m)
+      for (std::size_t s = 0; s < taken.size(); ++s) {
+        if (slot[m] != kNone || taken[s] || !colors.memory[s]) continue;
+        const double d = distance2(colors.memory[s]->usual, modes[m].center);
+        if (d < nearest) nearest = d, mode = m, at = s;
+      }
+    if (mode == kNone) return slot;
+    slot[mode] = at;
+    taken[at] = true;
   }
-  for (std::size_t m = 0; m < modes.size(); ++m)
-    if (slot[m] == kNone) {
-      slot[m] = std::size_t(std::find(taken.begin(), taken.end(), false) - taken.begin());
-      taken[slot[m]] = true;
-    }
-  return slot;
+}
+
+/// The histogram's mass close to a chroma.
+double mass_around(const ChromaHistogram& h, const Chroma& c, int reach) {
+  const int n = h.bins(), at = int(h.nearest(c)), x = at % n, y = at / n;
+  double sum = 0;
+  for (int v = std::max(y - reach, 0); v <= std::min(y + reach, n - 1); ++v)
+    for (int u = std::max(x - reach, 0); u <= std::min(x + reach, n - 1); ++u)
+      sum += h.values()[std::size_t(v * n + u)];
+  return sum;
+}
+
+/// A slot that is nobody's, or whose color has been away for longest.
+std::size_t free_slot(const BaseColors& colors, const std::vector<std::size_t>& used) {
+  std::size_t best = kNone;
+  for (std::size_t s = 0; s < colors.memory.size(); ++s) {
+    if (std::find(used.begin(), used.end(), s) != used.end()) continue;
+    if (!colors.memory[s]) return s;
+    if (best == kNone || colors.memory[s]->absent > colors.memory[best]->absent) best = s;
+  }
+  return best;
 }
 
 }  // namespace
@@ -151,14 +170,44 @@ BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before
   if (modes.size() > std::size_t(params.most)) modes.resize(std::size_t(params.most));
   if (modes.empty()) modes.push_back({{0, 0}, 0, histogram.nearest({0, 0})});
 
-  const std::vector<std::size_t> slot = slots_of(modes, before, params);
   BaseColors out;
   out.color.assign(std::size_t(params.most), std::nullopt);
+  out.memory = before.memory;
+  out.memory.resize(std::size_t(params.most));
+  std::vector<std::size_t> slot = continued(modes, out, params.same);
+  const std::size_t seen = modes.size();
+  for (std::size_t s = 0; s < out.memory.size(); ++s) {
+    auto& memory = out.memory[s];
+    if (!memory || std::find(slot.begin(), slot.end(), s) != slot.end()) continue;
+    if (++memory->absent > params.forget) {
+      memory.reset();
+      continue;
+    }
+    const Chroma usual = memory->usual;
+    const double left = mass_around(histogram, usual, params.around);
+    if (memory->absent > params.keep || modes.size() == std::size_t(params.most) ||
+        left < 0.5 * params.least_share * histogram.total())
+      continue;
+    modes.push_back({usual, left, peak[histogram.nearest(usual)]});
+    slot.push_back(s);
+  }
+  for (std::size_t m = 0; m < seen; ++m) {
+    if (slot[m] == kNone) {
+      slot[m] = free_slot(out, slot);
+      out.memory[slot[m]] = {modes[m].center};
+    }
+    Chroma& usual = out.memory[slot[m]]->usual;
+    usual = usual + params.follow * (modes[m].center - usual);
+    out.memory[slot[m]]->absent = 0;
+  }
   for (std::size_t m = 0; m < modes.size(); ++m) out.color[slot[m]] = modes[m].center;
   for (std::size_t b = 0; b < mass.size(); ++b) {
     std::size_t best = modes.size();
     for (std::size_t m = 0; m < modes.size(); ++m)
-      if (modes[m].peak == peak[b]) best = m;
+      if (modes[m].peak == peak[b] &&
+          (best == modes.size() || distance2(modes[m].center, histogram.center(b)) <
+                                       distance2(modes[best].center, histogram.center(b))))
+        best = m;
     if (best == modes.size()) {
       best = 0;
       for (std::size_t m = 1; m < modes.size(); ++m)
