@@ -43,13 +43,11 @@ void Decomposer::reset() {
   shown_ = shown_before_ = 0;
 }
 
-PlanePtr Decomposer::draw_clusters(FrameWork& frame) {
+void Decomposer::draw_clusters(FrameWork& frame, const Plane& target) {
   const Plane& model = *frame.layers[Role::model];
   if (!palette_) palette_.emplace(device_, model.extent);
   palette_->record_update(frame.commands, model);
-  PlanePtr painted = planes_->acquire();
-  palette_->record_paint(frame.commands, model, *painted);
-  return painted;
+  palette_->record_paint(frame.commands, model, target);
 }
 
 bool Decomposer::keeps(const FrameWork& frame, const Settings& settings) {
@@ -149,7 +147,8 @@ void Decomposer::draw(FrameWork& frame, const Settings& settings) {
       frame.picture = {input};
       break;
     case Show::clusters:
-      frame.picture = {draw_clusters(frame)};
+      frame.picture = {planes_->acquire()};
+      draw_clusters(frame, *frame.picture.plane);
       break;
     case Show::mosaic: {
       if (!mosaic_) mosaic_.emplace(device_);
@@ -163,7 +162,8 @@ void Decomposer::draw(FrameWork& frame, const Settings& settings) {
                         *frame.picture.plane);
         break;
       }
-      const PlanePtr clusters = draw_clusters(frame);
+      const PlanePtr clusters = planes_->acquire();
+      draw_clusters(frame, *clusters);
       mosaic_->record(frame.commands,
                       {{{input.get()},
                         {intrinsic.get()},
@@ -189,7 +189,10 @@ std::vector<Choice> Decomposer::show_choices(Makes makes) {
       choice(Show::mosaic, "mosaic",
              global ? "Input, reflectance, direct and indirect light at half size, side by side"
                     : "Input, reflectance, shading and clusters at half size, side by side"),
-      choice(Show::clusters, "clusters", "Each pixel in the color of its reflectance cluster")};
+      choice(Show::clusters, "clusters",
+             global ? "Each pixel in the color of its reflectance cluster; of globalintrinsic in "
+                      "the base color that it counts as"
+                    : "Each pixel in the color of its reflectance cluster")};
   if (global) {
     choices.push_back(choice(Show::direct, "direct", "Light that comes straight from the lamps"));
     choices.push_back(

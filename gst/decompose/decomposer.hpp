@@ -71,6 +71,8 @@ class Decomposer : public Filter {
   virtual bool typical(uint64_t /*number*/) const { return true; }
   /// Nothing of a frame (the method's number) is left to be done on the device.
   virtual void done(uint64_t /*number*/) {}
+  /// Draws every pixel in the color of what it counts as.
+  virtual void draw_clusters(FrameWork& frame, const Plane& target);
   /// Adds to the stats what the method tells of a completed frame (the method's number).
   virtual void describe_method(GstStructure* stats, uint64_t number) const = 0;
 
@@ -119,7 +121,6 @@ class Decomposer : public Filter {
   static std::vector<Choice> quality_choices(const QualityText& text);
   bool keeps(const FrameWork& frame, const Settings& settings);
   void draw(FrameWork& frame, const Settings& settings);
-  PlanePtr draw_clusters(FrameWork& frame);
 
   /// What became of one of the last frames.
   struct Past {

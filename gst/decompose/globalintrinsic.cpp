@@ -60,6 +60,10 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     return method_->recorded() - 1;
   }
 
+  void draw_clusters(FrameWork& frame, const Plane& target) override {
+    method_->draw_labels(frame.commands, *frame.layers[Role::input], target);
+  }
+
   // A frame whose light was found before says nothing of others.
   bool typical(uint64_t number) const override {
     return SolvingDecomposer::typical(number) && !method_->stats(number).held;

@@ -17,6 +17,7 @@ INVERSE_SHADER(global_emit);
 INVERSE_SHADER(global_fields);
 INVERSE_SHADER(global_fit);
 INVERSE_SHADER(global_grid);
+INVERSE_SHADER(global_labels);
 INVERSE_SHADER(global_look);
 INVERSE_SHADER(global_modes);
 INVERSE_SHADER(global_received);
@@ -239,6 +240,13 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
        layers[Role::light]->buffer, scene_, share(0), share(1), share(2), share(3)},
       place(), pixels_of(extent_));
   commands.stage("shares");
+}
+
+void GlobalIntrinsic::draw_labels(gpu::Commands& commands, const Plane& input,
+                                  const Plane& target) {
+  commands.dispatch(device_->kernel(shaders::global_labels),
+                    {input.buffer, tints_, slots_, scene_, target.buffer}, place(),
+                    pixels_of(extent_));
 }
 
 Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,

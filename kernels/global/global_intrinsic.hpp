@@ -86,6 +86,9 @@ class GlobalIntrinsic {
   /// have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
                 const FrameInfo& info);
+  /// Draws the frame that was recorded last, every pixel in the base color that it counts as
+  /// (linear RGB, largest channel 1, w = 1); gray where the scene has none.
+  void draw_labels(gpu::Commands& commands, const Plane& input, const Plane& target);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
   /// As ScaledIntrinsic::warm_up, which it includes.

@@ -89,3 +89,15 @@ float shading_guessed(vec3 rgb, float gauge) { return max(max(rgb.r, rgb.g), rgb
     vec3 lower = mix(FETCH(received, bottom + low.x).rgb, FETCH(received, bottom + high.x).rgb, u.y); \
     result = mix(upper, lower, v.y);                                                     \
   }
+
+// The tint of the light at a pixel, between the points of the grid.
+#define TINT_AT(result, tints, at)                                                                             \
+  {                                                                                                            \
+    vec2 tint_u = between((at).x, float(push.factor), push.grid.x);                                            \
+    vec2 tint_v = between((at).y, float(push.factor), push.grid.y);                                            \
+    ivec2 tint_low = ivec2(tint_u.x, tint_v.x), tint_high = min(tint_low + 1, push.grid - 1);                  \
+    int tint_top = tint_low.y * push.grid.x, tint_bottom = tint_high.y * push.grid.x;                          \
+    result = mix(mix(FETCH(tints, tint_top + tint_low.x), FETCH(tints, tint_top + tint_high.x), tint_u.y),     \
+                 mix(FETCH(tints, tint_bottom + tint_low.x), FETCH(tints, tint_bottom + tint_high.x), tint_u.y), \
+                 tint_v.y).xy;                                                                                 \
+  }

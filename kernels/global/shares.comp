@@ -27,20 +27,15 @@ void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= push.size.x) return;
   int n = at.y * push.size.x + at.x;
-  vec2 u = between(at.x, float(push.factor), push.grid.x), v = between(at.y, float(push.factor), push.grid.y);
-  ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
-  ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));
-  vec2 tint = mix(mix(FETCH(tints, around.x), FETCH(tints, around.y), u.y),
-                  mix(FETCH(tints, around.z), FETCH(tints, around.w), u.y), v.y).xy;
+  vec2 tint;
+  TINT_AT(tint, tints, at)
   vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
   int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
 
   float fine = 2.0 * float(push.factor);
-  u = between(at.x, fine, push.coarse.x);
-  v = between(at.y, fine, push.coarse.y);
-  low = ivec2(u.x, v.x);
-  high = min(low + 1, push.coarse - 1);
-  around = ivec4(low.y * push.coarse.x + ivec2(low.x, high.x), high.y * push.coarse.x + ivec2(low.x, high.x));
+  vec2 u = between(at.x, fine, push.coarse.x), v = between(at.y, fine, push.coarse.y);
+  ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.coarse - 1);
+  ivec4 around = ivec4(low.y * push.coarse.x + ivec2(low.x, high.x), high.y * push.coarse.x + ivec2(low.x, high.x));
   int count = push.coarse.x * push.coarse.y;
   vec4 t[4];
   vec3 sum = vec3(0.0);

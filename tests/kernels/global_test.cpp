@@ -111,6 +111,32 @@ TEST_F(GlobalTest, SharesAgreeWithReference) {
   }
 }
 
+TEST_F(GlobalTest, LabelsAreDrawnInTheBaseColorsOfTheReference) {
+  const Extent extent{120, 90};
+  const Room made = room(extent, 3);
+  GlobalIntrinsic method(device, extent);
+  decompose(method, made.frame, extent, to_the_letter(), {true});
+  const auto expected =
+      reference::decompose_global(rgb_of(made.frame).data(), int(extent.width), int(extent.height),
+                                  reference::GlobalParams{}, nullptr);
+  const PlanePtr target = input(extent, made.frame);
+  run([&](gpu::Commands& commands) {
+    method.draw_labels(commands, *input(extent, made.frame), *target);
+  });
+  const Pixels drawn = download(target->buffer);
+  size_t others = 0;
+  for (size_t i = 0; i < extent.pixels(); ++i) {
+    reference::Vec3 color =
+        reference::global::color_of(*expected.colors.color[size_t(expected.label[i])]);
+    const double most = *std::max_element(color.begin(), color.end());
+    bool same = drawn[4 * i + 3] == 1;
+    for (size_t c = 0; c < 3; ++c)
+      same &= std::fabs(double(drawn[4 * i + c]) - color[c] / most) < 0.02;
+    others += !same;
+  }
+  EXPECT_LT(others, extent.pixels() / 100);  // at the borders of bins
+}
+
 TEST_F(GlobalTest, LayersMakeUpTheFrame) {
   const Extent extent{150, 100};
   const Room made = room(extent, 3);
