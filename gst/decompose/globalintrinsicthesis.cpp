@@ -17,6 +17,7 @@ namespace {
 struct Params : GlobalThesisParams, DecomposerParams {
   bool adaptive = true;
   RegionProposals::Mode propose = RegionProposals::Mode::off;
+  std::string marks;
 };
 
 class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
@@ -48,6 +49,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     correction_.reset();
     proposals_.reset();
     regions_.reset();
+    marks_.clear();
     news_.forget();
     seen_ = false;
     MethodDecomposer::release();
@@ -130,6 +132,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     const Plane& input = *frame.layers[Role::input];
     seen_ = true;
     ++since_click_;
+    take_marks(frame);
     take_clicks(frame);
     news_.lost(regions_->take_lost());
     news_.tell(frame);
@@ -159,6 +162,19 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
  private:
   // Frames after a click in which its region is found and its colors are begun to be tried.
   static constexpr uint64_t kPatience = 50;
+
+  /// Clicks on what `marks` names, when it was set anew.
+  void take_marks(FrameWork& frame) {
+    const std::string& marks = params().marks;
+    if (marks == std::exchange(marks_, marks)) return;
+    const auto positions = positions_of(marks);
+    if (!positions)
+      frame.warnings.push_back("marks=\"" + marks +
+                               "\" is not understood; write positions in pixels as x,y, several "
+                               "of them apart by spaces");
+    else
+      for (const auto& [x, y] : *positions) mark(x, y);
+  }
 
   void take_clicks(FrameWork& frame) {
     const RegionRequests::Taken taken = requests_.take();
@@ -236,6 +252,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                    {static_cast<int>(RegionProposals::Mode::correct), "correct",
                     "Mark them as well, with the color that they seem to have"}},
                   "Look for regions that strong bounced light makes look like another base color"),
+        text<P>("marks", &P::marks,
+                "Positions in the frame, x,y in pixels and apart by spaces: regions there are "
+                "marked as by the action signal mark, once, when this is set; before the first "
+                "frame: in that"),
         number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f, "Weight of the data term (Eq. 5.4)"),
         number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
                   "Weight of the distance to clustered reflectance (Eq. 5.6)"),
@@ -323,6 +343,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   bool started_ = false;                  // the scene's base colors are known
   uint64_t since_click_ = kPatience + 1;  // frames
   RegionRequests requests_;
+  std::string marks_;  // that were taken
 };
 
 }  // namespace

@@ -1,6 +1,9 @@
 #pragma once
 #include <cstdint>
+#include <cstdio>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -50,5 +53,17 @@ class RegionRequests {
   mutable std::mutex mutex_;
   Taken waiting_{};
 };
+
+/// Positions written as x,y and apart by spaces, as in "120,80 31,200"; nothing where it is
+/// something else.
+inline std::optional<std::vector<std::pair<int, int>>> positions_of(const std::string& text) {
+  std::vector<std::pair<int, int>> positions;
+  const char* at = text.c_str();
+  for (int x, y, read = 0; sscanf(at, " %d,%d%n", &x, &y, &read) == 2; at += read)
+    positions.emplace_back(x, y);
+  if (text.find_first_not_of(' ', static_cast<size_t>(at - text.c_str())) != std::string::npos)
+    return {};
+  return positions;
+}
 
 }  // namespace inverse

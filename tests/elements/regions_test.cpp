@@ -179,6 +179,31 @@ TEST_F(Regions, UnmarkWhileTheCorrectionRuns) {
   EXPECT_EQ(corrected, 1U);
 }
 
+TEST_F(Regions, AreMarkedByAProperty) {
+  g_object_set(element_, "marks", " 42,35  20,5 ", nullptr);
+  play(frame_, 3);
+  EXPECT_EQ(told("inverse-region-marked").size(), 2U) << "in the first frame, once";
+  g_object_set(element_, "marks", "39,29", nullptr);
+  play(frame_, 3);
+  EXPECT_EQ(told("inverse-region-marked").size(), 1U);
+  // What is not understood marks nothing, and is told.
+  for (const char* text : {"1", "1,2,3", "1,2 x", "a,b", "1 ,2", "10,10;20,20"}) {
+    g_object_set(element_, "marks", text, nullptr);
+    play(frame_, 1);
+    GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_WARNING);
+    ASSERT_NE(message, nullptr) << text;
+    GError* warning = nullptr;
+    gst_message_parse_warning(message, &warning, nullptr);
+    EXPECT_NE(std::string(warning->message).find("x,y"), std::string::npos) << warning->message;
+    g_error_free(warning);
+    gst_message_unref(message);
+    EXPECT_TRUE(told("inverse-region-marked").empty()) << text;
+  }
+  g_object_set(element_, "marks", "", nullptr);
+  play(frame_, 1);
+  EXPECT_EQ(gst_bus_pop_filtered(bus_, GST_MESSAGE_WARNING), nullptr);
+}
+
 TEST_F(Regions, CapsChangeAndFlushWhileTheCorrectionRuns) {
   propose("correct");
   for (int round = 0; round < 3; ++round) {
