@@ -51,8 +51,14 @@ def validate(stage, networks, batches, perceptual):
         for batch in batches:
             for name, value in stages.stage_losses(stage.name, networks, batch, perceptual).items():
                 sums[name] = sums.get(name, 0) + float(value) / len(batches)
-    networks.train()
+    learn(stage, networks)
     return sums
+
+
+def learn(stage, networks):
+    """Networks that a stage does not teach keep the statistics of their normalization, too."""
+    for part in networks.parts():
+        getattr(networks, part).train(part in stage.parts)
 
 
 def main():
@@ -97,12 +103,12 @@ def main():
         curves.plot(args.out / "log.jsonl", args.out / "curves.png")
 
     write(event="start", maps=samples.maps(False), arguments={k: str(v) for k, v in vars(args).items()})
-    networks.train()
     for number in range(state["stage"], len(order)):
         stage = order[number]
         if number != state["stage"]:
             state.update(stage=number, seconds=0.0)
         budget = 60 * args.minutes * stage.share
+        learn(stage, networks)
         learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
         optimizer = torch.optim.Adam(learning, lr=stage.rate)
         if optimizer_state:

@@ -25,6 +25,9 @@ STAGES = (
     Stage("chain-mirror", 0.06, 5e-4, 16, 0, ("specular", "mirror")),
     Stage("chain-exponent", 0.14, 5e-4, 16, 0, ("specular", "mirror", "exponent")),
     Stage("chain-albedo", 0.16, 5e-4, 16, 0, ("specular", "mirror", "exponent", "albedo")),
+    # The two that decide, on layers as they are found: several times the samples in the same time, as nothing is learned
+    # by the larger ones.
+    Stage("heads", 0.15, 1e-3, 32, 0, ("exponent", "albedo")),
 )
 
 
@@ -67,17 +70,21 @@ def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
     inside = mask * batch.mask
     chained = stage.startswith("chain")
     specular, mirror = batch.layer_code, batch.mirror_code
+    if stage == "heads":
+        with torch.no_grad():
+            specular = networks.find_specular(batch.image, mask)
+            mirror = networks.find_mirror(specular, mask) if networks.use_mirror else mirror
     if stage == "specular" or chained:
         specular = networks.find_specular(batch.image, mask)
         terms["specular"] = losses.code_loss(specular, batch.layer_code, inside)
     if networks.use_mirror and (stage == "mirror" or chained):
         mirror = networks.find_mirror(specular, mask)
         terms["mirror"] = losses.code_loss(mirror, batch.mirror_code, inside)
-    if stage in ("exponent", "chain-exponent", "chain-albedo"):
+    if stage in ("exponent", "chain-exponent", "chain-albedo", "heads"):
         scores = networks.find_exponent(specular, mirror)
         terms["exponent"] = 0.1 * losses.exponent_loss(scores, batch, networks.regress)
     albedo = None
-    if stage in ("albedo", "chain-albedo"):
+    if stage in ("albedo", "chain-albedo", "heads"):
         albedo = networks.find_albedo(batch.image, mask, specular)
         terms["albedo"] = 5 * losses.albedo_loss(albedo, batch)
     if perceptual and ("specular" in terms or albedo is not None):
