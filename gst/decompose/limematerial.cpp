@@ -117,14 +117,18 @@ class LimeElement final : public Filter {
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     const PlanePtr input = frame.layers[Role::input];
-    const bool still = frame.repeated || !changed_within(frame.changed, extent_, method_->square());
+    const bool still = !changed_within(frame.changed, extent_, method_->square());
     tell(frame);
     numbers_[frame.number % numbers_.size()] = method_->recorded();
-    const LimeMaterial::Layers layers = method_->record(frame.commands, *input, params, still);
+    method_->record(frame.commands, *input, params, still);
     frame.decorate = [object = method_->object()](GstBuffer* buffer) { attach(buffer, object); };
+    if (params.show == LimeShow::input) {
+      frame.picture = {input};
+      return;
+    }
+    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
     switch (params.show) {
       case LimeShow::input:
-        frame.picture = {input};
         break;
       case LimeShow::mask:
         frame.picture = {layers.diffuse, true};
@@ -198,14 +202,13 @@ class LimeElement final : public Filter {
   /// For the properties, which any thread may ask for.
   void publish() {
     const LimeMaterial::Object& object = method_->object();
-    parameters_.publish(object.found && object.estimates ? std::optional(object.material)
-                                                         : std::nullopt);
+    parameters_.publish(object.known() ? std::optional(object.material) : std::nullopt);
   }
 
   /// A message when an object comes or goes, and when its material is another than was told.
   void tell(FrameWork& frame) {
     const LimeMaterial::Object& object = method_->object();
-    const bool known = object.found && object.estimates > 0;
+    const bool known = object.known();
     if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
     if (known)
       told_ = object.material;

@@ -124,8 +124,12 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
 }
 
-LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame,
-                                                 bool known) {
+LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame) {
+  return draw_layers(commands, frame, object_.found && have_layers_);
+}
+
+LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Plane& frame,
+                                               bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
                     {frame.buffer, segmentation_.output(0), exponent_.input(0),
@@ -144,13 +148,13 @@ void LimeMaterial::warm_up() {
   commands.fill(frame->buffer);
   record_segmentation(commands, *frame, slots_[0]);
   record_networks(commands, slots_[0]);
-  for (const bool known : {false, true}) record_layers(commands, *frame, known);
+  for (const bool known : {false, true}) draw_layers(commands, *frame, known);
   commands.submit();
   commands.wait();
 }
 
-LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& frame,
-                                          const Params& params, bool still) {
+void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Params& params,
+                          bool still) {
   Slot& slot = slots_[recorded_ % slots_.size()];
   slot.params = params;
   slot.square = tracker_.square();
@@ -178,8 +182,6 @@ LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& 
   report.estimates = totals_.estimates;
   slot.report = report;
   ++recorded_;
-
-  return record_layers(commands, frame, object_.found && have_layers_);
 }
 
 void LimeMaterial::done(uint64_t number) {

@@ -41,11 +41,13 @@ class LimeMaterial {
   /// What is known of the object now.
   struct Object {
     bool found = false;
-    Material material;
-    uint64_t estimates = 0;  ///< in the material
+    Material material;       ///< all zero until there is an estimate
+    uint64_t estimates = 0;  ///< in the material; none with the frame in which it is found
     float spread = 0;
     float share = 0;  ///< of the square that was looked at
     ObjectTracker::Box box;
+    /// Whether its material is.
+    bool known() const { return found && estimates > 0; }
   };
 
   /// For frames of this size. Throws as network::Network.
@@ -56,8 +58,11 @@ class LimeMaterial {
   struct Layers {
     PlanePtr diffuse, gloss;
   };
-  /// Records a frame. `still`: it is, pixel by pixel, the one before.
-  Layers record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// Records the networks that a frame needs. `still`: within `square()` it is, pixel by pixel, the
+  /// one before.
+  void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// Records drawing the layers of the frame that was recorded last.
+  Layers record_layers(gpu::Commands& commands, const Plane& frame);
   /// A frame, by its place in the calls of `record` from 0, is done on the device. In order, each
   /// once.
   void done(uint64_t number);
@@ -87,7 +92,7 @@ class LimeMaterial {
   bool rests(const Params& params) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
-  Layers record_layers(gpu::Commands& commands, const Plane& frame, bool known);
+  Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
