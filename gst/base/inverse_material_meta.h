@@ -26,6 +26,13 @@ G_BEGIN_DECLS
  * @top: the same
  * @right: the same
  * @bottom: the same
+ * @environment_width: texels of @environment along a row; 0 while the light is not known
+ * @environment_height: its rows
+ * @environment: the light around the object, or %NULL while it is not known: float32 RGB, rows from
+ * the top, no padding. Latitude-longitude: the top row looks up (+y), the center column to the
+ * camera (+z), and x is to the right. Radiance, linear: under 1 from everywhere a white diffuse
+ * surface has the value 1 in the frame (full scale). Never written to again: a copy of the meta
+ * shares it, and who wants to keep it takes a reference
  */
 typedef struct {
   GstMeta meta;
@@ -36,6 +43,8 @@ typedef struct {
   gfloat bins[GST_MATERIAL_BINS];
   guint64 estimates;
   gfloat left, top, right, bottom;
+  guint environment_width, environment_height;
+  GBytes* environment;
 } GstMaterialMeta;
 
 /** The material of a buffer, or %NULL. */

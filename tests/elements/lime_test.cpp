@@ -74,7 +74,7 @@ TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
 
   ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
   GstBuffer* out = gst_harness_pull(harness.harness());
-  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
   ASSERT_NE(meta, nullptr);
   EXPECT_TRUE(meta->found);
   EXPECT_NEAR(meta->diffuse[2], .7, 1e-3);
@@ -83,7 +83,19 @@ TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
   ASSERT_NE(gst_buffer_get_material_meta(copy), nullptr);
   EXPECT_EQ(gst_buffer_get_material_meta(copy)->estimates, meta->estimates);
   gst_buffer_unref(copy);
+
+  bool freed = false;
+  const auto free_light = [](gpointer flag) { *static_cast<bool*>(flag) = true; };
+  GBytes* light = g_bytes_new_with_free_func("light", 5, free_light, &freed);
+  g_clear_pointer(&meta->environment, g_bytes_unref);
+  meta->environment = g_bytes_ref(light);
+  copy = gst_buffer_copy(out);
   gst_buffer_unref(out);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy)->environment, light) << "shared by copies";
+  gst_buffer_unref(copy);
+  EXPECT_FALSE(freed);
+  g_bytes_unref(light);
+  EXPECT_TRUE(freed) << "no buffer kept it";
 }
 
 TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {
