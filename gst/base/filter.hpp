@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "caps.hpp"
@@ -96,14 +97,17 @@ struct ElementInfo {
   const char* description;  ///< one sentence
   Flow sink, src;
   /// Of a decomposer: the kind of layers that it makes. Of an editor: the kind that it needs, or
-  /// kAnyLayers.
+  /// kAnyLayers or kAllLayers.
   const char* layers;
   /// What to insert before this element where an editor gets what it cannot work on.
   const char* needs;
 
-  /// Caps of its pads. New references. An editor's sink takes all layers, to refuse what is not
-  /// enough for it with a helpful error.
-  GstCaps* sink_caps() const { return template_caps(sink, kAnyLayers); }
+  /// Caps of its pads. New references. An editor's sink takes all layers of reflectance and
+  /// shading, to refuse what is not enough for it with a helpful error.
+  GstCaps* sink_caps() const {
+    const bool all = layers && std::string_view(layers) == kAllLayers;
+    return template_caps(sink, all ? kAllLayers : kAnyLayers);
+  }
   GstCaps* src_caps() const {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }

@@ -122,6 +122,11 @@ class LimeElement final : public Filter {
     numbers_[frame.number % numbers_.size()] = method_->recorded();
     method_->record(frame.commands, *input, params, still);
     frame.decorate = [object = method_->object()](GstBuffer* buffer) { attach(buffer, object); };
+    if (!frame.draw) {
+      const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
+      frame.layers = material_layers(input, layers.diffuse, layers.gloss);
+      return;
+    }
     if (params.show == LimeShow::input) {
       frame.picture = {input};
       return;
@@ -248,8 +253,8 @@ const ElementInfo kLimeMaterial{
     "Names the material of the object in front of the camera: diffuse and specular albedo and "
     "shininess, with its mask, highlights and mirror image",
     Flow::pixels,
-    Flow::pixels,
-    nullptr,
+    Flow::pixels_or_layers,
+    kMaterialLayers,
     nullptr,
     [] { return std::unique_ptr<Filter>(new LimeElement); }};
 
