@@ -83,6 +83,12 @@ class Filter {
   /// discontinuity. From the streaming thread or while it rests; `reset` follows with the next
   /// frame.
   virtual void flushed() {}
+  /// The stream ended, or the element stops: the last frame is done. From the streaming thread or
+  /// while it rests; may come twice. What it throws becomes a warning.
+  virtual void ended() {}
+  /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
+  /// Error(file) where it cannot.
+  virtual void save_environment(const std::string& /*path*/) {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
@@ -115,6 +121,7 @@ struct ElementInfo {
   /// Whether it takes clicks: navigation events, and the action signals mark, unmark and
   /// refine.
   bool marks = false;
+  bool lights = false;  ///< whether it finds light: the action signal save-environment
 };
 
 /// Registers the element; one line of the plugin's list.

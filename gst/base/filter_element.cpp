@@ -68,6 +68,25 @@ void FilterElement::stop() {
   forget_refused();
 }
 
+void FilterElement::ended() {
+  try {
+    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
+    filter_->ended();
+  } catch (const std::exception& error) {
+    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+  }
+}
+
+bool FilterElement::save_environment(const char* path) {
+  try {
+    filter_->save_environment(path ? path : "");
+    return true;
+  } catch (const std::exception& error) {
+    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+    return false;
+  }
+}
+
 void FilterElement::forget_refused() {
   gst_caps_replace(&refused_in_, nullptr);
   gst_caps_replace(&refused_out_, nullptr);

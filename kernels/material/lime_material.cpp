@@ -18,6 +18,9 @@ namespace {
 
 constexpr float kMoved = 0.02F;   // share of the object's points: less is rest
 constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
+// The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views each
+// is taken, then one in so many.
+constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
 
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
@@ -81,6 +84,8 @@ void LimeMaterial::reset() {
   object_ = {};
   have_layers_ = false;
   rested_ = 0;
+  light_.reset();
+  lit_by_ = nullptr;
   ++epoch_;
 }
 
@@ -122,6 +127,28 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.stage("exponent");
   commands.copy(albedo_.output(0), slot.albedo, slot.albedo->bytes());
   commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
+}
+
+void LimeMaterial::record_light(gpu::Commands& commands, Slot& slot) {
+  for (const auto& [source, copy] : {std::pair{segmentation_.input(0), &slot.image},
+                                     std::pair{exponent_.input(0), &slot.codes}}) {
+    if (!*copy)
+      *copy =
+          gpu::Buffer::create(device_, gpu::Element::vec4, source->count(), gpu::Memory::readback);
+    commands.copy(source, *copy, (*copy)->bytes());
+  }
+}
+
+void LimeMaterial::take_light(const Slot& slot) {
+  const size_t numbers = size_t{4} * side_ * side_;
+  light_.add({{slot.image->map_as<float>() + 4, numbers},
+              {slot.codes->map_as<float>() + 4, numbers},
+              tracker_.mask(),
+              side_,
+              slot.square,
+              extent_},
+             normal_map_.get(), slot.params.light);
+  if (auto light = light_.light(fusion_.material(), slot.params.light)) lit_by_ = std::move(light);
 }
 
 LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame) {
@@ -175,6 +202,9 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
+    report.lit = params.lit && (totals_.estimates < kEarlyViews || light_.views() < kEarlyViews ||
+                                totals_.estimates % kViewEvery == 0);
+    if (report.lit) record_light(commands, slot);
   }
   totals_.segmentations += report.segmented;
   totals_.estimates += report.estimated;
@@ -202,6 +232,8 @@ void LimeMaterial::done(uint64_t number) {
     estimate.specular = albedo[3];
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
     fusion_.add(estimate, slot.params.fusion);
+    if (fusion_.count() <= 1) light_.reset();  // another object, of another material
+    if (slot.report.lit && fusion_.count() && !tracker_.mask().empty()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), fusion_.count(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};
