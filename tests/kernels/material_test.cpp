@@ -172,6 +172,21 @@ TEST(ObjectTracker, AnObjectThatTheSquareCutsIsFollowedOutward) {
   EXPECT_NEAR(tracker.box().right - tracker.box().left, 300, 20);
 }
 
+TEST(ObjectTracker, WhatIsBeyondTheFrameIsNoObject) {
+  ObjectTracker tracker({200, 100});
+  // The frame's border goes on in the square, and with it an object that touches it.
+  for (int i = 0; i < 6; ++i)
+    tracker.update(look(tracker.square(), 64, 100, 100, 60), 64, 1, Square(tracker.square()));
+  EXPECT_LE(tracker.box().bottom, 100);
+  EXPECT_NEAR(tracker.box().top, 40, 5);
+  EXPECT_NEAR(tracker.box().right - tracker.box().left, 120, 10);
+  const Square square = tracker.square();
+  for (uint32_t row = 0; row < 64; ++row)
+    if (square.y + square.size * static_cast<float>(row) / 64 >= 100) {
+      EXPECT_EQ(tracker.mask()[row * 64 + 32], 0) << row;
+    }
+}
+
 TEST(ObjectTracker, SmallAndNeedleShapedFramesHaveASquare) {
   for (const Extent extent : {Extent{1, 1}, Extent{1, 900}, Extent{16, 16}, Extent{7680, 4320}}) {
     ObjectTracker tracker(extent);
