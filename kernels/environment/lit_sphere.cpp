@@ -1,0 +1,112 @@
+#include "lit_sphere.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "../error.hpp"
+#include "../gpu/shaders.hpp"
+#include "../material/material.hpp"
+#include "prefiltered_light.hpp"
+
+INVERSE_SHADER(environment_lit_sphere);
+
+namespace inverse {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr uint32_t kSamples = 128;
+// Lobes of smaller exponents are much wider than the cells of the light.
+constexpr float kBroad = 64;
+// Samples reach so many times as far as they are apart: less shows single samples of a small
+// bright lamp, more blurs.
+constexpr double kOverlap = 1.2;
+
+gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
+                        const std::vector<PrefilteredLight::Vec4>& values) {
+  auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, values.size(), gpu::Memory::upload);
+  memcpy(buffer->map(), values.data(), buffer->bytes());
+  return buffer;
+}
+
+float bounded(float value, float low, float high) {
+  return value >= low ? std::min(value, high) : low;  // NaN: low
+}
+
+Surface bounded(Surface s) {
+  for (float& albedo : s.diffuse) albedo = bounded(albedo, 0, 16);
+  s.specular = bounded(s.specular, 0, 16);
+  s.shininess = bounded(s.shininess, 1, 1024);
+  return s;
+}
+
+/// Half vectors around +z, drawn evenly from (s+1)/(2 pi) cos^s, and the level that suits each for
+/// v·h = 1.
+std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
+  std::vector<PrefilteredLight::Vec4> samples(kSamples);
+  const double texel = kPi / rows, golden = kPi * (3 - std::sqrt(5.0));
+  for (uint32_t i = 0; i < kSamples; ++i) {
+    const double u = (i + 0.5) / kSamples, z = std::pow(1 - u, 1 / (shininess + 1));
+    const double radius = std::sqrt(1 - z * z);
+    const double density = (shininess + 1) / (2 * kPi) * std::pow(z, shininess);
+    const double area = 4 / (kSamples * density);  // in w
+    samples[i] = {static_cast<float>(radius * std::cos(i * golden)),
+                  static_cast<float>(radius * std::sin(i * golden)), static_cast<float>(z),
+                  static_cast<float>(std::log2(kOverlap * std::sqrt(area) / texel))};
+  }
+  return samples;
+}
+
+}  // namespace
+
+struct LitSphere::Light {
+  gpu::BufferPtr cells, texels;
+  uint32_t cell_count, rows, levels;
+};
+
+LitSphere::LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side)
+    : table_{{side, side}, gpu::Buffer::create(device, gpu::Element::vec4, uint64_t{side} * side)},
+      kernel_(device->kernel(shaders::environment_lit_sphere)) {}
+
+void LitSphere::set_light(const Environment& environment) {
+  const PrefilteredLight light(environment);
+  const auto& device = table_.buffer->device();
+  light_ = std::make_shared<const Light>(
+      Light{uploaded(device, light.cells), uploaded(device, light.texels),
+            static_cast<uint32_t>(light.cells.size() / 2), light.rows, light.levels});
+  recorded_.reset();
+}
+
+void LitSphere::record(gpu::Commands& commands, const Surface& surface, const View& view) {
+  if (!light_) throw Error(ErrorKind::internal, "a lit sphere without light");
+  const State state{
+      bounded(surface),
+      {bounded(view.intensity, 0, 1e6F), std::isfinite(view.rotation) ? view.rotation : 0}};
+  if (recorded_ == state) return;
+  recorded_ = state;
+  ++version_;
+  const Surface& s = state.surface;
+  const float gain = Material::lobe_gain(s.shininess) * s.specular * state.view.intensity;
+  const uint32_t side = table_.extent.width;
+  const bool broad = s.shininess < kBroad;
+  const struct {
+    float diffuse[4], gloss, shininess, spread;
+    uint32_t side, cells, broad, samples, rows, levels;
+  } push{{s.diffuse[0] * state.view.intensity, s.diffuse[1] * state.view.intensity,
+          s.diffuse[2] * state.view.intensity, state.view.rotation},
+         gain,
+         s.shininess,
+         static_cast<float>(std::sqrt(kPi) / light_->rows),
+         side,
+         light_->cell_count,
+         gain > 0 && broad ? light_->cell_count : 0,
+         gain > 0 && !broad ? kSamples : 0,
+         light_->rows,
+         light_->levels};
+  const auto samples = uploaded(table_.buffer->device(), lobe(double{s.shininess}, light_->rows));
+  commands.dispatch(kernel_, {light_->cells, light_->texels, samples, table_.buffer}, push,
+                    {side * side});
+}
+
+}  // namespace inverse

@@ -1,0 +1,65 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "../gpu/commands.hpp"
+#include "environment.hpp"
+
+namespace inverse {
+
+/// What a surface gives back of light: diffuse * D + specular * lobe_gain(shininess) * S (thesis
+/// Eq. 6.2, Material::lobe_gain).
+struct Surface {
+  std::array<float, 3> diffuse{0.5F, 0.5F, 0.5F};  ///< albedo, linear RGB
+  float specular = 0;                              ///< albedo, white
+  float shininess = 2;                             ///< exponent, 1 to 1024
+  bool operator==(const Surface&) const = default;
+};
+
+/// How a material looks under a light, by the normal alone: the viewer is far away, so that nothing
+/// else matters (a lit sphere). A table over the normals that face the camera holds linear RGB
+/// md D(n) + ms S(n); kernels look into it through lit_sphere.glsl.
+///
+/// D is a sum over 512 cells of the map, exact where a cell is seen whole or not at all. S takes
+/// samples of the lobe around the normal (h·n)^s over half vectors, from levels of the map that are
+/// as blurred as the samples are far apart.
+class LitSphere {
+ public:
+  /// `side`: of the table. Normals are 2.3 / side apart, the same everywhere.
+  explicit LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side = 160);
+
+  /// Takes this light from the next `record` on. Costs some milliseconds of the caller's.
+  void set_light(const Environment& environment);
+  bool has_light() const { return light_ != nullptr; }
+
+  struct View {
+    float intensity = 1;  ///< factor on the light
+    float rotation = 0;   ///< of the light about y in radian: what came from +z then comes from +x
+    bool operator==(const View&) const = default;
+  };
+  /// Records what is to do where surface, view or light are not those of the call before: nothing
+  /// where they are. What is not finite or out of range is bounded. Throws Error(internal) without
+  /// a light.
+  void record(gpu::Commands& commands, const Surface& surface, const View& view);
+  /// The table of the last `record`: side x side, rows from the top (y up). One buffer, written
+  /// again with each change, in the order of submits.
+  const Plane& table() const { return table_; }
+  /// How often the table changed: who keeps what was drawn from it compares.
+  uint64_t version() const { return version_; }
+
+ private:
+  struct Light;
+  struct State {
+    Surface surface;
+    View view;
+    bool operator==(const State&) const = default;
+  };
+  Plane table_;
+  gpu::KernelPtr kernel_;
+  std::shared_ptr<const Light> light_;
+  std::optional<State> recorded_;
+  uint64_t version_ = 0;
+};
+
+}  // namespace inverse

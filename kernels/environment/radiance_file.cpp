@@ -1,0 +1,116 @@
+// Environment maps in Radiance files, through stb.
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "../error.hpp"
+#include "environment.hpp"
+
+// Private to this file: an application may bring an stb of its own.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_HDR
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 16384
+#include <stb/stb_image.h>
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+namespace inverse {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw Error(ErrorKind::file, "environment map " + path + " " + what);
+}
+
+/// A file as stb reads it. Where bytes are missing at its end, stb would wait for them forever, or
+/// take them for zeros: it gets others, that end lines and runs, and this notes it.
+struct Reader {
+  std::ifstream file;
+  bool beyond_end = false;
+
+  static int read(void* self, char* to, int bytes) {
+    auto& reader = *static_cast<Reader*>(self);
+    reader.file.read(to, bytes);
+    const auto got = static_cast<int>(reader.file.gcount());
+    if (got > 0) return got;
+    reader.beyond_end = true;
+    memset(to, '\n', static_cast<size_t>(bytes));
+    return bytes;
+  }
+  static void skip(void* self, int bytes) {
+    static_cast<Reader*>(self)->file.seekg(bytes, std::ios::cur);
+  }
+  static int ended(void* self) {
+    auto& reader = *static_cast<Reader*>(self);
+    return reader.file.eof() || !reader.file;
+  }
+};
+
+/// Left and right change places: from the file's point of view to the camera's, and back.
+std::vector<float> mirrored(const float* rgb, uint32_t width, uint32_t height) {
+  std::vector<float> result(size_t{3} * width * height);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      memcpy(&result[3 * (size_t{y} * width + x)], rgb + 3 * (size_t{y} * width + (width - 1 - x)),
+             3 * sizeof(float));
+  return result;
+}
+
+}  // namespace
+
+Environment Environment::load(const std::string& path) {
+  const std::string name = "environment map " + path;
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status))
+    fail(path, status ? "cannot be read: " + status.message() : "is no file");
+  const stbi_io_callbacks callbacks{Reader::read, Reader::skip, Reader::ended};
+  int width = 0, height = 0, channels = 0;
+  const auto open = [&](auto use) {
+    Reader reader{std::ifstream(path, std::ios::binary)};
+    if (!reader.file) fail(path, std::string("cannot be read: ") + strerror(errno));
+    const auto result = use(&reader);
+    if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
+    if (!result)
+      fail(path, std::string("is no Radiance picture (.hdr, RGBE) that can be read (") +
+                     stbi_failure_reason() + "); convert other formats, with Blender for example");
+    return result;
+  };
+  open([&](Reader* reader) {
+    return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
+  });
+  check_size({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, name);
+  // A header may promise anything: at the least, a pair of bytes stands for 127 of a row's.
+  if (std::filesystem::file_size(path, status) <
+      static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
+    fail(path, "ends too early; it was not copied or written whole");
+  const std::unique_ptr<float, void (*)(void*)> rgb(
+      open([&](Reader* reader) {
+        return stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3);
+      }),
+      stbi_image_free);
+  const auto columns = static_cast<uint32_t>(width), rows = static_cast<uint32_t>(height);
+  return {{columns, rows}, mirrored(rgb.get(), columns, rows), name};
+}
+
+void Environment::save(const std::string& path) const {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file) fail(path, std::string("cannot be written: ") + strerror(errno));
+  const auto write = [](void* to, void* data, int bytes) {
+    static_cast<std::ofstream*>(to)->write(static_cast<const char*>(data), bytes);
+  };
+  const std::vector<float> picture = mirrored(rgb_.data(), extent_.width, extent_.height);
+  const int done = stbi_write_hdr_to_func(write, &file, static_cast<int>(extent_.width),
+                                          static_cast<int>(extent_.height), 3, picture.data());
+  file.close();
+  if (!done || !file) fail(path, "cannot be written whole; is the disk full?");
+}
+
+}  // namespace inverse
