@@ -100,6 +100,7 @@ gboolean set_caps(GstBaseTransform* transform, GstCaps* in, GstCaps* out) {
 }
 
 gboolean stop(GstBaseTransform* transform) {
+  element_of(transform).ended();
   element_of(transform).stop();
   return TRUE;
 }
@@ -199,6 +200,7 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP ||
       GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START)
     element_of(transform).flush();
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) element_of(transform).ended();
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
 
@@ -230,6 +232,9 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
 void mark(GstElement* element, gint x, gint y) { element_of(element).filter().mark(x, y); }
 void unmark(GstElement* element, gint region) { element_of(element).filter().unmark(region); }
 void refine(GstElement* element) { element_of(element).filter().refine(); }
+gboolean save_environment(GstElement* element, const gchar* path) {
+  return element_of(element).save_environment(path);
+}
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
   const bool asks_context = GST_QUERY_TYPE(query) == GST_QUERY_CONTEXT;
@@ -313,9 +318,12 @@ void element_class_init(gpointer klass, gpointer data) {
           "the device, and what the method tells",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   info.create()->parameters().install(object, PROP_TABLE);
+  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
+  const GType type = G_TYPE_FROM_CLASS(klass);
+  if (info.lights)
+    g_signal_new_class_handler("save-environment", type, kAction, G_CALLBACK(save_environment),
+                               nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_STRING);
   if (info.marks) {
-    constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
-    const GType type = G_TYPE_FROM_CLASS(klass);
     g_signal_new_class_handler("mark", type, kAction, G_CALLBACK(mark), nullptr, nullptr, nullptr,
                                G_TYPE_NONE, 2, G_TYPE_INT, G_TYPE_INT);
     g_signal_new_class_handler("unmark", type, kAction, G_CALLBACK(unmark), nullptr, nullptr,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "caps.hpp"
@@ -82,6 +83,12 @@ class Filter {
   /// discontinuity. From the streaming thread or while it rests; `reset` follows with the next
   /// frame.
   virtual void flushed() {}
+  /// The stream ended, or the element stops: the last frame is done. From the streaming thread or
+  /// while it rests; may come twice. What it throws becomes a warning.
+  virtual void ended() {}
+  /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
+  /// Error(file) where it cannot.
+  virtual void save_environment(const std::string& /*path*/) {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
@@ -96,14 +103,17 @@ struct ElementInfo {
   const char* description;  ///< one sentence
   Flow sink, src;
   /// Of a decomposer: the kind of layers that it makes. Of an editor: the kind that it needs, or
-  /// kAnyLayers.
+  /// kAnyLayers or kAllLayers.
   const char* layers;
   /// What to insert before this element where an editor gets what it cannot work on.
   const char* needs;
 
-  /// Caps of its pads. New references. An editor's sink takes all layers, to refuse what is not
-  /// enough for it with a helpful error.
-  GstCaps* sink_caps() const { return template_caps(sink, kAnyLayers); }
+  /// Caps of its pads. New references. An editor's sink takes all layers of reflectance and
+  /// shading, to refuse what is not enough for it with a helpful error.
+  GstCaps* sink_caps() const {
+    const bool all = layers && std::string_view(layers) == kAllLayers;
+    return template_caps(sink, all ? kAllLayers : kAnyLayers);
+  }
   GstCaps* src_caps() const {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }
@@ -111,6 +121,7 @@ struct ElementInfo {
   /// Whether it takes clicks: navigation events, and the action signals mark, unmark and
   /// refine.
   bool marks = false;
+  bool lights = false;  ///< whether it finds light: the action signal save-environment
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -68,6 +68,25 @@ void FilterElement::stop() {
   forget_refused();
 }
 
+void FilterElement::ended() {
+  try {
+    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
+    filter_->ended();
+  } catch (const std::exception& error) {
+    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+  }
+}
+
+bool FilterElement::save_environment(const char* path) {
+  try {
+    filter_->save_environment(path ? path : "");
+    return true;
+  } catch (const std::exception& error) {
+    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+    return false;
+  }
+}
+
 void FilterElement::forget_refused() {
   gst_caps_replace(&refused_in_, nullptr);
   gst_caps_replace(&refused_out_, nullptr);
@@ -98,7 +117,8 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
          in));
     return false;
   }
-  if (in_layers_ && g_strcmp0(info_.layers, kAnyLayers) != 0 && !carries_kind(in, info_.layers)) {
+  const bool takes_one = info_.sink != Flow::pixels && info_.layers[0] != '{';
+  if (in_layers_ && takes_one && !carries_kind(in, info_.layers)) {
     GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
                       ("%s needs %s layers; put %s in the place of the decomposer before it",
                        name.c_str(), info_.layers, info_.needs),
@@ -242,7 +262,7 @@ void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
 std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   if (in_layers_) {
     const Layers* layers = layers_of(in);
-    if (!layers || !(*layers)[Role::intrinsic])
+    if (!layers || !(*layers)[Role::input])
       throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
                                               info_.factory +
                                               "; an element before it dropped the layers meta");
@@ -255,7 +275,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
                       ", but their caps say " + std::to_string(width) + "x" +
                       std::to_string(height) +
                       "; scale or crop before the decomposer or behind intrinsiccompose");
-    return (*layers)[Role::intrinsic]->buffer->device();
+    return (*layers)[Role::input]->buffer->device();
   }
   if (!in_images_) return images_device_ ? images_device_ : context_.current();
   auto device = input_->device_of(element_, in);

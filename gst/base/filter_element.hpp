@@ -34,6 +34,11 @@ class FilterElement {
     fresh_ = true;
     filter_->flushed();
   }
+  /// The stream ended, or will stop.
+  void ended();
+  /// Has the filter write the light that it found; posts a warning and returns false where it
+  /// cannot. From any thread.
+  bool save_environment(const char* path);
   /// Downstream said how late a frame was (negative: early). From any thread.
   void late(double milliseconds);
 

@@ -1,10 +1,10 @@
 /* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
  *
  * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
- * (or `global`, where light has layers of its own) carry this meta and no pixels; the layers live
- * on the Vulkan device. This header is all that is needed: no library to link. Layers come to host
- * memory and go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no
- * padding.
+ * carry this meta and no pixels; the layers live on the Vulkan device. `layers` is `intrinsic`
+ * (input, model, intrinsic), `global` (these, and layers of light) or `material` (input, diffuse,
+ * specular). This header is all that is needed: no library to link. Layers come to host memory and
+ * go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no padding.
  *
  * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
  */
@@ -33,6 +33,12 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_MODEL_BASES: base colors as the decomposer made them
  * @GST_INVERSE_ROLE_LAMP: the color of direct light, RGB of geometric mean 1, one pixel; absent
  * where it is white
+ * @GST_INVERSE_ROLE_DIFFUSE: of `material` frames: linear RGB of the frame without the highlights
+ * of the object in it, 1 = full scale; w = the object's mask, 0...1
+ * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB (all three alike
+ * as limematerial makes them), so that diffuse + specular is the input; w = the mirror image, what
+ * the object would reflect if it were a perfect mirror of its specular albedo: linear, gray, may
+ * exceed 1, 0 outside of the mask
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -48,6 +54,8 @@ typedef enum {
   GST_INVERSE_ROLE_BASES,
   GST_INVERSE_ROLE_MODEL_BASES,
   GST_INVERSE_ROLE_LAMP,
+  GST_INVERSE_ROLE_DIFFUSE,
+  GST_INVERSE_ROLE_SPECULAR,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;

@@ -14,17 +14,25 @@ G_BEGIN_DECLS
 
 /**
  * GstMaterialMeta:
- * @found: whether there is an object; nothing else means anything where there is none
+ * @found: whether there is an object; nothing else but the light means anything where there is none
  * @diffuse: diffuse albedo, linear RGB, 0...1
  * @specular: specular albedo, white, 0...1
  * @shininess: exponent of Blinn-Phong's lobe, 2...1024. What the object gives back of the light is
  * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1
  * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
- * @estimates: frames that went into it
+ * @estimates: frames that went into it; 0 with the frame in which the object is found: only its box
+ * is known then, and the numbers of its material are 0
  * @left: the object's box, in pixels of the frame
  * @top: the same
  * @right: the same
  * @bottom: the same
+ * @environment_width: texels of @environment along a row; 0 while the light is not known
+ * @environment_height: its rows
+ * @environment: the light around the object, or %NULL while it is not known: float32 RGB, rows from
+ * the top, no padding. Latitude-longitude: the top row looks up (+y), the center column to the
+ * camera (+z), and x is to the right. Radiance, linear: under 1 from everywhere a white diffuse
+ * surface has the value 1 in the frame (full scale). Never written to again: a copy of the meta
+ * shares it, and who wants to keep it takes a reference
  */
 typedef struct {
   GstMeta meta;
@@ -35,6 +43,8 @@ typedef struct {
   gfloat bins[GST_MATERIAL_BINS];
   guint64 estimates;
   gfloat left, top, right, bottom;
+  guint environment_width, environment_height;
+  GBytes* environment;
 } GstMaterialMeta;
 
 /** The material of a buffer, or %NULL. */

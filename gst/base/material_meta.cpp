@@ -15,11 +15,17 @@ gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
   return TRUE;
 }
 
+void release(GstMeta* meta, GstBuffer*) {
+  g_clear_pointer(&reinterpret_cast<GstMaterialMeta*>(meta)->environment, g_bytes_unref);
+}
+
 gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark type, gpointer) {
   // A box in pixels says nothing of a buffer of another size.
   if (!GST_META_TRANSFORM_IS_COPY(type)) return FALSE;
-  memcpy(reinterpret_cast<char*>(add_material_meta(target)) + kFields,
-         reinterpret_cast<char*>(meta) + kFields, sizeof(GstMaterialMeta) - kFields);
+  GstMaterialMeta* copy = add_material_meta(target);
+  memcpy(reinterpret_cast<char*>(copy) + kFields, reinterpret_cast<char*>(meta) + kFields,
+         sizeof(GstMaterialMeta) - kFields);
+  if (copy->environment) g_bytes_ref(copy->environment);
   return TRUE;
 }
 
@@ -27,7 +33,7 @@ const GstMetaInfo* meta_info() {
   static const gchar* tags[] = {GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR, nullptr};
   static const GstMetaInfo* info =
       gst_meta_register(gst_meta_api_type_register(GST_MATERIAL_META_API_NAME, tags),
-                        "GstMaterialMeta", sizeof(GstMaterialMeta), init, nullptr, transform);
+                        "GstMaterialMeta", sizeof(GstMaterialMeta), init, release, transform);
   return info;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -12,33 +13,52 @@
 #include "image/mosaic.hpp"
 #include "image/tile_list.hpp"
 #include "material/lime_material.hpp"
+#include "material/material_preview.hpp"
 #include "material_properties.hpp"
 
 namespace inverse {
 namespace {
 
-enum class LimeShow { input, mask, specular, diffuse, mirror, mosaic };
+enum class LimeShow { input, mask, specular, diffuse, mirror, mosaic, preview };
+/// Where the light's normals come from when there is no normal map.
+enum class LightNormals { none, silhouette };
 
 struct Params : LimeMaterial::Params {
   LimeShow show = LimeShow::diffuse;
   std::string models;
+  bool light_wanted = false;
+  LightNormals normals = LightNormals::silhouette;
+  std::string normal_map, environment_location;
+  float preview_size = 0.3F;
+
+  /// Whether anybody wants to know the light.
+  bool asks_for_light() const {
+    return light_wanted || show == LimeShow::preview || !environment_location.empty();
+  }
 };
 
 const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
-      choice<P>("show", &P::show, "GstInverseLimeShow",
-                {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
-                 {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
-                 {static_cast<int>(LimeShow::specular), "specular",
-                  "Highlights: what the object's surface reflects, as gray"},
-                 {static_cast<int>(LimeShow::diffuse), "diffuse",
-                  "The frame without the object's highlights"},
-                 {static_cast<int>(LimeShow::mirror), "mirror",
-                  "What the object would reflect if it were a perfect mirror, as gray"},
-                 {static_cast<int>(LimeShow::mosaic), "mosaic",
-                  "Input, diffuse, specular and mirror at half size, side by side"}},
-                "What to show"),
+      choice<P>(
+          "show", &P::show, "GstInverseLimeShow",
+          {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
+           {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
+           {static_cast<int>(LimeShow::specular), "specular",
+            "Highlights: what the object's surface reflects, as gray"},
+           {static_cast<int>(LimeShow::diffuse), "diffuse",
+            "The frame without the object's highlights"},
+           {static_cast<int>(LimeShow::mirror), "mirror",
+            "What the object would reflect if it were a perfect mirror, as gray"},
+           {static_cast<int>(LimeShow::mosaic), "mosaic",
+            "Input, diffuse, specular and mirror at half size, side by side"},
+           {static_cast<int>(LimeShow::preview), "preview",
+            "The frame, and in its bottom right corner a sphere of the object's material under "
+            "the estimated light (that of a studio while none is known); nothing there while "
+            "no material is known"}},
+          "What to show; elements that take layers get all of them"),
+      number<P>("preview-size", &P::preview_size, 0.02F, 1,
+                "Diameter of the sphere of show=preview, over the frame's shorter side"),
       text<P>("models", &P::models,
               "Folder with a folder lime of networks; empty = the environment variable "
               "INVERSE_MODELS, else where the plugin's models were installed",
@@ -57,6 +77,25 @@ const PropertyTable<Params>& table() {
           "the picture rests"),
       number<P>("recheck", &P::recheck, 1, 1000,
                 "The material of an object that rests is estimated every so many frames"),
+      flag<P>("light", &P::light_wanted,
+              "Estimate the light around the object, for GstMaterialMeta and save-environment; "
+              "show=preview and environment-location do without being asked"),
+      choice<P>("normals", &P::normals, "GstInverseLightNormals",
+                {{static_cast<int>(LightNormals::none), "none",
+                  "There are none: without normal-map there is no light"},
+                 {static_cast<int>(LightNormals::silhouette), "silhouette",
+                  "The object is taken for a body inflated from its outline: right for spheres, "
+                  "near for other round things"}},
+                "Which way the object's surface faces, for the light, without normal-map"),
+      text<P>("normal-map", &P::normal_map,
+              "PNG of the normals in the frame, for a camera and an object that rest: RGB = xyz "
+              "from -1 to 1 (8 or 16 bits), x right, y up, z to the camera; scaled to the frame. "
+              "Empty = none",
+              Mutable::ready),
+      text<P>("environment-location", &P::environment_location,
+              "Radiance file (.hdr) that the light is written to when the stream ends or stops; "
+              "empty = none",
+              Mutable::ready),
       number<P>("steady", &P::steady, 0, 1,
                 "A material is known when its standard error (of albedos; of log2 of the "
                 "shininess, a sixth) is below this"),
@@ -98,33 +137,84 @@ class LimeElement final : public Filter {
       folder_ = folder;
     }
     extent_ = extent;
+    device_ = device;
+    {
+      std::lock_guard lock(light_mutex_);
+      light_ = nullptr;
+    }
+    const Params params = parameters_.snapshot();
+    std::shared_ptr<const NormalMap> normals;
+    if (!params.normal_map.empty())
+      normals = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
     method_.emplace(device, extent, *models_);
+    method_->set_normal_map(std::move(normals));
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
     if (device->first_warm_up("limematerial")) method_->warm_up();
+    if (params.show == LimeShow::preview) warm_up_preview(device);
     publish();
   }
   void release() override {
     method_.reset();
     mosaic_.reset();
+    preview_.reset();
+    published_light_ = nullptr;
     planes_.reset();
   }
   void reset() override {
     method_->reset();
     publish();
   }
+  void ended() override {
+    const std::string path = parameters_.snapshot().environment_location;
+    if (path.empty() || written_) return;
+    written_ = true;
+    save_environment(path);
+  }
+  void save_environment(const std::string& path) override {
+    std::shared_ptr<const Environment> light;
+    {
+      std::lock_guard lock(light_mutex_);
+      light = light_;
+    }
+    if (path.empty()) throw Error(ErrorKind::file, "no file to write the light to was named");
+    if (!light)
+      throw Error(ErrorKind::file,
+                  path +
+                      " was not written, as there is no light yet: it takes an object whose "
+                      "material is known, normals (normals=silhouette or normal-map), and "
+                      "light=true");
+    light->save(path);
+  }
 
   void process(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
+    Params params = parameters_.snapshot();
+    params.lit = params.asks_for_light();
+    params.light.inflate = params.normals == LightNormals::silhouette;
+    params.light.fit.memory = params.fusion.memory;
+    written_ = false;
     const PlanePtr input = frame.layers[Role::input];
-    const bool still = frame.repeated || !changed_within(frame.changed, extent_, method_->square());
+    const bool still = !changed_within(frame.changed, extent_, method_->square());
     tell(frame);
     numbers_[frame.number % numbers_.size()] = method_->recorded();
-    const LimeMaterial::Layers layers = method_->record(frame.commands, *input, params, still);
-    frame.decorate = [object = method_->object()](GstBuffer* buffer) { attach(buffer, object); };
+    method_->record(frame.commands, *input, params, still);
+    frame.decorate = [object = method_->object(), light = light_bytes_](GstBuffer* buffer) {
+      attach(buffer, object, light.get());
+    };
+    if (!frame.draw) {
+      const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
+      frame.layers = material_layers(input, layers.diffuse, layers.gloss);
+      return;
+    }
+    if (params.show == LimeShow::input || params.show == LimeShow::preview) {
+      frame.picture = {input};
+      if (params.show == LimeShow::preview && method_->object().known()) preview(frame, params);
+      return;
+    }
+    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
     switch (params.show) {
       case LimeShow::input:
-        frame.picture = {input};
+      case LimeShow::preview:
         break;
       case LimeShow::mask:
         frame.picture = {layers.diffuse, true};
@@ -159,12 +249,31 @@ class LimeElement final : public Filter {
     const LimeMaterial::Report& report = method_->report(numbers_[number % numbers_.size()]);
     gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "segmentations",
                       G_TYPE_UINT64, report.segmentations, "estimates", G_TYPE_UINT64,
-                      report.estimates, "network-bytes", G_TYPE_UINT64, method_->network_bytes(),
-                      nullptr);
+                      report.estimates, "light-views", G_TYPE_UINT64, method_->light_views(),
+                      "network-bytes", G_TYPE_UINT64, method_->network_bytes(), nullptr);
     describe_object(stats, method_->object());
   }
 
  private:
+  void preview(FrameWork& frame, const Params& params) {
+    if (!preview_) preview_.emplace(device_);
+    const PlanePtr input = frame.picture.plane;
+    frame.picture = {planes_->acquire()};
+    preview_->record(frame.commands, *input, method_->object().material, method_->light(),
+                     params.preview_size, *frame.picture.plane);
+  }
+
+  void warm_up_preview(const std::shared_ptr<gpu::Device>& device) {
+    preview_.emplace(device);
+    gpu::Commands commands(device);
+    const PlanePtr frame = planes_->acquire(), picture = planes_->acquire();
+    commands.begin();
+    commands.fill(frame->buffer);
+    preview_->record(commands, *frame, Material{}, nullptr, 1, *picture);
+    commands.submit();
+    commands.wait();
+  }
+
   static void describe_object(GstStructure* s, const LimeMaterial::Object& object) {
     gst_structure_set(s, "found", G_TYPE_BOOLEAN, object.found, nullptr);
     if (!object.found) return;
@@ -180,9 +289,14 @@ class LimeElement final : public Filter {
         "bottom", G_TYPE_DOUBLE, real(object.box.bottom), nullptr);
   }
 
-  static void attach(GstBuffer* buffer, const LimeMaterial::Object& object) {
+  static void attach(GstBuffer* buffer, const LimeMaterial::Object& object, GBytes* light) {
     GstMaterialMeta* meta = add_material_meta(buffer);
     meta->found = object.found;
+    if (light) {
+      meta->environment = g_bytes_ref(light);
+      meta->environment_width = EnvironmentFit::kWidth;
+      meta->environment_height = EnvironmentFit::kHeight;
+    }
     if (!object.found) return;
     std::copy(object.material.diffuse.begin(), object.material.diffuse.end(), meta->diffuse);
     std::copy(object.material.bins.begin(), object.material.bins.end(), meta->bins);
@@ -198,14 +312,22 @@ class LimeElement final : public Filter {
   /// For the properties, which any thread may ask for.
   void publish() {
     const LimeMaterial::Object& object = method_->object();
-    parameters_.publish(object.found && object.estimates ? std::optional(object.material)
-                                                         : std::nullopt);
+    parameters_.publish(object.known() ? std::optional(object.material) : std::nullopt);
+    const std::shared_ptr<const Environment>& light = method_->light();
+    if (light == published_light_) return;
+    published_light_ = light;
+    light_bytes_.reset();
+    if (light)
+      light_bytes_.reset(g_bytes_new(light->rgb().data(), light->rgb().size() * sizeof(float)),
+                         g_bytes_unref);
+    std::lock_guard lock(light_mutex_);
+    light_ = light;
   }
 
   /// A message when an object comes or goes, and when its material is another than was told.
   void tell(FrameWork& frame) {
     const LimeMaterial::Object& object = method_->object();
-    const bool known = object.found && object.estimates > 0;
+    const bool known = object.known();
     if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
     if (known)
       told_ = object.material;
@@ -229,9 +351,17 @@ class LimeElement final : public Filter {
   Extent extent_;
   std::optional<LimeMaterial> method_;
   std::optional<Mosaic> mosaic_;
+  std::optional<MaterialPreview> preview_;
   std::optional<PlanePool> planes_;
   std::array<uint64_t, gpu::kFramesInFlight> numbers_{};  // the method's, by the frame's
   std::optional<Material> told_;
+
+  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<const Environment> published_light_;  // what the next two are of
+  std::shared_ptr<GBytes> light_bytes_;                 // for metas
+  std::mutex light_mutex_;
+  std::shared_ptr<const Environment> light_;  // under it; stays when the element stops
+  bool written_ = true;                       // nothing came since
 };
 
 }  // namespace
@@ -245,9 +375,11 @@ const ElementInfo kLimeMaterial{
     "Names the material of the object in front of the camera: diffuse and specular albedo and "
     "shininess, with its mask, highlights and mirror image",
     Flow::pixels,
-    Flow::pixels,
+    Flow::pixels_or_layers,
+    kMaterialLayers,
     nullptr,
-    nullptr,
-    [] { return std::unique_ptr<Filter>(new LimeElement); }};
+    [] { return std::unique_ptr<Filter>(new LimeElement); },
+    false,
+    true};
 
 }  // namespace inverse

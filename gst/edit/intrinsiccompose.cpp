@@ -1,5 +1,6 @@
 // intrinsiccompose: makes ordinary video again of decomposed video; the end of a chain of editors.
 #include <optional>
+#include <string>
 
 #include "base/filter.hpp"
 #include "base/light_pictures.hpp"
@@ -17,7 +18,10 @@ enum class Show {
   difference,
   direct,
   indirect,
-  layer
+  layer,
+  diffuse,
+  specular,
+  mirror
 };
 
 struct Params : ComposeParams {
@@ -28,22 +32,28 @@ struct Params : ComposeParams {
 const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
-      choice<P>("show", &P::show, "GstInverseComposeShow",
-                {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
-                 {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
-                 {static_cast<int>(Show::shading), "shading",
-                  "Shading, edited: gray, or in color where light has layers"},
-                 {static_cast<int>(Show::input), "input", "The frame as it came in"},
-                 {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
-                 {static_cast<int>(Show::difference), "difference",
-                  "What the edits changed, on middle gray"},
-                 {static_cast<int>(Show::direct), "direct",
-                  "Light that comes straight from the lamps (globalintrinsic)"},
-                 {static_cast<int>(Show::indirect), "indirect",
-                  "Light that bounced off surfaces, in color (globalintrinsic)"},
-                 {static_cast<int>(Show::layer), "layer",
-                  "Light that bounced off surfaces of one base color, see layer"}},
-                "What to show"),
+      choice<P>(
+          "show", &P::show, "GstInverseComposeShow",
+          {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
+           {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
+           {static_cast<int>(Show::shading), "shading",
+            "Shading, edited: gray, or in color where light has layers"},
+           {static_cast<int>(Show::input), "input", "The frame as it came in"},
+           {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
+           {static_cast<int>(Show::difference), "difference",
+            "What the edits changed, on middle gray"},
+           {static_cast<int>(Show::direct), "direct",
+            "Light that comes straight from the lamps (globalintrinsic)"},
+           {static_cast<int>(Show::indirect), "indirect",
+            "Light that bounced off surfaces, in color (globalintrinsic)"},
+           {static_cast<int>(Show::layer), "layer",
+            "Light that bounced off surfaces of one base color, see layer"},
+           {static_cast<int>(Show::diffuse), "diffuse",
+            "The frame without its object's highlights (limematerial)"},
+           {static_cast<int>(Show::specular), "specular", "The object's highlights (limematerial)"},
+           {static_cast<int>(Show::mirror), "mirror",
+            "What the object would reflect if it were a perfect mirror (limematerial)"}},
+          "What to show"),
       number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
                 "The base color whose layer show=layer shows"),
       choice<P>(
@@ -54,7 +64,8 @@ const PropertyTable<Params>& table() {
             "input x edited / unedited model: noise and fine detail scale with the edit"},
            {static_cast<int>(Residual::none), "none",
             "The edited model alone, without what it does not explain"}},
-          "What becomes of the part of the frame that reflectance x shading does not explain"),
+          "What becomes of the part of the frame that reflectance x shading does not explain; "
+          "diffuse + specular (limematerial) explain all of it"),
       number<P>("strength", &P::strength, 0, 1,
                 "How much of all the edits to show: 0 = the input, 1 = all of them"),
   };
@@ -83,12 +94,14 @@ class ComposeElement final : public Filter {
   Picture draw(FrameWork& frame, const Params& params) {
     switch (params.show) {
       case Show::reflectance:
-        return {frame.layers[Role::intrinsic]};
+        return {needed(frame, Role::intrinsic, "reflectance", "intrinsicdecomp")};
       case Show::shading:
+        needed(frame, Role::intrinsic, "shading", "intrinsicdecomp");
         return pictures_.shading(frame.commands, frame.layers);
       case Show::input:
         return {frame.layers[Role::input]};
       case Show::mask:
+        if (frame.layers.material()) return {frame.layers[Role::diffuse], true};
         if (!frame.layers[Role::mask])
           throw Error(ErrorKind::unsupported,
                       "there is no mask to show; set write-mask=true on an editor before "
@@ -102,10 +115,24 @@ class ComposeElement final : public Filter {
         return light(frame, LightPicture::What::indirect);
       case Show::layer:
         return light(frame, LightPicture::What::layer, params.layer);
+      case Show::diffuse:
+        return {needed(frame, Role::diffuse, "diffuse light", "limematerial")};
+      case Show::specular:
+        return {needed(frame, Role::specular, "highlights", "limematerial")};
+      case Show::mirror:
+        return {needed(frame, Role::specular, "mirror image", "limematerial"), true};
       case Show::composed:
         break;
     }
     return {compose_->record(frame.commands, frame.layers, params)};
+  }
+
+  static PlanePtr needed(const FrameWork& frame, Role role, const char* what, const char* maker) {
+    if (!frame.layers[role])
+      throw Error(ErrorKind::unsupported, std::string("these layers have no ") + what +
+                                              " for intrinsiccompose to show; put " + maker +
+                                              " in the place of the decomposer before it");
+    return frame.layers[role];
   }
 
   Picture light(FrameWork& frame, LightPicture::What what, int base = 0) {
@@ -129,7 +156,7 @@ const ElementInfo kIntrinsicCompose{
     "Puts decomposed video together again, with the edits made to its layers",
     Flow::layers_or_pixels,
     Flow::pixels,
-    kAnyLayers,
+    kAllLayers,
     "intrinsicdecomp",
     [] { return std::unique_ptr<Filter>(new ComposeElement); }};
 

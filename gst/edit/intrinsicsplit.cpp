@@ -132,7 +132,7 @@ void class_init(gpointer klass, gpointer) {
                                         "video; what is not asked for is not drawn",
                                         "the gst-inverse authors");
   add_template(element, "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-               inverse::template_caps(inverse::Flow::layers_or_pixels, inverse::kAnyLayers));
+               inverse::template_caps(inverse::Flow::layers_or_pixels, inverse::kAllLayers));
   GstCaps* any = gst_caps_new_any();
   for (size_t i = 0; i < static_cast<size_t>(SplitLayer::count); ++i) {
     const auto layer = static_cast<SplitLayer>(i);

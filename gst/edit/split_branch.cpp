@@ -9,8 +9,8 @@ namespace {
 
 /// Scalar layers first offer gray, unless shading has color.
 GstCaps* format_caps(SplitLayer layer, bool colored) {
-  const bool scalar =
-      layer == SplitLayer::shading || layer == SplitLayer::mask || layer == SplitLayer::direct;
+  const bool scalar = layer == SplitLayer::shading || layer == SplitLayer::mask ||
+                      layer == SplitLayer::direct || layer == SplitLayer::mirror;
   return pixel_caps(scalar && !colored ? Prefer::gray : Prefer::color);
 }
 
@@ -60,8 +60,8 @@ SplitBranch::~SplitBranch() {
 }
 
 const char* SplitBranch::template_of(SplitLayer layer) {
-  constexpr const char* kNames[] = {"reflectance", "shading",  "mask",       "input",
-                                    "direct",      "indirect", "indirect_%u"};
+  constexpr const char* kNames[] = {"reflectance", "shading",     "mask",    "input",    "direct",
+                                    "indirect",    "indirect_%u", "diffuse", "specular", "mirror"};
   return kNames[static_cast<size_t>(layer)];
 }
 
@@ -92,7 +92,15 @@ GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
 
 void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   forget();
-  if (layer_ >= SplitLayer::direct && !carries_kind(layers, kGlobalLayers))
+  const bool of_material = layer_ >= SplitLayer::diffuse;
+  const bool of_all = layer_ == SplitLayer::mask || layer_ == SplitLayer::input;
+  if (!of_all && carries_kind(layers, kMaterialLayers) != of_material)
+    throw Error(ErrorKind::unsupported,
+                "these layers have no " + name() +
+                    ", as the pad of intrinsicsplit of this name is to send it; put " +
+                    (of_material ? "limematerial" : "intrinsicdecomp") +
+                    " in the place of the decomposer before it");
+  if (layer_ >= SplitLayer::direct && !of_material && !carries_kind(layers, kGlobalLayers))
     throw Error(ErrorKind::unsupported,
                 "these layers do not tell direct light from indirect, as pad " + name() +
                     " of intrinsicsplit is to send it; put globalintrinsic in the place of the "
@@ -195,7 +203,20 @@ void SplitBranch::record(gpu::Commands& commands, const Layers& layers, Tools& t
       picture.gain = params.shading_scale;
       break;
     }
+    case SplitLayer::diffuse:
+      picture = {layers[Role::diffuse]};
+      break;
+    case SplitLayer::specular:
+      picture = {layers[Role::specular]};
+      break;
+    case SplitLayer::mirror:
+      picture = {layers[Role::specular], true, params.mirror_scale};
+      break;
     case SplitLayer::mask:
+      if (layers.material()) {
+        picture = {layers[Role::diffuse], true};
+        break;
+      }
       if (!layers[Role::mask])
         throw Error(ErrorKind::unsupported,
                     "these layers have no mask for pad mask of intrinsicsplit; set "

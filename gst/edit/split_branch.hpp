@@ -20,6 +20,9 @@ enum class SplitLayer : uint8_t {
   direct,
   indirect,
   bounced,  ///< off surfaces of one base color
+  diffuse,
+  specular,
+  mirror,
   count
 };
 
@@ -29,6 +32,7 @@ struct SplitParams {
   Encoding encoding = Encoding::srgb;
   float reflectance_scale = 1.0f;  ///< multiplied before clipping at 1
   float shading_scale = 0.5f;
+  float mirror_scale = 1.0f;
 };
 
 /// One pad of intrinsicsplit with all that it takes to send a layer through it. Apart from

@@ -29,6 +29,8 @@ const PropertyTable<SplitParams>& SplitElement::table() {
                 "Multiplies reflectance before it is clipped at 1"),
       number<P>("shading-scale", &P::shading_scale, 0, 100,
                 "Multiplies shading before it is clipped at 1"),
+      number<P>("mirror-scale", &P::mirror_scale, 0, 100,
+                "Multiplies the mirror image before it is clipped at 1"),
   };
   return table;
 }
@@ -195,12 +197,12 @@ gboolean SplitElement::src_event(GstPad* pad, GstEvent* event) {
 }
 
 GstCaps* SplitElement::sink_caps(GstCaps* filter) {
-  GstCaps* result = template_caps(Flow::layers_or_pixels, kAnyLayers);
+  GstCaps* result = template_caps(Flow::layers_or_pixels, kAllLayers);
   for (const BranchPtr& branch : branches()) {
     GstCaps* sends = SplitBranch::caps_for(branch->layer(), result);
     GstCaps* taken = gst_pad_peer_query_caps(branch->pad(), sends);
     GstCaps* back =
-        transform_caps(taken, template_caps(Flow::layers_or_pixels, kAnyLayers), nullptr);
+        transform_caps(taken, template_caps(Flow::layers_or_pixels, kAllLayers), nullptr);
     GstCaps* both = gst_caps_intersect_full(result, back, GST_CAPS_INTERSECT_FIRST);
     // A pad that nothing suits is told by name when it is negotiated.
     if (gst_caps_is_empty(both)) std::swap(both, result);
@@ -225,7 +227,7 @@ GstCaps* SplitElement::src_caps(SplitLayer layer, GstCaps* filter) {
   }
   if (!layers) {
     // Pixels, too: pads must link, so that set_caps can say what is missing.
-    GstCaps* ours = template_caps(Flow::layers_or_pixels, kAnyLayers);
+    GstCaps* ours = template_caps(Flow::layers_or_pixels, kAllLayers);
     layers = gst_pad_peer_query_caps(sink_, ours);
     gst_caps_unref(ours);
   }
@@ -271,12 +273,12 @@ gboolean SplitElement::src_query(GstPad* pad, GstQuery* query) {
 void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
                         std::vector<GstBuffer*>& frames) {
   const Layers* found = layers_of(buffer);
-  if (!found || !(*found)[Role::intrinsic])
+  if (!found || !(*found)[Role::input])
     throw Error(ErrorKind::unsupported,
                 "a buffer without layers reached intrinsicsplit; an element before it dropped the "
                 "layers meta");
   const Layers& layers = *found;
-  const auto& device = layers[Role::intrinsic]->buffer->device();
+  const auto& device = layers[Role::input]->buffer->device();
   if (!commands_ || commands_->device() != device || extent_ != layers.extent) {
     commands_ = std::make_unique<gpu::Commands>(device);
     tools_ = {};
@@ -290,7 +292,7 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
     if (branch.flow == GST_FLOW_EOS) continue;  // nobody looks at it any more
     branch.flow = gst_pad_is_linked(branch.pad()) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
     if (branch.flow != GST_FLOW_OK) continue;
-    if (branch.layer() == SplitLayer::mask && !tools_.compose)
+    if (branch.layer() == SplitLayer::mask && !layers.material() && !tools_.compose)
       tools_.compose.emplace(device, layers.extent);
     branch.record(*commands_, layers, tools_, params);
     drawn[i] = true;

@@ -28,33 +28,39 @@ struct ComposeParams {
 };
 
 /// Makes pictures out of layers; R S stands for R S L where light has a color L of its own
-/// (Layers::global). All are linear RGB, finite and not negative, with the input's
-/// alpha in w.
+/// (Layers::global), and for diffuse + specular where the frame was taken apart into these
+/// (Layers::material), which leave no residual. All are linear RGB, finite and not negative, with
+/// the input's alpha in w.
 class Compose {
  public:
   Compose(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   /// The frame with its edits. Where nothing was edited (Layers::edited, or strength is 0), this is
   /// the input's plane itself and nothing is recorded, unless the residual is to be left out. Needs
-  /// input, model and intrinsic.
+  /// input, model and intrinsic, or input, diffuse and specular, of which nobody says whether they
+  /// were edited.
   PlanePtr record(gpu::Commands& commands, const Layers& layers, const ComposeParams& params);
 
   /// What the edits changed: R' S' − R S, halved, on middle gray (linear 0.214); brighter is more
   /// light.
   PlanePtr record_difference(gpu::Commands& commands, const Layers& layers);
 
-  /// The mask layer as gray. Needs Role::mask.
+  /// The mask layer as gray. Needs Role::mask, and model and intrinsic.
   PlanePtr record_mask(gpu::Commands& commands, const Layers& layers);
 
  private:
   PlanePtr run(gpu::Commands& commands, uint32_t mode, const Layers& layers, Role now,
                float strength);
 
+  PlanePtr recombine(gpu::Commands& commands, bool difference, const Layers& layers,
+                     float strength);
+
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
   static constexpr uint32_t kModes = 5;
   std::array<std::array<gpu::KernelPtr, 2>, kModes> kernels_;  // by MODE and LIGHT in
   // compose.comp, made when first needed
+  std::array<gpu::KernelPtr, 2> recombine_;  // by DIFFERENCE in recombine.comp, likewise
 };
 
 }  // namespace inverse

@@ -27,6 +27,11 @@ enum class Role : uint8_t {
                          ///< w = 1, or 0 where there is no such color
   model_bases,  ///< bases as the decomposer made them
   lamp,  ///< 1 × 1: the color of direct light, linear, geometric mean 1; absent where it is white
+  diffuse,   ///< of frames whose object's highlights were taken off: linear RGB without them;
+             ///< w = mask of the object, 0…1
+  specular,  ///< of the same frames: the highlights, linear RGB, so that diffuse + specular =
+             ///< input; w = what the object would reflect if it were a mirror of its specular
+             ///< albedo
   count
 };
 
@@ -48,12 +53,24 @@ struct Layers {
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }
   /// Whether the light has color and layers of its own.
   bool global() const { return (*this)[Role::light] && (*this)[Role::model_light]; }
-  /// Whether an editor has been at it.
+  /// Whether it is of highlights and what is under them, in place of reflectance and shading.
+  bool material() const { return (*this)[Role::diffuse] && (*this)[Role::specular]; }
+  /// Whether an editor has been at reflectance, shading or light.
   bool edited() const {
     return (*this)[Role::intrinsic] != (*this)[Role::model] ||
            (*this)[Role::light] != (*this)[Role::model_light];
   }
 };
+
+/// The layers of a frame that was taken apart into highlights and the rest.
+inline Layers material_layers(const PlanePtr& input, const PlanePtr& diffuse,
+                              const PlanePtr& specular) {
+  Layers layers{input->extent, {}};
+  layers[Role::input] = input;
+  layers[Role::diffuse] = diffuse;
+  layers[Role::specular] = specular;
+  return layers;
+}
 
 /// The layers of a frame that was decomposed and not edited yet: the model is what it is made of.
 inline Layers intrinsic_layers(const PlanePtr& input, const PlanePtr& intrinsic) {

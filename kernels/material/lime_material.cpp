@@ -18,6 +18,9 @@ namespace {
 
 constexpr float kMoved = 0.02F;   // share of the object's points: less is rest
 constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
+// The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views each
+// is taken, then one in so many.
+constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
 
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
@@ -81,6 +84,8 @@ void LimeMaterial::reset() {
   object_ = {};
   have_layers_ = false;
   rested_ = 0;
+  light_.reset();
+  lit_by_ = nullptr;
   ++epoch_;
 }
 
@@ -124,8 +129,34 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
 }
 
-LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame,
-                                                 bool known) {
+void LimeMaterial::record_light(gpu::Commands& commands, Slot& slot) {
+  for (const auto& [source, copy] : {std::pair{segmentation_.input(0), &slot.image},
+                                     std::pair{exponent_.input(0), &slot.codes}}) {
+    if (!*copy)
+      *copy =
+          gpu::Buffer::create(device_, gpu::Element::vec4, source->count(), gpu::Memory::readback);
+    commands.copy(source, *copy, (*copy)->bytes());
+  }
+}
+
+void LimeMaterial::take_light(const Slot& slot) {
+  const size_t numbers = size_t{4} * side_ * side_;
+  light_.add({{slot.image->map_as<float>() + 4, numbers},
+              {slot.codes->map_as<float>() + 4, numbers},
+              tracker_.mask(),
+              side_,
+              slot.square,
+              extent_},
+             normal_map_.get(), slot.params.light);
+  if (auto light = light_.light(fusion_.material(), slot.params.light)) lit_by_ = std::move(light);
+}
+
+LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame) {
+  return draw_layers(commands, frame, object_.found && have_layers_);
+}
+
+LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Plane& frame,
+                                               bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
                     {frame.buffer, segmentation_.output(0), exponent_.input(0),
@@ -144,13 +175,13 @@ void LimeMaterial::warm_up() {
   commands.fill(frame->buffer);
   record_segmentation(commands, *frame, slots_[0]);
   record_networks(commands, slots_[0]);
-  for (const bool known : {false, true}) record_layers(commands, *frame, known);
+  for (const bool known : {false, true}) draw_layers(commands, *frame, known);
   commands.submit();
   commands.wait();
 }
 
-LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& frame,
-                                          const Params& params, bool still) {
+void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Params& params,
+                          bool still) {
   Slot& slot = slots_[recorded_ % slots_.size()];
   slot.params = params;
   slot.square = tracker_.square();
@@ -171,6 +202,9 @@ LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& 
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
+    report.lit = params.lit && (totals_.estimates < kEarlyViews || light_.views() < kEarlyViews ||
+                                totals_.estimates % kViewEvery == 0);
+    if (report.lit) record_light(commands, slot);
   }
   totals_.segmentations += report.segmented;
   totals_.estimates += report.estimated;
@@ -178,8 +212,6 @@ LimeMaterial::Layers LimeMaterial::record(gpu::Commands& commands, const Plane& 
   report.estimates = totals_.estimates;
   slot.report = report;
   ++recorded_;
-
-  return record_layers(commands, frame, object_.found && have_layers_);
 }
 
 void LimeMaterial::done(uint64_t number) {
@@ -200,6 +232,8 @@ void LimeMaterial::done(uint64_t number) {
     estimate.specular = albedo[3];
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
     fusion_.add(estimate, slot.params.fusion);
+    if (fusion_.count() <= 1) light_.reset();  // another object, of another material
+    if (slot.report.lit && fusion_.count() && !tracker_.mask().empty()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), fusion_.count(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};

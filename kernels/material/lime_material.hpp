@@ -10,6 +10,7 @@
 #include "../network/network.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
+#include "object_light.hpp"
 #include "object_tracker.hpp"
 
 namespace inverse {
@@ -31,21 +32,26 @@ class LimeMaterial {
     float steady = 0.02F;  ///< spread of estimates (MaterialFusion) over the root of their number
                            ///< below which a material is steady
     bool adaptive = true;  ///< whether anything is left out at all
+    bool lit = false;      ///< whether the light is wanted
+    ObjectLight::Params light;
   };
   /// What ran for a frame, and what it found; for `stats`.
   struct Report {
     bool segmented = false, estimated = false;
     uint64_t segmentations = 0, estimates = 0;  ///< so far
     const char* skipped = "";                   ///< what was left out, and why
+    bool lit = false;                           ///< whether it is to tell of the light
   };
   /// What is known of the object now.
   struct Object {
     bool found = false;
-    Material material;
-    uint64_t estimates = 0;  ///< in the material
+    Material material;       ///< all zero until there is an estimate
+    uint64_t estimates = 0;  ///< in the material; none with the frame in which it is found
     float spread = 0;
     float share = 0;  ///< of the square that was looked at
     ObjectTracker::Box box;
+    /// Whether its material is.
+    bool known() const { return found && estimates > 0; }
   };
 
   /// For frames of this size. Throws as network::Network.
@@ -56,13 +62,24 @@ class LimeMaterial {
   struct Layers {
     PlanePtr diffuse, gloss;
   };
-  /// Records a frame. `still`: it is, pixel by pixel, the one before.
-  Layers record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// Records the networks that a frame needs. `still`: within `square()` it is, pixel by pixel, the
+  /// one before.
+  void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
+  /// Records drawing the layers of the frame that was recorded last.
+  Layers record_layers(gpu::Commands& commands, const Plane& frame);
   /// A frame, by its place in the calls of `record` from 0, is done on the device. In order, each
   /// once.
   void done(uint64_t number);
   /// Forgets the object, its material and all earlier frames; frames in flight are not looked at.
   void reset();
+
+  /// Normals of the frames to come, for the light; null: none are known.
+  void set_normal_map(std::shared_ptr<const NormalMap> map) { normal_map_ = std::move(map); }
+  /// The light, by the last frame that is done and told of it; null while it is not known. It stays
+  /// when the object goes, until another one tells of it.
+  const std::shared_ptr<const Environment>& light() const { return lit_by_; }
+  /// Views of the object that are in the light.
+  uint64_t light_views() const { return light_.views(); }
 
   /// Runs everything once on a black frame, so that no kernel is built while frames come.
   void warm_up();
@@ -78,6 +95,7 @@ class LimeMaterial {
  private:
   struct Slot {
     gpu::BufferPtr probability, albedo, exponent;  // read back
+    gpu::BufferPtr image, codes;                   // read back for the light, made when needed
     Square square;
     Report report;
     Params params;
@@ -87,7 +105,9 @@ class LimeMaterial {
   bool rests(const Params& params) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
-  Layers record_layers(gpu::Commands& commands, const Plane& frame, bool known);
+  void record_light(gpu::Commands& commands, Slot& slot);
+  void take_light(const Slot& slot);
+  Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
@@ -106,6 +126,10 @@ class LimeMaterial {
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;
   Report totals_;
+
+  ObjectLight light_;
+  std::shared_ptr<const Environment> lit_by_;
+  std::shared_ptr<const NormalMap> normal_map_;
 };
 
 }  // namespace inverse

@@ -39,6 +39,8 @@ class ObjectTracker {
     float left = 0, top = 0, right = 0, bottom = 0;
   };
   const Box& box() const { return box_; }
+  /// Its points in the square that was looked at last, a byte each; empty where it was not there.
+  std::span<const uint8_t> mask() const { return before_; }
   /// Share of the object's points that are no longer, or were not before, of the object: 0 where it
   /// rests.
   float moved() const { return moved_; }
@@ -52,7 +54,7 @@ class ObjectTracker {
   bool found_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
-  std::vector<uint8_t> before_;
+  std::vector<uint8_t> before_;  // the object's points
   Square before_square_;
 };
 

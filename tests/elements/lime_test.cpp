@@ -4,59 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../kernels/lime_models.hpp"
 #include "base/inverse_material_meta.h"
-#include "element_test.hpp"
+#include "lime_fixture.hpp"
 
 namespace inverse::testing {
-namespace {
-
-constexpr int kWidth = 96, kHeight = 64;
-
-/// Gray, with a disc that the networks take for an object; none where the radius is 0.
-std::vector<uint8_t> scene(int x, int y, int radius, int width = kWidth, int height = kHeight) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(width) * height * 4, 128);
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column)
-      if (std::hypot(column - x, row - y) < radius) {
-        uint8_t* pixel = &bytes[4 * (static_cast<size_t>(row) * width + column)];
-        pixel[0] = 230;
-        pixel[1] = pixel[2] = 100;
-      }
-  return bytes;
-}
-
-class LimeElementTest : public ::testing::Test {
- protected:
-  std::string line(const std::string& more = "") const {
-    return "limematerial name=lime models=" + files.folder() + " " + more;
-  }
-  static std::string caps(int width = kWidth, int height = kHeight) {
-    return VideoHarness::caps("RGBA", width, height);
-  }
-  HandMadeLime files;
-};
-
-template <typename T>
-T property(GstElement* element, const char* name) {
-  T value{};
-  g_object_get(element, name, &value, nullptr);
-  return value;
-}
-
-/// A field of `stats`.
-template <typename T>
-T stat(GstElement* element, const char* name, GType type) {
-  GstStructure* stats = nullptr;
-  g_object_get(element, "stats", &stats, nullptr);
-  T value{};
-  const GValue* field = gst_structure_get_value(stats, name);
-  if (field && G_VALUE_HOLDS(field, type)) gst_structure_get(stats, name, type, &value, nullptr);
-  gst_structure_free(stats);
-  return value;
-}
-
-}  // namespace
 
 TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
   VideoHarness harness(line(), caps(), caps());
@@ -74,7 +25,7 @@ TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
 
   ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
   GstBuffer* out = gst_harness_pull(harness.harness());
-  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
   ASSERT_NE(meta, nullptr);
   EXPECT_TRUE(meta->found);
   EXPECT_NEAR(meta->diffuse[2], .7, 1e-3);
@@ -83,7 +34,19 @@ TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
   ASSERT_NE(gst_buffer_get_material_meta(copy), nullptr);
   EXPECT_EQ(gst_buffer_get_material_meta(copy)->estimates, meta->estimates);
   gst_buffer_unref(copy);
+
+  bool freed = false;
+  const auto free_light = [](gpointer flag) { *static_cast<bool*>(flag) = true; };
+  GBytes* light = g_bytes_new_with_free_func("light", 5, free_light, &freed);
+  g_clear_pointer(&meta->environment, g_bytes_unref);
+  meta->environment = g_bytes_ref(light);
+  copy = gst_buffer_copy(out);
   gst_buffer_unref(out);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy)->environment, light) << "shared by copies";
+  gst_buffer_unref(copy);
+  EXPECT_FALSE(freed);
+  g_bytes_unref(light);
+  EXPECT_TRUE(freed) << "no buffer kept it";
 }
 
 TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {

@@ -273,7 +273,7 @@ TEST_F(Split, APadIsGivenBackWhileThereIsFlow) {
 TEST_F(Split, EachLayerHasOnePadAndUnknownLayersNone) {
   GstPad* pad = gst_element_request_pad_simple(element(), "shading");
   ASSERT_NE(pad, nullptr);
-  for (const char* unknown : {"specular", "indirect_16", "indirect_x", "indirect_"})
+  for (const char* unknown : {"normals", "indirect_16", "indirect_x", "indirect_"})
     EXPECT_EQ(gst_element_request_pad_simple(element(), unknown), nullptr) << unknown;
   gst_element_release_request_pad(element(), pad);
   gst_object_unref(pad);

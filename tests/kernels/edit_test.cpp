@@ -433,6 +433,47 @@ TEST_F(EditTest, EqualCopiesGiveTheInputBack) {
   }
 }
 
+TEST_F(EditTest, DiffuseAndSpecularAreTheFrameAgain) {
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true}) {
+      const auto make = [&](unsigned seed) {
+        return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
+      };
+      const Pixels input = make(1), diffuse = make(2), specular = make(3);
+      const Layers frame =
+          material_layers(shared_plane(extent, input), shared_plane(extent, diffuse),
+                          shared_plane(extent, specular));
+      Compose compose(device, extent);
+      const double tolerance = hostile ? 1e-2 : 1e-5;  // sums of large numbers lose small ones
+      for (const float strength : {1.0f, 0.4f, 0.0f}) {
+        PlanePtr picture;
+        run([&](gpu::Commands& commands) {
+          picture = compose.record(commands, frame, {Residual::add, strength});
+        });
+        if (strength == 0) {
+          EXPECT_EQ(picture, frame[Role::input]);
+          continue;
+        }
+        ASSERT_NO_FATAL_FAILURE(expect_pixels(
+            download(picture->buffer),
+            [&](size_t n) {
+              return reference::recombine(pixel_of(input, n), pixel_of(diffuse, n),
+                                          pixel_of(specular, n), strength);
+            },
+            tolerance, "recombined"));
+      }
+      PlanePtr picture;
+      run([&](gpu::Commands& commands) { picture = compose.record_difference(commands, frame); });
+      ASSERT_NO_FATAL_FAILURE(expect_pixels(
+          download(picture->buffer),
+          [&](size_t n) {
+            return reference::recombine_difference(pixel_of(input, n), pixel_of(diffuse, n),
+                                                   pixel_of(specular, n));
+          },
+          tolerance, "difference"));
+    }
+}
+
 TEST_F(EditTest, MaskIsDrawnAsGray) {
   const Extent extent{17, 5};
   const Pixels matte = random_pixels(extent, 9);

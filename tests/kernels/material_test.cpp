@@ -203,7 +203,10 @@ class LimeTest : public GpuTest {
   }
   LimeMaterial::Layers frame(LimeMaterial& lime, const Plane& plane, bool still = false) {
     LimeMaterial::Layers layers;
-    run([&](gpu::Commands& commands) { layers = lime.record(commands, plane, params, still); });
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, plane, params, still);
+      layers = lime.record_layers(commands, plane);
+    });
     lime.done(lime.recorded() - 1);
     return layers;
   }

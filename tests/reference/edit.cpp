@@ -100,4 +100,19 @@ Rgba difference(const Rgba& input, const Rgba& model, const Rgba& intrinsic) {
   return result;
 }
 
+Rgba recombine(const Rgba& input, const Rgba& diffuse, const Rgba& specular, double strength) {
+  const Rgba seen = finite(input), under = finite(diffuse), over = finite(specular);
+  Rgba result{0, 0, 0, std::min(seen[3], 1.0)};
+  for (int c = 0; c < 3; ++c)
+    result[c] = finite((1 - strength) * seen[c] + strength * (under[c] + over[c]));
+  return result;
+}
+
+Rgba recombine_difference(const Rgba& input, const Rgba& diffuse, const Rgba& specular) {
+  const Rgba seen = finite(input), under = finite(diffuse), over = finite(specular);
+  Rgba result{0, 0, 0, std::min(seen[3], 1.0)};
+  for (int c = 0; c < 3; ++c) result[c] = finite(kMiddleGray + (under[c] + over[c] - seen[c]) / 2);
+  return result;
+}
+
 }  // namespace inverse::reference

@@ -37,4 +37,8 @@ Rgba compose(const Rgba& input, const Rgba& model, const Rgba& intrinsic, Residu
              double strength);
 Rgba difference(const Rgba& input, const Rgba& model, const Rgba& intrinsic);
 
+/// A frame of diffuse light and highlights, edited or not; and what the edit changed.
+Rgba recombine(const Rgba& input, const Rgba& diffuse, const Rgba& specular, double strength);
+Rgba recombine_difference(const Rgba& input, const Rgba& diffuse, const Rgba& specular);
+
 }  // namespace inverse::reference

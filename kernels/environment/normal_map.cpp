@@ -1,0 +1,90 @@
+#include "normal_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "../error.hpp"
+
+// Of stb_image, the part that takes images apart, private to this file.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_MAX_DIMENSIONS 16384
+#define STBI_NO_GIF
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
+#define STBI_NO_PIC
+#define STBI_NO_PSD
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace inverse {
+namespace {
+
+constexpr float kShortest = 0.5F, kLongest = 1.3F;  // of what counts as a normal
+
+Normal normalized(const Normal& n) {
+  const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!(n[2] > 0) || !(length > 0)) return {};
+  return {n[0] / length, n[1] / length, n[2] / length};
+}
+
+}  // namespace
+
+NormalMap NormalMap::load(const std::string& path) {
+  const auto refuse = [&path](const std::string& why) {
+    throw Error(ErrorKind::file, path + ": " + why +
+                                     "; a normal map is an RGB image, RGB = xyz from -1 to 1, z to "
+                                     "the camera");
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             std::fclose);
+  if (!file) refuse(std::strerror(errno));
+  int width = 0, height = 0, channels = 0;
+  const std::unique_ptr<stbi_us, void (*)(void*)> pixels(
+      stbi_load_from_file_16(file.get(), &width, &height, &channels, 4), stbi_image_free);
+  if (!pixels) refuse(std::string("no image (") + stbi_failure_reason() + ")");
+  if (channels < 3) refuse("it is gray");
+  const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+  std::vector<Normal> normals(extent.pixels());
+  for (size_t i = 0; i < normals.size(); ++i) {
+    const stbi_us* code = pixels.get() + 4 * i;
+    Normal n{};
+    for (size_t c = 0; c < 3; ++c) n[c] = 2 * static_cast<float>(code[c]) / 65535 - 1;
+    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (code[3] >= 32768 && length > kShortest && length < kLongest) normals[i] = normalized(n);
+  }
+  return {extent, std::move(normals)};
+}
+
+NormalMap::NormalMap(Extent extent, std::vector<Normal> normals)
+    : extent_(extent), normals_(std::move(normals)) {
+  if (!extent.pixels() || normals_.size() != extent.pixels())
+    throw Error(ErrorKind::internal, "a normal map of another size than its normals");
+}
+
+Normal NormalMap::at(float x, float y) const {
+  const auto axis = [](float place, uint32_t size) {
+    const float at = std::clamp(place, 0.0F, 1.0F) * static_cast<float>(size) - 0.5F;
+    return std::clamp(at, 0.0F, static_cast<float>(size - 1));
+  };
+  const float column = axis(x, extent_.width), row = axis(y, extent_.height);
+  const auto left = static_cast<uint32_t>(column), top = static_cast<uint32_t>(row);
+  const float across = column - static_cast<float>(left), down = row - static_cast<float>(top);
+  Normal sum{};
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t c = std::min(left + k % 2, extent_.width - 1);
+    const uint32_t r = std::min(top + k / 2, extent_.height - 1);
+    const float weight = (k % 2 ? across : 1 - across) * (k / 2 ? down : 1 - down);
+    const Normal& n = normals_[size_t{r} * extent_.width + c];
+    for (size_t i = 0; i < 3; ++i) sum[i] += weight * n[i];
+  }
+  return normalized(sum);
+}
+
+}  // namespace inverse

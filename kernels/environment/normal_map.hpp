@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "../image/plane.hpp"
+#include "inflated_normals.hpp"
+
+namespace inverse {
+
+/// Normals of what a frame shows, from an image.
+class NormalMap {
+ public:
+  static constexpr uint32_t kMostSide = 16384;
+
+  /// Reads a PNG (or another image of 8 or 16 bits a channel that stb_image knows): RGB = xyz from
+  /// −1 (code 0) to 1 (largest code), x right, y up, z to the camera, in linear codes. Where z is
+  /// not above 0, the length is far from 1 or alpha is below a half, there is no normal. Throws
+  /// Error(file), saying why.
+  static NormalMap load(const std::string& path);
+  NormalMap(Extent extent, std::vector<Normal> normals);
+
+  /// The normal at a place of the frame, 0…1 from the left and from the top, between the four
+  /// nearest; z = 0 where there is none.
+  Normal at(float x, float y) const;
+  Extent extent() const { return extent_; }
+
+ private:
+  Extent extent_;
+  std::vector<Normal> normals_;
+};
+
+}  // namespace inverse
