@@ -341,13 +341,15 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
 }
 
-GType filter_type() {
-  static const GType type = [] {
+/// What all elements of a plugin derive from: a type of its own for each plugin, as its code is.
+GType filter_type(GstPlugin* plugin) {
+  static const GType type = [plugin] {
+    const std::string name = std::string("GstInverseFilter-") + gst_plugin_get_name(plugin);
     GTypeInfo info{};
     info.class_size = sizeof(GstInverseFilterClass);
     info.class_init = base_class_init;
     info.instance_size = sizeof(GstInverseFilter);
-    return g_type_register_static(GST_TYPE_BASE_TRANSFORM, "GstInverseFilter", &info,
+    return g_type_register_static(GST_TYPE_BASE_TRANSFORM, name.c_str(), &info,
                                   G_TYPE_FLAG_ABSTRACT);
   }();
   return type;
@@ -364,8 +366,8 @@ gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
   info.class_data = &element;
   info.instance_size = sizeof(GstInverseFilter);
   info.instance_init = instance_init;
-  const GType type =
-      g_type_register_static(filter_type(), element.type_name, &info, static_cast<GTypeFlags>(0));
+  const GType type = g_type_register_static(filter_type(plugin), element.type_name, &info,
+                                            static_cast<GTypeFlags>(0));
   return gst_element_register(plugin, element.factory, GST_RANK_NONE, type);
 }
 

@@ -9,7 +9,8 @@ vec3 lit_normal(vec2 p) {
 }
 
 #ifdef LIT_TABLE
-// Linear RGB for a normal of length 1, from a table that the kernel has bound as `lit_table`. LIT_TABLE says that it has. Normals that face away count as on the rim.
+// Linear RGB for a normal of length 1, from a table that the kernel has bound by the name LIT_TABLE (and defined that as
+// itself: names are pasted). Normals that face away count as on the rim.
 vec3 lit_sphere(vec3 n, uint side) {
   float flat2 = dot(n.xy, n.xy);
   vec2 p = n.z > 0.0 ? n.xy * inversesqrt(1.0 + n.z) : n.xy * inversesqrt(max(flat2, 1e-12));
@@ -17,8 +18,8 @@ vec3 lit_sphere(vec3 n, uint side) {
   uvec2 cell = uvec2(at);
   vec2 f = at - vec2(cell);
   int i = int(cell.y * side + cell.x), j = i + int(side);
-  vec3 top = mix(FETCH(lit_table, i).rgb, FETCH(lit_table, i + 1).rgb, f.x);
-  vec3 bottom = mix(FETCH(lit_table, j).rgb, FETCH(lit_table, j + 1).rgb, f.x);
+  vec3 top = mix(FETCH(LIT_TABLE, i).rgb, FETCH(LIT_TABLE, i + 1).rgb, f.x);
+  vec3 bottom = mix(FETCH(LIT_TABLE, j).rgb, FETCH(LIT_TABLE, j + 1).rgb, f.x);
   return mix(top, bottom, f.y);
 }
 #endif

@@ -6,9 +6,9 @@
 // The picture of a mesh: linear RGB times coverage, and coverage. Each of eight points of a pixel is shaded by itself, from
 // a lit sphere.
 PLANE_IN(2, placed);
-PLANE_IN(3, lit_table);
+PLANE_IN(3, LIT_TABLE);
 PLANE_OUT(4, picture);
-#define LIT_TABLE
+#define LIT_TABLE LIT_TABLE
 #include "../environment/lit_sphere.glsl"
 
 vec3 shade(int who, vec2 at) {
