@@ -76,7 +76,7 @@ const PropertyTable<Params>& table() {
           "Darkness of the object's shadow on the ground: 0 none, 1 all light of an even sky that "
           "it keeps away"),
       number<P>(
-          "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0, 1,
+          "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
           "How soft the shadow is where the object touches the ground: so much of its radius it "
           "counts as higher up"),
       choice<P>("source", &P::source, "GstInverseMaterialFrom",

@@ -47,5 +47,6 @@ void main() {
   vec4 below = LOAD(frame, i);
   float alpha = object.a + (1.0 - object.a) * (dark + below.a * (1.0 - dark));
   vec3 color = object.rgb + (1.0 - object.a) * below.a * (1.0 - dark) * below.rgb;
-  STORE(frame, i, vec4(alpha > 0.0 ? color / alpha : below.rgb, alpha));
+  bool touched = object.a > 0.0 || dark > 0.0;  // what is not keeps every bit
+  STORE(frame, i, touched ? vec4(color / max(alpha, 1e-6), alpha) : below);
 }
