@@ -166,12 +166,18 @@ class CloneElement final : public Filter {
     seen_.reset();
     estimate_.reset();
     estimated_.reset();
+    warned_ = false;
   }
 
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
-    take_light(meta);
+    try {
+      take_light(meta);
+    } catch (const Error& error) {  // of the stream's, not ours: the light before stays
+      if (!warned_) frame.warnings.push_back(error.what());
+      warned_ = true;
+    }
     const Surface surface = material(meta, params);
     if (!shown_ || !alike(surface, *shown_)) shown_ = surface;
     sphere_->record(
@@ -268,6 +274,7 @@ class CloneElement final : public Filter {
   std::optional<Environment> light_;      // that the object is lit by
   std::optional<Surface> seen_;           // what the stream told last
   std::optional<Surface> shown_;
+  bool warned_ = false;  // of light that is none
   const char* material_from_ = "properties";
   const char* light_from_ = "studio";
   std::optional<LitSphere> sphere_;
