@@ -22,8 +22,9 @@ constexpr double kIndependent = 30;
 constexpr double kLevelVariance = 100, kColorVariance = .1;
 /// Weight of a texel from which on it needs no neighbors.
 constexpr float kCertain = 0.05F;
-constexpr double kBlack = 1e-4;  // light, linear, that is none
-constexpr double kDark = 0.03;   // albedo from which diffuse light says nothing of the lamps'
+constexpr double kBlack = 1e-4;     // light, linear, that is none
+constexpr float kBrightest = 1e6F;  // radiance
+constexpr double kDark = 0.03;      // albedo from which diffuse light says nothing of the lamps'
 
 double mean3(const std::array<double, 3>& v) { return (v[0] + v[1] + v[2]) / 3; }
 
@@ -285,7 +286,7 @@ std::optional<Environment> EnvironmentFit::light(std::array<float, 3> diffuse, f
       for (size_t c = 0; c < 3; ++c) {
         float value = high * static_cast<float>(tint[c]);
         for (size_t k = 0; k < kTerms; ++k) value += static_cast<float>(added[c][k]) * y[k];
-        rgb[3 * i + c] = std::clamp(value, 0.0F, 1e6F);
+        rgb[3 * i + c] = value > 0 ? std::min(value, kBrightest) : 0;  // NaN, too
       }
     }
     if (round + 1 == kRounds) break;

@@ -30,8 +30,9 @@ class EnvironmentFit {
 
   struct Params {
     uint32_t memory = 100;  ///< views that the mean remembers
-    float noise = 0.1F;     ///< root mean square error of the diffuse layer, of its mean
-    float glossy = 0.06F;   ///< specular albedo at which the mirror image counts half
+    float noise = 0.3F;  ///< root mean square error of the diffuse layer and what the normals make
+                         ///< of it, of its mean
+    float glossy = 0.06F;  ///< specular albedo at which the mirror image counts half
   };
   /// What is seen of the object at one point. A normal of z = 0 is none.
   struct Point {

@@ -12,11 +12,7 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_MAX_DIMENSIONS 16384
-#define STBI_NO_GIF
-#define STBI_NO_HDR
-#define STBI_NO_LINEAR
-#define STBI_NO_PIC
-#define STBI_NO_PSD
+#define STBI_ONLY_PNG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -39,7 +35,7 @@ Normal normalized(const Normal& n) {
 NormalMap NormalMap::load(const std::string& path) {
   const auto refuse = [&path](const std::string& why) {
     throw Error(ErrorKind::file, path + ": " + why +
-                                     "; a normal map is an RGB image, RGB = xyz from -1 to 1, z to "
+                                     "; a normal map is a PNG, RGB = xyz from -1 to 1, z to "
                                      "the camera");
   };
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
@@ -48,7 +44,7 @@ NormalMap NormalMap::load(const std::string& path) {
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_us, void (*)(void*)> pixels(
       stbi_load_from_file_16(file.get(), &width, &height, &channels, 4), stbi_image_free);
-  if (!pixels) refuse(std::string("no image (") + stbi_failure_reason() + ")");
+  if (!pixels) refuse(std::string("no PNG (") + stbi_failure_reason() + ")");
   if (channels < 3) refuse("it is gray");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   std::vector<Normal> normals(extent.pixels());

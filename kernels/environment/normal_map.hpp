@@ -7,15 +7,12 @@
 
 namespace inverse {
 
-/// Normals of what a frame shows, from an image.
+/// Normals of what a frame shows, from an image of at most 16384 x 16384 pixels.
 class NormalMap {
  public:
-  static constexpr uint32_t kMostSide = 16384;
-
-  /// Reads a PNG (or another image of 8 or 16 bits a channel that stb_image knows): RGB = xyz from
-  /// −1 (code 0) to 1 (largest code), x right, y up, z to the camera, in linear codes. Where z is
-  /// not above 0, the length is far from 1 or alpha is below a half, there is no normal. Throws
-  /// Error(file), saying why.
+  /// Reads a PNG of 8 or 16 bits a channel: RGB = xyz from −1 (code 0) to 1 (largest code), x
+  /// right, y up, z to the camera. Where z is not above 0, the length is far from 1 or alpha is
+  /// below a half, there is no normal. Throws Error(file), saying why.
   static NormalMap load(const std::string& path);
   NormalMap(Extent extent, std::vector<Normal> normals);
 

@@ -231,11 +231,12 @@ void LimeMaterial::done(uint64_t number) {
     std::copy_n(albedo, 3, estimate.diffuse.begin());
     estimate.specular = albedo[3];
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
+    latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
     if (fusion_.count() <= 1) light_.reset();  // another object, of another material
     if (slot.report.lit && fusion_.count() && !tracker_.mask().empty()) take_light(slot);
   }
-  object_ = {tracker_.found(), fusion_.material(), fusion_.count(),
+  object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.count(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};
 }
 

@@ -46,6 +46,7 @@ class LimeMaterial {
   struct Object {
     bool found = false;
     Material material;       ///< all zero until there is an estimate
+    Material latest;         ///< the last estimate alone
     uint64_t estimates = 0;  ///< in the material; none with the frame in which it is found
     float spread = 0;
     float share = 0;  ///< of the square that was looked at
@@ -120,6 +121,7 @@ class LimeMaterial {
 
   ObjectTracker tracker_;
   MaterialFusion fusion_;
+  Material latest_;
   Object object_;
   Square estimated_in_;       // the square that the networks' results are of
   bool have_layers_ = false;  // of the object, from some frame since the last reset

@@ -75,7 +75,18 @@ void ObjectTracker::reset() {
 void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
                            const Square& square) {
   std::vector<uint8_t> mask(size_t{side} * side);
-  for (size_t i = 0; i < mask.size(); ++i) mask[i] = probabilities[i * stride] > kObject;
+  const float scale = square.size / static_cast<float>(side);
+  // Beyond the frame networks see its border go on: what they say there is of no object.
+  const auto within = [&](float corner, uint32_t point, uint32_t size) {
+    const float start = corner + scale * static_cast<float>(point);
+    return start + scale > 0 && start < static_cast<float>(size);
+  };
+  for (uint32_t row = 0; row < side; ++row)
+    for (uint32_t column = 0; column < side; ++column) {
+      const size_t i = size_t{row} * side + column;
+      mask[i] = within(square.x, column, frame_.width) && within(square.y, row, frame_.height) &&
+                probabilities[i * stride] > kObject;
+    }
   const Part part = keep_largest(mask, side);
   share_ = static_cast<float>(part.area) / static_cast<float>(mask.size());
   if (share_ < kLeastShare) {
@@ -96,15 +107,15 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   before_ = std::move(mask);
   before_square_ = square;
 
-  const float scale = square.size / static_cast<float>(side);
-  box_ = {square.x + scale * static_cast<float>(part.left),
-          square.y + scale * static_cast<float>(part.top),
-          square.x + scale * static_cast<float>(part.right),
-          square.y + scale * static_cast<float>(part.bottom)};
+  const auto width = static_cast<float>(frame_.width), height = static_cast<float>(frame_.height);
+  box_ = {std::max(square.x + scale * static_cast<float>(part.left), 0.0F),
+          std::max(square.y + scale * static_cast<float>(part.top), 0.0F),
+          std::min(square.x + scale * static_cast<float>(part.right), width),
+          std::min(square.y + scale * static_cast<float>(part.bottom), height)};
   // Cut by the square but not by the frame: there is more of it outside.
   const bool cut = (part.left == 0 && box_.left > 0) || (part.top == 0 && box_.top > 0) ||
-                   (part.right == side && box_.right < static_cast<float>(frame_.width)) ||
-                   (part.bottom == side && box_.bottom < static_cast<float>(frame_.height));
+                   (part.right == side && box_.right < width) ||
+                   (part.bottom == side && box_.bottom < height);
   const float longer = std::max(box_.right - box_.left, box_.bottom - box_.top);
   const float largest = whole().size;
   const float size =

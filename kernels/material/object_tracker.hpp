@@ -15,9 +15,9 @@ struct Square {
 };
 
 /// Where the object is: looks at the mask that was found in a square, and says where to look next.
-/// The largest connected part of a mask counts. The square is chosen so that the object fills two
-/// thirds of it, and stays where it is while the object moves or grows little, so that what is
-/// estimated from it stays alike.
+/// The largest connected part of a mask within the frame counts. The square is chosen so that the
+/// object fills two thirds of it, and stays where it is while the object moves or grows little, so
+/// that what is estimated from it stays alike.
 class ObjectTracker {
  public:
   explicit ObjectTracker(Extent frame) : frame_(frame) { reset(); }

@@ -7,6 +7,7 @@
 #include "gpu_fixture.hpp"
 #include "lime_models.hpp"
 #include "material/lime_material.hpp"
+#include "material/material_preview.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -171,6 +172,21 @@ TEST(ObjectTracker, AnObjectThatTheSquareCutsIsFollowedOutward) {
   EXPECT_NEAR(tracker.box().right - tracker.box().left, 300, 20);
 }
 
+TEST(ObjectTracker, WhatIsBeyondTheFrameIsNoObject) {
+  ObjectTracker tracker({200, 100});
+  // The frame's border goes on in the square, and with it an object that touches it.
+  for (int i = 0; i < 6; ++i)
+    tracker.update(look(tracker.square(), 64, 100, 100, 60), 64, 1, Square(tracker.square()));
+  EXPECT_LE(tracker.box().bottom, 100);
+  EXPECT_NEAR(tracker.box().top, 40, 5);
+  EXPECT_NEAR(tracker.box().right - tracker.box().left, 120, 10);
+  const Square square = tracker.square();
+  for (uint32_t row = 0; row < 64; ++row)
+    if (square.y + square.size * static_cast<float>(row) / 64 >= 100) {
+      EXPECT_EQ(tracker.mask()[row * 64 + 32], 0) << row;
+    }
+}
+
 TEST(ObjectTracker, SmallAndNeedleShapedFramesHaveASquare) {
   for (const Extent extent : {Extent{1, 1}, Extent{1, 900}, Extent{16, 16}, Extent{7680, 4320}}) {
     ObjectTracker tracker(extent);
@@ -319,6 +335,116 @@ TEST_F(LimeTest, FramesOfEverySizeHaveLayers) {
     const Pixels diffuse = download(layers.diffuse->buffer);
     EXPECT_EQ(diffuse[4 * (extent.pixels() / 2) + 3], 1);
   }
+}
+
+TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_EQ(lime.light(), nullptr);
+  EXPECT_EQ(lime.light_views(), 0u);
+  params.lit = true;
+  params.adaptive = false;
+  for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
+  ASSERT_NE(lime.light(), nullptr);
+  EXPECT_EQ(lime.light_views(), 4u);
+  const auto first = lime.light();
+  for (int i = 0; i < 8; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_EQ(lime.light_views(), 6u) << "then one in four";
+  EXPECT_NE(lime.light(), first);
+  for (const float v : lime.light()->rgb()) ASSERT_TRUE(v >= 0 && std::isfinite(v));
+  // It is the scene's, and stays when the object goes.
+  for (int i = 0; i < 4; ++i) frame(lime, scene(0, 0, 0));
+  EXPECT_FALSE(lime.object().found);
+  EXPECT_NE(lime.light(), nullptr);
+  lime.reset();
+  EXPECT_EQ(lime.light(), nullptr);
+}
+
+TEST_F(LimeTest, WithoutNormalsThereIsNoLight) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.lit = true;
+  params.light.inflate = false;
+  for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_EQ(lime.light(), nullptr);
+  // A map of another size than the frame.
+  lime.set_normal_map(std::make_shared<const NormalMap>(
+      NormalMap({3, 2}, std::vector<Normal>(6, Normal{0, 0, 1}))));
+  params.adaptive = false;
+  for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_NE(lime.light(), nullptr);
+}
+
+TEST_F(LimeTest, TheLightExplainsWhatIsSeen) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.lit = true;
+  lime.set_normal_map(std::make_shared<const NormalMap>(
+      NormalMap({1, 1}, std::vector<Normal>(1, Normal{0, 0, 1}))));
+  for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
+  ASSERT_NE(lime.light(), nullptr);
+  // D towards the camera, a sum over the map, times the albedo is the diffuse layer in the mean
+  // that albedos weigh.
+  const Environment& light = *lime.light();
+  const double specular = static_cast<double>(decoded(.5F * .4F));
+  const double seen[3] = {double{kRed} - specular, std::max(0., double{kBlue} - specular),
+                          std::max(0., double{kBlue} - specular)};
+  const double albedo[3] = {.2, .5, .7};
+  double fit = 0, all = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    double d = 0;
+    for (uint32_t row = 0; row < light.extent().height; ++row)
+      for (uint32_t column = 0; column < light.extent().width; ++column) {
+        const double z = light.direction(column + .5, row + .5)[2];
+        const size_t at = 3 * (size_t{row} * light.extent().width + column) + c;
+        if (z > 0) d += light.solid_angle(row) * z * static_cast<double>(light.rgb()[at]) / M_PI;
+      }
+    fit += albedo[c] * albedo[c] * d;
+    all += albedo[c] * seen[c];
+  }
+  EXPECT_NEAR(fit / all, 1, .15);
+}
+
+class PreviewTest : public GpuTest {};
+
+TEST_F(PreviewTest, DrawsASphereIntoTheCorner) {
+  const Extent extent{83, 61};
+  const Pixels pixels = random_pixels(extent, 3);
+  MaterialPreview preview(device);
+  Material m = material(.8F, 0, 2);
+  const auto white = std::make_shared<const Environment>(Environment::uniform({1, 1, 1}));
+  const Plane frame = plane(extent, pixels), picture = plane(extent);
+  run([&](gpu::Commands& commands) { preview.record(commands, frame, m, white, .5F, picture); });
+  const Pixels got = download(picture.buffer);
+  const double diameter = .5 * 61, off = diameter * (.5 + .06 * .5);
+  const double x0 = 83 - off, y0 = 61 - off, radius = diameter / 2;
+  int inside = 0, edge = 0;
+  for (size_t i = 0; i < extent.pixels(); ++i) {
+    const double x = static_cast<double>(i % extent.width) + .5 - x0;
+    const double y = static_cast<double>(i / extent.width) + .5 - y0;
+    const double covered = std::clamp(.5 + radius - std::hypot(x, y), 0., 1.);
+    inside += covered == 1;
+    edge += covered > 0 && covered < 1;
+    for (size_t c = 0; c < 3; ++c) {
+      // A dull thing under even light has the color of its albedo.
+      const double want = (1 - covered) * static_cast<double>(pixels[4 * i + c]) +
+                          covered * static_cast<double>(m.diffuse[c]);
+      ASSERT_NEAR(got[4 * i + c], want, .01) << i;
+    }
+    EXPECT_EQ(got[4 * i + 3], pixels[4 * i + 3]) << "alpha";
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(edge, 50) << "soft";
+}
+
+TEST_F(PreviewTest, HasAPictureAtEverySize) {
+  MaterialPreview preview(device);
+  for (const Extent extent : kOddSizes)
+    for (const float size : {.02F, .3F, 1.F}) {
+      const Plane frame = plane(extent, random_pixels(extent, 5)), picture = plane(extent);
+      run([&](gpu::Commands& commands) {
+        preview.record(commands, frame, material(.5F, .4F, 7), nullptr, size, picture);
+      });
+      for (const float v : download(picture.buffer)) ASSERT_TRUE(std::isfinite(v) && v >= 0);
+    }
 }
 
 // In a process of its own, as others would have built them.

@@ -1,0 +1,153 @@
+// The light around limematerial's object: who gets it, the file it goes to, normals, the preview.
+#include <algorithm>
+
+#include "../kernels/normal_map_file.hpp"
+#include "base/inverse_material_meta.h"
+#include "environment/environment.hpp"
+#include "lime_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// A name for a file that is not there yet; removed with this object.
+class HdrPath {
+ public:
+  ~HdrPath() { std::filesystem::remove(path); }
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("light-" + std::to_string(std::random_device{}()) + ".hdr"))
+                               .string();
+};
+
+class LimeLight : public LimeElementTest {
+ protected:
+  /// The light of the last of some frames; empty where there is none.
+  std::vector<float> light(const std::string& more, int frames = 8) {
+    VideoHarness harness(line(more), caps(), caps());
+    std::vector<float> result;
+    for (int i = 0; i < frames; ++i) {
+      EXPECT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+      GstBuffer* out = gst_harness_pull(harness.harness());
+      const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+      result.clear();
+      if (meta->environment) {
+        gsize size = 0;
+        const auto* data = static_cast<const float*>(g_bytes_get_data(meta->environment, &size));
+        EXPECT_EQ(size, 12 * meta->environment_width * meta->environment_height);
+        result.assign(data, data + size / sizeof(float));
+      } else {
+        EXPECT_EQ(meta->environment_width, 0u);
+      }
+      gst_buffer_unref(out);
+    }
+    return result;
+  }
+  /// A source of pictures with a red disc.
+  static std::string ball() {
+    return "videotestsrc num-buffers=8 pattern=solid-color foreground-color=0xffe66464 ! "
+           "video/x-raw,format=RGBA,width=48,height=48 ! videobox border-alpha=1 top=-8 left=-24 "
+           "right=-24 bottom=-8 fill=blue ! ";
+  }
+};
+
+}  // namespace
+
+TEST_F(LimeLight, IsInTheMetaWhereItIsAskedFor) {
+  EXPECT_TRUE(light("").empty()) << "nobody asked";
+  const auto asked = light("light=true");
+  ASSERT_FALSE(asked.empty());
+  for (const float v : asked) ASSERT_TRUE(v >= 0 && std::isfinite(v));
+  EXPECT_GT(*std::max_element(asked.begin(), asked.end()), .01);
+  EXPECT_FALSE(light("show=preview").empty());
+  EXPECT_TRUE(light("light=true normals=none").empty());
+}
+
+TEST_F(LimeLight, NormalMapsCount) {
+  const NormalMapPath file;
+  file.write(png(1, 1, 3, 8, {128, 218, 218}));
+  const auto upward = light("light=true normals=none normal-map=" + file.path());
+  ASSERT_FALSE(upward.empty());
+  EXPECT_NE(upward, light("light=true"));
+  const auto error =
+      run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
+          .first_error();
+  EXPECT_NE(error.find("/nowhere.png"), std::string::npos) << error;
+}
+
+TEST_F(LimeLight, GoesToAFileWhenTheStreamEnds) {
+  const HdrPath file;
+  const auto result = run_line(ball() + line("environment-location=" + file.path) + " ! fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+  const Environment light = Environment::load(file.path);
+  EXPECT_GT(*std::max_element(light.rgb().begin(), light.rgb().end()), .01);
+}
+
+TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
+  const HdrPath file;
+  {
+    VideoHarness harness(line("environment-location=" + file.path), caps(), caps());
+    for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+    EXPECT_FALSE(std::filesystem::exists(file.path));
+  }
+  EXPECT_TRUE(std::filesystem::exists(file.path));
+}
+
+TEST_F(LimeLight, AFileThatCannotBeWrittenIsAWarning) {
+  const auto nowhere =
+      run_line(ball() + line("environment-location=/nowhere/light.hdr") + " ! fakesink");
+  EXPECT_TRUE(nowhere.eos) << "the stream does not suffer";
+  ASSERT_FALSE(nowhere.warnings.empty());
+  EXPECT_NE(nowhere.warnings.front().find("/nowhere/light.hdr"), std::string::npos);
+  const HdrPath file;
+  const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
+                                line("environment-location=" + file.path) + " ! fakesink");
+  EXPECT_TRUE(unknown.eos);
+  ASSERT_EQ(unknown.warnings.size(), 1u) << "told once";
+  EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file.path));
+}
+
+TEST_F(LimeLight, IsSavedOnRequest) {
+  VideoHarness harness(line("light=true"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  const auto save = [lime](const char* path) {
+    gboolean good = TRUE;
+    g_signal_emit_by_name(lime, "save-environment", path, &good);
+    return good;
+  };
+  const HdrPath file;
+  EXPECT_FALSE(save(file.path.c_str())) << "nothing is known yet";
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_FALSE(save(nullptr));
+  EXPECT_FALSE(save("/nowhere/light.hdr"));
+  EXPECT_TRUE(save(file.path.c_str()));
+  EXPECT_TRUE(std::filesystem::exists(file.path));
+  harness.flush();
+  harness.process(scene(0, 0, 0));
+  EXPECT_FALSE(save(file.path.c_str())) << "of another scene";
+}
+
+TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {
+  VideoHarness harness(line("show=preview preview-size=0.5"), caps(), caps());
+  const auto none = scene(0, 0, 0), frame = scene(30, 30, 20);
+  EXPECT_LE(largest_difference(harness.process(none), none), 1) << "no object, no sphere";
+  std::vector<uint8_t> out;
+  for (int i = 0; i < 8; ++i) out = harness.process(frame);
+  size_t changed = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const size_t at = 4 * (size_t{kWidth} * y + x);
+      int largest = 0;
+      for (size_t c = 0; c < 4; ++c)
+        largest = std::max(largest, std::abs(out[at + c] - frame[at + c]));
+      const bool corner = x >= kWidth - 35 && y >= kHeight - 35;
+      if (!corner) {
+        ASSERT_LE(largest, 1) << x << ", " << y;
+      }
+      changed += largest > 2;
+    }
+  EXPECT_GT(changed, 500u);
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+}  // namespace inverse::testing
