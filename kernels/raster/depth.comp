@@ -4,7 +4,7 @@
 #include "visible.glsl"
 
 // How near a mesh is: the mean depth where it covers a pixel, and the share that it covers.
-PLANE_OUT(2, picture);
+PLANE_OUT(3, picture);
 
 void main() {
   uvec2 at = pixel_of(gl_GlobalInvocationID.xy);

@@ -3,11 +3,11 @@
 #include "../gpu/common.glsl"
 #include "visible.glsl"
 
-// The picture of a mesh: linear RGB times coverage, and coverage. Each of eight points of a pixel is shaded by itself, from
-// a lit sphere.
-PLANE_IN(2, placed);
-PLANE_IN(3, LIT_TABLE);
-PLANE_OUT(4, picture);
+// The picture of a mesh: linear RGB times coverage, and coverage. Each triangle that is seen in a pixel is shaded there, from a
+// lit sphere.
+PLANE_IN(3, placed);
+PLANE_IN(4, LIT_TABLE);
+PLANE_OUT(5, picture);
 #define LIT_TABLE LIT_TABLE
 #include "../environment/lit_sphere.glsl"
 
@@ -26,18 +26,27 @@ vec3 shade(int who, vec2 at) {
   return lit_sphere(length2 > 0.0 ? n * inversesqrt(length2) : vec3(0.0, 0.0, 1.0), push.side);
 }
 
+int largest(Seen seen[2]) {
+  ivec4 both = max(seen[0].who, seen[1].who);
+  return max(max(both.x, both.y), max(both.z, both.w));
+}
+
 void main() {
   uvec2 at = pixel_of(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, push.size))) return;
   Seen seen[2];
   look(at, seen);
+  // Points of the same triangle are shaded together, in their middle.
   vec4 sum = vec4(0.0);
-  for (int half_of = 0; half_of < 2; ++half_of)
-    for (int i = 0; i < 4; ++i) {
-      int who = half_of == 0 ? seen[0].who[i] : seen[1].who[i];
-      vec2 offset = half_of == 0 ? vec2(kAcross[0][i], kDown[0][i]) : vec2(kAcross[1][i], kDown[1][i]);
-      vec3 color = shade(max(who, 0), vec2(at) + offset);
-      if (who != kNobody) sum += vec4(color, 1.0);
-    }
+  int who = largest(seen);
+  while (who != kNobody) {
+    vec4 first = vec4(equal(seen[0].who, ivec4(who))), second = vec4(equal(seen[1].who, ivec4(who)));
+    float count = dot(first + second, vec4(1.0));
+    vec2 middle = vec2(dot(first, kAcross[0]) + dot(second, kAcross[1]), dot(first, kDown[0]) + dot(second, kDown[1]));
+    sum += count * vec4(shade(who, vec2(at) + middle / count), 1.0);
+    seen[0].who = mix(seen[0].who, ivec4(kNobody), greaterThan(first, vec4(0.0)));
+    seen[1].who = mix(seen[1].who, ivec4(kNobody), greaterThan(second, vec4(0.0)));
+    who = largest(seen);
+  }
   STORE(picture, at.y * push.size.x + at.x, sum / 8.0);
 }

@@ -8,7 +8,8 @@
 PLANE_IN(0, placed);
 WORD_IN(1, indices);
 PLANE_OUT(2, records);
-PLANE_OUT(3, boxes);  // left, top, right, bottom
+PLANE_OUT(3, boxes);   // of groups: left, top, right, bottom
+PLANE_OUT(4, bounds);  // of triangles: the same
 layout(push_constant) uniform Push {
   uint groups;
   uint size;       // triangles of a group
@@ -50,6 +51,7 @@ void main() {
     STORE(records, 4u * t + 2u, vec4(across_r, r.z));
     STORE(records, 4u * t + 3u, vec4(vec3(corner), 0.0));
     vec4 own = vec4(min(p.xy, min(q.xy, r.xy)), max(p.xy, max(q.xy, r.xy))) + vec2(-1e-2, 1e-2).xxyy;
+    STORE(bounds, t, solid ? own : vec4(1e9, 1e9, -1e9, -1e9));
     if (solid) box = vec4(min(box.xy, own.xy), max(box.zw, own.zw));
   }
   STORE(boxes, group, box);

@@ -16,9 +16,10 @@ namespace inverse {
 namespace {
 
 constexpr uint32_t kBlock = 8;             // pixels along a block, as in visible.glsl
-constexpr uint32_t kManyGroups = 2048;     // more of them are larger instead
+constexpr uint32_t kManyGroups = 512;      // more of them are larger instead
 constexpr uint64_t kManyWords = 1U << 21;  // of bits; more tiles are larger instead
-constexpr uint32_t kLargestGroup = 64;
+constexpr uint32_t kSmallestGroup = 32;    // as visible.glsl looks at so many at a time
+constexpr uint32_t kLargestGroup = 256;
 
 uint32_t divided(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -41,7 +42,8 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
       depth_(device->kernel(shaders::raster_depth)),
       corner_count_(static_cast<uint32_t>(mesh.positions.size())),
       triangles_(static_cast<uint32_t>(mesh.triangles())),
-      group_(std::clamp(std::bit_ceil(divided(triangles_, kManyGroups)), 4U, kLargestGroup)),
+      group_(std::clamp(std::bit_ceil(divided(triangles_, kManyGroups)), kSmallestGroup,
+                        kLargestGroup)),
       groups_(divided(triangles_, group_)) {
   using gpu::Buffer, gpu::Element, gpu::Memory;
   const uint64_t records = uint64_t{4} * groups_ * group_;
@@ -50,6 +52,7 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
   placed_ = Buffer::create(device, Element::vec4, corners_->count());
   records_ = Buffer::create(device, Element::vec4, records);
   boxes_ = Buffer::create(device, Element::vec4, groups_);
+  bounds_ = Buffer::create(device, Element::vec4, records / 4);
   auto* corner = corners_->map_as<std::array<float, 4>>();
   for (size_t i = 0; i < corner_count_; ++i) {
     const Mesh::Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
@@ -78,7 +81,7 @@ Rasterizer::Push Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
   commands.dispatch(place_, {corners_, placed_}, placing,
                     {std::min(corner_count_, 65536U), divided(corner_count_, 65536)});
   const struct { uint32_t groups, size, triangles; } edging{groups_, group_, triangles_};
-  commands.dispatch(edges_, {placed_, indices_, records_, boxes_}, edging, {groups_});
+  commands.dispatch(edges_, {placed_, indices_, records_, boxes_, bounds_}, edging, {groups_});
   const struct {
     uint32_t columns, tile, groups, words;
   } binning{along(extent.width), tile, groups_, words};
@@ -91,13 +94,14 @@ void Rasterizer::draw(gpu::Commands& commands, const MeshView& view, const Plane
                       const Plane& picture) {
   Push push = prepare(commands, view, picture.extent);
   push.side = table.extent.width;
-  commands.dispatch(draw_, {records_, bits_, placed_, table.buffer, picture.buffer}, push,
+  commands.dispatch(draw_, {records_, bits_, bounds_, placed_, table.buffer, picture.buffer}, push,
                     blocks(picture.extent));
 }
 
 void Rasterizer::depth(gpu::Commands& commands, const MeshView& view, const Plane& picture) {
   const Push push = prepare(commands, view, picture.extent);
-  commands.dispatch(depth_, {records_, bits_, picture.buffer}, push, blocks(picture.extent));
+  commands.dispatch(depth_, {records_, bits_, bounds_, picture.buffer}, push,
+                    blocks(picture.extent));
 }
 
 }  // namespace inverse

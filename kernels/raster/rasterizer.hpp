@@ -40,7 +40,7 @@ class Rasterizer {
 
   gpu::KernelPtr place_, edges_, bin_, draw_, depth_;
   uint32_t corner_count_, triangles_, group_, groups_;
-  gpu::BufferPtr corners_, indices_, placed_, records_, boxes_, bits_;
+  gpu::BufferPtr corners_, indices_, placed_, records_, boxes_, bounds_, bits_;
 };
 
 }  // namespace inverse

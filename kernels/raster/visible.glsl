@@ -2,12 +2,13 @@
 // block of 8 x 8, whose groups of triangles are the same for all.
 PLANE_IN(0, records);
 WORD_IN(1, bits);
+PLANE_IN(2, bounds);
 layout(push_constant) uniform Push {
   uvec2 size;      // of the picture
   uint tile;       // pixels along a tile of `bits`
   uint columns;    // tiles along a row
   uint words;      // words a tile
-  uint group;      // triangles of a group
+  uint group;      // triangles of a group, a multiple of 32
   uint side;       // of the lit sphere's table
 } push;
 
@@ -34,6 +35,12 @@ Seen nearer(Seen seen, vec4 x, vec4 y, vec4 p, vec4 q, vec4 r, int who) {
   return Seen(mix(seen.depth, depth, wins), mix(seen.who, ivec4(who), wins));
 }
 
+uint meets(int first, int k, vec2 corner) {
+  vec4 box = FETCH(bounds, first + k);
+  bvec4 in_reach = bvec4(lessThan(box.xy, corner + 1.0), greaterThan(box.zw, corner));
+  return all(in_reach) ? 1u << k : 0u;
+}
+
 void look(uvec2 at, out Seen seen[2]) {
   seen[0] = seen[1] = Seen(vec4(-1e30), ivec4(kNobody));
   uint tile = at.y / push.tile * push.columns + at.x / push.tile;
@@ -43,10 +50,22 @@ void look(uvec2 at, out Seen seen[2]) {
     while (left != 0u) {
       uint first = (w * 32u + uint(findLSB(left))) * push.group;
       left &= left - 1u;
-      for (uint t = first; t < first + push.group; ++t) {
-        vec4 p = FETCH(records, int(4u * t)), q = FETCH(records, int(4u * t + 1u)), r = FETCH(records, int(4u * t + 2u));
-        seen[0] = nearer(seen[0], corner.x + kAcross[0], corner.y + kDown[0], p, q, r, int(t));
-        seen[1] = nearer(seen[1], corner.x + kAcross[1], corner.y + kDown[1], p, q, r, int(t));
+      // Of 32 at a time: first whose boxes meet the pixel, as that costs little, then these alone.
+      for (uint part = first; part < first + push.group; part += 32u) {
+        uint mine = 0u;
+        for (uint k = 0u; k < 32u; k += 8u) {  // a turn of a loop costs more than a box
+          int b = int(part + k);
+          uint eight = meets(b, 0, corner) | meets(b, 1, corner) | meets(b, 2, corner) | meets(b, 3, corner) |
+                       meets(b, 4, corner) | meets(b, 5, corner) | meets(b, 6, corner) | meets(b, 7, corner);
+          mine |= eight << k;
+        }
+        while (mine != 0u) {
+          int t = int(part) + findLSB(mine);
+          mine &= mine - 1u;
+          vec4 p = FETCH(records, 4 * t), q = FETCH(records, 4 * t + 1), r = FETCH(records, 4 * t + 2);
+          seen[0] = nearer(seen[0], corner.x + kAcross[0], corner.y + kDown[0], p, q, r, t);
+          seen[1] = nearer(seen[1], corner.x + kAcross[1], corner.y + kDown[1], p, q, r, t);
+        }
       }
     }
   }

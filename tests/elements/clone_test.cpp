@@ -243,6 +243,16 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
   std::filesystem::remove(good);
 }
 
+TEST_F(CloneTest, ClonesFromTheClip) {
+  const auto result = run_line("filesrc location=" + std::string(MEDIA) +
+                               "/clip.webm ! matroskademux ! vp8dec ! identity eos-after=6 ! " +
+                               line("show=input light=true") +
+                               " ! materialclone size=0.3 x=0.8 y=0.8 spin=30 ! "
+                               "video/x-raw,format=I420 ! appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_GE(result.frames.size(), 5u);
+}
+
 TEST_F(CloneTest, WorksBesideTheElementsOfTheOtherPlugin) {
   for (const std::string order : {"materialclone ! intrinsicdecomp ! intrinsiccompose",
                                   "intrinsicdecomp ! intrinsiccompose ! materialclone"}) {
