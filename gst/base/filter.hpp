@@ -89,8 +89,8 @@ class Filter {
   /// discontinuity. From the streaming thread or while it rests; `reset` follows with the next
   /// frame.
   virtual void flushed() {}
-  /// The stream ended, or the element stops: the last frame is done. From the streaming thread or
-  /// while it rests; may come twice. What it throws becomes a warning.
+  /// The stream ended, or the element stops: the last frame is done (ElementInfo::lights). From the
+  /// streaming thread or while it rests; may come twice. What it throws becomes a warning.
   virtual void ended() {}
   /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
   /// Error(file) where it cannot.
@@ -127,7 +127,8 @@ struct ElementInfo {
   /// Whether it takes clicks: navigation events, and the action signals mark, unmark and
   /// refine.
   bool marks = false;
-  bool lights = false;  ///< whether it finds light: the action signal save-environment
+  /// Whether it finds light: Filter::ended, and the action signal save-environment.
+  bool lights = false;
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -74,8 +74,13 @@ void FilterElement::stop() {
 }
 
 void FilterElement::ended() {
+  if (!info_.lights) return;
   try {
     for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
+  } catch (const Error& error) {
+    GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
+  }
+  try {
     filter_->ended();
   } catch (const std::exception& error) {
     GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
