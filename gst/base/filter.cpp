@@ -210,6 +210,29 @@ int pixel_of(gdouble coordinate) {
   return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
 }
 
+/// Hands the mouse's doings on to a filter that follows it.
+void point(inverse::Filter& filter, GstEvent* event) {
+  using Mouse = inverse::Filter::Mouse;
+  gint button = 0;
+  gdouble x = 0, y = 0;
+  switch (gst_navigation_event_get_type(event)) {
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
+      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
+        filter.point(Mouse::press, x, y);
+      break;
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
+      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
+        filter.point(Mouse::release, x, y);
+      break;
+    case GST_NAVIGATION_EVENT_MOUSE_MOVE:
+      if (gst_navigation_event_parse_mouse_move_event(event, &x, &y))
+        filter.point(Mouse::move, x, y);
+      break;
+    default:
+      break;
+  }
+}
+
 gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
     GstQOSType type{};
@@ -219,6 +242,8 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
     if (type != GST_QOS_TYPE_THROTTLE)
       element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
   }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).points)
+    point(element_of(transform).filter(), event);
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).marks) {
     gint button = 0;
     gdouble x = 0, y = 0;

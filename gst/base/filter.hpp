@@ -83,6 +83,10 @@ class Filter {
   /// thread, as the three after it.
   virtual void mark(int /*x*/, int /*y*/) {}
   virtual void click(int /*x*/, int /*y*/) {}
+  /// The mouse over the picture (ElementInfo::points), in pixels of the frame: its first button
+  /// goes down, it moves, the button goes up. From any thread.
+  enum class Mouse { press, move, release };
+  virtual void point(Mouse, double /*x*/, double /*y*/) {}
   virtual void unmark(int /*region*/) {}
   virtual void refine() {}
   /// What was marked and not seen to yet was in another scene: a flush, a new stream, a
@@ -129,6 +133,7 @@ struct ElementInfo {
   bool marks = false;
   /// Whether it finds light: Filter::ended, and the action signal save-environment.
   bool lights = false;
+  bool points = false;  ///< whether it follows the mouse: navigation events
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <numbers>
 #include <optional>
 
@@ -28,6 +29,7 @@ struct Params {
   Insertion::Params place;
   float spin = 0;
   float exposure = 0, rotation = 0;
+  bool drag = false;
 };
 
 const PropertyTable<Params>& table() {
@@ -61,6 +63,10 @@ const PropertyTable<Params>& table() {
           "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
           "How far the camera looks down on the ground on which the object stands, degrees; 0: its "
           "shadow cannot be seen"),
+      flag<P>(
+          "drag", &P::drag,
+          "Follow the mouse: the object goes where its first button is pressed, and with it until "
+          "it is released (navigation events of video sinks); x and y follow"),
       text<P>("environment-location", &P::environment_location,
               "Radiance file (.hdr) of the light, a panorama as seen from the object, its middle "
               "towards the camera; empty = the light that limematerial estimates, else a neutral "
@@ -153,6 +159,10 @@ class CloneElement final : public Filter {
     insertion_.emplace(device, extent);
     planes_.emplace(device, extent);
     insertion_->set_mesh(*mesh_);
+    {
+      std::lock_guard lock(mouse_mutex_);
+      extent_ = extent;
+    }
     light_.reset();
     take_light(nullptr);
     if (device->first_warm_up("materialclone")) warm_up(device, extent);
@@ -167,6 +177,20 @@ class CloneElement final : public Filter {
     estimate_.reset();
     estimated_.reset();
     warned_ = false;
+  }
+
+  void point(Mouse mouse, double x, double y) override {
+    std::lock_guard lock(mouse_mutex_);
+    if (!parameters_.snapshot().drag || extent_.pixels() == 0) {
+      held_ = false;
+      return;
+    }
+    if (mouse == Mouse::press) held_ = true;
+    if (held_) {
+      set("x", x / extent_.width);
+      set("y", y / extent_.height);
+    }
+    if (mouse == Mouse::release) held_ = false;
   }
 
   void process(FrameWork& frame) override {
@@ -213,6 +237,19 @@ class CloneElement final : public Filter {
   }
 
  private:
+  /// Sets a property of the object's place, within its range.
+  void set(const char* name, double value) {
+    if (!std::isfinite(value)) return;
+    for (size_t i = 0; i < table().size(); ++i) {
+      if (table()[i].name != name) continue;
+      GValue to = G_VALUE_INIT;
+      g_value_init(&to, G_TYPE_FLOAT);
+      g_value_set_float(&to, static_cast<float>(std::clamp(value, -1.0, 2.0)));
+      parameters_.set(i, &to);
+      g_value_unset(&to);
+    }
+  }
+
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
     if (params.source == MaterialFrom::stream) {
@@ -275,6 +312,9 @@ class CloneElement final : public Filter {
   std::optional<Surface> seen_;           // what the stream told last
   std::optional<Surface> shown_;
   bool warned_ = false;  // of light that is none
+  std::mutex mouse_mutex_;
+  Extent extent_;      // of frames
+  bool held_ = false;  // the mouse's button is down
   const char* material_from_ = "properties";
   const char* light_from_ = "studio";
   std::optional<LitSphere> sphere_;
@@ -296,6 +336,9 @@ const ElementInfo kMaterialClone{
     Flow::pixels,
     nullptr,
     nullptr,
-    [] { return std::unique_ptr<Filter>(new CloneElement); }};
+    [] { return std::unique_ptr<Filter>(new CloneElement); },
+    false,
+    false,
+    true};
 
 }  // namespace inverse

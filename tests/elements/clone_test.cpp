@@ -1,4 +1,5 @@
 // materialclone.
+#include <gst/video/navigation.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -173,6 +174,33 @@ TEST_F(CloneTest, EveryPropertyMayChangeWhilePlaying) {
   g_object_set(clone, "diffuse-color", 0xff00ff00u, nullptr);
   EXPECT_GT(largest_difference(harness.process(gray()), before), 2);
   EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(CloneTest, FollowsTheMouseWhereItIsAskedTo) {
+  VideoHarness harness("materialclone size=0.3 shadow=0 specular=0 diffuse-color=0xff0000ff",
+                       frame_caps(), frame_caps());
+  GstElement* clone = harness.find("materialclone");
+  const auto send = [&](GstEvent* event) {
+    gst_harness_push_upstream_event(harness.harness(), event);
+  };
+  auto out = harness.process(gray());
+  send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
+  EXPECT_EQ(harness.process(gray()), out) << "not without drag";
+  g_object_set(clone, "drag", TRUE, nullptr);
+  send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_LT(at(out, 20, 24)[0], 30);
+  EXPECT_EQ(at(out, 48, 48)[0], 128);
+  send(gst_navigation_event_new_mouse_move(72, 60, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_LT(at(out, 72, 60)[0], 30);
+  EXPECT_NEAR(property<gfloat>(clone, "x"), .75, 1e-6);
+  send(gst_navigation_event_new_mouse_button_release(1, 70, 60, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_move(10, 10, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_button_press(3, 10, 10, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_button_press(1, NAN, 1e300, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_EQ(at(out, 10, 10)[0], 128);
 }
 
 TEST_F(CloneTest, SizesFormatsAndNewCaps) {
