@@ -146,10 +146,14 @@ int main(int count, char** arguments) {
   }
   const std::filesystem::path output = arguments[1], intros = arguments[2];
   std::filesystem::create_directories(output);
-  GList* features = gst_registry_get_feature_list_by_plugin(gst_registry_get(), "inverse");
-  if (!features) {
-    std::cerr << "the plugin is not on GST_PLUGIN_PATH\n";
-    return 1;
+  GList* features = nullptr;
+  for (const char* plugin : {"inverse", "inversemesh"}) {
+    GList* own = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
+    if (!own) {
+      std::cerr << "the plugin " << plugin << " is not on GST_PLUGIN_PATH\n";
+      return 1;
+    }
+    features = g_list_concat(features, own);
   }
   for (GList* item = features; item; item = item->next) {
     auto* factory = GST_ELEMENT_FACTORY(gst_plugin_feature_load(GST_PLUGIN_FEATURE(item->data)));

@@ -8,10 +8,17 @@ namespace {
 using DevicePtr = std::shared_ptr<gpu::Device>;
 
 GType device_type() {
-  static const GType type = g_boxed_type_register_static(
-      "GstInverseDevice",
-      [](gpointer device) -> gpointer { return new DevicePtr(*static_cast<DevicePtr*>(device)); },
-      [](gpointer device) { delete static_cast<DevicePtr*>(device); });
+  // Several of our plugins may be in one process, and share devices.
+  constexpr const char* kName = "GstInverseDevice";
+  static const GType known = g_type_from_name(kName);
+  static const GType type =
+      known ? known
+            : g_boxed_type_register_static(
+                  kName,
+                  [](gpointer device) -> gpointer {
+                    return new DevicePtr(*static_cast<DevicePtr*>(device));
+                  },
+                  [](gpointer device) { delete static_cast<DevicePtr*>(device); });
   return type;
 }
 

@@ -210,6 +210,29 @@ int pixel_of(gdouble coordinate) {
   return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
 }
 
+/// Hands the mouse's doings on to a filter that follows it.
+void point(inverse::Filter& filter, GstEvent* event) {
+  using Mouse = inverse::Filter::Mouse;
+  gint button = 0;
+  gdouble x = 0, y = 0;
+  switch (gst_navigation_event_get_type(event)) {
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
+      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
+        filter.point(Mouse::press, x, y);
+      break;
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
+      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
+        filter.point(Mouse::release, x, y);
+      break;
+    case GST_NAVIGATION_EVENT_MOUSE_MOVE:
+      if (gst_navigation_event_parse_mouse_move_event(event, &x, &y))
+        filter.point(Mouse::move, x, y);
+      break;
+    default:
+      break;
+  }
+}
+
 gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
     GstQOSType type{};
@@ -219,6 +242,8 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
     if (type != GST_QOS_TYPE_THROTTLE)
       element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
   }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).points)
+    point(element_of(transform).filter(), event);
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).marks) {
     gint button = 0;
     gdouble x = 0, y = 0;
@@ -341,13 +366,15 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
 }
 
-GType filter_type() {
-  static const GType type = [] {
+/// What all elements of a plugin derive from: a type of its own for each plugin, as its code is.
+GType filter_type(GstPlugin* plugin) {
+  static const GType type = [plugin] {
+    const std::string name = std::string("GstInverseFilter-") + gst_plugin_get_name(plugin);
     GTypeInfo info{};
     info.class_size = sizeof(GstInverseFilterClass);
     info.class_init = base_class_init;
     info.instance_size = sizeof(GstInverseFilter);
-    return g_type_register_static(GST_TYPE_BASE_TRANSFORM, "GstInverseFilter", &info,
+    return g_type_register_static(GST_TYPE_BASE_TRANSFORM, name.c_str(), &info,
                                   G_TYPE_FLAG_ABSTRACT);
   }();
   return type;
@@ -364,8 +391,8 @@ gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
   info.class_data = &element;
   info.instance_size = sizeof(GstInverseFilter);
   info.instance_init = instance_init;
-  const GType type =
-      g_type_register_static(filter_type(), element.type_name, &info, static_cast<GTypeFlags>(0));
+  const GType type = g_type_register_static(filter_type(plugin), element.type_name, &info,
+                                            static_cast<GTypeFlags>(0));
   return gst_element_register(plugin, element.factory, GST_RANK_NONE, type);
 }
 

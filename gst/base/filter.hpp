@@ -36,6 +36,9 @@ struct FrameWork {
   /// Out: what is amiss with how the element is set or what reaches it, in words for who built the
   /// pipeline; posted as warning messages. Each is worth telling once.
   std::vector<std::string> warnings = {};
+  GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
+  /// Its stream time; none where its segment is not in time.
+  GstClockTime time = GST_CLOCK_TIME_NONE;
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte
   /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
   /// empty where that is not known.
@@ -50,12 +53,15 @@ struct FrameWork {
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
-/// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()` come
-/// from the streaming thread; what they throw becomes an element error.
+/// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()`
+/// and `start()` come from the streaming thread; what they throw becomes an element error.
 class Filter {
  public:
   virtual ~Filter() = default;
   virtual PropertyStore& parameters() = 0;
+  /// READY → PAUSED, before any frame, from the application's thread: reads files. What it throws
+  /// becomes an element error, and the element does not start.
+  virtual void start() {}
   /// Makes pipelines and state for frames of this size; called before the first frame and when size
   /// or device change.
   virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) = 0;
@@ -77,6 +83,10 @@ class Filter {
   /// thread, as the three after it.
   virtual void mark(int /*x*/, int /*y*/) {}
   virtual void click(int /*x*/, int /*y*/) {}
+  /// The mouse over the picture (ElementInfo::points), in pixels of the frame: its first button
+  /// goes down, it moves, the button goes up. From any thread.
+  enum class Mouse { press, move, release };
+  virtual void point(Mouse, double /*x*/, double /*y*/) {}
   virtual void unmark(int /*region*/) {}
   virtual void refine() {}
   /// What was marked and not seen to yet was in another scene: a flush, a new stream, a
@@ -123,6 +133,7 @@ struct ElementInfo {
   bool marks = false;
   /// Whether it finds light: Filter::ended, and the action signal save-environment.
   bool lights = false;
+  bool points = false;  ///< whether it follows the mouse: navigation events
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -1,5 +1,7 @@
 #include "filter_element.hpp"
 
+#include <gst/base/gstbasetransform.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -39,7 +41,10 @@ bool FilterElement::open() {
 }
 
 bool FilterElement::restart() {
-  return guarded(element_, [&] { context_.renew(device_name()); });
+  return guarded(element_, [&] {
+    context_.renew(device_name());
+    filter_->start();
+  });
 }
 
 void FilterElement::close() {
@@ -312,6 +317,8 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
 
   std::vector<StructurePtr> messages;
   FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
+  frame.in = in;
+  frame.time = stream_time(in);
   const auto post = [&] {
     for (StructurePtr& message : messages)
       gst_element_post_message(element_,
@@ -340,6 +347,12 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
     Slot& older = slots_[(next_slot_ + i) % slots_.size()];
     if (older.pending && older.commands->done()) finish(older);
   }
+}
+
+GstClockTime FilterElement::stream_time(GstBuffer* in) const {
+  const GstSegment& segment = GST_BASE_TRANSFORM(element_)->segment;
+  if (segment.format != GST_FORMAT_TIME) return GST_CLOCK_TIME_NONE;
+  return gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(in));
 }
 
 bool FilterElement::breaks_off(GstBuffer* in) {

@@ -20,7 +20,7 @@ class FilterElement {
   /// NULL → READY: decomposers take a device. READY → NULL: everything on the device goes.
   bool open();
   void close();
-  /// READY → PAUSED: takes another device where the last one was lost.
+  /// READY → PAUSED: takes another device where the last one was lost; the filter reads files.
   bool restart();
   /// PAUSED → READY: forgets caps and frames.
   void stop();
@@ -78,6 +78,7 @@ class FilterElement {
   /// What a frame whose picture came again could take over is gone.
   void forget_repeats();
   void send(GstBuffer* out, Slot& slot, FrameWork& frame);
+  GstClockTime stream_time(GstBuffer* in) const;
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
   /// Waits for a slot's frame and publishes its stats, once.

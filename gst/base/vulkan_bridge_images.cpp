@@ -125,6 +125,8 @@ GstMemory* allocate(const ImagePool& pool) {
 
 GType image_pool_type() {
   static const GType type = [] {
+    constexpr const char* kName = "GstInverseVulkanImagePool";
+    if (const GType known = g_type_from_name(kName)) return known;  // another plugin's of ours
     GTypeInfo info{};
     info.class_size = sizeof(GstBufferPoolClass);
     info.instance_size = sizeof(ImagePool);
@@ -144,8 +146,7 @@ GType image_pool_type() {
         gst_object_unref(device);
       };
     };
-    return g_type_register_static(GST_TYPE_BUFFER_POOL, "GstInverseVulkanImagePool", &info,
-                                  static_cast<GTypeFlags>(0));
+    return g_type_register_static(GST_TYPE_BUFFER_POOL, kName, &info, static_cast<GTypeFlags>(0));
   }();
   return type;
 }

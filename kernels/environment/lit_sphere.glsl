@@ -9,7 +9,8 @@ vec3 lit_normal(vec2 p) {
 }
 
 #ifdef LIT_TABLE
-// Linear RGB for a normal of length 1, from a table bound as LIT_TABLE. Normals that face away count as on the rim.
+// Linear RGB for a normal of length 1, from a table that the kernel has bound by the name LIT_TABLE (and defined that as
+// itself: names are pasted). Normals that face away count as on the rim.
 vec3 lit_sphere(vec3 n, uint side) {
   float flat2 = dot(n.xy, n.xy);
   vec2 p = n.z > 0.0 ? n.xy * inversesqrt(1.0 + n.z) : n.xy * inversesqrt(max(flat2, 1e-12));

@@ -1,0 +1,344 @@
+// materialclone: an object of the material that was seen, drawn into the video (thesis 6.8, Figure
+// 6.11).
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include "base/color.hpp"
+#include "base/filter.hpp"
+#include "base/inverse_material_meta.h"
+#include "environment/lit_sphere.hpp"
+#include "mesh_file.hpp"
+#include "raster/insertion.hpp"
+
+namespace inverse {
+namespace {
+
+enum class MaterialFrom { stream, properties };
+
+struct Params {
+  std::string mesh, environment_location;
+  MaterialFrom source = MaterialFrom::stream;
+  uint32_t diffuse = 0xffbcbcbc;
+  float specular = 0.2F, shininess = 64;
+  Insertion::Params place;
+  float spin = 0;
+  float exposure = 0, rotation = 0;
+  bool drag = false;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      text<P>("mesh", &P::mesh,
+              "File of the object to draw: OBJ, PLY or glTF, at most 1000000 triangles, of which "
+              "the shape is used and no material; empty = a sphere",
+              Mutable::ready),
+      number<P>(
+          "x", [](P& p) -> float& { return p.place.x; }, -1, 2,
+          "Center of the object, fraction of the frame's width from its left edge"),
+      number<P>(
+          "y", [](P& p) -> float& { return p.place.y; }, -1, 2,
+          "Center of the object, fraction of the frame's height from its top edge"),
+      number<P>(
+          "size", [](P& p) -> float& { return p.place.size; }, 0, 4,
+          "Diameter of the sphere around the object, fraction of the frame's height"),
+      number<P>(
+          "yaw", [](P& p) -> float& { return p.place.yaw; }, -360, 360,
+          "Turn about the vertical in degrees; positive: what faces the camera goes to the right"),
+      number<P>(
+          "pitch", [](P& p) -> float& { return p.place.pitch; }, -360, 360,
+          "How far the object's top leans towards the camera (at yaw 0), degrees"),
+      number<P>(
+          "roll", [](P& p) -> float& { return p.place.roll; }, -360, 360,
+          "Turn in the picture (at yaw and pitch 0), degrees counterclockwise"),
+      number<P>("spin", &P::spin, -3600, 3600,
+                "Added to yaw with time, degrees a second of stream time"),
+      number<P>(
+          "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
+          "How far the camera looks down on the ground on which the object stands, degrees; 0: its "
+          "shadow cannot be seen"),
+      flag<P>(
+          "drag", &P::drag,
+          "Follow the mouse: the object goes where its first button is pressed, and with it until "
+          "it is released (navigation events of video sinks); x and y follow"),
+      text<P>("environment-location", &P::environment_location,
+              "Radiance file (.hdr) of the light, a panorama as seen from the object, its middle "
+              "towards the camera; empty = the light that limematerial estimates, else a neutral "
+              "studio",
+              Mutable::ready),
+      number<P>("environment-rotation", &P::rotation, -360, 360,
+                "Turn of the light about the vertical in degrees; positive: what comes from the "
+                "camera comes from the right"),
+      number<P>("exposure", &P::exposure, -10, 10,
+                "Brightness of the light on the object, in stops"),
+      number<P>(
+          "shadow", [](P& p) -> float& { return p.place.shadow; }, 0, 1,
+          "Darkness of the object's shadow on the ground: 0 none, 1 all light of an even sky that "
+          "it keeps away"),
+      number<P>(
+          "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
+          "How soft the shadow is where the object touches the ground: so much of its radius it "
+          "counts as higher up"),
+      choice<P>("source", &P::source, "GstInverseMaterialFrom",
+                {{static_cast<int>(MaterialFrom::stream), "stream",
+                  "What limematerial says of the frame; while it has no object, the last that it "
+                  "had; before the first one, diffuse-color, specular and shininess"},
+                 {static_cast<int>(MaterialFrom::properties), "properties",
+                  "diffuse-color, specular and shininess"}},
+                "Where the material comes from"),
+      color<P>("diffuse-color", &P::diffuse,
+               "Diffuse albedo (0xAARRGGBB, sRGB) where the stream has none"),
+      number<P>("specular", &P::specular, 0, 1,
+                "Specular albedo, white, where the stream has none"),
+      number<P>("shininess", &P::shininess, 2, 1024,
+                "Exponent of highlights (Blinn-Phong) where the stream has none"),
+  };
+  return table;
+}
+
+struct Unref {
+  void operator()(GBytes* bytes) const { g_bytes_unref(bytes); }
+};
+using BytesPtr = std::unique_ptr<GBytes, Unref>;
+
+/// The light that a meta tells; nothing where that is none.
+std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
+  const Extent extent{meta.environment_width, meta.environment_height};
+  if (!meta.environment) return std::nullopt;
+  gsize bytes = 0;
+  const void* data = g_bytes_get_data(meta.environment, &bytes);
+  std::vector<float> rgb(bytes / sizeof(float));
+  memcpy(rgb.data(), data, rgb.size() * sizeof(float));
+  return Environment(extent, std::move(rgb), "the estimated environment map");
+}
+
+/// Whether two materials look the same, to half a code value and what an exponent can tell.
+bool alike(const Surface& a, const Surface& b) {
+  constexpr float kAlbedo = 0.002F, kRatio = 1.01F;
+  for (size_t c = 0; c < 3; ++c)
+    if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
+  return std::fabs(a.specular - b.specular) <= kAlbedo && a.shininess <= kRatio * b.shininess &&
+         b.shininess <= kRatio * a.shininess;
+}
+
+/// Whether two maps differ by less than a hundredth of what light there is.
+bool alike(const Environment& a, const Environment& b) {
+  if (a.extent() != b.extent()) return false;
+  double difference = 0, sum = 0;
+  for (size_t i = 0; i < a.rgb().size(); ++i) {
+    difference += std::fabs(double{a.rgb()[i]} - b.rgb()[i]);
+    sum += a.rgb()[i];
+  }
+  return difference <= 0.01 * sum;
+}
+
+class CloneElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+
+  void start() override {
+    const Params params = parameters_.snapshot();
+    if (!mesh_ || params.mesh != mesh_name_) {
+      mesh_.reset();
+      mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
+      mesh_name_ = params.mesh;
+    }
+    given_.reset();
+    if (!params.environment_location.empty())
+      given_ = Environment::load(params.environment_location);
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    sphere_.emplace(device);
+    insertion_.emplace(device, extent);
+    planes_.emplace(device, extent);
+    insertion_->set_mesh(*mesh_);
+    {
+      std::lock_guard lock(mouse_mutex_);
+      extent_ = extent;
+    }
+    light_.reset();
+    take_light(nullptr);
+    if (device->first_warm_up("materialclone")) warm_up(device, extent);
+  }
+  void release() override {
+    insertion_.reset();
+    sphere_.reset();
+    planes_.reset();
+  }
+  void reset() override {
+    seen_.reset();
+    estimate_.reset();
+    estimated_.reset();
+    warned_ = false;
+  }
+
+  void point(Mouse mouse, double x, double y) override {
+    std::lock_guard lock(mouse_mutex_);
+    if (!parameters_.snapshot().drag || extent_.pixels() == 0) {
+      held_ = false;
+      return;
+    }
+    if (mouse == Mouse::press) held_ = true;
+    if (held_) {
+      set("x", x / extent_.width);
+      set("y", y / extent_.height);
+    }
+    if (mouse == Mouse::release) held_ = false;
+  }
+
+  void process(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
+    try {
+      take_light(meta);
+    } catch (const Error& error) {  // of the stream's, not ours: the light before stays
+      if (!warned_) frame.warnings.push_back(error.what());
+      warned_ = true;
+    }
+    const Surface surface = material(meta, params);
+    if (!shown_ || !alike(surface, *shown_)) shown_ = surface;
+    sphere_->record(
+        frame.commands, *shown_,
+        {std::exp2(params.exposure), params.rotation * std::numbers::pi_v<float> / 180});
+    frame.commands.stage("light");
+
+    PlanePtr& plane = frame.layers[Role::input];
+    if (plane.use_count() > 1) {  // somebody else's, too
+      PlanePtr own = planes_->acquire();
+      frame.commands.copy(plane->buffer, own->buffer, plane->buffer->bytes());
+      plane = std::move(own);
+    }
+    Insertion::Params place = params.place;
+    if (params.spin != 0 && GST_CLOCK_TIME_IS_VALID(frame.time))
+      place.yaw = static_cast<float>(std::fmod(
+          place.yaw + params.spin * (static_cast<double>(frame.time) / GST_SECOND), 360.0));
+    insertion_->record(frame.commands, *plane, place, *sphere_);
+    frame.picture = {plane};
+  }
+
+  void describe(GstStructure* stats, uint64_t) const override {
+    const Surface surface = shown_.value_or(Surface{});
+    const auto real = [](float v) { return static_cast<gdouble>(v); };
+    gst_structure_set(
+        stats, "triangles", G_TYPE_UINT64, static_cast<guint64>(mesh_ ? mesh_->triangles() : 0),
+        "drawn", G_TYPE_UINT64, insertion_ ? insertion_->drawn() : 0, "shadows", G_TYPE_UINT64,
+        insertion_ ? insertion_->shadows() : 0, "material", G_TYPE_STRING, material_from_, "light",
+        G_TYPE_STRING, light_from_, "diffuse-red", G_TYPE_DOUBLE, real(surface.diffuse[0]),
+        "diffuse-green", G_TYPE_DOUBLE, real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
+        real(surface.diffuse[2]), "specular", G_TYPE_DOUBLE, real(surface.specular), "shininess",
+        G_TYPE_DOUBLE, real(surface.shininess), nullptr);
+  }
+
+ private:
+  /// Sets a property of the object's place, within its range.
+  void set(const char* name, double value) {
+    if (!std::isfinite(value)) return;
+    for (size_t i = 0; i < table().size(); ++i) {
+      if (table()[i].name != name) continue;
+      GValue to = G_VALUE_INIT;
+      g_value_init(&to, G_TYPE_FLOAT);
+      g_value_set_float(&to, static_cast<float>(std::clamp(value, -1.0, 2.0)));
+      parameters_.set(i, &to);
+      g_value_unset(&to);
+    }
+  }
+
+  /// The material of this frame.
+  Surface material(const GstMaterialMeta* meta, const Params& params) {
+    if (params.source == MaterialFrom::stream) {
+      const bool told = meta && meta->found && meta->estimates > 0;
+      if (told) {
+        seen_ = Surface{};
+        std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
+        seen_->specular = meta->specular;
+        seen_->shininess = meta->shininess;
+      }
+      if (seen_) {
+        material_from_ = told ? "stream" : "held";
+        return *seen_;
+      }
+    }
+    material_from_ = "properties";
+    return {linear_color(params.diffuse), params.specular, params.shininess};
+  }
+
+  /// Lights the object by the file, else by what the stream tells, else as in a studio.
+  void take_light(const GstMaterialMeta* meta) {
+    if (given_) {
+      if (!light_) light(*given_, "file");
+      return;
+    }
+    if (meta && meta->environment && meta->environment != estimate_.get()) {
+      estimate_.reset(g_bytes_ref(meta->environment));  // kept, so that no other has its address
+      estimated_ = environment_of(*meta);
+    }
+    const Environment& now = estimated_ ? *estimated_ : studio_;
+    if (!light_ || !alike(now, *light_)) light(now, estimated_ ? "estimate" : "studio");
+  }
+  void light(const Environment& environment, const char* from) {
+    sphere_->set_light(environment);
+    light_ = environment;
+    light_from_ = from;
+  }
+
+  /// Has the device build all kernels.
+  void warm_up(const std::shared_ptr<gpu::Device>& device, Extent extent) {
+    gpu::Commands commands(device);
+    Insertion::Params place;
+    place.size = 16.0F / static_cast<float>(extent.height);
+    const PlanePtr plane = planes_->acquire();
+    commands.begin();
+    sphere_->record(commands, {}, {});
+    insertion_->record(commands, *plane, place, *sphere_);
+    commands.submit();
+    commands.wait();
+  }
+
+  Parameters<Params> parameters_{table()};
+  std::optional<Mesh> mesh_;
+  std::string mesh_name_;
+  const Environment studio_ = Environment::studio();
+  std::optional<Environment> given_;      // by a file
+  BytesPtr estimate_;                     // as the stream told it
+  std::optional<Environment> estimated_;  // the same
+  std::optional<Environment> light_;      // that the object is lit by
+  std::optional<Surface> seen_;           // what the stream told last
+  std::optional<Surface> shown_;
+  bool warned_ = false;  // of light that is none
+  std::mutex mouse_mutex_;
+  Extent extent_;      // of frames
+  bool held_ = false;  // the mouse's button is down
+  const char* material_from_ = "properties";
+  const char* light_from_ = "studio";
+  std::optional<LitSphere> sphere_;
+  std::optional<Insertion> insertion_;
+  std::optional<PlanePool> planes_;
+};
+
+}  // namespace
+
+extern const ElementInfo kMaterialClone;
+const ElementInfo kMaterialClone{
+    "materialclone",
+    "GstMaterialClone",
+    "Live material cloning",
+    "Filter/Effect/Video",
+    "Draws an object into the video, of the material that limematerial sees in it and under the "
+    "light there, with a soft contact shadow",
+    Flow::pixels,
+    Flow::pixels,
+    nullptr,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new CloneElement); },
+    false,
+    false,
+    true};
+
+}  // namespace inverse

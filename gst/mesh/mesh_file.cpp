@@ -1,0 +1,220 @@
+#include "mesh_file.hpp"
+
+#include <assimp/BaseImporter.h>
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+
+#include "error.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
+constexpr float kCrease = 66;  // degrees
+constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "gltf", "glb"};
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw Error(ErrorKind::file, "mesh " + path + " " + what);
+}
+
+/// A file as Assimp reads it. Behind its end some of Assimp's readers look for more forever: this
+/// one throws then.
+class BoundedStream final : public Assimp::IOStream {
+ public:
+  BoundedStream(Assimp::IOSystem& system, Assimp::IOStream* inner)
+      : system_(system), inner_(inner) {}
+  BoundedStream(const BoundedStream&) = delete;
+  BoundedStream& operator=(const BoundedStream&) = delete;
+  ~BoundedStream() override { system_.Close(inner_); }
+
+  size_t Read(void* to, size_t size, size_t count) override {
+    constexpr int kPatience = 1000;
+    const size_t got = inner_->Read(to, size, count);
+    if (got == 0 && ++in_vain_ > kPatience) throw std::runtime_error("it ends too early");
+    return got;
+  }
+  size_t Write(const void*, size_t, size_t) override { return 0; }
+  aiReturn Seek(size_t offset, aiOrigin origin) override { return inner_->Seek(offset, origin); }
+  size_t Tell() const override { return inner_->Tell(); }
+  size_t FileSize() const override { return inner_->FileSize(); }
+  void Flush() override {}
+
+ private:
+  Assimp::IOSystem& system_;
+  Assimp::IOStream* inner_;
+  int in_vain_ = 0;
+};
+
+class BoundedSystem final : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
+    return inner ? new BoundedStream(files_, inner) : nullptr;
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  Assimp::DefaultIOSystem files_;
+};
+
+void check_file(const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status))
+    fail(path, status ? "cannot be read: " + status.message() : "is no file");
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
+    fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");
+  if (std::filesystem::file_size(path, status) > kMaxBytes)
+    fail(path, "is larger than 1 GiB; simplify it, with Blender's Decimate for example");
+  if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
+}
+
+/// Of the many formats that Assimp knows, only ours: fewer surprises.
+void keep_our_formats(Assimp::Importer& importer) {
+  for (size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* format = importer.GetImporter(i);
+    std::set<std::string> extensions;
+    format->GetExtensionList(extensions);
+    if (std::none_of(kExtensions.begin(), kExtensions.end(), [&](std::string_view extension) {
+          return extensions.count(std::string(extension)) > 0;
+        })) {
+      importer.UnregisterLoader(format);
+      delete format;
+    }
+  }
+}
+
+/// Leaves the faces that are areas of corners that exist. Assimp's later steps end the process on
+/// what its readers may let through.
+void sanitize(aiMesh& part) {
+  unsigned kept = 0;
+  part.mPrimitiveTypes = 0;
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    aiFace& face = part.mFaces[i];
+    const bool good =
+        face.mNumIndices >= 3 && part.mVertices &&
+        std::all_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) {
+          if (corner >= part.mNumVertices) return false;
+          const aiVector3D& p = part.mVertices[corner];
+          return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+        });
+    if (!good) continue;
+    part.mPrimitiveTypes |=
+        face.mNumIndices == 3 ? aiPrimitiveType_TRIANGLE : aiPrimitiveType_POLYGON;
+    aiFace& place = part.mFaces[kept++];
+    std::swap(place.mIndices, face.mIndices);
+    std::swap(place.mNumIndices, face.mNumIndices);
+  }
+  part.mNumFaces = kept;
+}
+
+/// Takes meshes that are gone (`place` has −1 for them) out of a node and those below it.
+void renumber(aiNode& node, const std::vector<int>& place) {
+  unsigned kept = 0;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    if (node.mMeshes[i] < place.size() && place[node.mMeshes[i]] >= 0)
+      node.mMeshes[kept++] = static_cast<unsigned>(place[node.mMeshes[i]]);
+  node.mNumMeshes = kept;
+  for (unsigned i = 0; i < node.mNumChildren; ++i) renumber(*node.mChildren[i], place);
+}
+
+void sanitize(aiScene& scene) {
+  std::vector<int> place(scene.mNumMeshes, -1);
+  unsigned kept = 0;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    aiMesh* part = scene.mMeshes[i];
+    scene.mMeshes[i] = nullptr;
+    sanitize(*part);
+    if (part->mNumFaces == 0) {
+      delete part;
+      continue;
+    }
+    place[i] = static_cast<int>(kept);
+    scene.mMeshes[kept++] = part;
+  }
+  scene.mNumMeshes = kept;
+  if (scene.mRootNode) renumber(*scene.mRootNode, place);
+}
+
+void append(Mesh& mesh, const aiMesh& part) {
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    const aiVector3D& p = part.mVertices[i];
+    mesh.positions.push_back({p.x, p.y, p.z});
+    const aiVector3D n = part.mNormals ? part.mNormals[i] : aiVector3D(0, 0, 0);
+    mesh.normals.push_back({n.x, n.y, n.z});
+  }
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices == 3)
+      for (unsigned corner = 0; corner < 3; ++corner)
+        mesh.indices.push_back(first + face.mIndices[corner]);
+  }
+}
+
+Mesh read(const std::string& path) {
+  Assimp::Importer importer;
+  keep_our_formats(importer);
+  importer.SetIOHandler(new BoundedSystem);
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
+                              aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
+                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
+                                  aiComponent_ANIMATIONS | aiComponent_TEXTURES |
+                                  aiComponent_LIGHTS | aiComponent_CAMERAS);
+  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCrease);
+  if (!importer.ReadFile(path, 0))
+    fail(path, std::string("cannot be read: ") + importer.GetErrorString());
+  // Ours to change: nobody else has it.
+  sanitize(const_cast<aiScene&>(*importer.GetScene()));
+  if (importer.GetScene()->mNumMeshes == 0)
+    fail(path, "has no triangle with an area; nothing can be drawn");
+  // Before work is put into it.
+  size_t faces = 0;
+  for (unsigned i = 0; i < importer.GetScene()->mNumMeshes; ++i)
+    faces += importer.GetScene()->mMeshes[i]->mNumFaces;
+  if (faces > Mesh::kMaxTriangles)
+    fail(path, "has " + std::to_string(faces) + " faces; at most " +
+                   std::to_string(Mesh::kMaxTriangles) +
+                   " triangles can be drawn: simplify it, with Blender's Decimate for example");
+  const aiScene* scene = importer.ApplyPostProcessing(
+      aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices |
+      aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);
+  if (!scene) fail(path, std::string("cannot be read: ") + importer.GetErrorString());
+  Mesh mesh;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(mesh, *scene->mMeshes[i]);
+  return mesh;
+}
+
+}  // namespace
+
+Mesh load_mesh(const std::string& path) {
+  check_file(path);
+  Mesh mesh;
+  try {
+    mesh = read(path);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail(path, std::string("cannot be read: ") + error.what());
+  }
+  mesh.prepare(path.c_str());
+  return mesh;
+}
+
+}  // namespace inverse

@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+#include "raster/mesh.hpp"
+
+namespace inverse {
+
+/// Reads a mesh from an OBJ, PLY or glTF (.gltf, .glb) file, ready to be drawn: all its parts in
+/// one, in triangles, with normals (where it has none: smooth, but for edges sharper than 66
+/// degrees), in the middle and of radius 1. Materials and textures are not looked at. Throws
+/// Error(file), which names the file, where it cannot be read, is none of these, has no triangles,
+/// more than Mesh::kMaxTriangles, or more than 1 GiB.
+Mesh load_mesh(const std::string& path);
+
+}  // namespace inverse

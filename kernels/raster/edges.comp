@@ -1,0 +1,58 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "../gpu/common.glsl"
+
+// The triangles of a group: three edge functions each, and the box around all. A point is inside where all three of
+// a x + b y + c are positive; they are in the ratio of the corners' weights there. Record of a triangle: (a, b, c, z of the
+// corner across) three times, then the corners' numbers.
+PLANE_IN(0, placed);
+WORD_IN(1, indices);
+PLANE_OUT(2, records);
+PLANE_OUT(3, boxes);   // of groups: left, top, right, bottom
+PLANE_OUT(4, bounds);  // of triangles: the same
+layout(push_constant) uniform Push {
+  uint groups;
+  uint size;       // triangles of a group
+  uint triangles;
+} push;
+
+// Triangles reach so far over their edges, in pixels: no sample falls between two that share one, however it is rounded.
+const float kOverlap = 1e-3;
+
+// Computed alike for both triangles at an edge, so that only the sign differs.
+vec3 edge(vec2 p, vec2 q) {
+  bool turned = q.x < p.x || (q.x == p.x && q.y < p.y);
+  vec2 low = turned ? q : p, high = turned ? p : q;
+  vec3 e = vec3(low.y - high.y, high.x - low.x, 0.0);
+  e.z = -(e.x * low.x + e.y * low.y);
+  return turned ? -e : e;
+}
+
+void main() {
+  uint group = gl_GlobalInvocationID.x;
+  if (group >= push.groups) return;
+  vec4 box = vec4(1e9, 1e9, -1e9, -1e9);
+  for (uint i = 0u; i < push.size; ++i) {
+    uint t = group * push.size + i, base = min(t, push.triangles - 1u) * 3u;
+    uvec3 corner = uvec3(FETCH1(indices, int(base)), FETCH1(indices, int(base + 1u)), FETCH1(indices, int(base + 2u)));
+    vec3 p = FETCH(placed, int(2u * corner.x)).xyz, q = FETCH(placed, int(2u * corner.y)).xyz,
+         r = FETCH(placed, int(2u * corner.z)).xyz;
+    vec2 u = q.xy - p.xy, v = r.xy - p.xy;
+    float area = u.x * v.y - u.y * v.x, side = area < 0.0 ? -1.0 : 1.0;
+    vec3 across_p = side * edge(q.xy, r.xy), across_q = side * edge(r.xy, p.xy), across_r = side * edge(p.xy, q.xy);
+    across_p.z += kOverlap * (abs(across_p.x) + abs(across_p.y));
+    across_q.z += kOverlap * (abs(across_q.x) + abs(across_q.y));
+    across_r.z += kOverlap * (abs(across_r.x) + abs(across_r.y));
+    // Seen from its edge it has no inside, nor has what only fills the last group.
+    bool solid = t < push.triangles && abs(area) > 1e-12;
+    if (!solid) across_p = across_q = across_r = vec3(0.0, 0.0, -1.0);
+    STORE(records, 4u * t, vec4(across_p, p.z));
+    STORE(records, 4u * t + 1u, vec4(across_q, q.z));
+    STORE(records, 4u * t + 2u, vec4(across_r, r.z));
+    STORE(records, 4u * t + 3u, vec4(vec3(corner), 0.0));
+    vec4 own = vec4(min(p.xy, min(q.xy, r.xy)), max(p.xy, max(q.xy, r.xy))) + vec2(-1e-2, 1e-2).xxyy;
+    STORE(bounds, t, solid ? own : vec4(1e9, 1e9, -1e9, -1e9));
+    if (solid) box = vec4(min(box.xy, own.xy), max(box.zw, own.zw));
+  }
+  STORE(boxes, group, box);
+}

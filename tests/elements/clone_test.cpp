@@ -1,0 +1,294 @@
+// materialclone.
+#include <gst/video/navigation.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "base/inverse_material_meta.h"
+#include "environment/environment.hpp"
+#include "lime_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kSide = 96;
+
+class CloneTest : public LimeElementTest {
+ protected:
+  static std::string frame_caps(int width = kSide, int height = kSide,
+                                const char* format = "RGBA") {
+    return VideoHarness::caps(format, width, height);
+  }
+  static std::vector<uint8_t> gray(int width = kSide, int height = kSide) {
+    return flat_frame(frame_caps(width, height), 128);
+  }
+  static const uint8_t* at(const std::vector<uint8_t>& frame, int x, int y, int width = kSide) {
+    return &frame[4 *
+                  (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
+  }
+  static std::string text(GstElement* element, const char* name) {
+    GstStructure* stats = nullptr;
+    g_object_get(element, "stats", &stats, nullptr);
+    const char* value = gst_structure_get_string(stats, name);
+    const std::string result = value ? value : "";
+    gst_structure_free(stats);
+    return result;
+  }
+  static std::string written(const std::string& name, const std::string& bytes) {
+    const std::string path = "/tmp/inverse-clone-" + std::to_string(getpid()) + "-" + name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+};
+
+/// Light from the right alone, from where it comes with what color.
+std::string lamp_file(float red, float green, float blue) {
+  std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
+  for (size_t y = 12; y < 20; ++y)
+    for (size_t x = 44; x < 52; ++x) {
+      float* c = &rgb[3 * (y * 64 + x)];
+      c[0] = red;
+      c[1] = green;
+      c[2] = blue;
+    }
+  const std::string path = "/tmp/inverse-clone-" + std::to_string(getpid()) + "-lamp.hdr";
+  Environment({64, 32}, rgb).save(path);
+  return path;
+}
+
+}  // namespace
+
+TEST_F(CloneTest, DrawsABallWithoutBeingToldAnything) {
+  VideoHarness harness("materialclone diffuse-color=0xffff0000 specular=0", frame_caps(),
+                       frame_caps());
+  const auto out = harness.process(gray());
+  ASSERT_EQ(out.size(), gray().size());
+  const uint8_t* middle = at(out, 48, 44);
+  EXPECT_GT(middle[0], 100);
+  EXPECT_EQ(middle[1], 0);
+  EXPECT_EQ(at(out, 3, 3)[0], 128) << "nothing else is touched";
+  EXPECT_LT(at(out, 48, 74)[0], 120) << "its shadow";
+  EXPECT_GT(at(out, 34, 38)[0], at(out, 62, 60)[0]) << "the studio's light comes from up left";
+  GstElement* clone = harness.find("materialclone");
+  EXPECT_EQ(text(clone, "material"), "properties");
+  EXPECT_EQ(text(clone, "light"), "studio");
+}
+
+TEST_F(CloneTest, TakesTheMaterialOfTheStreamAndHoldsIt) {
+  VideoHarness harness(
+      line("show=input") + " ! materialclone name=clone source=stream size=0.3 x=0.15", caps(),
+      caps());
+  GstElement* clone = harness.find("materialclone");
+  harness.process(scene(0, 0, 0));
+  EXPECT_EQ(text(clone, "material"), "properties");
+  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  EXPECT_EQ(text(clone, "material"), "stream");
+  EXPECT_NEAR(stat<gdouble>(clone, "diffuse-blue", G_TYPE_DOUBLE), .7, 1e-2);
+  ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+  GstBuffer* out = gst_harness_pull(harness.harness());
+  const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  ASSERT_NE(meta, nullptr) << "it travels on";
+  EXPECT_TRUE(meta->found);
+  gst_buffer_unref(out);
+  for (int i = 0; i < 12; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_EQ(text(clone, "material"), "held");
+  EXPECT_NEAR(stat<gdouble>(clone, "diffuse-blue", G_TYPE_DOUBLE), .7, 1e-2);
+  gst_util_set_object_arg(G_OBJECT(clone), "source", "properties");
+  harness.process(scene(0, 0, 0));
+  EXPECT_EQ(text(clone, "material"), "properties");
+}
+
+TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
+  const std::string lamp = lamp_file(8, 8, 2);
+  VideoHarness harness("materialclone specular=0 size=0.8 environment-location=" + lamp,
+                       frame_caps(), frame_caps());
+  auto out = harness.process(gray());
+  EXPECT_GT(at(out, 70, 48)[0], at(out, 26, 48)[0] + 40) << "from the right";
+  EXPECT_GT(at(out, 70, 48)[0], at(out, 70, 48)[2]) << "yellow";
+  GstElement* clone = harness.find("materialclone");
+  EXPECT_EQ(text(clone, "light"), "file");
+  const int before = at(out, 70, 48)[1];
+  g_object_set(clone, "exposure", -2.0F, nullptr);
+  out = harness.process(gray());
+  EXPECT_LT(at(out, 70, 48)[1], before - 30);
+  g_object_set(clone, "exposure", 0.0F, "environment-rotation", 180.0F, nullptr);
+  out = harness.process(gray());
+  EXPECT_GT(at(out, 26, 48)[0], at(out, 70, 48)[0] + 40) << "turned to the left";
+  std::filesystem::remove(lamp);
+}
+
+TEST_F(CloneTest, LightOfTheStreamIsTakenAndWhatIsNoneIsNot) {
+  VideoHarness harness("materialclone specular=0 size=0.8", frame_caps(), frame_caps());
+  // Metas are registered by the plugin that makes them.
+  gst_object_unref(gst_element_factory_make("limematerial", nullptr));
+  GstElement* clone = harness.find("materialclone");
+  const auto push = [&](float value) {
+    std::vector<float> rgb(size_t{3} * 32 * 16, value);
+    GstBuffer* buffer = gst_buffer_new_memdup(gray().data(), gray().size());
+    auto* meta = reinterpret_cast<GstMaterialMeta*>(
+        gst_buffer_add_meta(buffer, gst_meta_get_info("GstMaterialMeta"), nullptr));
+    meta->environment_width = 32;
+    meta->environment_height = 16;
+    meta->environment = g_bytes_new(rgb.data(), rgb.size() * sizeof(float));
+    GST_BUFFER_PTS(buffer) = 0;
+    EXPECT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK);
+    return harness.pull();
+  };
+  const auto dim = push(.1F), bright = push(1);
+  EXPECT_EQ(text(clone, "light"), "estimate");
+  EXPECT_GT(at(bright, 48, 48)[0], at(dim, 48, 48)[0] + 50);
+  EXPECT_EQ(push(NAN), bright) << "the light before stays";
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(CloneTest, StillObjectsAreDrawnOnceAndSpinningOnesTurn) {
+  VideoHarness harness("materialclone", frame_caps(), frame_caps());
+  GstElement* clone = harness.find("materialclone");
+  for (int i = 0; i < 5; ++i) harness.process(gray());
+  const auto drawn = stat<guint64>(clone, "drawn", G_TYPE_UINT64);
+  harness.process(gray());
+  EXPECT_EQ(stat<guint64>(clone, "drawn", G_TYPE_UINT64), drawn);
+  g_object_set(clone, "spin", 90.0F, nullptr);
+  for (int i = 0; i < 5; ++i) harness.process(gray());
+  EXPECT_EQ(stat<guint64>(clone, "drawn", G_TYPE_UINT64), drawn + 5);
+  EXPECT_EQ(stat<guint64>(clone, "shadows", G_TYPE_UINT64), 1u);
+}
+
+TEST_F(CloneTest, EveryPropertyMayChangeWhilePlaying) {
+  VideoHarness harness("materialclone", frame_caps(), frame_caps());
+  GstElement* clone = harness.find("materialclone");
+  auto before = harness.process(gray());
+  const std::pair<const char*, double> changes[] = {
+      {"x", .3},         {"y", .3},       {"size", .4},
+      {"elevation", 45}, {"shadow", 0},   {"specular", 1},
+      {"shininess", 8},  {"exposure", 1}, {"environment-rotation", 90}};
+  for (const auto& [name, value] : changes) {
+    g_object_set(clone, name, value, nullptr);
+    const auto after = harness.process(gray());
+    EXPECT_GT(largest_difference(after, before), 2) << name;
+    before = after;
+  }
+  g_object_set(clone, "diffuse-color", 0xff00ff00u, nullptr);
+  EXPECT_GT(largest_difference(harness.process(gray()), before), 2);
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(CloneTest, FollowsTheMouseWhereItIsAskedTo) {
+  VideoHarness harness("materialclone size=0.3 shadow=0 specular=0 diffuse-color=0xff0000ff",
+                       frame_caps(), frame_caps());
+  GstElement* clone = harness.find("materialclone");
+  const auto send = [&](GstEvent* event) {
+    gst_harness_push_upstream_event(harness.harness(), event);
+  };
+  auto out = harness.process(gray());
+  send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
+  EXPECT_EQ(harness.process(gray()), out) << "not without drag";
+  g_object_set(clone, "drag", TRUE, nullptr);
+  send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_LT(at(out, 20, 24)[0], 30);
+  EXPECT_EQ(at(out, 48, 48)[0], 128);
+  send(gst_navigation_event_new_mouse_move(72, 60, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_LT(at(out, 72, 60)[0], 30);
+  EXPECT_NEAR(property<gfloat>(clone, "x"), .75, 1e-6);
+  send(gst_navigation_event_new_mouse_button_release(1, 70, 60, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_move(10, 10, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_button_press(3, 10, 10, GST_NAVIGATION_MODIFIER_NONE));
+  send(gst_navigation_event_new_mouse_button_press(1, NAN, 1e300, GST_NAVIGATION_MODIFIER_NONE));
+  out = harness.process(gray());
+  EXPECT_EQ(at(out, 10, 10)[0], 128);
+}
+
+TEST_F(CloneTest, SizesFormatsAndNewCaps) {
+  VideoHarness harness("materialclone spin=40", frame_caps());
+  for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}, {640, 16}}) {
+    harness.set_src_caps(frame_caps(width, height));
+    for (int i = 0; i < 3; ++i) ASSERT_FALSE(harness.process(gray(width, height)).empty());
+    harness.flush();
+  }
+  for (const char* format : {"I420", "NV12", "BGRx", "RGB", "GRAY8", "P010_10LE", "RGBA64_LE"}) {
+    harness.set_src_caps(frame_caps(64, 48, format));
+    ASSERT_FALSE(harness.process(random_frame(frame_caps(64, 48, format), 1)).empty()) << format;
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(CloneTest, SaturatedAndBlackFramesAreFrames) {
+  VideoHarness harness("materialclone x=0 y=1.2 size=2 exposure=10", frame_caps(), frame_caps());
+  for (const uint8_t value : {0, 255})
+    ASSERT_FALSE(harness.process(flat_frame(frame_caps(), value)).empty());
+}
+
+TEST_F(CloneTest, AFrameOf8k) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 pattern=smpte ! video/x-raw,format=I420,width=3840,height=2160 ! "
+      "materialclone size=1.2 ! fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  // Whether a plane of so many pixels fits is the device's to say: frames, or an error that says
+  // so.
+  const auto large = run_line(
+      "videotestsrc num-buffers=1 pattern=smpte ! video/x-raw,format=I420,width=7680,height=4320 ! "
+      "materialclone size=1.2 ! fakesink",
+      120);
+  EXPECT_TRUE(large.eos || large.first_error().find("limit") != std::string::npos ||
+              large.first_error().find("bytes") != std::string::npos)
+      << large.first_error();
+}
+
+TEST_F(CloneTest, StatesMayCycle) {
+  VideoHarness harness("materialclone name=clone", frame_caps(), frame_caps());
+  const auto first = harness.process(gray());
+  GstElement* clone = harness.find("materialclone");
+  for (int i = 0; i < 3; ++i) {
+    GstElement* other = gst_element_factory_make("materialclone", nullptr);
+    EXPECT_EQ(gst_element_set_state(other, GST_STATE_PAUSED), GST_STATE_CHANGE_SUCCESS);
+    gst_element_set_state(other, GST_STATE_NULL);
+    gst_object_unref(other);
+  }
+  EXPECT_EQ(harness.process(gray()), first);
+  EXPECT_NE(clone, nullptr);
+}
+
+TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
+  const auto error = [](const std::string& properties) {
+    return run_line("videotestsrc num-buffers=2 ! materialclone " + properties + " ! fakesink")
+        .first_error();
+  };
+  EXPECT_NE(error("mesh=/nowhere/a.obj").find("mesh /nowhere/a.obj cannot be read"),
+            std::string::npos)
+      << error("mesh=/nowhere/a.obj");
+  EXPECT_NE(error("environment-location=/nowhere/a.hdr").find("/nowhere/a.hdr cannot be read"),
+            std::string::npos);
+  const std::string empty = written("empty.ply", "");
+  EXPECT_NE(error("mesh=" + empty).find(empty), std::string::npos);
+  std::filesystem::remove(empty);
+  const std::string good = written("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(error("mesh=" + good), "");
+  std::filesystem::remove(good);
+}
+
+TEST_F(CloneTest, ClonesFromTheClip) {
+  const auto result = run_line("filesrc location=" + std::string(MEDIA) +
+                               "/clip.webm ! matroskademux ! vp8dec ! identity eos-after=6 ! " +
+                               line("show=input light=true") +
+                               " ! materialclone size=0.3 x=0.8 y=0.8 spin=30 ! "
+                               "video/x-raw,format=I420 ! appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_GE(result.frames.size(), 5u);
+}
+
+TEST_F(CloneTest, WorksBesideTheElementsOfTheOtherPlugin) {
+  for (const std::string order : {"materialclone ! intrinsicdecomp ! intrinsiccompose",
+                                  "intrinsicdecomp ! intrinsiccompose ! materialclone"}) {
+    const auto result = run_line("videotestsrc num-buffers=3 ! video/x-raw,width=96,height=64 ! " +
+                                 order + " ! video/x-raw,format=I420 ! appsink name=out");
+    EXPECT_TRUE(result.eos) << result.first_error();
+    EXPECT_EQ(result.frames.size(), 3u);
+  }
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,178 @@
+// Mesh files, good and bad ones.
+#include "mesh/mesh_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "error.hpp"
+
+namespace inverse::testing {
+namespace {
+
+const char* kObj = R"(# a cube of quads, without normals
+v -1 -1 -1
+v  1 -1 -1
+v  1  1 -1
+v -1  1 -1
+v -1 -1  1
+v  1 -1  1
+v  1  1  1
+v -1  1  1
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 3 4 8 7
+f 2 3 7 6
+f 1 5 8 4
+)";
+
+const char* kPly = R"(ply
+format ascii 1.0
+element vertex 5
+property float x
+property float y
+property float z
+element face 5
+property list uchar int vertex_indices
+end_header
+-1 0 -1
+1 0 -1
+1 0 1
+-1 0 1
+0 1.5 0
+4 0 1 2 3
+3 1 0 4
+3 2 1 4
+3 3 2 4
+3 0 3 4
+)";
+
+/// A binary glTF with two triangles that share an edge, moved by a node.
+std::string glb() {
+  const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
+  std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"mesh":0,"translation":[5,6,7]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+      R"("min":[0,0,0],"max":[1,1,0]},)"
+      R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)"
+      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60}]})";
+  while (json.size() % 4) json += ' ';
+  const auto word = [](uint32_t value) {
+    return std::string(reinterpret_cast<const char*>(&value), 4);
+  };
+  const std::string binary = std::string(reinterpret_cast<const char*>(positions), 48) +
+                             std::string(reinterpret_cast<const char*>(indices), 12);
+  return "glTF" + word(2) + word(static_cast<uint32_t>(28 + json.size() + binary.size())) +
+         word(static_cast<uint32_t>(json.size())) + "JSON" + json +
+         word(static_cast<uint32_t>(binary.size())) + std::string("BIN\0", 4) + binary;
+}
+
+class MeshFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("inverse-mesh-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string written(const std::string& name, const std::string& bytes) const {
+    const std::string path = (folder_ / name).string();
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  static std::string error(const std::string& path) {
+    try {
+      load_mesh(path);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::file) << e.what();
+      EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
+      return e.what();
+    }
+    return "";
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+TEST_F(MeshFile, ObjWithoutNormalsGetsThem) {
+  const Mesh cube = load_mesh(written("cube.obj", kObj));
+  EXPECT_EQ(cube.triangles(), 12u);
+  EXPECT_EQ(cube.positions.size(), 24u) << "a cube's edges are sharp";
+  for (size_t i = 0; i < cube.positions.size(); ++i) {
+    const auto &p = cube.positions[i], &n = cube.normals[i];
+    EXPECT_NEAR(std::hypot(p[0], p[1], p[2]), 1, 1e-5) << "corners at radius 1";
+    EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-5);
+    EXPECT_NEAR(p[0] * n[0] + p[1] * n[1] + p[2] * n[2], 1 / std::sqrt(3), 1e-5);
+  }
+}
+
+TEST_F(MeshFile, PlyAndGltf) {
+  const Mesh pyramid = load_mesh(written("pyramid.ply", kPly));
+  EXPECT_EQ(pyramid.triangles(), 6u);
+  const Mesh square = load_mesh(written("SQUARE.GLB", glb()));
+  EXPECT_EQ(square.triangles(), 2u);
+  EXPECT_EQ(square.positions.size(), 4u) << "corners are joined";
+  for (const auto& n : square.normals) EXPECT_NEAR(n[2], 1, 1e-5);
+}
+
+TEST_F(MeshFile, BadFilesAreErrorsThatSayWhy) {
+  EXPECT_NE(error("/nowhere/a.obj").find("No such file"), std::string::npos)
+      << error("/nowhere/a.obj");
+  EXPECT_NE(error("/tmp").find("is no file"), std::string::npos);
+  EXPECT_NE(error(written("cube.txt", kObj)).find("is not named as an OBJ"), std::string::npos);
+  for (const char* name : {"empty.obj", "empty.ply", "empty.glb", "empty.gltf"})
+    EXPECT_FALSE(error(written(name, "")).empty()) << name;
+  EXPECT_FALSE(error(written("points.obj", "v 0 0 0\nv 1 1 1\n")).empty());
+  EXPECT_FALSE(error(written("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")).empty());
+  EXPECT_FALSE(error(written("beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")).empty());
+  EXPECT_FALSE(error(written("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).empty());
+}
+
+TEST_F(MeshFile, TruncatedAndDamagedFilesDoNoHarm) {
+  const std::pair<const char*, std::string> files[] = {
+      {"a.obj", kObj}, {"a.ply", kPly}, {"a.glb", glb()}};
+  std::mt19937 random(1);
+  for (const auto& [name, whole] : files) {
+    for (size_t length = 0; length < whole.size(); length += 11)
+      error(written(name, whole.substr(0, length)));
+    for (int i = 0; i < 150; ++i) {
+      std::string bytes = whole;
+      for (int k = 0; k < 2; ++k) bytes[random() % bytes.size()] = static_cast<char>(random());
+      error(written(name, bytes));
+    }
+  }
+}
+
+TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
+  const auto grid = [](int side) {
+    std::string obj;
+    for (int y = 0; y <= side; ++y)
+      for (int x = 0; x <= side; ++x)
+        obj += "v " + std::to_string(x) + " " + std::to_string(y) + " " +
+               std::to_string(x * y % 7) + "\n";
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const int a = y * (side + 1) + x + 1, b = a + side + 1;
+        obj += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " +
+               std::to_string(b + 1) + "\nf " + std::to_string(a) + " " + std::to_string(b + 1) +
+               " " + std::to_string(b) + "\n";
+      }
+    return obj;
+  };
+  EXPECT_NE(error(written("many.obj", grid(708))).find("at most 1000000"), std::string::npos);
+  EXPECT_EQ(load_mesh(written("some.obj", grid(100))).triangles(), 20000u);
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,190 @@
+// An object and its shadow in a frame.
+#include "raster/insertion.hpp"
+
+#include <limits>
+#include <numbers>
+
+#include "gpu_fixture.hpp"
+#include "tests/reference/raster.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr Extent kFrame{160, 120};
+
+/// A disc of radius 0.8 that hovers at a height of 0.6 over its lowest point, a speck.
+Mesh hovering_disc() {
+  Mesh mesh;
+  constexpr int kParts = 96;
+  mesh.positions.push_back({0, .3F, 0});
+  for (int i = 0; i < kParts; ++i) {
+    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kParts;
+    mesh.positions.push_back({.8F * std::cos(angle), .3F, .8F * std::sin(angle)});
+    mesh.indices.insert(mesh.indices.end(), {0, static_cast<uint32_t>(1 + i),
+                                             static_cast<uint32_t>(1 + (i + 1) % kParts)});
+  }
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  for (const float x : {-.001F, .001F}) mesh.positions.push_back({x, -.3F, 0});
+  mesh.positions.push_back({0, -.3F, .001F});
+  mesh.indices.insert(mesh.indices.end(), {first, first + 1, first + 2});
+  mesh.prepare("disc");
+  return mesh;
+}
+
+class InsertionTest : public GpuTest {
+ protected:
+  void SetUp() override {
+    GpuTest::SetUp();
+    light.emplace(device, 32);
+    light->set_light(Environment::uniform({1, 1, 1}));
+  }
+  Pixels draw(Insertion& insertion, const Pixels& frame, const Insertion::Params& params,
+              Extent extent = kFrame) {
+    const Plane picture = plane(extent, frame);
+    run([&](gpu::Commands& commands) {
+      light->record(commands, {{.25F, .5F, .75F}, 0, 2}, {});
+      insertion.record(commands, picture, params, *light);
+    });
+    return download(picture.buffer);
+  }
+  static Pixels flat(float value, float alpha, Extent extent = kFrame) {
+    Pixels pixels(4 * extent.pixels(), value);
+    for (size_t i = 3; i < pixels.size(); i += 4) pixels[i] = alpha;
+    return pixels;
+  }
+  static const float* at(const Pixels& pixels, int x, int y) {
+    return &pixels[4 * (static_cast<size_t>(y) * kFrame.width + static_cast<size_t>(x))];
+  }
+  std::optional<LitSphere> light;
+};
+
+}  // namespace
+
+TEST_F(InsertionTest, DrawsTheMaterialWhereItIsAskedTo) {
+  Insertion insertion(device, kFrame);
+  insertion.set_mesh(Mesh::sphere());
+  Insertion::Params params;
+  params.x = .25F;
+  params.y = .4F;
+  params.size = .5F;
+  params.shadow = 0;
+  const Pixels before = random_pixels(kFrame, 1), drawn = draw(insertion, before, params);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const double r = std::hypot(x + .5 - 40, y + .5 - 48);
+      for (int c = 0; c < 3; ++c) {
+        if (r < 29) {
+          ASSERT_NEAR(at(drawn, x, y)[c], .25 * (c + 1), 6e-3);
+        }
+        if (r > 31) {
+          ASSERT_EQ(at(drawn, x, y)[c], at(before, x, y)[c]);
+        }
+      }
+    }
+}
+
+TEST_F(InsertionTest, EdgesMixInLinearLight) {
+  Insertion insertion(device, kFrame);
+  insertion.set_mesh(Mesh::sphere());
+  Insertion::Params params;
+  params.shadow = 0;
+  const Pixels drawn = draw(insertion, flat(0, 1), params);
+  double sum = 0;
+  for (size_t i = 1; i < drawn.size(); i += 4) sum += drawn[i];
+  EXPECT_NEAR(sum / .5, std::numbers::pi * 30 * 30, 15) << "as much light as area";
+}
+
+TEST_F(InsertionTest, TheShadowIsTheLightOfTheSkyThatIsHidden) {
+  Insertion insertion(device, kFrame);
+  const Mesh disc = hovering_disc();
+  insertion.set_mesh(disc);
+  double radius = 0, top = -1, bottom = 1;
+  for (const auto& p : disc.positions) {
+    radius = std::max<double>(radius, std::hypot(p[0], p[2]));
+    top = std::max<double>(top, p[1]);
+    bottom = std::min<double>(bottom, p[1]);
+  }
+  Insertion::Params params;
+  params.size = .6F;
+  params.shadow = .5F;
+  params.softness = .05F;
+  const Pixels drawn = draw(insertion, flat(.5F, 1), params);
+  const double height = top - bottom + params.softness;
+  const double scale = .3 * 120, c = std::cos(20 * M_PI / 180), s = std::sin(20 * M_PI / 180);
+  for (const double x : {0.0, .5, -.9, 1.3}) {
+    // A point of the ground beside or in front of the middle.
+    const double z = .25;
+    double hidden = 0;
+    constexpr int kGrid = 200;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const double u = 2 * (i + .5) / kGrid - 1, v = 2 * (j + .5) / kGrid - 1;
+        if (std::hypot(u, v) < radius)
+          hidden += reference::hidden_by(4. / (kGrid * kGrid), height, std::hypot(u - x, v - z));
+      }
+    const int px = static_cast<int>(80 + scale * x);
+    const int py = static_cast<int>(60 - scale * (bottom * c - z * s));
+    EXPECT_NEAR(at(drawn, px, py)[1], .5 * (1 - .5 * hidden), .012) << x;
+  }
+  // At the middle of a disc it is known: R² / (R² + h²).
+  double hidden = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double r = radius * (i + .5) / 400;
+    hidden += reference::hidden_by(2 * M_PI * r * radius / 400, height, r);
+  }
+  EXPECT_NEAR(hidden, radius * radius / (radius * radius + height * height), .01);
+}
+
+TEST_F(InsertionTest, DrawsAgainOnlyWhatChanged) {
+  Insertion insertion(device, kFrame);
+  insertion.set_mesh(Mesh::sphere());
+  const Pixels before = flat(.5F, 1);
+  Insertion::Params params;
+  const Pixels first = draw(insertion, before, params);
+  EXPECT_EQ(draw(insertion, before, params), first);
+  EXPECT_EQ(insertion.drawn(), 1u);
+  EXPECT_EQ(insertion.shadows(), 1u);
+  params.shadow = .3F;
+  draw(insertion, before, params);
+  EXPECT_EQ(insertion.drawn(), 1u);
+  params.yaw = 30;
+  draw(insertion, before, params);
+  EXPECT_EQ(insertion.drawn(), 2u);
+  EXPECT_EQ(insertion.shadows(), 1u) << "it turns with the object";
+  params.pitch = 10;
+  draw(insertion, before, params);
+  EXPECT_EQ(insertion.drawn(), 3u);
+  EXPECT_EQ(insertion.shadows(), 2u);
+}
+
+TEST_F(InsertionTest, CoversWhatIsTransparent) {
+  Insertion insertion(device, kFrame);
+  insertion.set_mesh(Mesh::sphere());
+  const Pixels drawn = draw(insertion, flat(.9F, 0), {});
+  EXPECT_EQ(at(drawn, 80, 60)[3], 1);
+  EXPECT_NEAR(at(drawn, 80, 60)[2], .75, 6e-3);
+  EXPECT_EQ(at(drawn, 2, 2)[3], 0);
+  const float* shadow = at(drawn, 80, 95);
+  EXPECT_GT(shadow[3], .2) << "the shadow is black that covers";
+  EXPECT_NEAR(shadow[2], 0, 1e-6);
+}
+
+TEST_F(InsertionTest, AnythingGoesAtAnySize) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (const Extent extent : {Extent{1, 1}, {16, 16}, {3, 200}, {1000, 10}}) {
+    Insertion insertion(device, extent);
+    insertion.set_mesh(Mesh::sphere());
+    for (const float value : {kNan, kInf, -kInf, 0.0F, 1.0F, -1.0F, 4.0F, 1e30F}) {
+      const Pixels drawn =
+          draw(insertion, flat(.5F, 1, extent),
+               {value, value, value, value, value, value, value, value, value}, extent);
+      for (const float v : drawn) ASSERT_TRUE(std::isfinite(v)) << value;
+    }
+    for (const float x : {-1.0F, 0.0F, 1.0F, 2.0F})
+      for (const float size : {.01F, 1.0F, 4.0F})
+        draw(insertion, flat(.5F, 1, extent), {.x = x, .y = 1 - x, .size = size}, extent);
+  }
+}
+
+}  // namespace inverse::testing
