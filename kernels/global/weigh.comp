@@ -69,6 +69,6 @@ void main() {
   bool manual = push.manual > 0.0;
   LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
   // Over more frames than the rest: light that loses its color and finds it again is seen.
-  float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / LOAD(scene, SCENE_TIME).y);
+  float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
   LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, belief, share);
 }
