@@ -224,7 +224,7 @@ void LimeMaterial::done(uint64_t number) {
     fusion_.reset();
     have_layers_ = false;
   }
-  if (tracker_.found() && slot.report.estimated) {
+  if (tracker_.found() && !tracker_.misled() && slot.report.estimated) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;
     Material estimate;

@@ -12,6 +12,8 @@ constexpr float kLeastShare = 0.005F;  // of the square
 constexpr float kFill = 0.66F;         // of the square that the object's longer side takes
 constexpr float kRest = 0.12F;     // of the square's size: less is no reason to move or resize it
 constexpr float kLeastSize = 32;   // pixels
+constexpr float kCloser = 0.9F;    // of the size of the square before: that is a closer look
+constexpr float kSame = 0.65F;     // of the object's area: less is another one
 constexpr uint32_t kPatience = 3;  // frames without the object before it is looked for everywhere
 
 struct Part {
@@ -65,8 +67,9 @@ Square ObjectTracker::whole() const {
 
 void ObjectTracker::reset() {
   square_ = whole();
-  found_ = false;
+  found_ = misled_ = false;
   missing_ = 0;
+  closest_ = 0;
   share_ = 0;
   moved_ = 1;
   before_.clear();
@@ -88,6 +91,14 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
                 probabilities[i * stride] > kObject;
     }
   const Part part = keep_largest(mask, side);
+  const float area = static_cast<float>(part.area) * scale * scale;
+  misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
+  if (misled_) {
+    square_ = before_square_;
+    closest_ = square_.size;
+    moved_ = 1;
+    return;
+  }
   share_ = static_cast<float>(part.area) / static_cast<float>(mask.size());
   if (share_ < kLeastShare) {
     moved_ = 1;
@@ -105,6 +116,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
     moved_ = std::min(1.0F, static_cast<float>(differ) / static_cast<float>(part.area));
   }
   before_ = std::move(mask);
+  before_area_ = area;
   before_square_ = square;
 
   const auto width = static_cast<float>(frame_.width), height = static_cast<float>(frame_.height);
@@ -118,8 +130,8 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
                    (part.bottom == side && box_.bottom < height);
   const float longer = std::max(box_.right - box_.left, box_.bottom - box_.top);
   const float largest = whole().size;
-  const float size =
-      std::clamp(longer / kFill * (cut ? 1.3F : 1.0F), std::min(kLeastSize, largest), largest);
+  const float least = std::min(std::max(kLeastSize, closest_), largest);
+  const float size = std::clamp(longer / kFill * (cut ? 1.3F : 1.0F), least, largest);
   const float middle_x = (box_.left + box_.right) / 2, middle_y = (box_.top + box_.bottom) / 2;
   const Square wanted{middle_x - size / 2, middle_y - size / 2, size};
   const float off = std::max({std::fabs(wanted.size - square_.size),

@@ -17,7 +17,8 @@ struct Square {
 /// Where the object is: looks at the mask that was found in a square, and says where to look next.
 /// The largest connected part of a mask within the frame counts. The square is chosen so that the
 /// object fills two thirds of it, and stays where it is while the object moves or grows little, so
-/// that what is estimated from it stays alike.
+/// that what is estimated from it stays alike. Where a closer look finds much less of it, as it
+/// does with things that have things on them, the square before is as close as it gets.
 class ObjectTracker {
  public:
   explicit ObjectTracker(Extent frame) : frame_(frame) { reset(); }
@@ -32,6 +33,8 @@ class ObjectTracker {
   /// Where to look next.
   const Square& square() const { return square_; }
   bool found() const { return found_; }
+  /// The last look was a closer one that lost the object: what it showed is of something else.
+  bool misled() const { return misled_; }
   /// The object's share of the square where it was found, 0…1.
   float share() const { return share_; }
   /// The box around it, in pixels of the frame.
@@ -51,10 +54,12 @@ class ObjectTracker {
   Extent frame_;
   Square square_;
   Box box_;
-  bool found_ = false;
+  bool found_ = false, misled_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
+  float closest_ = 0;            // size of squares that is no less, pixels
   std::vector<uint8_t> before_;  // the object's points
+  float before_area_ = 0;        // of the frame, pixels
   Square before_square_;
 };
 
