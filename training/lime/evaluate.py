@@ -9,11 +9,10 @@ import argparse
 import pathlib
 
 import numpy as np
-import torch
 from PIL import Image
 
 from lime import corpus, datasets, scores
-from lime.networks import Networks
+from lime.networks import load_checkpoint
 
 COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
            ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
@@ -57,9 +56,7 @@ def main():
     parser.add_argument("--count", type=int, default=1000, help="held-out samples of the corpus")
     parser.add_argument("--report", type=pathlib.Path)
     args = parser.parse_args()
-    saved = torch.load(args.checkpoint or args.out / "checkpoint.pt", map_location="cpu")
-    networks = Networks(**saved["variant"])
-    networks.load_state_dict(saved["networks"])
+    networks = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
     samples = corpus.Corpus(args.hdri)
 
     sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False),

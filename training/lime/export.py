@@ -16,7 +16,7 @@ from torch import nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 from lime import corpus
-from lime.networks import Networks, count_flops
+from lime.networks import count_flops, load_checkpoint
 
 OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
 OUTPUTS = {"segmentation": nn.Sigmoid(), "specular": nn.ReLU(), "mirror": nn.ReLU(), "albedo": nn.Sigmoid(),
@@ -65,10 +65,7 @@ def main():
     parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/lime/checkpoint.pt")
     parser.add_argument("--models", type=pathlib.Path, default=corpus.ROOT / "models/lime")
     args = parser.parse_args()
-    saved = torch.load(args.checkpoint, map_location="cpu")
-    networks = Networks(**saved["variant"])
-    networks.load_state_dict(saved["networks"])
-    networks.eval()
+    networks = load_checkpoint(args.checkpoint)
     args.models.mkdir(parents=True, exist_ok=True)
     for name, (part, shape) in networks.parts().items():
         last = nn.Identity() if name == "exponent" and networks.regress else OUTPUTS[name]

@@ -14,7 +14,7 @@ import torch
 from torch.nn import functional
 
 from lime import corpus, encoding
-from lime.networks import Networks
+from lime.networks import load_checkpoint
 
 SIZES = (64, 96, 128, 192)
 RENDERED, COMPARED = 384, 128
@@ -55,10 +55,7 @@ def main():
     parser.add_argument("--bench", help="the program network-bench")
     parser.add_argument("--models", type=pathlib.Path, default=corpus.ROOT / "build/models/lime")
     args = parser.parse_args()
-    saved = torch.load(args.checkpoint, map_location="cpu")
-    networks = Networks(**saved["variant"])
-    networks.load_state_dict(saved["networks"])
-    networks.eval()
+    networks = load_checkpoint(args.checkpoint)
     samples = corpus.Corpus(args.hdri)
     sums = {size: {} for size in SIZES}
     with torch.no_grad():

@@ -106,6 +106,14 @@ class Networks(nn.Module):
         return {name: (getattr(self, name), shape) for name, shape in shapes.items() if name != "mirror" or self.use_mirror}
 
 
+def load_checkpoint(path):
+    """The networks of a checkpoint of train.py, to be used: on the CPU, in evaluation mode."""
+    saved = torch.load(path, map_location="cpu")
+    networks = Networks(**saved["variant"])
+    networks.load_state_dict(saved["networks"])
+    return networks.eval()
+
+
 def count_flops(network, shape):
     """Floating-point operations of one forward pass: 2 per multiply-add of convolutions and dense layers."""
     total = 0
