@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace inverse::bench {
 
@@ -32,9 +33,14 @@ inline Option flag(std::function<void()> set) {
 }
 
 /// Reads a command line; false where something in it is unknown, and says so. `source` is the file
-/// whose head lists the options.
-inline bool read(const Options& options, int argc, char** argv, const char* source) {
+/// whose head lists the options. Words that are no options go to `files`, where it takes any.
+inline bool read(const Options& options, int argc, char** argv, const char* source,
+                 std::vector<std::string>* files = nullptr) {
   for (int i = 1; i < argc; ++i) {
+    if (files && argv[i][0] != '-') {
+      files->emplace_back(argv[i]);
+      continue;
+    }
     const auto option = options.find(argv[i]);
     const char* name = argv[i];
     const bool known = option != options.end() && (!option->second.takes_value || ++i < argc);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "../../training/lime/corpus/background.hpp"
 #include "../../training/lime/corpus/blinn_phong.hpp"
 #include "../../training/lime/corpus/room.hpp"
+#include "command_line.hpp"
 #include "environment/environment_fit.hpp"
 #include "error.hpp"
 #include "gpu/commands.hpp"
@@ -360,10 +360,10 @@ int main(int count, char** words) {
   int scenes = 12;
   const char* folder = std::getenv("INVERSE_MODELS");
   std::string models = folder ? folder : "build/models";
-  for (int i = 1; i + 1 < count; i += 2) {
-    if (!std::strcmp(words[i], "--scenes")) scenes = std::max(1, std::atoi(words[i + 1]));
-    if (!std::strcmp(words[i], "--models")) models = words[i + 1];
-  }
+  if (!bench::read({{"--scenes", bench::integer(scenes)}, {"--models", bench::text(models)}}, count,
+                   words, "light_bench.cpp"))
+    return 2;
+  scenes = std::max(1, scenes);
   try {
     const auto device = gpu::Device::open();
     const LimeModels networks = LimeModels::load(models + "/lime");

@@ -3,31 +3,29 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
+#include "command_line.hpp"
 #include "network/network.hpp"
 
 namespace inverse::bench {
 
 /// [--runs N] [--size N] [FILE …]
 struct NetworkArguments {
-  int runs = 21;        ///< measured, in turn
-  uint32_t size = 128;  ///< of the image on a side
+  int runs = 21;   ///< measured, in turn
+  int side = 128;  ///< of the image
   std::vector<std::string> files;
 
-  NetworkArguments(int argc, char** argv) {
-    for (int i = 1; i < argc; ++i) {
-      if (!strcmp(argv[i], "--runs") && i + 1 < argc)
-        runs = std::max(1, std::atoi(argv[++i]));
-      else if (!strcmp(argv[i], "--size") && i + 1 < argc)
-        size = static_cast<uint32_t>(std::max(1, std::atoi(argv[++i])));
-      else
-        files.emplace_back(argv[i]);
-    }
+  /// False where a word is not understood.
+  bool read(int argc, char** argv, const char* source) {
+    const Options known{{"--runs", integer(runs)}, {"--size", integer(side)}};
+    const bool understood = bench::read(known, argc, argv, source, &files);
+    runs = std::max(1, runs);
+    side = std::max(1, side);
+    return understood;
   }
+  uint32_t size() const { return static_cast<uint32_t>(side); }
 };
 
 /// 1e9 floating-point operations of a node.

@@ -81,17 +81,19 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto [runs, size, paths] = bench::NetworkArguments(argc, argv);
+  bench::NetworkArguments asked;
+  if (!asked.read(argc, argv, "onnx_bench.cpp")) return 2;
+  const uint32_t size = asked.size();
   try {
     const auto device = gpu::Device::open();
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
-    for (const std::string& path : paths) {
+    for (const std::string& path : asked.files) {
       std::ifstream file(path, std::ios::binary);
-      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, runs, device);
+      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, asked.runs, device);
     }
-    if (paths.empty())
+    if (asked.files.empty())
       for (const int64_t width : {8, 16, 32})
-        compare("U-Net of " + std::to_string(width), u_net(width, size), size, runs, device);
+        compare("U-Net of " + std::to_string(width), u_net(width, size), size, asked.runs, device);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
