@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "base/color.hpp"
 #include "base/filter.hpp"
@@ -164,6 +165,7 @@ class CloneElement final : public Filter {
       extent_ = extent;
     }
     light_.reset();
+    news_of_light_ = true;
     take_light(nullptr);
     if (device->first_warm_up("materialclone")) warm_up(device, extent);
   }
@@ -176,6 +178,7 @@ class CloneElement final : public Filter {
     seen_.reset();
     estimate_.reset();
     estimated_.reset();
+    news_of_light_ = true;
     warned_ = false;
   }
 
@@ -278,7 +281,9 @@ class CloneElement final : public Filter {
     if (meta && meta->environment && meta->environment != estimate_.get()) {
       estimate_.reset(g_bytes_ref(meta->environment));  // kept, so that no other has its address
       estimated_ = environment_of(*meta);
+      news_of_light_ = true;
     }
+    if (!std::exchange(news_of_light_, false)) return;  // maps are large to compare
     const Environment& now = estimated_ ? *estimated_ : studio_;
     if (!light_ || !alike(now, *light_)) light(now, estimated_ ? "estimate" : "studio");
   }
@@ -309,6 +314,7 @@ class CloneElement final : public Filter {
   BytesPtr estimate_;                     // as the stream told it
   std::optional<Environment> estimated_;  // the same
   std::optional<Environment> light_;      // that the object is lit by
+  bool news_of_light_ = true;             // estimated_ may be another since light_ was chosen
   std::optional<Surface> seen_;           // what the stream told last
   std::optional<Surface> shown_;
   bool warned_ = false;  // of light that is none
