@@ -90,7 +90,7 @@ void keep_slots(float all) {
     memory.w += 1.0;
     LOAD(scene, SCENE_MEMORY + s) = memory.w > float(push.forget) ? vec4(0.0) : memory;
     float left = mass_around(memory.xy);
-    if (memory.w > float(min(push.keep, push.forget)) || mode_count == push.most || left < 0.5 * push.least_share * all) continue;
+    if (memory.w > float(push.keep) || mode_count == push.most || left < 0.5 * push.least_share * all) continue;
     modes[mode_count] = vec4(memory.xy, left, float(s));
     mode_peaks[mode_count++] = LOAD(work, kPeak + bin_of(memory.xy));
     free &= ~(1u << s);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "../image/transfer.hpp"
+
 namespace inverse {
 namespace {
 
@@ -13,10 +15,10 @@ constexpr float kClipped = 0.985F;  // code, sRGB
 float linear(float code) {
   constexpr size_t kSteps = 1024;
   static const auto table = [] {
+    const Transfer srgb = Transfer::of(TransferFunction::srgb);
     std::array<float, kSteps + 2> t{};
     for (size_t i = 0; i < t.size(); ++i) {
-      const double c = static_cast<double>(i) / kSteps;
-      t[i] = static_cast<float>(c <= .04045 ? c / 12.92 : std::pow((c + .055) / 1.055, 2.4));
+      t[i] = static_cast<float>(srgb.decode(static_cast<double>(i) / kSteps));
     }
     return t;
   }();

@@ -1,12 +1,13 @@
 // Numbers of base colors over the bundled clip, in which a lamp and a ball move.
-#include <gst/gst.h>
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "base/color.hpp"
+#include "element_test.hpp"
+
+namespace inverse::testing {
 namespace {
 
 constexpr size_t kSlots = 16;
@@ -14,12 +15,9 @@ using Frame = std::array<std::optional<std::array<double, 2>>, kSlots>;
 
 /// Log chroma of 0xAARRGGBB.
 std::array<double, 2> chroma_of(guint color) {
-  const auto log_of = [&](int shift) {
-    const double code = (color >> shift & 0xff) / 255.0;
-    return std::log((code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4)) +
-                    0.003);
-  };
-  const double r = log_of(16), g = log_of(8), b = log_of(0);
+  const std::array<float, 3> linear = linear_color(color);
+  const auto log_of = [&](size_t c) { return std::log(static_cast<double>(linear[c]) + 0.003); };
+  const double r = log_of(0), g = log_of(1), b = log_of(2);
   return {(r - g) / std::sqrt(2), (r + g - 2 * b) / std::sqrt(6)};
 }
 
@@ -49,29 +47,20 @@ double apart(const std::array<double, 2>& a, const std::array<double, 2>& b) {
 }
 
 TEST(BaseColorNumbers, StayWithTheirColorsOverTheClip) {
-  GError* error = nullptr;
-  GstElement* pipeline = gst_parse_launch(
-      "filesrc location=\"" MEDIA
-      "/clip.webm\" ! matroskademux ! vp8dec ! videoconvert ! videoscale ! "
-      "video/x-raw,width=320,height=240 ! globalintrinsic name=split ! intrinsiccompose ! "
-      "fakesink sync=false",
-      &error);
-  ASSERT_NE(pipeline, nullptr) << error->message;
-  Watch watch{gst_bin_get_by_name(GST_BIN(pipeline), "split"), {}};
-  GstPad* pad = gst_element_get_static_pad(watch.element, "src");
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, look, &watch, nullptr);
-  gst_object_unref(pad);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  GstBus* bus = gst_element_get_bus(pipeline);
-  GstMessage* message = gst_bus_timed_pop_filtered(
-      bus, 300 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  ASSERT_NE(message, nullptr);
-  EXPECT_EQ(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-  gst_message_unref(message);
-  gst_object_unref(bus);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(watch.element);
-  gst_object_unref(pipeline);
+  Watch watch{};
+  const LineResult result =
+      run_line("filesrc location=\"" MEDIA
+               "/clip.webm\" ! matroskademux ! vp8dec ! videoconvert ! videoscale ! "
+               "video/x-raw,width=320,height=240 ! globalintrinsic name=split ! intrinsiccompose ! "
+               "fakesink sync=false",
+               300, [&](GstElement* pipeline) {
+                 watch.element = gst_bin_get_by_name(GST_BIN(pipeline), "split");
+                 GstPad* pad = gst_element_get_static_pad(watch.element, "src");
+                 gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, look, &watch, nullptr);
+                 gst_object_unref(pad);
+                 gst_object_unref(watch.element);  // the pipeline keeps it
+               });
+  ASSERT_TRUE(result.eos) << result.first_error();
 
   ASSERT_GT(watch.frames.size(), 100U);
   Frame last;
@@ -96,3 +85,4 @@ TEST(BaseColorNumbers, StayWithTheirColorsOverTheClip) {
 }
 
 }  // namespace
+}  // namespace inverse::testing
