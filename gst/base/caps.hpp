@@ -21,13 +21,14 @@ enum class Prefer { color, gray };
 GstCaps* pixel_caps(Prefer prefer = Prefer::color);
 
 /// Kinds of layers, as caps name them: reflectance and shading; these, and layers of light; an
-/// object's highlights and what is under them.
+/// object's highlights and what is under them; a subject under the two gradients of a light stage.
 inline constexpr const char* kIntrinsicLayers = "intrinsic";
 inline constexpr const char* kGlobalLayers = "global";
 inline constexpr const char* kMaterialLayers = "material";
+inline constexpr const char* kGradientLayers = "gradients";
 /// Both that have reflectance and shading, for who takes either.
 inline constexpr const char* kAnyLayers = "{ intrinsic, global }";
-/// All, for who draws them and leaves what they mean to others.
+/// All that make up one picture, for who draws them and leaves what they mean to others.
 inline constexpr const char* kAllLayers = "{ intrinsic, global, material }";
 
 /// Template caps for a pad of this kind; `layers` is one of the kinds above. New reference.

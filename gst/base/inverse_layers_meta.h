@@ -2,9 +2,10 @@
  *
  * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`
  * carry this meta and no pixels; the layers live on the Vulkan device. `layers` is `intrinsic`
- * (input, model, intrinsic), `global` (these, and layers of light) or `material` (input, diffuse,
- * specular). This header is all that is needed: no library to link. Layers come to host memory and
- * go back as GBytes of float32 RGBA, width * height * 16 bytes, rows from the top, no padding.
+ * (input, model, intrinsic), `global` (these, and layers of light), `material` (input, diffuse,
+ * specular) or `gradients` (gradient A and B, no input). This header is all that is needed: no
+ * library to link. Layers come to host memory and go back as GBytes of float32 RGBA, width * height
+ * * 16 bytes, rows from the top, no padding.
  *
  * Copyright (C) 2026 the gst-inverse authors; LGPL-2.1-or-later.
  */
@@ -39,6 +40,9 @@ G_BEGIN_DECLS
  * as limematerial makes them), so that diffuse + specular is the input; w = the mirror image, what
  * the object would reflect if it were a perfect mirror of its specular albedo: linear, gray, may
  * exceed 1, 0 outside of the mask
+ * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
+ * stage, linear RGB, 1 = full scale; w = alpha
+ * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights
  */
 typedef enum {
   GST_INVERSE_ROLE_INPUT,
@@ -56,6 +60,8 @@ typedef enum {
   GST_INVERSE_ROLE_LAMP,
   GST_INVERSE_ROLE_DIFFUSE,
   GST_INVERSE_ROLE_SPECULAR,
+  GST_INVERSE_ROLE_GRADIENT_A,
+  GST_INVERSE_ROLE_GRADIENT_B,
 } GstInverseRole;
 
 typedef struct GstInverseLayersMeta GstInverseLayersMeta;

@@ -1,5 +1,6 @@
 #include "layers_meta.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -41,9 +42,11 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
   Layers& layers = layers_in(meta);
   if (static_cast<size_t>(role) >= static_cast<size_t>(Role::count)) return FALSE;
   const Extent extent = extent_of(static_cast<Role>(role), layers.extent);
-  if (!layers[Role::input] || g_bytes_get_size(data) != extent.pixels() * 16) return FALSE;
+  const auto any = std::find_if(layers.planes.begin(), layers.planes.end(),
+                                [](const PlanePtr& plane) { return plane != nullptr; });
+  if (any == layers.planes.end() || g_bytes_get_size(data) != extent.pixels() * 16) return FALSE;
   try {
-    const auto device = layers[Role::input]->buffer->device();
+    const auto device = (*any)->buffer->device();
     const auto host =
         gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels(), gpu::Memory::upload);
     memcpy(host->map(), g_bytes_get_data(data, nullptr), host->bytes());

@@ -27,11 +27,14 @@ enum class Role : uint8_t {
                          ///< w = 1, or 0 where there is no such color
   model_bases,  ///< bases as the decomposer made them
   lamp,  ///< 1 × 1: the color of direct light, linear, geometric mean 1; absent where it is white
-  diffuse,   ///< of frames whose object's highlights were taken off: linear RGB without them;
-             ///< w = mask of the object, 0…1
-  specular,  ///< of the same frames: the highlights, linear RGB, so that diffuse + specular =
-             ///< input; w = what the object would reflect if it were a mirror of its specular
-             ///< albedo
+  diffuse,     ///< of frames whose object's highlights were taken off: linear RGB without them;
+               ///< w = mask of the object, 0…1
+  specular,    ///< of the same frames: the highlights, linear RGB, so that diffuse + specular =
+               ///< input; w = what the object would reflect if it were a mirror of its specular
+               ///< albedo
+  gradient_a,  ///< of pairs from a light stage: linear RGB under gradient A, 1 = full scale;
+               ///< w = alpha
+  gradient_b,  ///< the same under gradient B: A + B is the subject under all lights
   count
 };
 
@@ -55,6 +58,8 @@ struct Layers {
   bool global() const { return (*this)[Role::light] && (*this)[Role::model_light]; }
   /// Whether it is of highlights and what is under them, in place of reflectance and shading.
   bool material() const { return (*this)[Role::diffuse] && (*this)[Role::specular]; }
+  /// Whether it is of a subject under the two gradients of a light stage.
+  bool gradients() const { return (*this)[Role::gradient_a] && (*this)[Role::gradient_b]; }
   /// Whether an editor has been at reflectance, shading or light.
   bool edited() const {
     return (*this)[Role::intrinsic] != (*this)[Role::model] ||
@@ -69,6 +74,14 @@ inline Layers material_layers(const PlanePtr& input, const PlanePtr& diffuse,
   layers[Role::input] = input;
   layers[Role::diffuse] = diffuse;
   layers[Role::specular] = specular;
+  return layers;
+}
+
+/// The layers of a pair of frames of a light stage.
+inline Layers gradient_layers(const PlanePtr& a, const PlanePtr& b) {
+  Layers layers{a->extent, {}};
+  layers[Role::gradient_a] = a;
+  layers[Role::gradient_b] = b;
   return layers;
 }
 

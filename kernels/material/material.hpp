@@ -18,11 +18,15 @@ struct Material {
   static float bin_middle(size_t bin) {
     return std::exp2(1 + 9 * (static_cast<float>(bin) + 0.5F) / kBins);
   }
-  /// The bin of the largest probability.
+  /// The bin to name: of the largest expected score, where the right bin counts 1 and the next ones
+  /// 1/5. A lone bin loses to one of nearly its probability among probable neighbors.
   size_t bin() const {
+    const auto score = [&](size_t b) {
+      return bins[b] + ((b > 0 ? bins[b - 1] : 0) + (b + 1 < kBins ? bins[b + 1] : 0)) / 5;
+    };
     size_t best = 0;
     for (size_t b = 1; b < kBins; ++b)
-      if (bins[b] > bins[best]) best = b;
+      if (score(b) > score(best)) best = b;
     return best;
   }
   /// The exponent s: the mean of the bins' middles in log2.

@@ -34,6 +34,8 @@ TEST(MaterialTest, BinsCoverTwoTo1024Evenly) {
   Material m = material(0, 0, 3);
   EXPECT_EQ(m.bin(), 3u);
   EXPECT_NEAR(m.shininess(), Material::bin_middle(3), 1e-3);
+  m.bins = {0, 0, .3F, .3F, .08F, 0, 0, .32F};  // three that lie together against a lone one
+  EXPECT_EQ(m.bin(), 3u);
   m.bins = {0, 0, 0, .5F, .5F, 0, 0, 0};
   EXPECT_NEAR(std::log2(m.shininess()), 1 + 9 * 4. / 8, 1e-5) << "between the two";
 }

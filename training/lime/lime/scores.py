@@ -30,7 +30,8 @@ def predict(networks, items, device="cpu", true_mask=False):
                 logs = scores[:, 0]
                 bins = encoding.bin_of(10 ** logs)
             else:
-                logs, bins = torch.softmax(scores, 1) @ LOG_CENTERS, scores.argmax(1)
+                probabilities = torch.softmax(scores, 1)
+                logs, bins = probabilities @ LOG_CENTERS, encoding.choose_bin(probabilities)
             layers, mirrors = (encoding.decode(c).cpu().numpy() for c in (specular, mirror))
             for i in range(len(part)):
                 out.append({"found": found[i].cpu().numpy(), "layer": layers[i], "mirror": mirrors[i],

@@ -60,31 +60,47 @@ def pick_mask(networks, batch, predicted):
     return torch.where(use.view(-1, 1, 1, 1), found, batch.mask)
 
 
+def find_layers(networks, batch, predicted_mask=True):
+    """Mask, codes of the specular layer and of the mirror image as the networks find them; nothing is learned by them."""
+    with torch.no_grad():
+        mask = pick_mask(networks, batch, predicted_mask)
+        specular = networks.find_specular(batch.image, mask)
+        return mask, specular, networks.find_mirror(specular, mask) if networks.use_mirror else batch.mirror_code
+
+
+def heads_losses(networks, batch, mask, specular, mirror, perceptual):
+    """Loss terms of ExponentNet and AlbedoNet on given layers."""
+    albedo = networks.find_albedo(batch.image, mask, specular)
+    terms = {"exponent": 0.1 * losses.exponent_loss(networks.find_exponent(specular, mirror), batch, networks.regress),
+             "albedo": 5 * losses.albedo_loss(albedo, batch)}
+    if perceptual:
+        terms["rendering"] = 5 * losses.rendering_loss(batch, specular, albedo)
+    return terms
+
+
 def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
     """Dictionary of the loss terms of one batch in one stage; their sum is what the stage minimizes."""
     terms = {}
     if stage == "segmentation":
         terms["mask"] = losses.mask_loss(networks.find_mask(batch.image), batch)
         return terms
+    if stage == "heads":
+        return heads_losses(networks, batch, *find_layers(networks, batch, predicted_mask), perceptual)
     mask = pick_mask(networks, batch, predicted_mask)
     inside = mask * batch.mask
     chained = stage.startswith("chain")
     specular, mirror = batch.layer_code, batch.mirror_code
-    if stage == "heads":
-        with torch.no_grad():
-            specular = networks.find_specular(batch.image, mask)
-            mirror = networks.find_mirror(specular, mask) if networks.use_mirror else mirror
     if stage == "specular" or chained:
         specular = networks.find_specular(batch.image, mask)
         terms["specular"] = losses.code_loss(specular, batch.layer_code, inside)
     if networks.use_mirror and (stage == "mirror" or chained):
         mirror = networks.find_mirror(specular, mask)
         terms["mirror"] = losses.code_loss(mirror, batch.mirror_code, inside)
-    if stage in ("exponent", "chain-exponent", "chain-albedo", "heads"):
+    if stage in ("exponent", "chain-exponent", "chain-albedo"):
         scores = networks.find_exponent(specular, mirror)
         terms["exponent"] = 0.1 * losses.exponent_loss(scores, batch, networks.regress)
     albedo = None
-    if stage in ("albedo", "chain-albedo", "heads"):
+    if stage in ("albedo", "chain-albedo"):
         albedo = networks.find_albedo(batch.image, mask, specular)
         terms["albedo"] = 5 * losses.albedo_loss(albedo, batch)
     if perceptual and ("specular" in terms or albedo is not None):

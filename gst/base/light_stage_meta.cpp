@@ -1,0 +1,51 @@
+#include "light_stage_meta.hpp"
+
+#include <cstddef>
+#include <cstring>
+
+namespace inverse {
+namespace {
+
+constexpr size_t kFields = offsetof(GstLightStageMeta, program);  // what follows GstMeta
+
+gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
+  memset(reinterpret_cast<char*>(meta) + kFields, 0, sizeof(GstLightStageMeta) - kFields);
+  auto* self = reinterpret_cast<GstLightStageMeta*>(meta);
+  self->step = self->light = -1;
+  return TRUE;
+}
+
+void release(GstMeta* meta, GstBuffer*) {
+  g_clear_pointer(&reinterpret_cast<GstLightStageMeta*>(meta)->colors, g_bytes_unref);
+}
+
+gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointer) {
+  // What lit the subject does not depend on the size or the format of its picture.
+  GstLightStageMeta* copy = add_light_stage_meta(target);
+  memcpy(reinterpret_cast<char*>(copy) + kFields, reinterpret_cast<char*>(meta) + kFields,
+         sizeof(GstLightStageMeta) - kFields);
+  if (copy->colors) g_bytes_ref(copy->colors);
+  return TRUE;
+}
+
+const GstMetaInfo* meta_info() {
+  // Several of our plugins may be in one process: the first one's serves all.
+  constexpr const char* kName = "GstLightStageMeta";
+  static const gchar* tags[] = {nullptr};
+  static const GstMetaInfo* known = gst_meta_get_info(kName);
+  static const GstMetaInfo* info =
+      known ? known
+            : gst_meta_register(gst_meta_api_type_register(GST_LIGHT_STAGE_META_API_NAME, tags),
+                                kName, sizeof(GstLightStageMeta), init, release, transform);
+  return info;
+}
+
+}  // namespace
+
+void register_light_stage_meta() { meta_info(); }
+
+GstLightStageMeta* add_light_stage_meta(GstBuffer* buffer) {
+  return reinterpret_cast<GstLightStageMeta*>(gst_buffer_add_meta(buffer, meta_info(), nullptr));
+}
+
+}  // namespace inverse
