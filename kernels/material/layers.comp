@@ -4,13 +4,15 @@
 #include "../image/finite.glsl"
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
-// codes are bilinear; of a pixel no more is taken for specular than its least channel has.
+// codes are bilinear; of a pixel no more is taken for specular than its least channel has. Where the camera was at its end,
+// the layer is of more light than it shows: there only what exceeds the diffuse light around the highlight is taken.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
 PLANE_IN(0, frame);
 PLANE_IN(1, probability);
 PLANE_IN(2, codes);     // specular, mirror: what ExponentNet took
-PLANE_OUT(3, diffuse);  // linear RGB of the frame without the specular layer; w: mask
-PLANE_OUT(4, gloss);    // specular, mirror; linear
+PLANE_IN(3, under);     // diffuse light without gaps
+PLANE_OUT(4, diffuse);  // linear RGB of the frame without the specular layer; w: mask
+PLANE_OUT(5, gloss);    // specular, mirror; linear
 layout(push_constant) uniform Push {
   ivec2 size;
   vec2 corner;
@@ -37,7 +39,10 @@ void main() {
     vec2 code = mix(mix(FETCH(codes, a).xy, FETCH(codes, b).xy, share.x),
                     mix(FETCH(codes, c).xy, FETCH(codes, d).xy, share.x), share.y);
     layers = mask * decode(code);
-    layers.x = min(layers.x, min(rgb.r, min(rgb.g, rgb.b)));
+    vec3 base = mix(mix(FETCH(under, a - 1).rgb, FETCH(under, b - 1).rgb, share.x),
+                    mix(FETCH(under, c - 1).rgb, FETCH(under, d - 1).rgb, share.x), share.y);
+    vec3 spare = max(rgb - base * smoothstep(kClips.x, kClips.y, max(rgb.r, max(rgb.g, rgb.b))), vec3(0.0));
+    layers.x = min(layers.x, min(spare.r, min(spare.g, spare.b)));
   }
   STORE(diffuse, i, vec4(rgb - layers.x, mask));
   STORE(gloss, i, vec4(layers.xxx, layers.y));

@@ -10,3 +10,6 @@ vec3 to_srgb(vec3 linear) {
 }
 
 vec2 decode(vec2 code) { return 0.25 * (exp(2.0 * clamp(code, 0.0, 8.0)) - 1.0); }
+
+// Linear light from which on a camera may have been at its end, and is.
+const vec2 kClips = vec2(0.85, 0.98);

@@ -57,6 +57,7 @@ LimeMaterial::LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent ex
       masked_(device->kernel(shaders::material_masked)),
       specular_out_(device->kernel(shaders::material_specular_out)),
       mirror_out_(device->kernel(shaders::material_mirror_out)),
+      under_(device, side_),
       layers_{device->kernel(shaders::material_layers, {0}),
               device->kernel(shaders::material_layers, {1})},
       planes_(device, extent),
@@ -121,6 +122,8 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.dispatch(mirror_out_,
                     {specular_.input(0), mirror_.input(0), mirror_.output(0), exponent_.input(0)},
                     points, items);
+  under_.record(commands, specular_.input(0), exponent_.input(0));
+  commands.stage("under highlights");
   albedo_.record(commands);
   commands.stage("albedo");
   exponent_.record(commands);
@@ -159,7 +162,7 @@ LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Pl
                                                bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
-                    {frame.buffer, segmentation_.output(0), exponent_.input(0),
+                    {frame.buffer, segmentation_.output(0), exponent_.input(0), under_.diffuse(),
                      layers.diffuse->buffer, layers.gloss->buffer},
                     Place(extent_, estimated_in_, side_),
                     {static_cast<uint32_t>(extent_.pixels())});

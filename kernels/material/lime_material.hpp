@@ -12,6 +12,7 @@
 #include "material_fusion.hpp"
 #include "object_light.hpp"
 #include "object_tracker.hpp"
+#include "under_highlights.hpp"
 
 namespace inverse {
 
@@ -115,6 +116,7 @@ class LimeMaterial {
   uint32_t side_;
   network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
   gpu::KernelPtr crop_, masked_, specular_out_, mirror_out_;
+  UnderHighlights under_;
   std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
   PlanePool planes_;
   std::array<Slot, gpu::kFramesInFlight> slots_;

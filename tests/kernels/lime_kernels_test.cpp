@@ -1,0 +1,190 @@
+// What lies between the networks of limematerial against its reference.
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "gpu/shaders.hpp"
+#include "gpu_fixture.hpp"
+#include "material/under_highlights.hpp"
+#include "tests/reference/lime.hpp"
+
+INVERSE_SHADER(material_crop);
+INVERSE_SHADER(material_layers);
+INVERSE_SHADER(material_masked);
+
+namespace inverse::testing {
+namespace {
+
+struct Push {
+  int32_t width, height;
+  float x, y, pixels;
+  int32_t side;
+};
+
+/// Frames and squares of them: inside, reaching over the border, of less than a pixel a point, and
+/// of so many that not each is looked at.
+struct Case {
+  Extent extent;
+  Push place;
+};
+const std::vector<Case> kCases = {
+    {{64, 48}, {64, 48, 8, 4, 1, 32}},        {{64, 48}, {64, 48, -20.25F, -9.5F, 3.7F, 32}},
+    {{17, 5}, {17, 5, 2.5F, -6, .4F, 32}},    {{349, 287}, {349, 287, 11.3F, 7.7F, 8.9F, 32}},
+    {{1, 1}, {1, 1, 0, 0, 1.F / 32, 32}},     {{700, 700}, {700, 700, 0, 0, 21.875F, 32}},
+    {{40, 30}, {40, 30, 500, 500, 1.5F, 32}},  // nothing of it is in the frame
+};
+
+class LimeKernels : public GpuTest {
+ protected:
+  reference::LimeSquare square(const Push& push) {
+    return {double{push.x}, double{push.y}, double{push.pixels}, push.side};
+  }
+  /// Points behind one zero, as networks have them.
+  gpu::BufferPtr points(const Pixels& pixels) {
+    Pixels padded(4, 0.F);
+    padded.insert(padded.end(), pixels.begin(), pixels.end());
+    return upload(gpu::Element::vec4, padded.data(), padded.size() / 4);
+  }
+  gpu::BufferPtr empty(uint64_t count) {
+    return gpu::Buffer::create(device, gpu::Element::vec4, count);
+  }
+  Pixels download_points(const gpu::BufferPtr& buffer) {
+    Pixels all = download(buffer);
+    return {all.begin() + 4, all.end()};
+  }
+  void expect_near(const Pixels& got, const reference::Plane& expected, double tolerance,
+                   const std::string& what) {
+    ASSERT_EQ(got.size(), 4 * expected.size());
+    for (size_t i = 0; i < got.size(); ++i) {
+      const double e = expected.data[i / 4][i % 4];
+      ASSERT_NEAR(double{got[i]}, e, tolerance * std::max(1.0, std::abs(e)))
+          << what << ", value " << i;
+    }
+  }
+};
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(),
+                kInf = std::numeric_limits<float>::infinity();
+
+/// What a frame must not bring down.
+Pixels with_extremes(Pixels pixels, unsigned seed) {
+  std::mt19937 random(seed);
+  const float bad[] = {kNaN, -kInf, kInf, -3, 1e30F, 0, 1e-30F};
+  for (size_t i = 0; i < pixels.size(); i += 1 + random() % 23) pixels[i] = bad[random() % 7];
+  return pixels;
+}
+
+TEST_F(LimeKernels, SquareOfTheFrame) {
+  unsigned seed = 1;
+  for (const auto& [extent, place] : kCases)
+    for (const bool extreme : {false, true}) {
+      const Pixels plain = random_pixels(extent, ++seed);
+      const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
+      const gpu::BufferPtr out = empty(1 + 32 * 32);
+      run([&](gpu::Commands& commands) {
+        commands.dispatch(device->kernel(shaders::material_crop),
+                          {plane(extent, frame).buffer, out}, place, {32 * 32});
+      });
+      expect_near(download_points(out),
+                  reference::lime_crop(to_reference(extent, frame), square(place)), 2e-4,
+                  "frame of " + std::to_string(extent.width));
+    }
+}
+
+TEST_F(LimeKernels, PictureOfTheObject) {
+  const Extent side{32, 32};
+  const Pixels image = random_pixels(side, 3), probability = random_pixels(side, 4);
+  const gpu::BufferPtr out = empty(1 + side.pixels());
+  run([&](gpu::Commands& commands) {
+    commands.dispatch(device->kernel(shaders::material_masked),
+                      {points(image), points(probability), out},
+                      static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
+  });
+  expect_near(download_points(out),
+              reference::lime_masked(to_reference(side, image), to_reference(side, probability)),
+              1e-6, "masked");
+}
+
+/// A picture of a square, the mask with it, and codes: of its specular layer some clipped
+/// highlights.
+struct Square {
+  Pixels masked, codes;
+};
+Square random_square(Extent side, unsigned seed, double known) {
+  Square s{random_pixels(side, seed), random_pixels(side, seed + 1, -.1F, .4F)};
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (size_t i = 0; i < s.masked.size(); i += 4) {
+    if (share(random) > known) s.masked[i] = s.masked[i + 1] = s.masked[i + 2] = 1;
+    s.masked[i + 3] = share(random) < .7 ? 1 : 0;
+    if (s.masked[i + 3] == 0) s.masked[i] = s.masked[i + 1] = s.masked[i + 2] = 0;
+  }
+  return s;
+}
+
+TEST_F(LimeKernels, LightUnderHighlightsIsFilledIn) {
+  for (const uint32_t size : {1U, 2U, 5U, 32U, 128U})
+    for (const double known : {1., .5, .01, 0.}) {
+      const Extent side{size, size};
+      const Square s = random_square(side, size + static_cast<unsigned>(100 * known), known);
+      UnderHighlights under(device, size);
+      run([&](gpu::Commands& commands) {
+        under.record(commands, points(s.masked), points(s.codes));
+      });
+      const auto expected = reference::lime_under_highlights(to_reference(side, s.masked),
+                                                             to_reference(side, s.codes));
+      Pixels got = download(under.diffuse());
+      for (size_t i = 3; i < got.size(); i += 4)
+        got[i] = static_cast<float>(expected.data[i / 4][3]);  // of no meaning
+      expect_near(got, expected, 1e-4,
+                  std::to_string(size) + " points, known " + std::to_string(known));
+    }
+}
+
+TEST_F(LimeKernels, AnEvenObjectIsEvenUnderItsHighlight) {
+  const Extent side{64, 64};
+  Pixels masked(side.pixels() * 4, .5F), codes(side.pixels() * 4, 0.F);
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      float* p = &masked[4 * (64 * y + x)];
+      p[3] = 1;
+      if (std::hypot(static_cast<float>(x) - 30, static_cast<float>(y) - 25) < 12)
+        p[0] = p[1] = p[2] = 1;
+    }
+  UnderHighlights under(device, 64);
+  run([&](gpu::Commands& commands) { under.record(commands, points(masked), points(codes)); });
+  const Pixels got = download(under.diffuse());
+  const float expected = static_cast<float>(std::pow((.5 + .055) / 1.055, 2.4));
+  for (size_t i = 0; i < got.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got[i + c], expected, 1e-4) << i;
+}
+
+TEST_F(LimeKernels, LayersOfTheFrame) {
+  unsigned seed = 40;
+  const Extent side{32, 32};
+  for (const auto& [extent, place] : kCases)
+    for (const bool extreme : {false, true}) {
+      const Pixels plain = random_pixels(extent, ++seed, 0, 1.2F);
+      const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
+      const Pixels probability = random_pixels(side, ++seed),
+                   codes = random_pixels(side, ++seed, -.2F, 1.2F);
+      const Pixels under = random_pixels(side, ++seed, 0, .6F);
+      const gpu::BufferPtr diffuse = empty(extent.pixels()), gloss = empty(extent.pixels());
+      run([&](gpu::Commands& commands) {
+        commands.dispatch(device->kernel(shaders::material_layers, {1}),
+                          {plane(extent, frame).buffer, points(probability), points(codes),
+                           plane(side, under).buffer, diffuse, gloss},
+                          place, {static_cast<uint32_t>(extent.pixels())});
+      });
+      const auto expected = reference::lime_layers(
+          to_reference(extent, frame), square(place), to_reference(side, probability),
+          to_reference(side, codes), to_reference(side, under));
+      expect_near(download(diffuse), expected.diffuse, 1e-3,
+                  "diffuse of " + std::to_string(extent.width));
+      expect_near(download(gloss), expected.gloss, 1e-3,
+                  "gloss of " + std::to_string(extent.width));
+    }
+}
+
+}  // namespace
+}  // namespace inverse::testing

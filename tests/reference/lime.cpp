@@ -1,0 +1,147 @@
+#include "lime.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse::reference {
+namespace {
+
+constexpr double kClipsFrom = 0.85, kClips = 0.98;  // linear light
+
+double finite(double value) { return value > 0 ? std::min(value, 65504.0) : 0; }
+
+double to_srgb(double linear) {
+  const double x = std::clamp(linear, 0.0, 1.0);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+
+double to_linear(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+double smoothstep(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+/// Between the points of a plane, whose middles are at halves; its border goes on.
+Vec4 bilinear(const Plane& plane, double x, double y) {
+  x = std::clamp(x - 0.5, 0.0, plane.width - 1.0);
+  y = std::clamp(y - 0.5, 0.0, plane.height - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, plane.width - 1), y1 = std::min(y0 + 1, plane.height - 1);
+  Vec4 out{};
+  for (size_t c = 0; c < 4; ++c)
+    out[c] = std::lerp(std::lerp(plane.at(x0, y0)[c], plane.at(x1, y0)[c], x - x0),
+                       std::lerp(plane.at(x0, y1)[c], plane.at(x1, y1)[c], x - x0), y - y0);
+  return out;
+}
+
+double largest(const Vec4& p) { return std::max({p[0], p[1], p[2]}); }
+double smallest(const Vec4& p) { return std::min({p[0], p[1], p[2]}); }
+
+/// Weighted means of 2 × 2 points.
+Plane pull(const Plane& fine) {
+  const int side = (fine.width + 1) / 2;
+  Plane coarse(side, side);
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) {
+      const Vec4& p = fine.at(x, y);
+      Vec4& sum = coarse.at(x / 2, y / 2);
+      for (size_t c = 0; c < 3; ++c) sum[c] += p[c] * p[3];
+      sum[3] += p[3];
+    }
+  for (Vec4& p : coarse.data) {
+    for (size_t c = 0; c < 3; ++c) p[c] /= std::max(p[3], 1e-6);
+    p[3] = std::min(p[3], 1.0);
+  }
+  return coarse;
+}
+
+Plane fill(const Plane& known) {
+  if (known.width == 1) return known;
+  const Plane coarse = fill(pull(known));
+  Plane whole(known.width, known.height);
+  for (int y = 0; y < known.height; ++y)
+    for (int x = 0; x < known.width; ++x) {
+      const Vec4 around = bilinear(coarse, 0.5 * (x + 0.5), 0.5 * (y + 0.5));
+      const Vec4& here = known.at(x, y);
+      for (size_t c = 0; c < 3; ++c) whole.at(x, y)[c] = std::lerp(around[c], here[c], here[3]);
+    }
+  return whole;
+}
+
+}  // namespace
+
+double lime_decode(double code) { return 0.25 * std::expm1(2 * std::clamp(code, 0.0, 8.0)); }
+
+Plane lime_crop(const Plane& frame, const LimeSquare& square) {
+  Plane image(square.side, square.side);
+  const int taps = std::clamp(static_cast<int>(std::ceil(square.pixels)), 1, 12);
+  for (int row = 0; row < square.side; ++row)
+    for (int column = 0; column < square.side; ++column) {
+      Vec4 sum{};
+      for (int j = 0; j < taps; ++j)
+        for (int i = 0; i < taps; ++i) {
+          const double x = square.x + square.pixels * (column + (i + 0.5) / taps);
+          const double y = square.y + square.pixels * (row + (j + 0.5) / taps);
+          const Vec4& pixel =
+              frame.at(std::clamp(static_cast<int>(std::floor(x)), 0, frame.width - 1),
+                       std::clamp(static_cast<int>(std::floor(y)), 0, frame.height - 1));
+          for (size_t c = 0; c < 3; ++c) sum[c] += finite(pixel[c]);
+        }
+      for (size_t c = 0; c < 3; ++c) image.at(column, row)[c] = to_srgb(sum[c] / (taps * taps));
+    }
+  return image;
+}
+
+Plane lime_masked(const Plane& image, const Plane& probability) {
+  Plane out(image.width, image.height);
+  for (size_t i = 0; i < out.size(); ++i)
+    if (probability.data[i][0] > 0.5) {
+      out.data[i] = image.data[i];
+      out.data[i][3] = 1;
+    }
+  return out;
+}
+
+Plane lime_under_highlights(const Plane& masked, const Plane& codes) {
+  Plane known(masked.width, masked.height);
+  for (size_t i = 0; i < known.size(); ++i) {
+    Vec4 rgb = masked.data[i];
+    for (size_t c = 0; c < 3; ++c) rgb[c] = to_linear(rgb[c]);
+    const double specular = lime_decode(codes.data[i][0]);
+    if (rgb[3] > 0.5 && largest(rgb) < kClipsFrom && specular < smallest(rgb))
+      known.data[i] = {rgb[0] - specular, rgb[1] - specular, rgb[2] - specular, 1};
+  }
+  return fill(known);
+}
+
+LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
+                       const Plane& codes, const Plane& under) {
+  LimeLayers out{Plane(frame.width, frame.height), Plane(frame.width, frame.height)};
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      Vec4 rgb = frame.at(x, y);
+      for (size_t c = 0; c < 3; ++c) rgb[c] = finite(rgb[c]);
+      const double u = (x + 0.5 - square.x) / square.pixels,
+                   v = (y + 0.5 - square.y) / square.pixels;
+      double mask = 0, specular = 0, mirror = 0;
+      if (u >= 0 && v >= 0 && u < square.side && v < square.side) {
+        mask = smoothstep(0.25, 0.75, bilinear(probability, u, v)[0]);
+        const Vec4 code = bilinear(codes, u, v), base = bilinear(under, u, v);
+        mirror = mask * lime_decode(code[1]);
+        // Where the camera was at its end, what is under the highlight stays.
+        const double clipped = smoothstep(kClipsFrom, kClips, largest(rgb));
+        double spare = 65504;
+        for (size_t c = 0; c < 3; ++c)
+          spare = std::min(spare, std::max(rgb[c] - clipped * base[c], 0.0));
+        specular = std::min(mask * lime_decode(code[0]), spare);
+      }
+      out.diffuse.at(x, y) = {rgb[0] - specular, rgb[1] - specular, rgb[2] - specular, mask};
+      out.gloss.at(x, y) = {specular, specular, specular, mirror};
+    }
+  return out;
+}
+
+}  // namespace inverse::reference

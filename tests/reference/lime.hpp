@@ -1,0 +1,39 @@
+// What lies between the networks of limematerial (thesis chapter 6), in double precision: the
+// square that they look at, what each hands to the next, and the layers of the frame.
+#pragma once
+
+#include "plane.hpp"
+
+namespace inverse::reference {
+
+/// side × side points of a square of the frame, which may reach over its borders.
+struct LimeSquare {
+  double x = 0, y = 0;  ///< top left corner, pixels
+  double pixels = 1;    ///< of the frame along a point
+  int side = 0;
+};
+
+/// sRGB of the mean light on each point: of 12 × 12 places in it at most.
+Plane lime_crop(const Plane& frame, const LimeSquare& square);
+
+/// SpecularNet's input: the picture where the object is, w = mask.
+Plane lime_masked(const Plane& image, const Plane& probability);
+
+/// Linear light of codes ln(1 + 4 x) / 2.
+double lime_decode(double code);
+
+/// The diffuse light of the object at every point, in linear RGB: the picture without the specular
+/// layer where the camera tells it, else filled in from there by a pyramid of means. `codes`: that
+/// of the specular layer in x.
+Plane lime_under_highlights(const Plane& masked, const Plane& codes);
+
+struct LimeLayers {
+  Plane diffuse;  ///< linear RGB without the specular layer, w = mask
+  Plane gloss;    ///< specular layer in rgb, w = mirror image
+};
+/// `probability` of the object, `codes` of specular layer and mirror image, and the light under
+/// highlights, at the points.
+LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
+                       const Plane& codes, const Plane& under);
+
+}  // namespace inverse::reference
