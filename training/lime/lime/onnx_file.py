@@ -1,0 +1,58 @@
+"""Networks as ONNX files that the project's own engine runs."""
+import copy
+
+import cv2
+import numpy as np
+import onnx
+import torch
+from torch import nn
+from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
+
+
+def fold(module):
+    """Convolution + batch normalization → convolution with bias, throughout."""
+    for name, child in module.named_children():
+        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
+            setattr(module, name, nn.Sequential(fuse_conv_bn_eval(child[0], child[1]), *child[2:]))
+        else:
+            fold(child)
+    return module
+
+
+def tidy(path):
+    """Turns constant nodes (the scales of Resize) into initializers, which is where an importer looks for numbers."""
+    model = onnx.load(str(path))
+    graph = model.graph
+    for node in [n for n in graph.node if n.op_type == "Constant"]:
+        value = node.attribute[0].t
+        value.name = node.output[0]
+        graph.initializer.append(value)
+        graph.node.remove(node)
+    onnx.checker.check_model(model)
+    onnx.save(model, str(path))
+
+
+def check(path, network, shape):
+    graph = onnx.load(str(path)).graph
+    unknown = {node.op_type for node in graph.node} - OPERATORS
+    assert not unknown, f"{path}: the engine does not run {unknown}"
+    x = torch.rand(shape)
+    with torch.no_grad():
+        expected = network(x).numpy()
+    other = cv2.dnn.readNetFromONNX(str(path))
+    other.setInput(x.numpy())
+    error = np.abs(other.forward() - expected).max()
+    assert error < 1e-3, f"{path}: OpenCV's dnn differs by {error}"
+    return error
+
+
+def write(network, last, shape, path):
+    """Writes a network with `last` behind it, in evaluation mode. The file is checked: only operators of the engine, and
+    the same output from OpenCV's dnn; returns by how much that differs."""
+    network = nn.Sequential(fold(copy.deepcopy(network)), last).eval()
+    torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
+                      output_names=["output"], do_constant_folding=True)
+    tidy(path)
+    return check(path, network, shape)
