@@ -16,7 +16,8 @@ gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
 }
 
 void release(GstMeta* meta, GstBuffer*) {
-  g_clear_pointer(&reinterpret_cast<GstLightStageMeta*>(meta)->colors, g_bytes_unref);
+  GBytes* colors = reinterpret_cast<GstLightStageMeta*>(meta)->colors;
+  if (colors) g_bytes_unref(colors);
 }
 
 gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointer) {

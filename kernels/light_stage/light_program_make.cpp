@@ -61,6 +61,7 @@ std::vector<Direction> subdivided(uint32_t frequency) {
             {std::lround(p[0] * 1e6), std::lround(p[1] * 1e6), std::lround(p[2] * 1e6)}, p);
       }
   std::vector<Direction> all;
+  all.reserve(found.size());
   for (const auto& [key, direction] : found) all.push_back(direction);
   return all;
 }
