@@ -16,7 +16,8 @@ gboolean init(GstMeta* meta, gpointer, GstBuffer*) {
 }
 
 void release(GstMeta* meta, GstBuffer*) {
-  g_clear_pointer(&reinterpret_cast<GstMaterialMeta*>(meta)->environment, g_bytes_unref);
+  GBytes* environment = reinterpret_cast<GstMaterialMeta*>(meta)->environment;
+  if (environment) g_bytes_unref(environment);
 }
 
 gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark type, gpointer) {
