@@ -37,7 +37,8 @@ G_BEGIN_DECLS
  * @GST_INVERSE_ROLE_DIFFUSE: of `material` frames: linear RGB of the frame without the highlights
  * of the object in it, 1 = full scale; w = the object's mask, 0...1
  * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB (all three alike
- * as limematerial makes them), so that diffuse + specular is the input; w = the mirror image, what
+ * as limematerial makes them, but where a channel of the frame is at its end), so that diffuse +
+ * specular is the input; w = the mirror image, what
  * the object would reflect if it were a perfect mirror of its specular albedo: linear, gray, may
  * exceed 1, 0 outside of the mask
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light

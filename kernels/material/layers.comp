@@ -5,7 +5,7 @@
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
 // codes are bilinear; of a pixel no more is taken for specular than its least channel has. Where the camera was at its end,
-// the layer is of more light than it shows: there only what exceeds the diffuse light around the highlight is taken.
+// the layer is of more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
 PLANE_IN(0, frame);
 PLANE_IN(1, probability);
@@ -25,7 +25,8 @@ void main() {
   if (i >= push.size.x * push.size.y) return;
   vec3 rgb = finite(FETCH(frame, i)).rgb;
   float mask = 0.0;
-  vec2 layers = vec2(0.0);
+  vec3 specular = vec3(0.0);
+  float mirror = 0.0;
   vec2 at = (vec2(i % push.size.x, i / push.size.x) + 0.5 - push.corner) / push.pixels;
   if (kFound && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(push.side)))) {
     vec2 between = clamp(at - 0.5, vec2(0.0), vec2(push.side - 1));
@@ -38,12 +39,13 @@ void main() {
     mask = smoothstep(0.25, 0.75, p);
     vec2 code = mix(mix(FETCH(codes, a).xy, FETCH(codes, b).xy, share.x),
                     mix(FETCH(codes, c).xy, FETCH(codes, d).xy, share.x), share.y);
-    layers = mask * decode(code);
+    vec2 layers = mask * decode(code);
     vec3 base = mix(mix(FETCH(under, a - 1).rgb, FETCH(under, b - 1).rgb, share.x),
                     mix(FETCH(under, c - 1).rgb, FETCH(under, d - 1).rgb, share.x), share.y);
-    vec3 spare = max(rgb - base * smoothstep(kClips.x, kClips.y, max(rgb.r, max(rgb.g, rgb.b))), vec3(0.0));
-    layers.x = min(layers.x, min(spare.r, min(spare.g, spare.b)));
+    vec3 under_it = min(base * smoothstep(kClips.x, kClips.y, rgb), rgb);
+    specular = min(vec3(min(layers.x, min(rgb.r, min(rgb.g, rgb.b)))), rgb - under_it);
+    mirror = layers.y;
   }
-  STORE(diffuse, i, vec4(rgb - layers.x, mask));
-  STORE(gloss, i, vec4(layers.xxx, layers.y));
+  STORE(diffuse, i, vec4(rgb - specular, mask));
+  STORE(gloss, i, vec4(specular, mirror));
 }

@@ -16,7 +16,10 @@ INVERSE_SHADER(material_specular_out);
 namespace inverse {
 namespace {
 
-constexpr float kMoved = 0.02F;   // share of the object's points: less is rest
+constexpr float kMoved = 0.02F;  // share of the object's points: less is rest
+// Layers of a resting object are of an earlier frame while no part of its picture differs by more:
+// sRGB, five code values.
+constexpr float kChanged = 0.02F;
 constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
 // The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views each
 // is taken, then one in so many.
@@ -84,6 +87,8 @@ void LimeMaterial::reset() {
   fusion_.reset();
   object_ = {};
   have_layers_ = false;
+  change_.reset();
+  changed_ = 0;
   rested_ = 0;
   light_.reset();
   lit_by_ = nullptr;
@@ -96,7 +101,7 @@ bool LimeMaterial::rests(const Params& params) const {
   const bool steady =
       fusion_.count() >= kFewest &&
       fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.count()));
-  return steady && tracker_.moved() < kMoved;
+  return steady && tracker_.moved() < kMoved && !(drawn_ && changed_ > kChanged);
 }
 
 void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot) {
@@ -132,14 +137,12 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
 }
 
-void LimeMaterial::record_light(gpu::Commands& commands, Slot& slot) {
-  for (const auto& [source, copy] : {std::pair{segmentation_.input(0), &slot.image},
-                                     std::pair{exponent_.input(0), &slot.codes}}) {
-    if (!*copy)
-      *copy =
-          gpu::Buffer::create(device_, gpu::Element::vec4, source->count(), gpu::Memory::readback);
-    commands.copy(source, *copy, (*copy)->bytes());
-  }
+void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
+                             gpu::BufferPtr& copy) {
+  if (!copy)
+    copy = gpu::Buffer::create(source->device(), gpu::Element::vec4, source->count(),
+                               gpu::Memory::readback);
+  commands.copy(source, copy, copy->bytes());
 }
 
 void LimeMaterial::take_light(const Slot& slot) {
@@ -155,6 +158,7 @@ void LimeMaterial::take_light(const Slot& slot) {
 }
 
 LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame) {
+  drawn_ = true;
   return draw_layers(commands, frame, object_.found && have_layers_);
 }
 
@@ -207,14 +211,27 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
     have_layers_ = true;
     report.lit = params.lit && (totals_.estimates < kEarlyViews || light_.views() < kEarlyViews ||
                                 totals_.estimates % kViewEvery == 0);
-    if (report.lit) record_light(commands, slot);
+    if (report.lit) read_back(commands, exponent_.input(0), slot.codes);
   }
+  report.compared = report.segmented && params.adaptive && drawn_;
+  if (report.lit || report.compared) read_back(commands, segmentation_.input(0), slot.image);
+  drawn_ = false;
   totals_.segmentations += report.segmented;
   totals_.estimates += report.estimated;
   report.segmentations = totals_.segmentations;
   report.estimates = totals_.estimates;
   slot.report = report;
   ++recorded_;
+}
+
+void LimeMaterial::compare(const Slot& slot) {
+  const std::span image(slot.image->map_as<float>() + 4, size_t{4} * side_ * side_);
+  if (slot.report.estimated) {
+    change_.keep(image, side_);
+    changed_ = 0;
+  } else if (slot.square == estimated_in_) {
+    changed_ = change_.since(image, tracker_.mask(), side_);
+  }
 }
 
 void LimeMaterial::done(uint64_t number) {
@@ -227,6 +244,7 @@ void LimeMaterial::done(uint64_t number) {
     fusion_.reset();
     have_layers_ = false;
   }
+  if (slot.report.compared) compare(slot);
   if (tracker_.found() && !tracker_.misled() && slot.report.estimated) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;

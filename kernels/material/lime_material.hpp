@@ -8,6 +8,7 @@
 #include "../gpu/commands.hpp"
 #include "../image/plane.hpp"
 #include "../network/network.hpp"
+#include "crop_change.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
 #include "object_light.hpp"
@@ -23,7 +24,7 @@ namespace inverse {
 /// square that is looked at, and the material, follow by as many frames as are in flight. Where the
 /// last frame that is done had no object, SegmentationNet runs alone; so it does where an object
 /// rests and its material is known, but for one frame in `recheck`; and where the picture rests as
-/// well, not even that.
+/// well, not even that. Where layers are drawn an object whose picture changes does not rest.
 class LimeMaterial {
  public:
   struct Params {
@@ -42,6 +43,7 @@ class LimeMaterial {
     uint64_t segmentations = 0, estimates = 0;  ///< so far
     const char* skipped = "";                   ///< what was left out, and why
     bool lit = false;                           ///< whether it is to tell of the light
+    bool compared = false;                      ///< whether its picture is kept or compared
   };
   /// What is known of the object now.
   struct Object {
@@ -97,7 +99,7 @@ class LimeMaterial {
  private:
   struct Slot {
     gpu::BufferPtr probability, albedo, exponent;  // read back
-    gpu::BufferPtr image, codes;                   // read back for the light, made when needed
+    gpu::BufferPtr image, codes;                   // the same, made when needed
     Square square;
     Report report;
     Params params;
@@ -107,8 +109,10 @@ class LimeMaterial {
   bool rests(const Params& params) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
-  void record_light(gpu::Commands& commands, Slot& slot);
+  static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
+                        gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
+  void compare(const Slot& slot);
   Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
@@ -127,6 +131,9 @@ class LimeMaterial {
   Object object_;
   Square estimated_in_;       // the square that the networks' results are of
   bool have_layers_ = false;  // of the object, from some frame since the last reset
+  CropChange change_;         // since the frame that they are of
+  float changed_ = 0;
+  bool drawn_ = false;  // layers of the last frame were
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;
   Report totals_;

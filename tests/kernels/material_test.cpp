@@ -96,7 +96,7 @@ class LimeTest : public GpuTest {
   static constexpr Extent kFrame{96, 64};
   const float kRed = linear(.9F), kBlue = linear(.4F), kGray = linear(.5F);
 
-  Plane scene(float x, float y, float radius) {
+  Plane scene(float x, float y, float radius, float green = .4F, float blue = .4F) {
     Pixels pixels(kFrame.pixels() * 4, kGray);
     for (uint32_t row = 0; row < kFrame.height; ++row)
       for (uint32_t column = 0; column < kFrame.width; ++column)
@@ -104,8 +104,8 @@ class LimeTest : public GpuTest {
             radius) {
           float* pixel = &pixels[4 * (size_t{row} * kFrame.width + column)];
           pixel[0] = kRed;
-          pixel[1] = kBlue;
-          pixel[2] = kBlue;
+          pixel[1] = linear(green);
+          pixel[2] = linear(blue);
         }
     return plane(kFrame, pixels);
   }
@@ -177,6 +177,36 @@ TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
   params.adaptive = false;
   for (int i = 0; i < 5; ++i) frame(lime, picture);
   EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 9);
+}
+
+TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.recheck = 1000;
+  const auto gloss = [&](float blue) {
+    return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
+  };
+  for (int i = 0; i < 30; ++i) gloss(.4F);
+  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated);
+  const auto estimates = lime.report(lime.recorded() - 1).estimates;
+  // Less than a change: what was found stays.
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.41F), decoded(.5F * .4F), 1e-3);
+  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates);
+  // A highlight comes: by the second frame it is seen, and then all is still again.
+  gloss(.5F);
+  EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
+  EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates + 1);
+  // Nobody looks at the layers: the material is what it was.
+  const auto unseen = [&](float blue) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(50, 30, 20, .5F, blue), params, false);
+    });
+    lime.done(lime.recorded() - 1);
+  };
+  for (int i = 0; i < 10; ++i) unseen(i % 2 ? .5F : .47F);
+  EXPECT_LE(lime.report(lime.recorded() - 1).estimates, estimates + 2);
+  for (int i = 0; i < 10; ++i) gloss(i % 2 ? .5F : .47F);
+  EXPECT_GE(lime.report(lime.recorded() - 1).estimates, estimates + 6);
 }
 
 TEST_F(LimeTest, ASteadyObjectThatLeavesIsMissedAtOnce) {

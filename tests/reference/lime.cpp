@@ -126,20 +126,23 @@ LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane
       for (size_t c = 0; c < 3; ++c) rgb[c] = finite(rgb[c]);
       const double u = (x + 0.5 - square.x) / square.pixels,
                    v = (y + 0.5 - square.y) / square.pixels;
-      double mask = 0, specular = 0, mirror = 0;
+      Vec4 specular{};
+      double mask = 0, mirror = 0;
       if (u >= 0 && v >= 0 && u < square.side && v < square.side) {
         mask = smoothstep(0.25, 0.75, bilinear(probability, u, v)[0]);
         const Vec4 code = bilinear(codes, u, v), base = bilinear(under, u, v);
         mirror = mask * lime_decode(code[1]);
-        // Where the camera was at its end, what is under the highlight stays.
-        const double clipped = smoothstep(kClipsFrom, kClips, largest(rgb));
-        double spare = 65504;
-        for (size_t c = 0; c < 3; ++c)
-          spare = std::min(spare, std::max(rgb[c] - clipped * base[c], 0.0));
-        specular = std::min(mask * lime_decode(code[0]), spare);
+        const double layer = std::min(mask * lime_decode(code[0]), smallest(rgb));
+        for (size_t c = 0; c < 3; ++c) {
+          // Where the camera was at its end, what is under the highlight stays.
+          const double under_it =
+              std::min(base[c] * smoothstep(kClipsFrom, kClips, rgb[c]), rgb[c]);
+          specular[c] = std::min(layer, rgb[c] - under_it);
+        }
       }
-      out.diffuse.at(x, y) = {rgb[0] - specular, rgb[1] - specular, rgb[2] - specular, mask};
-      out.gloss.at(x, y) = {specular, specular, specular, mirror};
+      out.diffuse.at(x, y) = {rgb[0] - specular[0], rgb[1] - specular[1], rgb[2] - specular[2],
+                              mask};
+      out.gloss.at(x, y) = {specular[0], specular[1], specular[2], mirror};
     }
   return out;
 }

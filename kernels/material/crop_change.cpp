@@ -1,0 +1,36 @@
+#include "crop_change.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace inverse {
+
+void CropChange::keep(std::span<const float> image, uint32_t side) {
+  kept_.assign(image.begin(), image.begin() + size_t{4} * side * side);
+}
+
+float CropChange::since(std::span<const float> image, std::span<const uint8_t> mask,
+                        uint32_t side) const {
+  if (kept_.size() != size_t{4} * side * side) return 0;
+  float largest = 0;
+  for (uint32_t top = 0; top < side; top += kBlock)
+    for (uint32_t left = 0; left < side; left += kBlock) {
+      std::array<float, 3> sum{};
+      uint32_t points = 0, all = 0;
+      for (uint32_t y = top; y < std::min(top + kBlock, side); ++y)
+        for (uint32_t x = left; x < std::min(left + kBlock, side); ++x) {
+          const size_t at = size_t{y} * side + x;
+          ++all;
+          if (!mask.empty() && !mask[at]) continue;
+          ++points;
+          for (size_t c = 0; c < 3; ++c) sum[c] += image[4 * at + c] - kept_[4 * at + c];
+        }
+      if (8 * points < all || !points) continue;
+      for (const float s : sum)
+        largest = std::max(largest, std::abs(s) / static_cast<float>(points));
+    }
+  return largest;
+}
+
+}  // namespace inverse

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace inverse {
+
+/// How much the picture of an object has changed since its layers were found. The mean over blocks
+/// of points is what counts, so that a camera's noise does not, and a highlight that moves does.
+class CropChange {
+ public:
+  static constexpr uint32_t kBlock = 8;  ///< points along a block's side
+
+  /// The picture that layers were found in: side x side points of sRGB 0…1, row by row, four floats
+  /// each.
+  void keep(std::span<const float> image, uint32_t side);
+  void reset() { kept_.clear(); }
+
+  /// The largest difference of means, in any channel, between a block of this picture and of the
+  /// kept one; of blocks that have at least an eighth of their points on the object (`mask`, a byte
+  /// each; empty: all have). 0 where none was kept.
+  float since(std::span<const float> image, std::span<const uint8_t> mask, uint32_t side) const;
+
+ private:
+  std::vector<float> kept_;
+};
+
+}  // namespace inverse
