@@ -51,7 +51,7 @@ void FrameLabeler::reset() {
 }
 
 void FrameLabeler::flush() {
-  counter_.drain();
+  counter_.flush();
   waiting_.clear();
   seen_.clear();
   last_.reset();

@@ -21,6 +21,7 @@ void TriggerCounter::restart() {
   held_.clear();
   ++epoch_;
   off_in_row_ = unsettled_in_row_ = 0;
+  anywhere_ = false;
   slow_ = 1 - params_.drift * 1e-6;
   fast_ = 1 + params_.drift * 1e-6;
   skips_zero_possible_ = true;
@@ -40,7 +41,7 @@ void TriggerCounter::add_if_fitting(const Explanation& before, const Frame& fram
   const bool both_known = frame.content && before.content;
   if (step == 0 && both_known && frame.content != before.content) return;
   Explanation after = before;
-  if (step >= 0) {
+  if (step >= 0 || anywhere_) {
     after.low = low;
     after.high = high;
     after.trigger = before.trigger + step;
@@ -62,7 +63,7 @@ std::vector<TriggerCounter::Explanation> TriggerCounter::fitting(const Explanati
     const uint32_t bits = params_.id_bits;
     const uint64_t mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
     const uint64_t ahead = (*frame.id - before.id) & mask, behind = (before.id - *frame.id) & mask;
-    const bool late = behind < ahead && behind <= uint64_t{kMostLate};
+    const bool late = behind < ahead && (anywhere_ || behind <= uint64_t{kMostLate});
     if (!late && ahead > uint64_t{1} << 40) return found;
     const int64_t step = late ? -static_cast<int64_t>(behind) : static_cast<int64_t>(ahead);
     add_if_fitting(before, frame, step, found);
@@ -73,15 +74,17 @@ std::vector<TriggerCounter::Explanation> TriggerCounter::fitting(const Explanati
   }
   if (!frame.time) return found;
   const double x = *frame.time;
-  const double first = (x - params_.jitter - before.high) / fast_ - 1;
-  const double last = (x + params_.jitter - before.low) / slow_ + 1;
+  const double least = x - params_.jitter - before.high, most = x + params_.jitter - before.low;
+  const double first = least / (least > 0 ? fast_ : slow_) - 1;
+  const double last = most / (most > 0 ? slow_ : fast_) + 1;
   if (!(std::abs(first) < 1e15 && last - first < 2 * kMostExplanations)) return found;
   const auto from = static_cast<int64_t>(std::floor(first));
   const auto to = static_cast<int64_t>(std::ceil(last));
   for (int64_t step = std::max<int64_t>(from, 0); step <= to; ++step)
     add_if_fitting(before, frame, step, found);
   if (found.empty())
-    for (int64_t step = std::min<int64_t>(to, -1); step >= std::max(from, -kMostLate); --step)
+    for (int64_t step = std::min<int64_t>(to, -1);
+         step >= (anywhere_ ? from : std::max(from, -kMostLate)); --step)
       add_if_fitting(before, frame, step, found);
   return found;
 }
@@ -137,6 +140,7 @@ std::vector<TriggerCounter::Counted> TriggerCounter::push(const Frame& frame,
     return out;
   }
   off_in_row_ = 0;
+  anywhere_ = false;
   const bool could_be_any = next.size() > kMostExplanations;
   bool contradicted = false;
   if (contradicts) {
@@ -195,6 +199,11 @@ void TriggerCounter::give_up(std::vector<Counted>& out) {
   restart();
 }
 
+void TriggerCounter::flush() {
+  drain();
+  anywhere_ = true;
+}
+
 std::vector<TriggerCounter::Counted> TriggerCounter::drain() {
   std::vector<Counted> out;
   for (const Held& held : held_) out.push_back({held.token, Counted::Fate::ambiguous, 0, false});
@@ -208,6 +217,7 @@ std::vector<TriggerCounter::Counted> TriggerCounter::drain() {
 void TriggerCounter::measure_rate() {
   const Explanation& now = explanations_.front();
   const int64_t passed = now.trigger - checkpoint_.trigger;
+  if (passed < 0) checkpoint_ = {now.trigger, now.low, now.high};
   if (passed < kMeasureAfter || passed % (kMeasureAfter / 2) != 0) return;
   const auto count = static_cast<double>(passed);
   const double slow = (now.low - checkpoint_.high) / count;

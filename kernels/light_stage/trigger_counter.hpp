@@ -54,6 +54,9 @@ class TriggerCounter {
   std::vector<Counted> push(const Frame& frame, const Contradicts& contradicts);
   /// Nothing more comes: those that are held.
   std::vector<Counted> drain();
+  /// Those that are held are forgotten, and the next frame may be from any time, also an earlier
+  /// one; the count goes on from it.
+  void flush();
   /// Counting starts anew with the next frame.
   void restart();
   /// Changes with every restart, also with those of its own, where nothing fits any more: triggers
@@ -95,6 +98,7 @@ class TriggerCounter {
     int64_t trigger;
     double low, high;
   } checkpoint_{};
+  bool anywhere_ = false;            // after a flush
   bool skips_zero_possible_ = true;  // ids that wrap from the largest to 1
 };
 
