@@ -27,6 +27,9 @@ bool SyncElement::start() {
     auto labels = std::make_shared<const StageLabels>(light_program(params.program));
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
+    lights_.reset();
+    if (params.lights.backend != LightDriverSettings::Backend::none)
+      lights_ = std::make_unique<LightClock>(element_, labels, params.lights, params.lead_in);
     Lock lock(mutex_);
     params_ = params;
     labels_ = std::move(labels);
@@ -40,6 +43,7 @@ bool SyncElement::start() {
 }
 
 void SyncElement::stop() {
+  lights_.reset();
   Lock lock(mutex_);
   for (auto& [number, camera] : cameras_) {
     camera->clear();
@@ -61,11 +65,15 @@ void SyncElement::stop() {
   context_.release();
 }
 
-void SyncElement::set_playing(bool playing) {
-  Lock lock(mutex_);
-  playing_ = playing;
-  playing_since_ = lacking_since_ = Clock::now();
-  for (auto& [number, camera] : cameras_) camera->last_arrival = playing_since_;
+bool SyncElement::set_playing(bool playing) {
+  {
+    Lock lock(mutex_);
+    playing_ = playing;
+    lacking_since_ = Clock::now();
+    for (auto& [number, camera] : cameras_) camera->last_arrival = lacking_since_;
+  }
+  if (!lights_) return true;
+  return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
 }
 
 std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {

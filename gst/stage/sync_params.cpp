@@ -4,6 +4,7 @@ namespace inverse {
 
 const PropertyTable<SyncParams>& sync_properties() {
   using P = SyncParams;
+  using Backend = LightDriverSettings::Backend;
   const auto value = [](auto choice) { return static_cast<int>(choice); };
   static const PropertyTable<P> table{
       text<P>("program", &P::program,
@@ -66,6 +67,45 @@ const PropertyTable<SyncParams>& sync_properties() {
               "Vulkan device for layers (assemble=pairs): an index or a part of its name; empty = "
               "shared with neighbors, else the environment variable INVERSE_DEVICE, else the fastest",
               Mutable::ready),
+      choice<P>("backend", [](P& p) -> auto& { return p.lights.backend; }, "GstInverseLightBackend",
+                {{value(Backend::none), "none",
+                  "The rig has the program, and its own trigger steps it"},
+                 {value(Backend::sacn), "sacn",
+                  "Streaming ACN (E1.31) over UDP, stepped by the pipeline's clock"},
+                 {value(Backend::serial), "serial",
+                  "A controller on a serial line that is given the program before the start, and a "
+                  "pulse for each step"}},
+                "How the lights are reached", Mutable::ready),
+      number<P>("lead-in", &P::lead_in, 0, 3600,
+                "Seconds of black from PLAYING to the program's start, where the lights are driven "
+                "from here",
+                Mutable::ready),
+      text<P>("host", [](P& p) -> auto& { return p.lights.sacn.destination; },
+              "backend=sacn: the one receiver, host or host:port; empty: multicast, to the group of "
+              "each universe",
+              Mutable::ready),
+      text<P>("interface", [](P& p) -> auto& { return p.lights.sacn.interface_address; },
+              "backend=sacn: IPv4 address of the network interface for multicast; empty: the "
+              "system's choice",
+              Mutable::ready),
+      number<P>("universe", [](P& p) -> auto& { return p.lights.sacn.universe; }, 1u, 63999u,
+                "backend=sacn: the universe in which the program's channel 1 is", Mutable::ready),
+      number<P>("sync-universe", [](P& p) -> auto& { return p.lights.sacn.sync_universe; }, 0u,
+                63999u,
+                "backend=sacn: universe of the packets that make all receivers change at once; 0: "
+                "none",
+                Mutable::ready),
+      number<P>("priority", [](P& p) -> auto& { return p.lights.sacn.priority; }, 0u, 200u,
+                "backend=sacn: priority over other senders", Mutable::ready),
+      text<P>("serial-port", [](P& p) -> auto& { return p.lights.serial.port; },
+              "backend=serial: the port, such as /dev/ttyUSB0", Mutable::ready),
+      number<P>("baud", [](P& p) -> auto& { return p.lights.serial.baud; }, 9600u, 3000000u,
+                "backend=serial: its speed, bits a second", Mutable::ready),
+      flag<P>("pulses", [](P& p) -> auto& { return p.lights.serial.pulses; },
+              "backend=serial: step the program from here; else the rig's own trigger does",
+              Mutable::ready),
+      number<P>("patience", [](P& p) -> auto& { return p.lights.serial.patience; }, 0.01, 3600,
+                "backend=serial: seconds that the controller has for an answer", Mutable::ready),
   };
   return table;
 }

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "base/property_table.hpp"
+#include "light_stage/light_driver.hpp"
 
 namespace inverse {
 
@@ -26,6 +27,9 @@ struct SyncParams {
   Align align = Align::none;
   std::string location;
   std::string device;
+
+  LightDriverSettings lights;
+  double lead_in = 1;
 };
 
 const PropertyTable<SyncParams>& sync_properties();

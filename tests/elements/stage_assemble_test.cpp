@@ -236,7 +236,7 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
          as_seen / lights, moved / lights);
   EXPECT_LT(moved, 0.5 * as_seen);
 
-  std::ifstream file(location + "/camera_0/olat.json");
+  std::ifstream file(location + "/camera_0/lights.json");
   const auto list = nlohmann::json::parse(file);
   ASSERT_EQ(list["lights"].size(), 42u);
   EXPECT_EQ(list["width"], kWide);
