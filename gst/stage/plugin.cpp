@@ -4,10 +4,15 @@
 #include "base/layers_meta.hpp"
 #include "base/light_stage_meta.hpp"
 
-static gboolean plugin_init(GstPlugin*) {
+namespace inverse {
+gboolean register_lightstagesync(GstPlugin* plugin);
+bool register_test_source(GstPlugin* plugin);
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  return TRUE;
+  return inverse::register_lightstagesync(plugin) && inverse::register_test_source(plugin);
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversestage,
