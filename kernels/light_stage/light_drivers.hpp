@@ -1,0 +1,12 @@
+#pragma once
+#include <memory>
+
+#include "light_driver.hpp"
+
+// The backends behind make_light_driver, each in a file of its own.
+namespace inverse {
+
+std::unique_ptr<LightDriver> make_sacn_driver(const LightDriverSettings::Sacn& settings);
+std::unique_ptr<LightDriver> make_serial_driver(const LightDriverSettings::Serial& settings);
+
+}  // namespace inverse
