@@ -4,10 +4,20 @@
 #include "base/layers_meta.hpp"
 #include "base/light_stage_meta.hpp"
 
-static gboolean plugin_init(GstPlugin*) {
+namespace inverse {
+#if HAVE_ARAVIS
+gboolean register_lightstagearavissrc(GstPlugin* plugin);
+#endif
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  return TRUE;
+  gboolean all = TRUE;
+#if HAVE_ARAVIS
+  all &= inverse::register_lightstagearavissrc(plugin);
+#endif
+  return all;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversestage,
