@@ -13,16 +13,17 @@ class FrameIds {
   /// How many exposures `id` is after the last one that `accept` was told: 1 for the next, 0 or
   /// less for one that came again or late. Nothing without a last one.
   std::optional<int64_t> after_last(uint64_t id) const {
-    if (!last_) return std::nullopt;
+    if (!known_) return std::nullopt;
     const uint64_t mask = bits_ >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits_) - 1;
-    const uint64_t ahead = (id - *last_) & mask, behind = (*last_ - id) & mask;
+    const uint64_t ahead = (id - last_) & mask, behind = (last_ - id) & mask;
     const bool zero = !skips_zero_ || id == 0;
-    if (ahead <= behind) return static_cast<int64_t>(ahead - (!zero && id < *last_ ? 1 : 0));
-    return -static_cast<int64_t>(behind - (!zero && id > *last_ ? 1 : 0));
+    if (ahead <= behind) return static_cast<int64_t>(ahead - (!zero && id < last_ ? 1 : 0));
+    return -static_cast<int64_t>(behind - (!zero && id > last_ ? 1 : 0));
   }
   void accept(uint64_t id) {
     if (id == 0) skips_zero_ = false;
     last_ = id;
+    known_ = true;
   }
   /// Takes the next one; how many are missing before it.
   uint64_t missed_before(uint64_t id) {
@@ -30,12 +31,13 @@ class FrameIds {
     accept(id);
     return step > 1 ? static_cast<uint64_t>(step - 1) : 0;
   }
-  std::optional<uint64_t> last() const { return last_; }
+  std::optional<uint64_t> last() const { return known_ ? std::optional(last_) : std::nullopt; }
 
  private:
   uint32_t bits_ = 16;
   bool skips_zero_ = bits_ < 64;
-  std::optional<uint64_t> last_;
+  bool known_ = false;
+  uint64_t last_ = 0;
 };
 
 }  // namespace inverse
