@@ -5,6 +5,7 @@
 #include "base/light_stage_meta.hpp"
 
 namespace inverse {
+gboolean register_lightstagesync(GstPlugin* plugin);
 #if HAVE_ARAVIS
 gboolean register_lightstagearavissrc(GstPlugin* plugin);
 #endif
@@ -13,7 +14,7 @@ gboolean register_lightstagearavissrc(GstPlugin* plugin);
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  gboolean all = TRUE;
+  gboolean all = inverse::register_lightstagesync(plugin);
 #if HAVE_ARAVIS
   all &= inverse::register_lightstagearavissrc(plugin);
 #endif

@@ -1,0 +1,18 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <opencv2/core.hpp>
+
+#include "raw_frame.hpp"
+
+namespace inverse {
+
+/// A frame as OpenCV has pictures: its code values as GStreamer unpacks them (CV_8UC4 or CV_16UC4).
+/// Throws Error(unsupported) where the buffer does not hold what its caps promise.
+cv::Mat read_codes(const GstVideoInfo& info, GstBuffer* buffer);
+/// Writes such a picture into a writable buffer.
+void write_codes(const GstVideoInfo& info, GstBuffer* buffer, const cv::Mat& codes);
+/// Their linear light, CV_32FC3 (red, green, blue).
+cv::Mat linear_light(const Linearizer& linear, const cv::Mat& codes);
+
+}  // namespace inverse

@@ -1,0 +1,241 @@
+// lightstagesync: says of each frame of the cameras of a light stage which lights lit it, keeps the
+// cameras together, and assembles what belongs together.
+#include <gst/gst.h>
+#include <gst/video/video.h>
+
+#include <cstring>
+#include <string>
+
+#include "sync_element.hpp"
+
+using inverse::SyncElement;
+
+struct GstLightStageSync {
+  GstElement parent;
+  SyncElement* sync;
+};
+
+struct GstLightStageSyncClass {
+  GstElementClass parent;
+};
+
+namespace {
+
+enum : guint { PROP_STATS = 1, PROP_TABLE = 10 };
+
+gpointer parent_class = nullptr;
+
+SyncElement& sync_of(gpointer object) { return *static_cast<GstLightStageSync*>(object)->sync; }
+
+void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
+  if (id >= PROP_TABLE)
+    sync_of(object).parameters().get(id - PROP_TABLE, value);
+  else if (id == PROP_STATS)
+    g_value_take_boxed(value, sync_of(object).stats());
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
+  if (id >= PROP_TABLE)
+    sync_of(object).parameters().set(id - PROP_TABLE, value);
+  else
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+}
+
+void finalize(GObject* object) {
+  delete &sync_of(object);
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+/// The camera of a pad, which may just be given back.
+SyncElement::CameraPtr camera_of(GstPad* pad, GstObject* parent) {
+  return sync_of(parent).find(pad);
+}
+
+/// Pads are made active before they have a parent.
+SyncElement& sync_of_pad(GstPad* pad) {
+  return *static_cast<SyncElement*>(gst_pad_get_element_private(pad));
+}
+
+GstFlowReturn chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
+  const auto camera = camera_of(pad, parent);
+  if (camera) return sync_of(parent).chain(camera, buffer);
+  gst_buffer_unref(buffer);
+  return GST_FLOW_FLUSHING;
+}
+
+gboolean sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  const auto camera = camera_of(pad, parent);
+  if (camera) return sync_of(parent).sink_event(camera, event);
+  gst_event_unref(event);
+  return FALSE;
+}
+
+gboolean sink_query(GstPad* pad, GstObject* parent, GstQuery* query) {
+  const auto camera = camera_of(pad, parent);
+  return camera && sync_of(parent).sink_query(camera, query);
+}
+
+gboolean src_query(GstPad* pad, GstObject* parent, GstQuery* query) {
+  const auto camera = camera_of(pad, parent);
+  return camera && sync_of(parent).src_query(camera, query);
+}
+
+gboolean activate_sink(GstPad* pad, GstObject*, GstPadMode mode, gboolean active) {
+  if (mode != GST_PAD_MODE_PUSH) return FALSE;
+  const auto camera = sync_of_pad(pad).find(pad);
+  return !camera || sync_of_pad(pad).activate_sink(camera, active);
+}
+
+gboolean activate_src(GstPad* pad, GstObject*, GstPadMode mode, gboolean active) {
+  if (mode != GST_PAD_MODE_PUSH) return FALSE;
+  const auto camera = sync_of_pad(pad).find(pad);
+  if (camera) return sync_of_pad(pad).activate_src(camera, active);
+  return active ? TRUE : gst_pad_stop_task(pad);
+}
+
+GstIterator* linked_inside(GstPad* pad, GstObject* parent) {
+  const auto camera = camera_of(pad, parent);
+  if (!camera) return nullptr;
+  GValue other = G_VALUE_INIT;
+  g_value_init(&other, GST_TYPE_PAD);
+  g_value_set_object(&other, pad == camera->sink ? camera->src : camera->sink);
+  GstIterator* iterator = gst_iterator_new_single(GST_TYPE_PAD, &other);
+  g_value_unset(&other);
+  return iterator;
+}
+
+GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, const gchar* wanted,
+                        const GstCaps*) {
+  SyncElement& sync = sync_of(element);
+  guint64 number = 0;
+  if (wanted && g_str_has_prefix(wanted, "sink_")) {
+    if (!g_ascii_string_to_unsigned(wanted + strlen("sink_"), 10, 0, G_MAXUINT32 - 1, &number,
+                                    nullptr))
+      return nullptr;
+    if (sync.has(static_cast<uint32_t>(number))) return nullptr;
+  } else {
+    while (sync.has(static_cast<uint32_t>(number))) ++number;
+  }
+  const std::string digits = std::to_string(number);
+  GstPad* sink = gst_pad_new_from_template(sink_template, ("sink_" + digits).c_str());
+  GstPad* src = gst_pad_new_from_template(
+      gst_element_class_get_pad_template(GST_ELEMENT_GET_CLASS(element), "src_%u"),
+      ("src_" + digits).c_str());
+  gst_pad_set_chain_function(sink, chain);
+  gst_pad_set_event_function(sink, sink_event);
+  gst_pad_set_query_function(sink, sink_query);
+  gst_pad_set_activatemode_function(sink, activate_sink);
+  gst_pad_set_query_function(src, src_query);
+  gst_pad_set_activatemode_function(src, activate_src);
+  for (GstPad* pad : {sink, src}) {
+    gst_pad_set_iterate_internal_links_function(pad, linked_inside);
+    gst_pad_set_element_private(pad, &sync);
+  }
+  GST_PAD_SET_ACCEPT_TEMPLATE(sink);
+  sync.add(static_cast<uint32_t>(number), sink, src);
+  GST_OBJECT_LOCK(element);
+  const bool running = GST_STATE_TARGET(element) > GST_STATE_READY;
+  GST_OBJECT_UNLOCK(element);
+  for (GstPad* pad : {src, sink}) {
+    if (running) gst_pad_set_active(pad, TRUE);
+    gst_element_add_pad(element, pad);
+  }
+  return sink;
+}
+
+void release_pad(GstElement* element, GstPad* pad) {
+  const auto camera = sync_of(element).find(pad);
+  if (!camera) return;
+  sync_of(element).remove(camera);
+  gst_element_remove_pad(element, camera->src);
+  gst_element_remove_pad(element, camera->sink);
+}
+
+GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
+  SyncElement& sync = sync_of(element);
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !sync.start())
+    return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING) sync.set_playing(true);
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) sync.set_playing(false);
+  const GstStateChangeReturn result =
+      GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) sync.stop();
+  return result;
+}
+
+void set_context(GstElement* element, GstContext* context) {
+  sync_of(element).context().set_context(context);
+  GST_ELEMENT_CLASS(parent_class)->set_context(element, context);
+}
+
+void add_template(GstElementClass* element, const char* name, GstPadDirection direction,
+                  GstPadPresence presence, GstCaps* caps) {
+  gst_element_class_add_pad_template(element,
+                                     gst_pad_template_new(name, direction, presence, caps));
+}
+
+void class_init(gpointer klass, gpointer) {
+  parent_class = g_type_class_peek_parent(klass);
+  auto* object = G_OBJECT_CLASS(klass);
+  object->get_property = get_property;
+  object->set_property = set_property;
+  object->finalize = finalize;
+  auto* element = GST_ELEMENT_CLASS(klass);
+  element->request_new_pad = request_new_pad;
+  element->release_pad = release_pad;
+  element->change_state = change_state;
+  element->set_context = set_context;
+  gst_element_class_set_static_metadata(
+      element, "Light stage sync", "Filter/Video",
+      "Says of each frame of the cameras of a light stage which lights lit it, keeps the cameras "
+      "together, and makes pairs or sets of what belongs together",
+      "the gst-inverse authors");
+  GstCaps* raw = gst_caps_from_string(GST_VIDEO_CAPS_MAKE(GST_VIDEO_FORMATS_ALL));
+  add_template(element, "sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, raw);
+  GstCaps* out = inverse::assembled_caps(raw, inverse::SyncParams::Assemble::none);
+  out = gst_caps_merge(out, inverse::assembled_caps(raw, inverse::SyncParams::Assemble::pairs));
+  add_template(element, "src_%u", GST_PAD_SRC, GST_PAD_SOMETIMES, out);
+  gst_caps_unref(raw);
+  gst_caps_unref(out);
+  g_object_class_install_property(
+      object, PROP_STATS,
+      g_param_spec_boxed(
+          "stats", "stats",
+          "Counts of frames, of all cameras together and in a structure for each (sink_0 …): frames, "
+          "labeled, sent, missing (lost on the way), duplicates, late, ambiguous, contradicted, "
+          "untimed, before-marker, after-end, incomplete (of sets), markers, resynchronizations; "
+          "synchronized, and the triggers' rate by the camera's clock between rate-low and "
+          "rate-high (Hz); sets-complete, sets-incomplete, and what assembling tells",
+          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()).install(object, PROP_TABLE);
+}
+
+void instance_init(GTypeInstance* instance, gpointer) {
+  reinterpret_cast<GstLightStageSync*>(instance)->sync = new SyncElement(GST_ELEMENT(instance));
+}
+
+GType sync_type() {
+  static const GType type = [] {
+    GTypeInfo info{};
+    info.class_size = sizeof(GstLightStageSyncClass);
+    info.class_init = class_init;
+    info.instance_size = sizeof(GstLightStageSync);
+    info.instance_init = instance_init;
+    return g_type_register_static(GST_TYPE_ELEMENT, "GstLightStageSync", &info,
+                                  static_cast<GTypeFlags>(0));
+  }();
+  return type;
+}
+
+}  // namespace
+
+namespace inverse {
+
+gboolean register_lightstagesync(GstPlugin* plugin);
+gboolean register_lightstagesync(GstPlugin* plugin) {
+  return gst_element_register(plugin, "lightstagesync", GST_RANK_NONE, sync_type());
+}
+
+}  // namespace inverse

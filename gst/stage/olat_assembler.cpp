@@ -1,0 +1,220 @@
+#include "olat_assembler.hpp"
+
+#include <ImfRgbaFile.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "error.hpp"
+#include "frame_picture.hpp"
+#include "motion.hpp"
+#include "olat_motion.hpp"
+
+namespace inverse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Position = LightProgram::Position;
+
+/// Linear light as half floats.
+void write_exr(const std::string& path, const cv::Mat& light) try {
+  std::vector<Imf::Rgba> row(static_cast<size_t>(light.cols));
+  Imf::RgbaOutputFile file(path.c_str(), light.cols, light.rows, Imf::WRITE_RGB);
+  for (int y = 0; y < light.rows; ++y) {
+    const auto* from = light.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < light.cols; ++x)
+      row[static_cast<size_t>(x)] = Imf::Rgba(from[x][0], from[x][1], from[x][2]);
+    file.setFrameBuffer(row.data() - static_cast<ptrdiff_t>(y) * light.cols, 1,
+                        static_cast<size_t>(light.cols));
+    file.writePixels(1);
+  }
+} catch (const std::exception& error) {
+  throw Error(ErrorKind::file, "cannot write " + path + ": " + error.what());
+}
+
+std::string file_name(const LightStep& step) {
+  if (step.kind != StepKind::olat) return std::string(name_of(step.kind)) + ".exr";
+  char name[32];
+  std::snprintf(name, sizeof name, "olat_%04u.exr", step.light);
+  return name;
+}
+
+}  // namespace
+
+OlatAssembler::OlatAssembler(GstElement* element, GstPad* src,
+                             std::shared_ptr<const StageLabels> labels, const SyncParams& params,
+                             uint32_t camera)
+    : FrameAssembler(element, src, std::move(labels)), location_(params.location), camera_(camera) {
+  gst_video_info_init(&info_);
+  const auto& steps = labels_->program().steps;
+  for (uint32_t i = 0; i < steps.size(); ++i)
+    if (steps[i].kind == StepKind::tracking) last_tracking_ = i;
+}
+
+OlatAssembler::~OlatAssembler() { forget(); }
+
+void OlatAssembler::check(const SyncParams& params, const LightProgram& program) {
+  if (params.assemble != SyncParams::Assemble::olat) return;
+  const auto has = [&](StepKind kind) {
+    return std::any_of(program.steps.begin(), program.steps.end(),
+                       [&](const LightStep& step) { return step.kind == kind; });
+  };
+  if (!has(StepKind::olat) || !has(StepKind::tracking))
+    throw Error(ErrorKind::file, "\"" + program.name +
+                                     "\" has no single lights with tracking frames among them to "
+                                     "assemble; take the program \"static\", or assemble=none");
+  if (params.location.empty()) return;
+  std::error_code failed;
+  std::filesystem::create_directories(params.location, failed);
+  if (failed || !std::filesystem::is_directory(params.location))
+    throw Error(ErrorKind::file, "the folder " + params.location + " cannot be made: " +
+                                     (failed ? failed.message() : "there is a file of this name"));
+}
+
+bool OlatAssembler::set_caps(GstCaps* caps) {
+  // What was before has another size or format: it goes out as far as it came.
+  if (finish() < GST_FLOW_EOS) return false;
+  if (!gst_video_info_from_caps(&info_, caps)) return false;
+  linear_.emplace(info_);
+  return FrameAssembler::set_caps(caps);
+}
+
+GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
+  if (!label) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  }
+  GstFlowReturn flow = GST_FLOW_OK;
+  const bool new_pass = !held_.empty() && (held_.back().label.trigger > label->trigger ||
+                                           held_.back().label.position.pass != label->position.pass);
+  if (new_pass) flow = assemble();
+  if (flow != GST_FLOW_OK) {
+    gst_buffer_unref(buffer);
+    return flow;
+  }
+  // A camera has few buffers, and a capture many frames.
+  held_.push_back({gst_buffer_copy_deep(buffer), *label});
+  gst_buffer_unref(buffer);
+  const bool step = label->position.part == Position::Part::step;
+  return step && label->position.index + 1 == labels_->program().steps.size() ? assemble()
+                                                                               : GST_FLOW_OK;
+}
+
+GstFlowReturn OlatAssembler::finish() { return held_.empty() ? GST_FLOW_OK : assemble(); }
+
+void OlatAssembler::forget() {
+  for (Held& held : held_) gst_buffer_unref(held.buffer);
+  held_.clear();
+}
+
+GstFlowReturn OlatAssembler::assemble() {
+  std::map<uint64_t, cv::Mat> tracking;
+  for (const Held& held : held_)
+    if (labels_->program().kind(held.label.position) == StepKind::tracking)
+      tracking[held.label.trigger] =
+          Motion::gray(linear_light(*linear_, read_codes(info_, held.buffer)));
+  std::unique_ptr<OlatMotion> motion;
+  if (!tracking.empty()) motion = std::make_unique<OlatMotion>(tracking);
+  const uint64_t last = tracking.empty() ? 0 : tracking.rbegin()->first;
+  GstFlowReturn flow = GST_FLOW_OK;
+  for (Held& held : held_) {
+    if (flow != GST_FLOW_OK) break;
+    const bool moves = motion && held.label.trigger < last;
+    flow = send(held, moves ? motion->at(held.label.trigger) : cv::Mat());
+  }
+  forget();
+  if (!location_.empty()) save_list();
+  std::lock_guard lock(mutex_);
+  ++passes_;
+  mean_motion_ = motion ? motion->mean_length() : 0;
+  return flow;
+}
+
+GstFlowReturn OlatAssembler::send(Held& held, const cv::Mat& displacement) {
+  cv::Mat codes;
+  // Of the tracking frames the last is the one that all are moved to.
+  const bool tracking = labels_->program().kind(held.label.position) == StepKind::tracking;
+  const bool to_disk = !location_.empty() && !(tracking && !displacement.empty()) &&
+                       held.label.position.part == Position::Part::step;
+  if (to_disk || !displacement.empty()) codes = read_codes(info_, held.buffer);
+  if (to_disk) {
+    cv::Mat light = linear_light(*linear_, codes);
+    if (!displacement.empty()) light = Motion::moved(light, displacement);
+    save(held, light);
+  }
+  GstBuffer* buffer = gst_buffer_ref(held.buffer);
+  if (!displacement.empty()) {
+    GstBuffer* there = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), nullptr);
+    if (!there) {
+      gst_buffer_unref(buffer);
+      throw Error(ErrorKind::out_of_memory, "no memory for a frame; use smaller ones");
+    }
+    gst_buffer_copy_into(there, buffer,
+                         static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS |
+                                                         GST_BUFFER_COPY_TIMESTAMPS),
+                         0, static_cast<gsize>(-1));
+    gst_buffer_unref(buffer);
+    buffer = there;
+    write_codes(info_, buffer, Motion::moved(codes, displacement));
+  }
+  {
+    std::lock_guard lock(mutex_);
+    ++(displacement.empty() ? still_ : moved_);
+  }
+  return FrameAssembler::take(buffer, &held.label);
+}
+
+/// A folder for each camera.
+std::string OlatAssembler::folder() const {
+  return location_ + "/camera_" + std::to_string(camera_);
+}
+
+void OlatAssembler::save(const Held& held, const cv::Mat& light) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder(), failed);
+  if (failed)
+    throw Error(ErrorKind::file, "the folder " + folder() + " cannot be made: " + failed.message());
+  const LightStep& step = labels_->program().steps[held.label.position.index];
+  const std::string name = file_name(step);
+  write_exr(folder() + "/" + name, cv::max(light, 0));
+  if (step.kind == StepKind::olat)
+    olat_files_[step.light] = name;
+  else
+    files_[name_of(step.kind)] = name;
+  std::lock_guard lock(mutex_);
+  ++written_;
+}
+
+/// olat.json beside the pictures: which is which.
+void OlatAssembler::save_list() {
+  const LightProgram& program = labels_->program();
+  Json list = {{"format", "gst-inverse olat set"},
+               {"version", 1},
+               {"program", program.name},
+               {"camera", camera_},
+               {"width", GST_VIDEO_INFO_WIDTH(&info_)},
+               {"height", GST_VIDEO_INFO_HEIGHT(&info_)},
+               {"light", "linear, 1 = full scale of the camera"}};
+  for (const auto& [kind, file] : files_) list[kind] = file;
+  list["lights"] = Json::array();
+  for (const auto& [light, file] : olat_files_)
+    list["lights"].push_back({{"index", light},
+                              {"direction", program.lights[light].direction},
+                              {"file", file}});
+  const std::string path = folder() + "/olat.json";
+  std::ofstream file(path);
+  file << list.dump(2) << "\n";
+  if (!file.flush()) throw Error(ErrorKind::file, "cannot write " + path);
+}
+
+void OlatAssembler::add_stats(GstStructure* stats) const {
+  std::lock_guard lock(mutex_);
+  gst_structure_set(stats, "passes", G_TYPE_UINT64, passes_, "compensated", G_TYPE_UINT64, moved_,
+                    "as-they-were", G_TYPE_UINT64, still_, "written", G_TYPE_UINT64, written_,
+                    "mean-motion", G_TYPE_DOUBLE, mean_motion_, nullptr);
+}
+
+}  // namespace inverse

@@ -1,0 +1,55 @@
+#pragma once
+#include <map>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "frame_assembler.hpp"
+#include "raw_frame.hpp"
+
+namespace inverse {
+
+/// Frames of a static capture, each moved to where the subject was in the last tracking frame
+/// (thesis 7.3.2): flow from that one to all others, linearly interpolated in time between them.
+/// All frames are held until the pass is over.
+class OlatAssembler final : public FrameAssembler {
+ public:
+  OlatAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels,
+                const SyncParams& params, uint32_t camera);
+  ~OlatAssembler() override;
+  /// Throws Error(file) where `params` ask for OLATs and the program has none or no tracking
+  /// frames, or where the folder cannot be made.
+  static void check(const SyncParams& params, const LightProgram& program);
+
+  bool set_caps(GstCaps* caps) override;
+  GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label) override;
+  GstFlowReturn finish() override;
+  void forget() override;
+  void add_stats(GstStructure* stats) const override;
+
+ private:
+  struct Held {
+    GstBuffer* buffer;
+    FrameLabel label;
+  };
+  GstFlowReturn assemble();
+  GstFlowReturn send(Held& held, const cv::Mat& displacement);
+  void save(const Held& held, const cv::Mat& light);
+  void save_list();
+  std::string folder() const;
+
+  const std::string location_;
+  const uint32_t camera_;
+  uint32_t last_tracking_ = 0;  // step of the program
+  GstVideoInfo info_;
+  std::optional<Linearizer> linear_;
+  std::vector<Held> held_;
+  std::map<std::string, std::string> files_;  // what has been written, by kind and light
+  std::map<uint32_t, std::string> olat_files_;
+  mutable std::mutex mutex_;  // the counts
+  uint64_t passes_ = 0, moved_ = 0, still_ = 0, written_ = 0;
+  double mean_motion_ = 0;  // pixels
+};
+
+}  // namespace inverse

@@ -1,0 +1,96 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "frame_assembler.hpp"
+#include "light_stage/frame_labeler.hpp"
+#include "raw_frame.hpp"
+
+namespace inverse {
+
+/// One camera of lightstagesync: its two pads, and what is on the way between them. All of it is
+/// under the element's mutex, apart from what the two streaming threads have for themselves.
+struct SyncCamera {
+  using Clock = std::chrono::steady_clock;
+
+  /// A buffer or an event in the order in which they came.
+  struct Item {
+    enum class State : uint8_t { waiting, leaves, dropped } state = State::waiting;
+    GstMiniObject* object = nullptr;
+    uint64_t token = 0;  // of a buffer
+    std::optional<FrameLabel> label;
+  };
+
+  SyncCamera(uint32_t number, GstPad* sink, GstPad* src) : number(number), sink(sink), src(src) {}
+  SyncCamera(const SyncCamera&) = delete;
+  SyncCamera& operator=(const SyncCamera&) = delete;
+  ~SyncCamera() { clear(); }
+
+  std::string name() const { return "sink_" + std::to_string(number); }
+
+  /// Appends an event, which leaves when all before it has.
+  void append(GstEvent* event) {
+    line.push_back({Item::State::leaves, GST_MINI_OBJECT_CAST(event), 0, std::nullopt});
+  }
+  /// Moves what is decided at the head of the line on to the source pad's thread.
+  void advance() {
+    while (!line.empty() && line.front().state != Item::State::waiting) {
+      if (line.front().state == Item::State::leaves) {
+        outgoing_buffers += GST_IS_BUFFER(line.front().object) ? 1 : 0;
+        out.push_back(line.front());
+      } else {
+        gst_mini_object_unref(line.front().object);
+      }
+      waiting_buffers -= line.front().token != 0 ? 1 : 0;
+      line.pop_front();
+    }
+  }
+  Item* find(uint64_t token) {
+    for (Item& item : line)
+      if (item.token == token) return &item;
+    return nullptr;
+  }
+  void clear() {
+    for (auto* queue : {&line, &out}) {
+      for (const Item& item : *queue) gst_mini_object_unref(item.object);
+      queue->clear();
+    }
+    waiting_buffers = outgoing_buffers = 0;
+  }
+
+  const uint32_t number;
+  GstPad *const sink, *const src;  // the element's
+
+  // The sink pad's thread.
+  std::optional<GstVideoInfo> info;
+  std::optional<Linearizer> linear;
+
+  // The source pad's thread.
+  std::unique_ptr<FrameAssembler> assembler;
+
+  // Under the mutex.
+  std::deque<Item> line, out;
+  size_t waiting_buffers = 0, outgoing_buffers = 0;
+  std::unique_ptr<FrameLabeler> labeler;
+  uint64_t run = 0;  // of the program: labels of different runs do not compare
+  std::optional<uint64_t> last_trigger;
+  std::string stream_id;
+  bool live = false, live_known = false;
+  bool flushing = true, ended = false, released = false;
+  bool blocked = false;    // its frames are not taken because there is no room
+  bool left_alone = false;  // sets do not wait for it any more
+  bool silent = false;      // and that was told
+  Clock::time_point last_arrival{};
+  GstFlowReturn flow = GST_FLOW_OK;  // of the last push
+  FrameLabeler::Counts told;         // what the last warning counted
+  Clock::time_point told_at{};
+  bool was_anchored = false;
+  uint64_t incomplete = 0, sent = 0;  // frames
+};
+
+}  // namespace inverse

@@ -1,0 +1,354 @@
+#include "sync_element.hpp"
+
+#include <algorithm>
+
+#include "base/errors.hpp"
+#include "olat_assembler.hpp"
+#include "pair_assembler.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
+constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
+
+}  // namespace
+
+SyncElement::~SyncElement() {
+  for (GstMessage* message : messages_) gst_message_unref(message);
+}
+
+bool SyncElement::start() {
+  const SyncParams params = parameters_.snapshot();
+  return guarded(element_, [&] {
+    if (params.assemble != SyncParams::Assemble::olat && !params.location.empty())
+      throw Error(ErrorKind::unsupported, "location is for assemble=olat: nothing else is written");
+    auto labels = std::make_shared<const StageLabels>(light_program(params.program));
+    PairAssembler::check(params, labels->program());
+    OlatAssembler::check(params, labels->program());
+    Lock lock(mutex_);
+    params_ = params;
+    labels_ = std::move(labels);
+    sets_ = FrameSets(params_.sets == SyncParams::Sets::complete);
+    for (auto& [number, camera] : cameras_) {
+      sets_.add_camera(number);
+      camera->labeler = make_labeler();
+      make_assembler(*camera);
+    }
+  });
+}
+
+void SyncElement::stop() {
+  Lock lock(mutex_);
+  for (auto& [number, camera] : cameras_) {
+    camera->clear();
+    camera->labeler.reset();
+    camera->assembler.reset();
+    camera->info.reset();
+    camera->linear.reset();
+    camera->last_trigger.reset();
+    camera->stream_id.clear();
+    camera->ended = camera->left_alone = camera->silent = camera->was_anchored = camera->live_known = false;
+    camera->flow = GST_FLOW_OK;
+    camera->told = {};
+    camera->run = camera->incomplete = camera->sent = 0;
+  }
+  sets_ = FrameSets(true);
+  labels_.reset();
+  run_ = 0;
+  lock.unlock();
+  context_.release();
+}
+
+void SyncElement::set_playing(bool playing) {
+  Lock lock(mutex_);
+  playing_ = playing;
+  playing_since_ = lacking_since_ = Clock::now();
+  for (auto& [number, camera] : cameras_) camera->last_arrival = playing_since_;
+}
+
+std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {
+  FrameLabeler::Params params;
+  params.jitter = params_.jitter;
+  params.id_bits =
+      params_.frame_id == SyncParams::FrameId::none ? 0 : static_cast<uint32_t>(params_.frame_id_bits);
+  params.marker_within = params_.marker_timeout;
+  return std::make_unique<FrameLabeler>(labels_->program(), params);
+}
+
+void SyncElement::make_assembler(SyncCamera& camera) {
+  switch (params_.assemble) {
+    case SyncParams::Assemble::none:
+      camera.assembler = std::make_unique<FrameAssembler>(element_, camera.src, labels_);
+      break;
+    case SyncParams::Assemble::pairs:
+      camera.assembler =
+          std::make_unique<PairAssembler>(element_, camera.src, labels_, params_, context_);
+      break;
+    case SyncParams::Assemble::olat:
+      camera.assembler = std::make_unique<OlatAssembler>(element_, camera.src, labels_, params_,
+                                                         camera.number);
+      break;
+  }
+}
+
+SyncElement::CameraPtr SyncElement::add(uint32_t number, GstPad* sink, GstPad* src) {
+  Lock lock(mutex_);
+  auto camera = std::make_shared<SyncCamera>(number, sink, src);
+  cameras_[number] = camera;
+  if (labels_) {
+    sets_.add_camera(number);
+    camera->labeler = make_labeler();
+    make_assembler(*camera);
+    camera->last_arrival = Clock::now();
+  }
+  return camera;
+}
+
+SyncElement::CameraPtr SyncElement::find(GstPad* pad) const {
+  std::lock_guard lock(mutex_);
+  for (const auto& [number, camera] : cameras_)
+    if (camera->sink == pad || camera->src == pad) return camera;
+  return nullptr;
+}
+
+bool SyncElement::has(uint32_t number) const {
+  std::lock_guard lock(mutex_);
+  return cameras_.contains(number);
+}
+
+void SyncElement::remove(const CameraPtr& camera) {
+  {
+    Lock lock(mutex_);
+    cameras_.erase(camera->number);
+    if (labels_) sets_.remove_camera(camera->number);
+    camera->released = camera->flushing = true;
+    advance();
+    changed_.notify_all();
+    speak(lock);
+  }
+  gst_pad_set_active(camera->sink, FALSE);
+  gst_pad_set_active(camera->src, FALSE);
+}
+
+/// What upstream hears: its own way's flow, unless another way has failed for good.
+GstFlowReturn SyncElement::combined_flow(const SyncCamera& camera) const {
+  bool all_ended = true, all_unlinked = true;
+  for (const auto& [number, other] : cameras_) {
+    if (other->flow <= GST_FLOW_NOT_NEGOTIATED) return other->flow;
+    all_ended &= other->flow == GST_FLOW_EOS;
+    all_unlinked &= other->flow == GST_FLOW_NOT_LINKED;
+  }
+  if (all_ended) return GST_FLOW_EOS;
+  if (all_unlinked) return GST_FLOW_NOT_LINKED;
+  return camera.flow == GST_FLOW_FLUSHING ? GST_FLOW_FLUSHING : GST_FLOW_OK;
+}
+
+GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
+  if (!camera->info) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_NOT_NEGOTIATED;
+  }
+  FrameLabeler::Frame frame;
+  if (GST_BUFFER_PTS_IS_VALID(buffer)) frame.time = static_cast<int64_t>(GST_BUFFER_PTS(buffer));
+  if (GST_BUFFER_OFFSET_IS_VALID(buffer)) frame.id = GST_BUFFER_OFFSET(buffer);
+  if (!guarded(element_,
+               [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_ERROR;
+  }
+  if (!camera->live_known) {
+    // Frames of a file wait for each other; those of a camera cannot for long.
+    GstQuery* query = gst_query_new_latency();
+    gboolean live = FALSE;
+    if (gst_pad_peer_query(camera->sink, query)) gst_query_parse_latency(query, &live, nullptr, nullptr);
+    gst_query_unref(query);
+    Lock lock(mutex_);
+    camera->live = live;
+    camera->live_known = true;
+  }
+  Lock lock(mutex_);
+  camera->last_arrival = Clock::now();
+  while (!camera->flushing && !camera->ended &&
+         (camera->waiting_buffers >= params_.max_frames ||
+          camera->outgoing_buffers >= kMostOutgoing)) {
+    camera->blocked = camera->outgoing_buffers >= kMostOutgoing;
+    changed_.wait_for(lock, kLook);
+    look_for_silence();
+    speak(lock);
+  }
+  camera->blocked = false;
+  camera->last_arrival = Clock::now();
+  if (camera->flushing || camera->ended) {
+    gst_buffer_unref(buffer);
+    return camera->flushing ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
+  }
+  frame.token = next_token_++;
+  camera->line.push_back({SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer),
+                          frame.token, std::nullopt});
+  ++camera->waiting_buffers;
+  labeled(*camera, camera->labeler->push(frame));
+  report(*camera);
+  advance();
+  const GstFlowReturn flow = combined_flow(*camera);
+  speak(lock);
+  return flow;
+}
+
+/// A camera's labels start anew: a new run of the program, unless another camera has seen the same
+/// marker a moment ago. Files may begin at any time and are of one run.
+void SyncElement::join_run(SyncCamera& camera, uint64_t trigger) {
+  const bool anew = camera.run == 0 || (camera.last_trigger && trigger <= *camera.last_trigger);
+  if (!anew) return;
+  const auto now = Clock::now();
+  if (run_ == camera.run || (camera.live && now - run_since_ > kSameRun)) {
+    ++run_;
+    run_since_ = now;
+  }
+  camera.run = run_;
+}
+
+void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames) {
+  using State = SyncCamera::Item::State;
+  for (const FrameLabeler::Labeled& frame : frames) {
+    SyncCamera::Item* item = camera.find(frame.token);
+    if (!item) continue;  // flushed meanwhile
+    if (frame.fate != FrameLabeler::Fate::labeled) {
+      item->state = params_.drop_unlabeled ? State::dropped : State::leaves;
+      continue;
+    }
+    item->label = FrameLabel{frame.trigger, frame.position};
+    join_run(camera, frame.trigger);
+    camera.last_trigger = frame.trigger;
+    sets_.add(camera.number, camera.run << 40 | frame.trigger, frame.token);
+    if (camera.left_alone) {
+      camera.left_alone = false;
+      sets_.wait_for(camera.number, true);
+      tell("camera-back", camera);
+    }
+  }
+}
+
+void SyncElement::advance() {
+  using State = SyncCamera::Item::State;
+  for (const FrameSets::Decided& frame : sets_.decide()) {
+    ++decided_;
+    const auto camera = cameras_.find(frame.camera);
+    if (camera == cameras_.end()) continue;
+    SyncCamera::Item* item = camera->second->find(frame.token);
+    if (!item) continue;
+    item->state = frame.out ? State::leaves : State::dropped;
+    camera->second->incomplete += frame.out ? 0 : 1;
+  }
+  for (auto& [number, camera] : cameras_) camera->advance();
+  changed_.notify_all();
+}
+
+bool SyncElement::take_out(SyncCamera& camera, SyncCamera::Item& item) {
+  Lock lock(mutex_);
+  while (camera.out.empty() && !camera.flushing) {
+    changed_.wait_for(lock, kLook);
+    look_for_silence();
+    speak(lock);
+  }
+  if (camera.flushing) return false;
+  item = camera.out.front();
+  camera.out.pop_front();
+  camera.outgoing_buffers -= GST_IS_BUFFER(item.object) ? 1 : 0;
+  changed_.notify_all();
+  return true;
+}
+
+GstFlowReturn SyncElement::send(SyncCamera& camera, SyncCamera::Item& item) {
+  GstFlowReturn flow = GST_FLOW_OK;
+  if (GST_IS_BUFFER(item.object)) {
+    GstBuffer* buffer = GST_BUFFER_CAST(item.object);
+    if (!guarded(element_, [&] {
+          flow = camera.assembler->take(buffer, item.label ? &*item.label : nullptr);
+        }))
+      flow = GST_FLOW_ERROR;
+    return flow;
+  }
+  GstEvent* event = GST_EVENT_CAST(item.object);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+    GstCaps* caps = nullptr;
+    gst_event_parse_caps(event, &caps);
+    bool good = false;
+    if (!guarded(element_, [&] { good = camera.assembler->set_caps(caps); }))
+      flow = GST_FLOW_ERROR;
+    else if (!good)
+      flow = GST_FLOW_NOT_NEGOTIATED;
+    gst_event_unref(event);
+    return flow;
+  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS &&
+      !guarded(element_, [&] { flow = camera.assembler->finish(); }))
+    flow = GST_FLOW_ERROR;
+  const bool ends = GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+  gst_pad_push_event(camera.src, event);
+  return ends && flow == GST_FLOW_OK ? GST_FLOW_EOS : flow;
+}
+
+/// The source pad's thread.
+void SyncElement::push_out(SyncCamera& camera) {
+  SyncCamera::Item item;
+  if (!take_out(camera, item)) {
+    gst_pad_pause_task(camera.src);
+    return;
+  }
+  const bool ending = GST_IS_EVENT(item.object) &&
+                      GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
+  const bool is_buffer = GST_IS_BUFFER(item.object);
+  const GstFlowReturn flow = send(camera, item);
+  Lock lock(mutex_);
+  if (is_buffer && flow == GST_FLOW_OK) ++camera.sent;
+  if (ending) {
+    gst_pad_pause_task(camera.src);
+    return;
+  }
+  if (flow != camera.flow && !camera.released) camera.flow = flow;
+  changed_.notify_all();
+}
+
+bool SyncElement::activate_sink(const CameraPtr& camera, bool active) {
+  Lock lock(mutex_);
+  camera->flushing = !active;
+  changed_.notify_all();
+  return true;
+}
+
+bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
+  if (active) {
+    {
+      Lock lock(mutex_);
+      camera->flushing = false;
+    }
+    // The pad keeps the camera for its thread.
+    auto* kept = new CameraPtr(camera);
+    struct Work {
+      SyncElement* element;
+      CameraPtr* camera;
+    };
+    return gst_pad_start_task(
+        camera->src,
+        [](gpointer data) {
+          auto& work = *static_cast<Work*>(data);
+          work.element->push_out(**work.camera);
+        },
+        new Work{this, kept},
+        [](gpointer data) {
+          auto* work = static_cast<Work*>(data);
+          delete work->camera;
+          delete work;
+        });
+  }
+  {
+    Lock lock(mutex_);
+    camera->flushing = true;
+    changed_.notify_all();
+  }
+  return gst_pad_stop_task(camera->src);
+}
+
+}  // namespace inverse

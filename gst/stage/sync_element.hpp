@@ -1,0 +1,99 @@
+#pragma once
+#include <gst/gst.h>
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "base/device_context.hpp"
+#include "light_stage/frame_sets.hpp"
+#include "sync_camera.hpp"
+
+namespace inverse {
+
+/// The work behind lightstagesync: cameras, the sets of their frames, what waits for what.
+/// lightstagesync.cpp binds it to GObject.
+///
+/// Each sink pad's thread labels its frames and puts them into a line; where a set is decided its
+/// frames go on to the threads of the source pads, one for each, which assemble and push them. So
+/// no camera can be held up by what follows another.
+class SyncElement {
+ public:
+  using CameraPtr = std::shared_ptr<SyncCamera>;
+
+  explicit SyncElement(GstElement* element) : element_(element), context_(element) {}
+  SyncElement(const SyncElement&) = delete;
+  SyncElement& operator=(const SyncElement&) = delete;
+  ~SyncElement();
+
+  /// NULL → READY … PAUSED → READY. `start` reads the program; false where that failed, and says
+  /// why.
+  bool start();
+  void stop();
+  void set_playing(bool playing);
+
+  CameraPtr add(uint32_t number, GstPad* sink, GstPad* src);
+  CameraPtr find(GstPad* pad) const;
+  bool has(uint32_t number) const;
+  void remove(const CameraPtr& camera);
+
+  GstFlowReturn chain(const CameraPtr& camera, GstBuffer* buffer);
+  /// Takes the event.
+  gboolean sink_event(const CameraPtr& camera, GstEvent* event);
+  gboolean sink_query(const CameraPtr& camera, GstQuery* query);
+  gboolean src_query(const CameraPtr& camera, GstQuery* query);
+  bool activate_sink(const CameraPtr& camera, bool active);
+  bool activate_src(const CameraPtr& camera, bool active);
+
+  DeviceContext& context() { return context_; }
+  PropertyStore& parameters() { return parameters_; }
+  GstStructure* stats() const;
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+  using Clock = SyncCamera::Clock;
+  void push_out(SyncCamera& camera);
+  bool take_out(SyncCamera& camera, SyncCamera::Item& item);
+  GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
+  bool set_caps(SyncCamera& camera, GstCaps* caps);
+  std::unique_ptr<FrameLabeler> make_labeler() const;
+  void make_assembler(SyncCamera& camera);
+  GstFlowReturn combined_flow(const SyncCamera& camera) const;
+  GstClockTime own_latency() const;
+  GstStructure* camera_stats(const SyncCamera& camera) const;
+
+  // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
+  void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
+  void advance();
+  void look_for_silence();
+  void report(SyncCamera& camera);
+  void join_run(SyncCamera& camera, uint64_t trigger);
+  void warn(const std::string& text);
+  void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
+  void speak(Lock& lock);
+
+  GstElement* element_;
+  DeviceContext context_;
+  Parameters<SyncParams> parameters_{sync_properties()};
+  SyncParams params_;  // as of `start`
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<uint32_t, CameraPtr> cameras_;
+  std::shared_ptr<const StageLabels> labels_;
+  FrameSets sets_{true};
+  uint64_t next_token_ = 1;
+  uint64_t run_ = 0;
+  Clock::time_point run_since_{};
+  bool playing_ = false;
+  Clock::time_point playing_since_{};
+  std::vector<uint32_t> lacking_;  // what the oldest set waits for, and since when
+  Clock::time_point lacking_since_{};
+  uint64_t decided_ = 0;
+  std::vector<GstMessage*> messages_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace inverse

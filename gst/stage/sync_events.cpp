@@ -1,0 +1,215 @@
+// Events and queries of lightstagesync's pads.
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/report.hpp"
+#include "sync_element.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr double kSameRate = 1e-3;  // of the program's
+
+void start_stream(SyncCamera& camera, GstEvent* event) {
+  const gchar* id = nullptr;
+  gst_event_parse_stream_start(event, &id);
+  // Another recording has another clock, and a program of its own.
+  if (!camera.stream_id.empty() && camera.stream_id != (id ? id : "")) camera.labeler->reset();
+  camera.stream_id = id ? id : "";
+}
+
+}  // namespace
+
+/// The sink pad's thread hears of caps.
+bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                      ("lightstagesync cannot make sense of the video format"),
+                      ("got %" GST_PTR_FORMAT, caps));
+    return false;
+  }
+  camera.info = info;
+  camera.linear.emplace(info);
+  Lock lock(mutex_);
+  if (!labels_) return true;
+  const LightProgram& program = labels_->program();
+  const double rate = double(program.rate_numerator) / program.rate_denominator;
+  const int num = GST_VIDEO_INFO_FPS_N(&info), den = GST_VIDEO_INFO_FPS_D(&info);
+  // 0 is a camera that does not know: its trigger does.
+  if (num > 0 && den > 0 && std::abs(double(num) / den / rate - 1) > kSameRate)
+    warn("camera " + camera.name() + " says that it has " + std::to_string(double(num) / den) +
+         " frames a second, the light program " + std::to_string(rate) +
+         " steps; labels need one frame a step");
+  speak(lock);
+  return true;
+}
+
+gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_FLUSH_START: {
+      {
+        Lock lock(mutex_);
+        camera->flushing = true;
+        changed_.notify_all();
+      }
+      const gboolean good = gst_pad_push_event(camera->src, event);
+      gst_pad_pause_task(camera->src);
+      return good;
+    }
+    case GST_EVENT_FLUSH_STOP: {
+      {
+        // The thread of the pad has stopped: what it held is nobody's.
+        Lock lock(mutex_);
+        camera->clear();
+        if (camera->assembler) camera->assembler->forget();
+        if (camera->labeler) camera->labeler->flush();
+        if (labels_) sets_.forget_frames(camera->number);
+        if (labels_) sets_.wait_for(camera->number, true);
+        camera->last_trigger.reset();
+        camera->ended = camera->left_alone = false;
+        camera->flow = GST_FLOW_OK;
+        camera->last_arrival = Clock::now();
+      }
+      const gboolean good = gst_pad_push_event(camera->src, event);
+      activate_src(camera, true);
+      return good;
+    }
+    case GST_EVENT_CAPS: {
+      GstCaps* caps = nullptr;
+      gst_event_parse_caps(event, &caps);
+      if (!set_caps(*camera, caps)) {
+        gst_event_unref(event);
+        return FALSE;
+      }
+      break;
+    }
+    default:
+      break;
+  }
+  const bool in_order = gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED;
+  if (!in_order) return gst_pad_push_event(camera->src, event);
+  Lock lock(mutex_);
+  if (camera->flushing) {
+    gst_event_unref(event);
+    return FALSE;
+  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
+    if (camera->labeler) start_stream(*camera, event);
+    if (camera->ended && labels_) sets_.wait_for(camera->number, true);
+    camera->ended = false;
+  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && camera->labeler) {
+    labeled(*camera, camera->labeler->drain());
+    camera->ended = true;
+    sets_.wait_for(camera->number, false);
+    if (camera->labeler->counts().markers == 0 && camera->labeler->counts().frames > 0 &&
+        labels_->program().marker != LightProgram::Marker::none)
+      warn("camera " + camera->name() + " has ended without the marker of the light program "
+           "(black, full on, black): none of its frames has a label");
+  }
+  camera->append(event);
+  advance();
+  speak(lock);
+  return TRUE;
+}
+
+gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
+  switch (GST_QUERY_TYPE(query)) {
+    case GST_QUERY_CAPS: {
+      GstCaps *filter = nullptr, *caps = gst_pad_get_pad_template_caps(camera->sink);
+      gst_query_parse_caps(query, &filter);
+      SyncParams::Assemble assemble = parameters_.snapshot().assemble;
+      if (assemble != SyncParams::Assemble::pairs) {
+        GstCaps* taken = gst_pad_peer_query_caps(camera->src, caps);
+        gst_caps_unref(caps);
+        caps = taken;
+      }
+      if (filter) {
+        GstCaps* both = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
+        gst_caps_unref(caps);
+        caps = both;
+      }
+      gst_query_set_caps_result(query, caps);
+      gst_caps_unref(caps);
+      return TRUE;
+    }
+    case GST_QUERY_ALLOCATION:
+      // Frames wait here: a pool of what follows would run dry.
+      return FALSE;
+    default:
+      return gst_pad_query_default(camera->sink, GST_OBJECT(element_), query);
+  }
+}
+
+/// How long a frame may stay here: for the others of its set, and for the other of its pair.
+GstClockTime SyncElement::own_latency() const {
+  std::lock_guard lock(mutex_);
+  GstClockTime latency = 0;
+  if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
+  if (labels_ && params_.assemble == SyncParams::Assemble::pairs) latency += labels_->period();
+  return latency;
+}
+
+gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
+  switch (GST_QUERY_TYPE(query)) {
+    case GST_QUERY_CAPS: {
+      GstCaps *filter = nullptr, *in = gst_pad_get_current_caps(camera->sink);
+      gst_query_parse_caps(query, &filter);
+      if (!in) {
+        GstCaps* ours = gst_pad_get_pad_template_caps(camera->sink);
+        in = gst_pad_peer_query_caps(camera->sink, ours);
+        gst_caps_unref(ours);
+      }
+      GstCaps* caps = assembled_caps(in, parameters_.snapshot().assemble);
+      gst_caps_unref(in);
+      if (filter) {
+        GstCaps* both = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
+        gst_caps_unref(caps);
+        caps = both;
+      }
+      gst_query_set_caps_result(query, caps);
+      gst_caps_unref(caps);
+      return TRUE;
+    }
+    case GST_QUERY_CONTEXT:
+      return context_.answer(query) ||
+             gst_pad_query_default(camera->src, GST_OBJECT(element_), query) ||
+             context_.provide(query);
+    case GST_QUERY_LATENCY: {
+      // All go on together: the slowest camera's latency is everybody's.
+      std::vector<GstPad*> sinks;
+      {
+        std::lock_guard lock(mutex_);
+        for (const auto& [number, one] : cameras_)
+          sinks.push_back(GST_PAD(gst_object_ref(one->sink)));
+      }
+      gboolean live = FALSE, any = FALSE;
+      GstClockTime least = 0, most = GST_CLOCK_TIME_NONE;
+      for (GstPad* sink : sinks) {
+        GstQuery* peer = gst_query_new_latency();
+        gboolean is_live = FALSE;
+        GstClockTime low = 0, high = 0;
+        if (gst_pad_peer_query(sink, peer)) {
+          any = TRUE;
+          gst_query_parse_latency(peer, &is_live, &low, &high);
+          if (is_live) {
+            live = TRUE;
+            least = MAX(least, low);
+            most = MIN(most, high);  // none is the largest
+          }
+        }
+        gst_query_unref(peer);
+        gst_object_unref(sink);
+      }
+      if (!any) return FALSE;
+      gst_query_set_latency(query, live, least, live ? most : GST_CLOCK_TIME_NONE);
+      add_latency(query, own_latency());
+      return TRUE;
+    }
+    default:
+      return gst_pad_query_default(camera->src, GST_OBJECT(element_), query);
+  }
+}
+
+}  // namespace inverse

@@ -1,0 +1,182 @@
+// What lightstagesync tells of its cameras: cameras that stop, frames that are lost, stats.
+#include <algorithm>
+
+#include "sync_element.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr auto kSilent = std::chrono::seconds(2);  // without a frame
+constexpr auto kBetweenWarnings = std::chrono::seconds(1);
+
+double seconds(SyncCamera::Clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+void SyncElement::warn(const std::string& text) { warnings_.push_back(text); }
+
+void SyncElement::tell(const char* event, const SyncCamera& camera, GstStructure* more) {
+  GstStructure* news = gst_structure_new("lightstagesync", "event", G_TYPE_STRING, event, "camera",
+                                         G_TYPE_STRING, camera.name().c_str(), nullptr);
+  if (more) {
+    for (gint i = 0; i < gst_structure_n_fields(more); ++i) {
+      const char* field = gst_structure_nth_field_name(more, static_cast<guint>(i));
+      gst_structure_set_value(news, field, gst_structure_get_value(more, field));
+    }
+    gst_structure_free(more);
+  }
+  messages_.push_back(gst_message_new_element(GST_OBJECT(element_), news));
+}
+
+/// Says on the bus what has come up. The mutex is not held meanwhile: who listens may ask for
+/// stats.
+void SyncElement::speak(Lock& lock) {
+  if (messages_.empty() && warnings_.empty()) return;
+  std::vector<GstMessage*> messages;
+  std::vector<std::string> warnings;
+  messages.swap(messages_);
+  warnings.swap(warnings_);
+  lock.unlock();
+  for (GstMessage* message : messages) gst_element_post_message(element_, message);
+  for (const std::string& text : warnings)
+    GST_ELEMENT_WARNING(element_, STREAM, FAILED, ("%s", text.c_str()), (nullptr));
+  lock.lock();
+}
+
+/// Cameras that have stopped are told of, and not waited for.
+void SyncElement::look_for_silence() {
+  const auto now = Clock::now();
+  const auto timeout = std::chrono::duration<double>(params_.timeout);
+  if (!playing_) {
+    lacking_since_ = now;
+    return;
+  }
+  for (auto& [number, camera] : cameras_) {
+    const auto wait = std::max<Clock::duration>(
+        kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
+    if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
+        camera->waiting_buffers >= params_.max_frames || now - camera->last_arrival < wait)
+      continue;
+    camera->silent = true;
+    tell("camera-stopped", *camera);
+    warn("camera " + camera->name() + " has sent no frame for " +
+         std::to_string(static_cast<int>(seconds(now - camera->last_arrival))) +
+         " s; look at the camera, its cable and its trigger");
+  }
+  const auto lacking = sets_.lacking();
+  const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
+    const SyncCamera& camera = *cameras_.at(number);
+    // By what follows it; or it is on its way, and can wait.
+    return camera.blocked || camera.outgoing_buffers > 0 || (!camera.live && !camera.silent);
+  });
+  if (lacking.empty() || held_up || lacking != lacking_) {
+    lacking_ = lacking;
+    lacking_since_ = now;
+    return;
+  }
+  if (now - lacking_since_ < timeout) return;
+  for (const uint32_t number : lacking) {
+    SyncCamera& camera = *cameras_.at(number);
+    camera.left_alone = true;
+    sets_.wait_for(number, false);
+    tell("camera-left-alone", camera);
+    warn("the frames of other cameras have waited " + std::to_string(params_.timeout) + " s for " +
+         camera.name() + "; " +
+         (params_.sets == SyncParams::Sets::complete
+              ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
+              : "they go on without it until it sends labeled frames again"));
+  }
+  lacking_.clear();
+  advance();
+}
+
+/// What came up with a camera's frames; losses at most once a second.
+void SyncElement::report(SyncCamera& camera) {
+  if (camera.silent) {
+    camera.silent = false;
+    tell("camera-sends", camera);
+  }
+  const FrameLabeler& labeler = *camera.labeler;
+  const FrameLabeler::Counts& counts = labeler.counts();
+  if (labeler.anchored() != camera.was_anchored) {
+    camera.was_anchored = labeler.anchored();
+    tell(camera.was_anchored ? "marker" : "unsynchronized", camera);
+  }
+  if (camera.labeler->take_overdue())
+    warn("camera " + camera.name() + " has not seen the marker of the light program (black, full on, "
+         "black) for " + std::to_string(params_.marker_timeout) +
+         " s; start the program of the lights, or look whether the camera sees them and has the "
+         "program's rate");
+  const auto now = Clock::now();
+  if (now - camera.told_at < kBetweenWarnings) return;
+  const FrameLabeler::Counts& before = camera.told;
+  std::string text;
+  GstStructure* more = gst_structure_new_empty("more");
+  const auto add = [&](uint64_t count, uint64_t told, const char* field, const char* what) {
+    if (count <= told) return;
+    text += (text.empty() ? "" : ", ") + std::to_string(count - told) + " " + what;
+    gst_structure_set(more, field, G_TYPE_UINT64, count - told, nullptr);
+  };
+  add(counts.missing, before.missing, "missing", "lost");
+  add(counts.duplicates, before.duplicates, "duplicates", "doubled");
+  add(counts.late, before.late, "late", "late");
+  add(counts.ambiguous, before.ambiguous, "ambiguous", "of no certain trigger");
+  add(counts.contradicted, before.contradicted, "contradicted",
+      "that show other lights than their time says");
+  add(counts.untimed, before.untimed, "untimed", "without a time stamp");
+  add(counts.resynchronizations, before.resynchronizations, "resynchronizations",
+      "times the count was lost; labels go on with the next marker");
+  if (text.empty()) {
+    gst_structure_free(more);
+    return;
+  }
+  camera.told = counts;
+  camera.told_at = now;
+  tell("frames", camera, more);
+  warn("frames of camera " + camera.name() + ": " + text);
+}
+
+GstStructure* SyncElement::camera_stats(const SyncCamera& camera) const {
+  const FrameLabeler::Counts counts =
+      camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
+  const auto rate = camera.labeler ? camera.labeler->rate() : std::pair{0.0, 0.0};
+  GstStructure* stats = gst_structure_new(
+      camera.name().c_str(), "frames", G_TYPE_UINT64, counts.frames, "labeled", G_TYPE_UINT64,
+      counts.labeled, "sent", G_TYPE_UINT64, camera.sent, "missing", G_TYPE_UINT64, counts.missing,
+      "duplicates", G_TYPE_UINT64, counts.duplicates, "late", G_TYPE_UINT64, counts.late,
+      "ambiguous", G_TYPE_UINT64, counts.ambiguous, "contradicted", G_TYPE_UINT64,
+      counts.contradicted, "untimed", G_TYPE_UINT64, counts.untimed, "before-marker", G_TYPE_UINT64,
+      counts.before_marker, "after-end", G_TYPE_UINT64, counts.ended, "incomplete", G_TYPE_UINT64,
+      camera.incomplete, "markers", G_TYPE_UINT64, counts.markers, "resynchronizations",
+      G_TYPE_UINT64, counts.resynchronizations, "synchronized", G_TYPE_BOOLEAN,
+      camera.labeler && camera.labeler->anchored(), "rate-low", G_TYPE_DOUBLE, rate.first,
+      "rate-high", G_TYPE_DOUBLE, rate.second, nullptr);
+  if (camera.assembler) camera.assembler->add_stats(stats);
+  return stats;
+}
+
+GstStructure* SyncElement::stats() const {
+  std::lock_guard lock(mutex_);
+  GstStructure* stats = gst_structure_new("inverse-stats", "cameras", G_TYPE_UINT,
+                                          static_cast<guint>(cameras_.size()), "sets-complete",
+                                          G_TYPE_UINT64, sets_.complete_sets(), "sets-incomplete",
+                                          G_TYPE_UINT64, sets_.incomplete_sets(), nullptr);
+  for (const auto& [number, camera] : cameras_) {
+    GstStructure* one = camera_stats(*camera);
+    for (gint i = 0; i < gst_structure_n_fields(one); ++i) {
+      // Counts of all cameras together.
+      const char* field = gst_structure_nth_field_name(one, static_cast<guint>(i));
+      guint64 count = 0, sum = 0;
+      if (!gst_structure_get_uint64(one, field, &count)) continue;
+      gst_structure_get_uint64(stats, field, &sum);
+      gst_structure_set(stats, field, G_TYPE_UINT64, sum + count, nullptr);
+    }
+    gst_structure_set(stats, camera->name().c_str(), GST_TYPE_STRUCTURE, one, nullptr);
+    gst_structure_free(one);
+  }
+  return stats;
+}
+
+}  // namespace inverse

@@ -1,0 +1,73 @@
+#include "sync_params.hpp"
+
+namespace inverse {
+
+const PropertyTable<SyncParams>& sync_properties() {
+  using P = SyncParams;
+  const auto value = [](auto choice) { return static_cast<int>(choice); };
+  static const PropertyTable<P> table{
+      text<P>("program", &P::program,
+              "The light program: a JSON file, or \"performance\" or \"static\", also with a number "
+              "of lights as \"static:96\"",
+              Mutable::ready),
+      choice<P>("frame-id", &P::frame_id, "GstInverseFrameId",
+                {{value(P::FrameId::none), "none", "Time stamps alone tell which trigger a frame is of"},
+                 {value(P::FrameId::offset), "offset",
+                  "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
+                  "counts, and time stamps check"}},
+                "Where the camera's frame id is", Mutable::ready),
+      choice<P>("frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
+                {{16, "16", "Ids wrap after 65535"},
+                 {32, "32", "Ids wrap after 4294967295"},
+                 {64, "64", "Ids wrap after 2^64 - 1"}},
+                "Bits of a frame id; after the largest comes 0, or 1 where the camera leaves 0 out",
+                Mutable::ready),
+      number<P>("jitter", &P::jitter, 0.01, 0.45,
+                "How far a time stamp may be from its trigger's time, either way, in periods of the "
+                "program; labels are certain as long as this holds",
+                Mutable::ready),
+      number<P>("marker-timeout", &P::marker_timeout, 0.1, 3600,
+                "Seconds of a camera's frames without the marker (black, full, black) after which "
+                "there is a warning",
+                Mutable::ready),
+      choice<P>("sets", &P::sets, "GstInverseSets",
+                {{value(P::Sets::complete), "complete",
+                  "Only frames of triggers that every camera has sent a frame of"},
+                 {value(P::Sets::all), "all", "All labeled frames"}},
+                "Which frames pass where there are several cameras", Mutable::ready),
+      number<P>("timeout", &P::timeout, 0.01, 60,
+                "Seconds for which frames wait for a camera that has stopped; then there is a "
+                "warning, and the others go on without it",
+                Mutable::ready),
+      number<P>("max-frames", &P::max_frames, 8u, 1024u,
+                "Frames of a camera that wait for other cameras' at most", Mutable::ready),
+      flag<P>("drop-unlabeled", &P::drop_unlabeled,
+              "Drop frames that cannot be labeled; else they pass without a light stage meta",
+              Mutable::ready),
+      choice<P>("assemble", &P::assemble, "GstInverseAssemble",
+                {{value(P::Assemble::none), "none", "Frames pass as they are, with their labels"},
+                 {value(P::Assemble::pairs), "pairs",
+                  "Gradients A and B of a performance in one buffer: layers where the next element "
+                  "takes them, else one picture with A at the left and B at the right"},
+                 {value(P::Assemble::olat), "olat",
+                  "Frames of a static capture, each moved to where the subject was in its last "
+                  "tracking frame, once that has come"}},
+                "What becomes of labeled frames", Mutable::ready),
+      choice<P>("align", &P::align, "GstInverseAlign",
+                {{value(P::Align::none), "none", "B as it was seen, one trigger after A"},
+                 {value(P::Align::flow), "flow",
+                  "B moved to where the subject was in A, by optical flow"}},
+                "How a pair is put together (assemble=pairs)", Mutable::ready),
+      text<P>("location", &P::location,
+              "Folder for the frames of a static capture as half-float OpenEXR files, and a JSON "
+              "file that lists them with directions (assemble=olat); empty: none",
+              Mutable::ready),
+      text<P>("device", &P::device,
+              "Vulkan device for layers (assemble=pairs): an index or a part of its name; empty = "
+              "shared with neighbors, else the environment variable INVERSE_DEVICE, else the fastest",
+              Mutable::ready),
+  };
+  return table;
+}
+
+}  // namespace inverse

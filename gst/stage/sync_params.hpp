@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+
+#include "base/property_table.hpp"
+
+namespace inverse {
+
+/// The parameters of lightstagesync.
+struct SyncParams {
+  enum class FrameId : uint8_t { none, offset };
+  enum class FrameIdBits : uint8_t { bits16 = 16, bits32 = 32, bits64 = 64 };
+  enum class Assemble : uint8_t { none, pairs, olat };
+  enum class Align : uint8_t { none, flow };
+  enum class Sets : uint8_t { complete, all };
+
+  std::string program = "performance";
+  FrameId frame_id = FrameId::none;
+  FrameIdBits frame_id_bits = FrameIdBits::bits64;
+  double jitter = 0.34;
+  double marker_timeout = 5;
+  Sets sets = Sets::complete;
+  double timeout = 0.2;
+  unsigned max_frames = 32;
+  bool drop_unlabeled = true;
+  Assemble assemble = Assemble::none;
+  Align align = Align::none;
+  std::string location;
+  std::string device;
+};
+
+const PropertyTable<SyncParams>& sync_properties();
+
+}  // namespace inverse

@@ -1,0 +1,131 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "light_evidence.hpp"
+#include "light_program.hpp"
+#include "trigger_counter.hpp"
+
+namespace inverse {
+
+/// Says of each frame of one camera which step of a light program lit it (docs/light-stage.md).
+///
+/// Triggers are counted by TriggerCounter. Where the program began is read from the pictures: its
+/// marker is black, full on, black, each a frame long. From then on pictures only check: who
+/// contradicts the label that times give is dropped, and where that goes on all labels are off
+/// until the next marker.
+class FrameLabeler {
+ public:
+  struct Params {
+    double jitter = 0.34;      ///< of time stamps, either way, in periods of the program
+    double drift = 250;        ///< of the camera's clock against the program's, ppm
+    uint32_t id_bits = 0;      ///< of the frame ids: 16, 32, 64, or 0 where there are none
+    double marker_within = 5;  ///< seconds after which a marker that has not come is told
+    uint32_t hold = 24;        ///< frames that may wait for what later ones tell
+  };
+  struct Frame {
+    uint64_t token = 0;           ///< the caller's name for it
+    std::optional<int64_t> time;  ///< PTS, ns
+    std::optional<uint64_t> id;   ///< of the camera
+    ImageEvidence image;
+  };
+  enum class Fate : uint8_t {
+    labeled,
+    duplicate,      ///< another of its trigger was there already
+    late,           ///< after one of a later trigger, or stamped too late to tell
+    ambiguous,      ///< which of two triggers was not told by what came with it and after it
+    contradicted,   ///< times say one step, the picture another
+    before_marker,  ///< the program has not started yet, or where it is is not known any more
+    ended,          ///< all of the program has been
+    untimed,        ///< neither a time nor an id
+  };
+  struct Labeled {
+    uint64_t token = 0;
+    Fate fate = Fate::before_marker;
+    uint64_t trigger = 0;  ///< of the program; of `labeled` frames
+    LightProgram::Position position;
+  };
+  struct Counts {
+    uint64_t frames = 0, labeled = 0;
+    uint64_t missing = 0;  ///< triggers without a frame, between the first label and the last
+    uint64_t duplicates = 0, late = 0, ambiguous = 0, contradicted = 0;
+    uint64_t before_marker = 0, ended = 0, untimed = 0;
+    uint64_t markers = 0;             ///< that were seen
+    uint64_t resynchronizations = 0;  ///< new anchors after the first, and counts that began anew
+  };
+
+  /// `program` has to outlive it.
+  FrameLabeler(const LightProgram& program, const Params& params);
+
+  /// Takes the next frame as it arrives; returns those that are settled by it, in their order but
+  /// for such that are dropped at once.
+  std::vector<Labeled> push(const Frame& frame);
+  /// Nothing more comes: those that are held.
+  std::vector<Labeled> drain();
+  /// All that is held is forgotten; what is known of the clock and the program's start is not.
+  void flush();
+  /// Starts as new, but counts go on.
+  void reset();
+
+  bool anchored() const { return anchor_.has_value(); }
+  /// Whether the marker has not come within `Params::marker_within`; once for each time that it is
+  /// waited for.
+  bool take_overdue();
+  const Counts& counts() const { return counts_; }
+  /// Rate of the triggers in Hz by the camera's clock: as sure as that is, from and to.
+  std::pair<double, double> rate() const;
+  const LightEvidence& evidence() const { return evidence_; }
+
+ private:
+  /// A frame whose trigger (of the counter's) is certain, while the marker is looked for.
+  struct Seen {
+    uint64_t token;
+    int64_t trigger;
+    ImageEvidence image;
+    bool told;
+  };
+  struct Anchor {
+    int64_t trigger = 0;  ///< of the counter's: the program's 0
+    double black = 0, full = 0;
+    bool clipped = false;
+  };
+  std::vector<Labeled> settle(const std::vector<TriggerCounter::Counted>& counted);
+  void counted(const TriggerCounter::Counted& frame, const ImageEvidence& image,
+               std::vector<Labeled>& out);
+  void label(uint64_t token, int64_t trigger, const ImageEvidence& image,
+             std::vector<Labeled>& out);
+  void tell(uint64_t token, Fate fate, std::vector<Labeled>& out);
+  bool contradicts(int64_t trigger, const ImageEvidence& image) const;
+  void look_for_marker(std::vector<Labeled>& out);
+  void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
+  void lose_anchor();
+  void end();
+  const Seen* seen_at(int64_t trigger) const;
+  enum class Match : uint8_t { no, wait, yes };
+  Match matches(int64_t start, Anchor& anchor) const;
+  std::optional<Anchor> without_full_frame(int64_t start) const;
+  Match follows(const Anchor& anchor, uint32_t wanted) const;
+
+  const LightProgram& program_;
+  Params params_;
+  double period_;  // ns
+  TriggerCounter counter_;
+  LightEvidence evidence_;
+  Counts counts_;
+  std::deque<std::pair<uint64_t, ImageEvidence>> waiting_;  // in the counter
+  std::optional<int64_t> origin_;                           // ns
+  std::optional<int64_t> anchor_;
+  uint64_t epoch_ = 0;
+  bool ended_ = false;
+  std::deque<Seen> seen_;
+  std::optional<int64_t> last_;      // the counter's trigger of the last labeled frame
+  uint64_t dropped_since_last_ = 0;  // which took a trigger's place and were not labeled
+  ImageEvidence before_;             // of the frame that came before
+  uint32_t contradicted_lately_ = 0;
+  std::optional<int64_t> waiting_since_, now_;  // ns
+  bool overdue_told_ = false;
+};
+
+}  // namespace inverse

@@ -1,0 +1,153 @@
+// How a FrameLabeler finds the marker of a light program: black, full on, black.
+#include <algorithm>
+#include <cmath>
+
+#include "frame_labeler.hpp"
+
+namespace inverse {
+namespace {
+
+using Position = LightProgram::Position;
+
+constexpr double kLeastContrast = 0.004;     // of full scale: what one code value is in dark gray
+constexpr double kContrastOfAmbient = 0.05;  // of the light that is there without the stage
+constexpr double kBlacksAlike = 0.15;        // of the contrast
+constexpr int64_t kFull = 1, kBlack = 2;     // triggers from the marker's first
+constexpr uint32_t kGradientsWanted = 2, kWithoutFull = 6;
+
+bool is_gradient(StepKind kind) {
+  return kind == StepKind::gradient_a || kind == StepKind::gradient_b;
+}
+
+/// What has to be seen after a marker to believe in it: frames that would not be so bright
+/// elsewhere. Programs that begin with single lights have the first tracking frame for that.
+uint32_t wanted_after(const LightProgram& program, uint32_t within) {
+  uint32_t gradients = 0;
+  for (uint32_t i = 0; i < std::min<size_t>(within, program.steps.size()); ++i) {
+    if (program.steps[i].kind == StepKind::tracking) return 1;
+    gradients += is_gradient(program.steps[i].kind) ? 1 : 0;
+  }
+  return std::min(gradients, kGradientsWanted);
+}
+
+}  // namespace
+
+const FrameLabeler::Seen* FrameLabeler::seen_at(int64_t trigger) const {
+  const auto at = std::find_if(seen_.begin(), seen_.end(),
+                               [&](const Seen& seen) { return seen.trigger == trigger; });
+  return at == seen_.end() ? nullptr : &*at;
+}
+
+/// Whether what was seen after a marker is what the program says.
+FrameLabeler::Match FrameLabeler::follows(const Anchor& anchor, uint32_t wanted) const {
+  LightEvidence evidence(program_);
+  evidence.start(anchor.black, anchor.full, anchor.clipped);
+  uint32_t told = 0, frames = 0;
+  for (const Seen& seen : seen_) {
+    if (seen.trigger < anchor.trigger) continue;
+    const Position position = program_.at(static_cast<uint64_t>(seen.trigger - anchor.trigger));
+    if (evidence.contradicts(position, seen.image)) return Match::no;
+    if (seen.trigger <= anchor.trigger + kBlack) continue;
+    if (position.part != Position::Part::step) continue;
+    ++frames;
+    const StepKind kind = program_.kind(position);
+    if (kind == StepKind::tracking || is_gradient(kind)) ++told;
+  }
+  if (told >= wanted && frames >= kGradientsWanted) return Match::yes;
+  return Match::wait;
+}
+
+/// Where the full frame is the one that was lost: between two black ones, one trigger apart, and
+/// gradients right after. Programs that begin with single lights are too dark to tell.
+std::optional<FrameLabeler::Anchor> FrameLabeler::without_full_frame(int64_t start) const {
+  if (program_.steps.size() < 2 || !is_gradient(program_.steps[0].kind) ||
+      !is_gradient(program_.steps[1].kind) || program_.steps[0].kind == program_.steps[1].kind)
+    return std::nullopt;
+  for (const LightStep& step : program_.steps)
+    if (!is_gradient(step.kind)) return std::nullopt;
+  const Seen *black1 = seen_at(start), *black2 = seen_at(start + kBlack),
+             *first = seen_at(start + kBlack + 1);
+  if (!black1 || !black2 || !first) return std::nullopt;
+  // A + B is the picture under all lights, with twice the light that is always there.
+  for (int64_t second = start + kBlack + 2; second < start + kBlack + 8; second += 2) {
+    const Seen* other = seen_at(second);
+    if (!other) continue;
+    const double black = (black1->image.luminance() + black2->image.luminance()) / 2;
+    const double full = first->image.luminance() + other->image.luminance() - black;
+    if (std::abs(black1->image.luminance() - black2->image.luminance()) >
+        kBlacksAlike * (full - black))
+      return std::nullopt;
+    return Anchor{start, black, full, true};
+  }
+  return std::nullopt;
+}
+
+FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
+  const Seen *full = seen_at(start + kFull), *black1 = seen_at(start),
+             *black2 = seen_at(start + kBlack);
+  const int64_t newest = seen_.back().trigger;
+  uint32_t wanted = wanted_after(program_, params_.hold);
+  if (full) {
+    if (!black1 && newest < start + kBlack) return Match::wait;
+    if (!black1 && !black2) return Match::no;
+    anchor = {start, 0, full->image.luminance(), full->image.clipped > 0.02};
+    const double a = (black1 ? black1 : black2)->image.luminance();
+    const double b = (black2 ? black2 : black1)->image.luminance();
+    anchor.black = (a + b) / 2;
+    if (std::abs(a - b) > kBlacksAlike * (anchor.full - anchor.black)) return Match::no;
+  } else {
+    if (newest < start + kFull) return Match::no;
+    const auto found = without_full_frame(start);
+    if (!found) {
+      // Black, a gap of one: what follows may tell.
+      const bool may = black1 && newest <= start + kBlack + 2;
+      return may && is_gradient(program_.steps.front().kind) ? Match::wait : Match::no;
+    }
+    anchor = *found;
+    wanted = kWithoutFull;
+  }
+  if (anchor.full - anchor.black < std::max(kLeastContrast, kContrastOfAmbient * anchor.black))
+    return Match::no;
+  return follows(anchor, wanted);
+}
+
+void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
+  const int64_t newest = seen_.back().trigger;
+  // The first two of a marker are kept in any case.
+  int64_t keep_from = newest - 1;
+  for (const Seen& seen : seen_) {
+    // The frame may be the marker's first, or its second or third after lost ones.
+    for (int64_t start = seen.trigger - kBlack; start <= seen.trigger; ++start) {
+      Anchor anchor;
+      const Match match = matches(start, anchor);
+      if (match == Match::yes) return take_anchor(anchor, out);
+      if (match == Match::wait) keep_from = std::min(keep_from, start);
+    }
+  }
+  keep_from = std::max(keep_from, newest - static_cast<int64_t>(params_.hold));
+  for (Seen& seen : seen_)
+    if (seen.trigger < keep_from && !seen.told) {
+      tell(seen.token, Fate::before_marker, out);
+      seen.told = true;
+    }
+}
+
+void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) {
+  ++counts_.markers;
+  anchor_ = anchor.trigger;
+  last_ = anchor.trigger - 1;
+  dropped_since_last_ = 0;
+  waiting_since_.reset();
+  evidence_.start(anchor.black, anchor.full, anchor.clipped);
+  for (Seen& seen : seen_) {
+    if (seen.told) {
+      if (seen.trigger >= anchor.trigger) ++dropped_since_last_;
+      continue;
+    }
+    seen.told = true;
+    label(seen.token, seen.trigger, seen.image, out);
+  }
+  if (ended_) end();
+}
+
+}  // namespace inverse

@@ -1,0 +1,251 @@
+// lightstagesync: labels, sets of several cameras, and what goes wrong.
+#include <thread>
+
+#include "stage_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK) << n;
+  const auto frames = pull(30);
+  ASSERT_EQ(frames.size(), 30u);
+  for (size_t n = 0; n < frames.size(); ++n) {
+    EXPECT_EQ(frames[n].trigger, static_cast<int64_t>(n));
+    const int kind = n == 1   ? GST_LIGHT_STAGE_TRACKING
+                     : n < 3  ? GST_LIGHT_STAGE_BLACK
+                     : n % 2 ? GST_LIGHT_STAGE_GRADIENT_A
+                              : GST_LIGHT_STAGE_GRADIENT_B;
+    EXPECT_EQ(frames[n].kind, kind) << n;
+    EXPECT_EQ(frames[n].step, n < 3 ? -1 : static_cast<int>((n - 3) % 2));
+    EXPECT_EQ(frames[n].bytes,
+              BallOnStage(program_, kWidth, kHeight).draw(static_cast<int64_t>(n)));
+    const auto colors = program_.colors(program_.at(n));
+    ASSERT_EQ(frames[n].colors.size(), 3 * colors.size());
+    EXPECT_EQ(frames[n].colors[4], colors[1][1]);
+  }
+  EXPECT_EQ(count("labeled"), 30u);
+  EXPECT_EQ(count("before-marker"), 10u);
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StageSync, LostFramesAreCountedAndToldOf) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 60; ++n)
+    if (n != 20 && n != 31) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_EQ(pull(58).back().trigger, 59);
+  EXPECT_EQ(count("missing"), 2u);
+  EXPECT_TRUE(warned_of("lost"));
+}
+
+TEST_F(StageSync, TwoCamerasLeaveInCompleteSets) {
+  use_performance();
+  start(0);
+  start(1);
+  for (int64_t n = -10; n < 40; ++n) {
+    if (n != 20) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+    if (n != 25) ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+  }
+  for (const unsigned number : {0u, 1u}) {
+    const auto frames = pull(38, number);
+    ASSERT_EQ(frames.size(), 38u);
+    for (const Out& frame : frames) EXPECT_TRUE(frame.trigger != 20 && frame.trigger != 25);
+    EXPECT_EQ(frames.back().trigger, 39);
+  }
+  EXPECT_EQ(count("sets-complete"), 38u);
+  EXPECT_EQ(count("sets-incomplete"), 2u);
+  EXPECT_EQ(count("incomplete"), 2u);
+}
+
+TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
+  start(0);
+  start(1);
+  for (int64_t n = -10; n < 40; ++n) {
+    if (n != 20) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+    if (n != 25) ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+  }
+  EXPECT_EQ(pull(39, 0).back().trigger, 39);
+  EXPECT_EQ(pull(39, 1).back().trigger, 39);
+}
+
+TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
+  use_performance();
+  g_object_set(element_, "timeout", 0.1, nullptr);
+  gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
+  start(0);
+  start(1);
+  for (GstHarness* one : {camera(0), camera(1)}) gst_harness_set_live(one, TRUE);
+  for (int64_t n = -10; n < 20; ++n)
+    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  pull(20, 1);
+  for (int64_t n = 20; n < 100; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  EXPECT_EQ(pull(100, 0).back().trigger, 99);
+  EXPECT_TRUE(warned_of("sink_1"));
+  // And comes back.
+  for (int64_t n = 100; n < 130; ++n)
+    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  EXPECT_EQ(pull(30, 1).back().trigger, 129);
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
+  use_performance();
+  g_object_set(element_, "marker-timeout", 0.5, nullptr);
+  start();
+  for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_TRUE(warned_of("marker"));
+  EXPECT_EQ(gst_harness_buffers_in_queue(camera()), 0u);
+}
+
+TEST_F(StageSync, UnlabeledFramesMayPass) {
+  use_performance();
+  g_object_set(element_, "drop-unlabeled", FALSE, nullptr);
+  start();
+  for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const auto frames = pull(20);
+  ASSERT_EQ(frames.size(), 20u);
+  for (size_t n = 0; n < 20; ++n)
+    EXPECT_EQ(frames[n].trigger, n < 10 ? -1 : static_cast<int64_t>(n) - 10);
+}
+
+TEST_F(StageSync, ProgramsThatAreNotThereOrBroken) {
+  const auto fails = [&](const char* program, const char* expected) {
+    g_object_set(element_, "program", program, nullptr);
+    EXPECT_EQ(gst_element_set_state(element_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    gst_element_set_state(element_, GST_STATE_NULL);
+    const auto errors = texts(GST_MESSAGE_ERROR);
+    ASSERT_EQ(errors.size(), 1u) << program;
+    EXPECT_NE(errors[0].find(expected), std::string::npos) << errors[0];
+  };
+  fails("/nowhere/program.json", "/nowhere/program.json");
+  use_performance();
+  g_file_set_contents(path_.c_str(), "{\"format\": 7", -1, nullptr);
+  fails(path_.c_str(), "program.json");
+  gst_util_set_object_arg(G_OBJECT(element_), "assemble", "pairs");
+  fails("static:12:x", "static:12:x");
+  gst_util_set_object_arg(G_OBJECT(element_), "assemble", "olat");
+  fails("performance:12", "tracking");
+}
+
+TEST_F(StageSync, FlushSeekAndEos) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  pull(20);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_flush_start()));
+  EXPECT_EQ(push(20), GST_FLOW_FLUSHING);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_flush_stop(TRUE)));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_segment(&segment)));
+  for (int64_t n = 5; n < 15; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const auto again = pull(10);
+  ASSERT_EQ(again.size(), 10u);
+  EXPECT_EQ(again.front().trigger, 5);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  EXPECT_EQ(push(16), GST_FLOW_EOS);
+  bool ended = false;
+  for (int i = 0; i < 500 && !ended; ++i) {
+    while (GstEvent* event = gst_harness_try_pull_event(camera())) {
+      ended |= GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+      gst_event_unref(event);
+    }
+    g_usleep(10000);
+  }
+  EXPECT_TRUE(ended);
+}
+
+TEST_F(StageSync, FrameIdsCount) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "frame-id", "offset");
+  gst_util_set_object_arg(G_OBJECT(element_), "frame-id-bits", "16");
+  start();
+  const BallOnStage ball(program_, kWidth, kHeight);
+  for (int64_t n = -10; n < 300; ++n) {
+    if (n % 50 == 49) continue;
+    // Time stamps that wander by a third of a period.
+    GstBuffer* buffer =
+        buffer_of(ball.draw(n), static_cast<double>(n) + 0.33 * std::sin(static_cast<double>(3 * n)));
+    GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(65400 + n) % 65536;
+    ASSERT_EQ(gst_harness_push(camera(), buffer), GST_FLOW_OK);
+  }
+  EXPECT_EQ(pull(294).back().trigger, 298);
+  EXPECT_EQ(count("missing"), 5u);
+}
+
+TEST_F(StageSync, AnyFormatIsMeasuredAndSizesChange) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 10; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const BallOnStage small(program_, 17, 11);
+  start(0, caps(17, 11));
+  for (int64_t n = 10; n < 30; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(small.draw(n), static_cast<double>(n))),
+              GST_FLOW_OK);
+  const auto frames = pull(30);
+  EXPECT_EQ(frames.back().trigger, 29);
+  EXPECT_EQ(frames.back().bytes.size(), 17u * 11 * 4);
+  for (const char* format : {"I420", "NV12", "GRAY8", "GRAY16_LE", "P010_10LE", "v210", "UYVY",
+                             "GBR_12LE", "RGB16", "NV12_64Z32", "IYU1", "A420"}) {
+    const std::string odd = VideoHarness::caps(format, 13, 9);
+    start(0, odd);
+    const auto bytes = random_frame(odd, 1);
+    EXPECT_EQ(gst_harness_push(camera(), buffer_of(bytes, 40)), GST_FLOW_OK) << format;
+  }
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StageSync, ABufferThatIsTooSmallIsOneError) {
+  use_performance();
+  start();
+  EXPECT_EQ(gst_harness_push(camera(), buffer_of(std::vector<uint8_t>(100), 0)), GST_FLOW_ERROR);
+  const auto errors = texts(GST_MESSAGE_ERROR);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("100 bytes"), std::string::npos) << errors[0];
+}
+
+TEST_F(StageSync, ARateThatIsNotTheProgramsIsAWarningAndAnUnknownOneIsNone) {
+  use_performance();
+  start(0, caps(kWidth, kHeight, "0/1"));
+  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  start(0, caps(kWidth, kHeight, "25/1"));
+  EXPECT_TRUE(warned_of("25"));
+}
+
+TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
+  use_performance();
+  g_object_set(element_, "timeout", 0.3, nullptr);
+  start(0);
+  start(1);
+  gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
+  gst_harness_set_upstream_latency(camera(1), 30 * GST_MSECOND);
+  EXPECT_EQ(gst_harness_query_latency(camera(0)), 330 * GST_MSECOND);
+}
+
+TEST_F(StageSync, PadsComeAndGo) {
+  use_performance();
+  start(0);
+  start(1);
+  for (int64_t n = -10; n < 10; ++n)
+    for (const unsigned number : {0u, 1u}) ASSERT_EQ(push(n, number), GST_FLOW_OK);
+  pull(10, 0);
+  GstPad* gone = gst_element_get_static_pad(element_, "sink_1");
+  gst_harness_teardown(cameras_[1]);
+  cameras_.erase(1);
+  if (gone) {
+    if (GST_OBJECT_PARENT(gone)) gst_element_release_request_pad(element_, gone);
+    gst_object_unref(gone);
+  }
+  EXPECT_EQ(gst_element_get_static_pad(element_, "src_1"), nullptr);
+  gst_element_set_state(element_, GST_STATE_PLAYING);
+  for (int64_t n = 10; n < 20; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  EXPECT_EQ(pull(10, 0).back().trigger, 19);
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,313 @@
+// Labels of frames of a light stage: that none is wrong, and that each loss is counted.
+#include "light_stage/frame_labeler.hpp"
+
+#include <gtest/gtest.h>
+
+#include "labeling_simulation.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Fate = FrameLabeler::Fate;
+
+std::vector<StageLight> some_lights(uint32_t count = 64) {
+  return stage_lights(geodesic_directions(count));
+}
+
+/// A program whose pictures all look alike: times and ids are all there is.
+LightProgram featureless() {
+  LightProgram program = performance(some_lights());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0.3F, 0.7F);
+  program.steps.clear();
+  for (int i = 0; i < 97; ++i) {
+    LightStep step{StepKind::custom};
+    for (size_t l = 0; l < program.lights.size(); ++l)
+      step.colors.push_back({unit(random), unit(random), unit(random)});
+    program.steps.push_back(step);
+  }
+  program.check();
+  return program;
+}
+
+LightProgram endless_static() {
+  LightProgram program = static_capture(some_lights(331));
+  program.repeat = 0;
+  return program;
+}
+
+void expect_all_right(const SimulationResult& result, const std::string& what) {
+  EXPECT_EQ(result.mislabeled, 0U) << what;
+  EXPECT_LE(static_cast<double>(result.ambiguous), 0.01 * static_cast<double>(result.sent)) << what;
+  EXPECT_EQ(result.counts.missing, result.lost) << what;
+  EXPECT_EQ(result.counts.resynchronizations, 0U) << what;
+  EXPECT_EQ(result.counts.markers, 1U) << what;
+}
+
+class Programs : public ::testing::TestWithParam<int> {
+ protected:
+  LightProgram program() const {
+    return GetParam() == 0   ? performance(some_lights())
+           : GetParam() == 1 ? endless_static()
+                             : featureless();
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Labeling, Programs, ::testing::Values(0, 1, 2));
+
+TEST_P(Programs, TenThousandFramesByTimesAlone) {
+  const LightProgram lights = program();
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    CameraSimulation camera;
+    camera.seed = seed;
+    camera.idle = seed % 3 == 0 ? 0 : 50;
+    camera.drift = seed % 2 ? 120 : -120;
+    camera.distribution =
+        seed % 4 < 2 ? CameraSimulation::Jitter::uniform : CameraSimulation::Jitter::normal;
+    expect_all_right(simulate(lights, camera, {}), "seed " + std::to_string(seed));
+  }
+}
+
+TEST_P(Programs, TenThousandFramesByIds) {
+  const LightProgram lights = program();
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    CameraSimulation camera;
+    camera.seed = seed;
+    camera.idle = seed % 3 == 0 ? 0 : 50;
+    camera.id_bits = seed % 3 == 0 ? 16 : seed % 3 == 1 ? 64 : 32;
+    camera.first_id = camera.id_bits == 16 ? 65400 : ~uint64_t{0} - 3000;
+    camera.ids_skip_zero = seed % 2;
+    FrameLabeler::Params params;
+    params.id_bits = camera.id_bits;
+    const auto result = simulate(lights, camera, params);
+    expect_all_right(result, "seed " + std::to_string(seed));
+    EXPECT_EQ(result.labeled, result.sent) << seed;
+  }
+}
+
+TEST(Labeling, OneProgramWhoseFullFrameIsLost) {
+  const LightProgram lights = performance(some_lights());
+  uint64_t found = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    CameraSimulation camera;
+    camera.seed = seed;
+    camera.frames = 500;
+    camera.full_frame_lost = true;
+    const auto result = simulate(lights, camera, {});
+    EXPECT_EQ(result.mislabeled, 0U) << seed;
+    EXPECT_LE(result.ambiguous, result.counts.markers ? 12U : 500U) << seed;
+    found += result.counts.markers;
+  }
+  EXPECT_GE(found, 18U);  // the blacks beside it may be lost, too
+}
+
+/// Pushes frames by hand: pictures of a program, times in periods.
+class ByHand : public ::testing::Test {
+ protected:
+  using Labels = std::vector<FrameLabeler::Labeled>;
+  explicit ByHand(LightProgram program = performance(some_lights()), uint32_t id_bits = 0)
+      : program_(std::move(program)), labeler_(program_, params(id_bits)) {}
+  static FrameLabeler::Params params(uint32_t id_bits) {
+    FrameLabeler::Params params;
+    params.id_bits = id_bits;
+    return params;
+  }
+
+  ImageEvidence picture(int64_t trigger) {
+    ImageEvidence image;
+    image.level = trigger < 0
+                      ? mean_picture(program_, {LightProgram::Position::Part::ended, 0, 0})
+                      : mean_picture(program_, program_.at(static_cast<uint64_t>(trigger)));
+    image.content = ++content_;
+    return image;
+  }
+  void hear(const Labels& told) {
+    for (const auto& one : told) {
+      if (told_.size() <= one.token) told_.resize(one.token + 1);
+      told_[one.token] = one;
+    }
+  }
+  /// Returns the frame's token.
+  uint64_t push(double time, const ImageEvidence& image, std::optional<uint64_t> id = {}) {
+    const uint64_t token = tokens_++;
+    hear(labeler_.push(
+        {token, static_cast<int64_t>(std::llround((time + 100) * 1e9 / 60)), id, image}));
+    return token;
+  }
+  /// Triggers of the program, on time.
+  void play(int64_t from, int64_t to) {
+    for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(n));
+  }
+  Fate fate(uint64_t token) {
+    return token < told_.size() ? told_[token].fate : Fate::untimed;
+  }
+
+  LightProgram program_;
+  FrameLabeler labeler_;
+  std::vector<FrameLabeler::Labeled> told_;
+  uint64_t content_ = 0, tokens_ = 0;
+};
+
+TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
+  play(-20, 10);
+  ASSERT_TRUE(labeler_.anchored());
+  for (uint64_t token = 0; token < 20; ++token) EXPECT_EQ(fate(token), Fate::before_marker);
+  for (uint64_t n = 0; n < 10; ++n) {
+    EXPECT_EQ(fate(20 + n), Fate::labeled) << n;
+    EXPECT_EQ(told_[20 + n].trigger, n);
+  }
+}
+
+TEST_F(ByHand, AMarkerThatNeverComesIsToldOnce) {
+  play(-400, -105);
+  EXPECT_FALSE(labeler_.take_overdue());
+  play(-105, 0);
+  EXPECT_TRUE(labeler_.take_overdue());
+  EXPECT_FALSE(labeler_.take_overdue());
+  EXPECT_EQ(labeler_.counts().labeled, 0U);
+}
+
+TEST_F(ByHand, AFrameThatIsStampedAPeriodLateIsNotTakenForTheNext) {
+  play(-20, 100);
+  // The picture of trigger 100 with the time of 101; 101 itself is lost.
+  const uint64_t late = push(101, picture(100));
+  play(102, 120);
+  EXPECT_NE(fate(late), Fate::labeled);
+  EXPECT_EQ(labeler_.counts().missing, 1U);
+  EXPECT_EQ(told_[late + 18].trigger, 119U);
+}
+
+TEST_F(ByHand, ADoubleThatIsStampedAPeriodLateIsADouble) {
+  play(-20, 100);
+  ImageEvidence image = picture(100);
+  push(100, image);
+  const uint64_t again = push(101, image);
+  play(102, 120);
+  EXPECT_EQ(fate(again), Fate::duplicate);
+  EXPECT_EQ(labeler_.counts().duplicates, 1U);
+  EXPECT_EQ(labeler_.counts().missing, 1U);
+}
+
+TEST_F(ByHand, OffBeatAndOutOfOrderFramesAreDroppedAndCounted) {
+  play(-20, 100);
+  const uint64_t between = push(100.5, picture(100));
+  push(102, picture(102));
+  const uint64_t old = push(101, picture(101));
+  play(103, 110);
+  // Half a period off is told by its picture, and only by that.
+  EXPECT_TRUE(fate(between) != Fate::labeled || told_[between].trigger == 100);
+  EXPECT_EQ(fate(old), Fate::late);
+  EXPECT_EQ(labeler_.counts().late, 1U);
+  EXPECT_EQ(labeler_.counts().missing, 0U);
+}
+
+TEST_F(ByHand, AGapIsCountedAndBridged) {
+  play(-20, 100);
+  play(700, 720);
+  EXPECT_EQ(labeler_.counts().missing, 600U);
+  EXPECT_EQ(told_.back().trigger, 719U);
+}
+
+TEST_F(ByHand, AProgramThatIsStartedAgainIsFollowed) {
+  play(-20, 101);
+  const auto shift = [&](int64_t n) { push(static_cast<double>(n + 130), picture(n)); };
+  for (int64_t n = -20; n < 40; ++n) shift(n);
+  EXPECT_TRUE(labeler_.anchored());
+  EXPECT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(told_.back().trigger, 39U);
+  EXPECT_EQ(labeler_.counts().markers, 2U);
+  EXPECT_EQ(labeler_.counts().resynchronizations, 1U);
+}
+
+TEST_F(ByHand, LightsThatSlipByAStepAreNotFollowedBlindly) {
+  play(-20, 100);
+  const uint64_t first = tokens_;
+  for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), picture(n + 1));
+  for (uint64_t token = first; token < tokens_; ++token)
+    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  EXPECT_FALSE(labeler_.anchored());
+}
+
+TEST_F(ByHand, ExposureThatChangesSlowlyAndAmbientLightAreFollowed) {
+  for (int64_t n = -20; n < 2000; ++n) {
+    ImageEvidence image = picture(n);
+    for (double& level : image.level)
+      level = level * (1 + 0.7 * std::sin(static_cast<double>(n) / 200)) + 0.05;
+    push(static_cast<double>(n), image);
+  }
+  EXPECT_EQ(labeler_.counts().labeled, 2000U);
+}
+
+TEST_F(ByHand, FlushKeepsTheStartOfTheProgram) {
+  play(-20, 100);
+  labeler_.flush();
+  play(1000, 1010);
+  EXPECT_EQ(told_.back().trigger, 1009U);
+  labeler_.flush();
+  play(50, 60);  // back
+  EXPECT_EQ(told_.back().trigger, 59U);
+  EXPECT_EQ(labeler_.counts().late, 0U);
+}
+
+TEST_F(ByHand, TimesThatAreNotThereOrNonsense) {
+  play(-20, 100);
+  hear(labeler_.push({tokens_++, std::nullopt, std::nullopt, picture(100)}));
+  EXPECT_EQ(told_.back().fate, Fate::untimed);
+  push(-1e9, picture(100));
+  push(1e9, picture(100));
+  ImageEvidence broken = picture(101);
+  broken.level.fill(std::nan(""));
+  push(101, broken);
+  play(102, 110);
+  EXPECT_EQ(told_.back().trigger, 109U);
+}
+
+class ShortProgram : public ByHand {
+ protected:
+  static LightProgram program() {
+    LightProgram program = performance(some_lights());
+    program.repeat = 10;
+    return program;
+  }
+  ShortProgram() : ByHand(program()) {}
+};
+
+TEST_F(ShortProgram, EndsAndMayComeAgain) {
+  play(-20, 23);
+  EXPECT_EQ(labeler_.counts().labeled, 23U);
+  const uint64_t after = push(23, picture(-1));
+  EXPECT_EQ(fate(after), Fate::ended);
+  for (int n = 24; n < 600; ++n) push(n, picture(-1));
+  EXPECT_FALSE(labeler_.take_overdue());
+  for (int64_t n = 0; n < 23; ++n) push(static_cast<double>(600 + n), picture(n));
+  EXPECT_EQ(labeler_.counts().labeled, 46U);
+  EXPECT_EQ(told_.back().trigger, 22U);
+}
+
+class WithIds : public ByHand {
+ protected:
+  WithIds() : ByHand(performance(some_lights()), 16) {}
+  void play_ids(int64_t from, int64_t to, int64_t first_id) {
+    for (int64_t n = from; n < to; ++n)
+      push(static_cast<double>(n), picture(n), static_cast<uint64_t>(n - from + first_id));
+  }
+};
+
+TEST_F(WithIds, ACameraThatIsStartedAgainCountsFromWhereItsTimesAre) {
+  play_ids(-20, 100, 500);
+  play_ids(200, 240, 1);
+  EXPECT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(told_.back().trigger, 239U);
+}
+
+TEST_F(WithIds, ACameraThatMissesATriggerWithoutCountingItIsCaught) {
+  play_ids(-20, 100, 500);
+  play_ids(101, 140, 620);
+  for (uint64_t token = 0; token < tokens_; ++token)
+    if (fate(token) == Fate::labeled && token >= 120) {
+      EXPECT_EQ(told_[token].trigger, token - 119 + 100);
+    }
+  EXPECT_EQ(told_.back().trigger, 139U);
+}
+
+}  // namespace
+}  // namespace inverse::testing
