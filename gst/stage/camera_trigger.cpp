@@ -69,7 +69,10 @@ std::unique_ptr<CameraTrigger> CameraTrigger::find(GstPad* sink) {
 CameraTrigger::CameraTrigger(GstElement* source)
     : source_(source), camera_(std::make_unique<Camera>()) {}
 
-CameraTrigger::~CameraTrigger() { gst_object_unref(source_); }
+CameraTrigger::~CameraTrigger() {
+  if (set_source_) g_object_set(source_, "trigger-source", "", nullptr);
+  gst_object_unref(source_);
+}
 
 void CameraTrigger::prepare() {
   if (!property_of(source_, "trigger-source")) return;
@@ -77,11 +80,13 @@ void CameraTrigger::prepare() {
   g_object_get(source_, "trigger-source", &trigger, nullptr);
   const std::string set = trigger ? trigger : "";
   g_free(trigger);
-  if (set.empty())
+  if (set.empty()) {
     g_object_set(source_, "trigger-source", kSoftware, nullptr);
-  else if (set != kSoftware)
+    set_source_ = true;
+  } else if (set != kSoftware) {
     throw Error(ErrorKind::unsupported, name() + " has trigger-source=" + set +
                                             ", so software cannot trigger it: leave that out");
+  }
 }
 
 void CameraTrigger::configure() {
@@ -110,6 +115,8 @@ void CameraTrigger::configure() {
 }
 
 void CameraTrigger::release() { camera_->object.reset(); }
+
+void CameraTrigger::end() { gst_element_send_event(source_, gst_event_new_eos()); }
 
 std::string CameraTrigger::name() const {
   gchar* name = gst_object_get_name(GST_OBJECT(source_));

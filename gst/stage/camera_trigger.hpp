@@ -27,6 +27,9 @@ class CameraTrigger final : public TriggeredCamera {
   /// Lets go of the camera, which cannot be opened again before.
   void release();
 
+  /// No more frames are wanted: end of stream after those that are there.
+  void end();
+
   std::string name() const override;
   void fire() override;
   uint32_t frame_id_bits() const override;
@@ -38,6 +41,7 @@ class CameraTrigger final : public TriggeredCamera {
   explicit CameraTrigger(GstElement* source);
 
   GstElement* source_;
+  bool set_source_ = false;  ///< its trigger-source, which is empty else
   std::unique_ptr<Camera> camera_;
 };
 

@@ -9,10 +9,11 @@ std::unique_ptr<CameraTrigger> CameraTrigger::find(GstPad*) {
   throw Error(ErrorKind::unsupported,
               "this build cannot trigger cameras: build it with libaravis-dev");
 }
-CameraTrigger::~CameraTrigger() { gst_object_unref(source_); }
+CameraTrigger::~CameraTrigger() = default;
 void CameraTrigger::prepare() {}
 void CameraTrigger::configure() {}
 void CameraTrigger::release() {}
+void CameraTrigger::end() {}
 std::string CameraTrigger::name() const { return {}; }
 void CameraTrigger::fire() {}
 uint32_t CameraTrigger::frame_id_bits() const { return 0; }

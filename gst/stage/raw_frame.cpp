@@ -17,6 +17,9 @@ constexpr float kClipped = 0.97F;  // of full scale
 /// first byte alone where a GstVideoMeta says where they are.
 bool is_whole(const GstVideoFrame& frame) {
   const GstVideoFormatInfo* format = frame.info.finfo;
+  // Strides of tiles are numbers of tiles; all of them are there where the bytes are.
+  if (GST_VIDEO_FORMAT_INFO_IS_TILED(format))
+    return gst_buffer_get_size(frame.buffer) >= GST_VIDEO_INFO_SIZE(&frame.info);
   for (guint plane = 0; plane < GST_VIDEO_FORMAT_INFO_N_PLANES(format); ++plane) {
     const GstMapInfo& map = frame.map[frame.meta ? plane : 0];
     const auto* begin = static_cast<const guint8*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
@@ -123,6 +126,14 @@ void Linearizer::convert(const T* samples, double unit, float* rgb) const {
   rgb[0] = curve(red);
   rgb[1] = curve(green);
   rgb[2] = curve(blue);
+}
+
+void Linearizer::operator()(const uint8_t* samples, float* rgb) const {
+  convert(samples, 1.0 / 255, rgb);
+}
+
+void Linearizer::operator()(const uint16_t* samples, float* rgb) const {
+  convert(samples, 1.0 / 65535, rgb);
 }
 
 ImageEvidence look_at(const GstVideoInfo& info, const Linearizer& linear, GstBuffer* buffer) {

@@ -40,10 +40,8 @@ class Linearizer {
  public:
   explicit Linearizer(const GstVideoInfo& info);
   /// Linear RGB of the pixel at `samples` (of 8 or 16 bits, as unpacked).
-  void operator()(const uint8_t* samples, float* rgb) const { convert(samples, 1.0 / 255, rgb); }
-  void operator()(const uint16_t* samples, float* rgb) const {
-    convert(samples, 1.0 / 65535, rgb);
-  }
+  void operator()(const uint8_t* samples, float* rgb) const;
+  void operator()(const uint16_t* samples, float* rgb) const;
 
  private:
   template <typename T>

@@ -57,6 +57,11 @@ uint64_t TriggeredCapture::stop() {
   return next_;
 }
 
+bool TriggeredCapture::running() const {
+  const std::lock_guard lock(mutex_);
+  return !stopping_;
+}
+
 void TriggeredCapture::run(uint64_t trigger) {
   try {
     const auto end = program_.triggers();

@@ -81,6 +81,8 @@ class TriggeredCapture {
   /// Ends the loop and waits for its thread: as long as a camera or the lights take to answer.
   /// Where it can go on.
   uint64_t stop();
+  /// Whether the loop was started and not stopped; it may have come to its end.
+  bool running() const;
 
   /// A frame has come from `camera`: its trigger, or nothing where it belongs to none and has to
   /// be dropped. `id` is the camera's, `age` how many seconds ago it was exposed or began to
@@ -127,7 +129,7 @@ class TriggeredCapture {
   std::optional<uint64_t> awaited_;
   uint64_t next_ = 0;
   Stats stats_;
-  bool stopping_ = false;
+  bool stopping_ = true;
   std::thread thread_;
 };
 
