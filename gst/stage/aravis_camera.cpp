@@ -286,6 +286,10 @@ FrameLayout AravisCamera::configure(const GstCaps* caps, const CameraSettings& s
     arv_camera_set_frame_rate(get(), layout.frame_rate, error.out());
     error.check(cannot + "a frame rate of " + std::to_string(layout.frame_rate));
   }
+  if (settings.packet_size && arv_camera_is_gv_device(get())) {
+    arv_camera_gv_set_packet_size(get(), static_cast<gint>(settings.packet_size), error.out());
+    error.check(cannot + "packets of " + std::to_string(settings.packet_size) + " bytes");
+  }
   if (!settings.features.empty()) {
     arv_device_set_features_from_string(arv_camera_get_device(get()), settings.features.c_str(),
                                         error.out());

@@ -65,8 +65,9 @@ std::mutex& mutex_of(ArvCamera* camera);
 /// What a camera is asked for before it sends. Empty or negative: as it is.
 struct CameraSettings {
   std::string features, trigger_source;
-  double exposure = -1;  ///< µs
-  double gain = -1;      ///< the camera's unit
+  double exposure = -1;      ///< µs
+  double gain = -1;          ///< the camera's unit
+  uint32_t packet_size = 0;  ///< of GigE Vision, bytes; 0: as it is
 };
 
 /// How a camera's frames are laid out and how GStreamer wants them.

@@ -38,6 +38,12 @@ AravisStream::AravisStream(AravisCamera& camera, const FrameLayout& layout, uint
   error.check("cannot get frames from the camera " + camera.name());
   if (!stream_)
     throw Error(ErrorKind::connection, "cannot get frames from the camera " + camera.name());
+  // The system's usual buffer holds less than a frame; it gives as much of this as it is allowed
+  // to.
+  if (ARV_IS_GV_STREAM(stream_.get()))
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size",
+                 static_cast<gint>(std::min<size_t>(4 * layout.payload, size_t{1} << 28)), nullptr);
   for (uint32_t i = 0; i < frames; ++i)
     arv_stream_push_buffer(stream_.get(), arv_buffer_new(layout.payload, nullptr));
   lender_->stream = stream_.get();

@@ -60,6 +60,7 @@ enum : guint {
   PROP_EXPOSURE,
   PROP_GAIN,
   PROP_FEATURES,
+  PROP_PACKET_SIZE,
   PROP_TRIGGER_SOURCE,
   PROP_NUM_BUFFERS_QUEUED,
   PROP_TIMEOUT,
@@ -119,6 +120,8 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
       return g_value_set_double(value, source.settings.gain);
     case PROP_FEATURES:
       return g_value_set_string(value, source.settings.features.c_str());
+    case PROP_PACKET_SIZE:
+      return g_value_set_uint(value, source.settings.packet_size);
     case PROP_TRIGGER_SOURCE:
       return g_value_set_string(value, source.settings.trigger_source.c_str());
     case PROP_NUM_BUFFERS_QUEUED:
@@ -169,6 +172,9 @@ void set_property(GObject* object, guint id, const GValue* value, GParamSpec* sp
     }
     case PROP_FEATURES:
       source.settings.features = text_of(value);
+      break;
+    case PROP_PACKET_SIZE:
+      source.settings.packet_size = g_value_get_uint(value);
       break;
     case PROP_TRIGGER_SOURCE:
       source.settings.trigger_source = text_of(value);
@@ -370,11 +376,12 @@ GstBuffer* finish(GstElement* element, Source& source, const CameraFrame& frame,
   return buffer;
 }
 
-/// Tells the user when frames get lost on the way: at once, and again each time ten times as many.
+/// Tells the user when frames get lost on the way, and again each time there are ten times as many.
 void tell_incomplete(GstElement* element, Source& source, Lock& lock, const std::string& name) {
   const auto counts = source.stream->counts();
   const uint64_t bad = source.before.incomplete + counts.incomplete + counts.misfits;
-  if (bad < std::max<uint64_t>(source.told, 1)) return;
+  // The first one may be: Aravis asks for a buffer of the frames' size when it has come.
+  if (bad < std::max<uint64_t>(source.told, 2)) return;
   source.told = 10 * bad;
   const uint64_t good = source.frames;
   lock.unlock();
@@ -500,6 +507,10 @@ void install(GObjectClass* object) {
                           "More of the camera's features, \"Name=Value Command\", set after all "
                           "else and before it starts",
                           "", fixed));
+  put(PROP_PACKET_SIZE, g_param_spec_uint("packet-size", "packet size",
+                                          "Bytes of a GigE Vision camera's packets; 0: as it is. "
+                                          "Networks with jumbo frames take 9000",
+                                          0, 65535, 0, fixed));
   put(PROP_TRIGGER_SOURCE,
       g_param_spec_string("trigger-source", "trigger source",
                           "What triggers each frame, by the camera's names: Software, Line0 …; "
