@@ -157,7 +157,8 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
   SyncElement& sync = sync_of(element);
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !sync.start())
     return GST_STATE_CHANGE_FAILURE;
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING) sync.set_playing(true);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && !sync.set_playing(true))
+    return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) sync.set_playing(false);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);

@@ -38,7 +38,7 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
 std::string file_name(const LightStep& step) {
   if (step.kind != StepKind::olat) return std::string(name_of(step.kind)) + ".exr";
   char name[32];
-  std::snprintf(name, sizeof name, "olat_%04u.exr", step.light);
+  std::snprintf(name, sizeof name, "olat/%03u.exr", step.light);
   return name;
 }
 
@@ -175,7 +175,7 @@ std::string OlatAssembler::folder() const {
 
 void OlatAssembler::save(const Held& held, const cv::Mat& light) {
   std::error_code failed;
-  std::filesystem::create_directories(folder(), failed);
+  std::filesystem::create_directories(folder() + "/olat", failed);
   if (failed)
     throw Error(ErrorKind::file, "the folder " + folder() + " cannot be made: " + failed.message());
   const LightStep& step = labels_->program().steps[held.label.position.index];
@@ -189,9 +189,10 @@ void OlatAssembler::save(const Held& held, const cv::Mat& light) {
   ++written_;
 }
 
-/// olat.json beside the pictures: which is which.
+/// lights.json beside the pictures, as lightstagetestsrc reads it: which is which.
 void OlatAssembler::save_list() {
   const LightProgram& program = labels_->program();
+  if (olat_files_.empty() && files_.empty()) return;
   Json list = {{"format", "gst-inverse olat set"},
                {"version", 1},
                {"program", program.name},
@@ -201,10 +202,13 @@ void OlatAssembler::save_list() {
                {"light", "linear, 1 = full scale of the camera"}};
   for (const auto& [kind, file] : files_) list[kind] = file;
   list["lights"] = Json::array();
-  for (const auto& [light, file] : olat_files_)
-    list["lights"].push_back(
-        {{"index", light}, {"direction", program.lights[light].direction}, {"file", file}});
-  const std::string path = folder() + "/olat.json";
+  // All of them: one whose frame was lost has no file.
+  for (uint32_t light = 0; light < program.lights.size(); ++light) {
+    Json one = {{"index", light}, {"direction", program.lights[light].direction}};
+    if (olat_files_.contains(light)) one["file"] = olat_files_[light];
+    list["lights"].push_back(one);
+  }
+  const std::string path = folder() + "/lights.json";
   std::ofstream file(path);
   file << list.dump(2) << "\n";
   if (!file.flush()) throw Error(ErrorKind::file, "cannot write " + path);

@@ -6,6 +6,7 @@
 
 namespace inverse {
 gboolean register_lightstagesync(GstPlugin* plugin);
+bool register_test_source(GstPlugin* plugin);
 #if HAVE_ARAVIS
 gboolean register_lightstagearavissrc(GstPlugin* plugin);
 #endif
@@ -14,9 +15,9 @@ gboolean register_lightstagearavissrc(GstPlugin* plugin);
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  gboolean all = inverse::register_lightstagesync(plugin);
+  gboolean all = inverse::register_lightstagesync(plugin) && inverse::register_test_source(plugin);
 #if HAVE_ARAVIS
-  all &= inverse::register_lightstagearavissrc(plugin);
+  all = all && inverse::register_lightstagearavissrc(plugin);
 #endif
   return all;
 }

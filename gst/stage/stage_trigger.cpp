@@ -12,7 +12,7 @@ StageTrigger::StageTrigger(GstElement* element, std::shared_ptr<const StageLabel
   if (settings_.lights.backend == LightDriverSettings::Backend::serial &&
       !settings_.lights.serial.pulses)
     throw Error(ErrorKind::unsupported,
-                "camera-trigger=aravis-software steps the lights itself: it needs serial-pulses");
+                "camera-trigger=aravis-software steps the lights itself: leave pulses=true");
   if (sinks.empty())
     throw Error(ErrorKind::unsupported,
                 "camera-trigger: request a sink pad for each camera before the start");

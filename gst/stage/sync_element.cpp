@@ -28,6 +28,9 @@ bool SyncElement::start() {
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
     auto trigger = make_trigger(params, labels);
+    lights_.reset();
+    if (!trigger && params.lights.backend != LightDriverSettings::Backend::none)
+      lights_ = std::make_unique<LightClock>(element_, labels, params.lights, params.lead_in);
     Lock lock(mutex_);
     trigger_ = std::move(trigger);
     params_ = params;
@@ -43,6 +46,7 @@ bool SyncElement::start() {
 
 void SyncElement::stop() {
   std::shared_ptr<StageTrigger> trigger;  // ends after the lock: its threads may take that
+  lights_.reset();
   Lock lock(mutex_);
   trigger = std::move(trigger_);
   for (auto& [number, camera] : cameras_) {
@@ -66,14 +70,18 @@ void SyncElement::stop() {
   context_.release();
 }
 
-void SyncElement::set_playing(bool playing) {
-  Lock lock(mutex_);
-  const auto trigger = trigger_;
-  playing_ = playing;
-  playing_since_ = lacking_since_ = Clock::now();
-  for (auto& [number, camera] : cameras_) camera->last_arrival = playing_since_;
-  lock.unlock();
+bool SyncElement::set_playing(bool playing) {
+  std::shared_ptr<StageTrigger> trigger;
+  {
+    Lock lock(mutex_);
+    trigger = trigger_;
+    playing_ = playing;
+    lacking_since_ = Clock::now();
+    for (auto& [number, camera] : cameras_) camera->last_arrival = lacking_since_;
+  }
   if (trigger) trigger->set_playing(playing);
+  if (!lights_) return true;
+  return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
 }
 
 std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {
@@ -218,12 +226,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
 /// camera may be triggered again.
 std::shared_ptr<StageTrigger> SyncElement::make_trigger(
     SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
-  using Backend = LightDriverSettings::Backend;
-  if (params.camera_trigger == SyncParams::CameraTrigger::none) {
-    if (params.lights.backend == Backend::none) return nullptr;
-    throw Error(ErrorKind::unsupported,
-                "lights are stepped together with the cameras: set camera-trigger, too");
-  }
+  if (params.camera_trigger == SyncParams::CameraTrigger::none) return nullptr;
   StageTrigger::Settings settings;
   settings.lights = params.lights;
   settings.capture.timeout = params.trigger_timeout;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/device_context.hpp"
+#include "light_clock.hpp"
 #include "light_stage/frame_sets.hpp"
 #include "stage_trigger.hpp"
 #include "sync_camera.hpp"
@@ -33,7 +34,7 @@ class SyncElement {
   /// why.
   bool start();
   void stop();
-  void set_playing(bool playing);
+  bool set_playing(bool playing);
 
   CameraPtr add(uint32_t number, GstPad* sink, GstPad* src);
   CameraPtr find(GstPad* pad) const;
@@ -85,6 +86,8 @@ class SyncElement {
   Parameters<SyncParams> parameters_{sync_properties()};
   SyncParams params_;  // as of `start`
 
+  std::unique_ptr<LightClock> lights_;  // of state changes
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
@@ -95,7 +98,6 @@ class SyncElement {
   uint64_t run_ = 0;
   Clock::time_point run_since_{};
   bool playing_ = false;
-  Clock::time_point playing_since_{};
   std::vector<uint32_t> lacking_;  // what the oldest set waits for, and since when
   Clock::time_point lacking_since_{};
   uint64_t decided_ = 0;

@@ -30,8 +30,10 @@ struct SyncParams {
   CameraTrigger camera_trigger = CameraTrigger::none;
   double trigger_timeout = 1;
   unsigned trigger_retries = 2;
-  LightDriverSettings lights;
   std::string device;
+
+  LightDriverSettings lights;
+  double lead_in = 1;
 };
 
 const PropertyTable<SyncParams>& sync_properties();

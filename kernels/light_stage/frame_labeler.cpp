@@ -43,6 +43,7 @@ void FrameLabeler::reset() {
   counter_.restart();
   lose_anchor();
   seen_.clear();
+  doubted_.reset();
   waiting_.clear();
   origin_.reset();
   waiting_since_.reset();
@@ -53,6 +54,7 @@ void FrameLabeler::flush() {
   counter_.flush();
   waiting_.clear();
   seen_.clear();
+  doubted_.reset();
   last_.reset();
   dropped_since_last_ = 0;
   if (counter_.epoch() == epoch_) return;
@@ -129,6 +131,7 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
 
 std::vector<FrameLabeler::Labeled> FrameLabeler::drain() {
   auto out = settle(counter_.drain());
+  release_doubted(out);
   for (Seen& seen : seen_)
     if (!seen.told) {
       tell(seen.token, Fate::before_marker, out);
@@ -159,6 +162,17 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
 
 void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
                            std::vector<Labeled>& out) {
+  if (doubted_ && frame.fate == Counted::Fate::off && frame.conflict) {
+    // Two frames for one trigger: one of them has a wrong time, and nothing tells which.
+    const uint64_t token = doubted_->token;
+    doubted_.reset();
+    --counts_.labeled;
+    tell(token, Fate::ambiguous, out);
+    tell(frame.token, Fate::ambiguous, out);
+    if (counts_.missing) --counts_.missing;
+    return;
+  }
+  release_doubted(out);
   if (frame.fate == Counted::Fate::off || frame.fate == Counted::Fate::ambiguous) {
     const Fate fate = frame.late ? Fate::late : Fate::ambiguous;
     tell(frame.token, anchor_ ? fate : Fate::before_marker, out);
@@ -199,6 +213,7 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
 
 void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& image,
                          std::vector<Labeled>& out) {
+  release_doubted(out);
   const int64_t at = trigger - *anchor_;
   if (at < 0) return tell(token, Fate::before_marker, out);
   const Position position = program_.at(static_cast<uint64_t>(at));
@@ -224,6 +239,25 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   tell(token, Fate::labeled, out);
   out.back().trigger = static_cast<uint64_t>(at);
   out.back().position = position;
+  if (params_.id_bits || checked_by_picture(position)) return;
+  doubted_ = out.back();
+  out.pop_back();
+}
+
+/// Whether a frame of the step before would be told by its picture.
+bool FrameLabeler::checked_by_picture(Position position) const {
+  if (position.part != Position::Part::step) return true;
+  const StepKind kind = program_.kind(position);
+  const auto weak = [](StepKind one) { return one == StepKind::olat || one == StepKind::custom; };
+  if (!weak(kind)) return true;
+  const auto count = static_cast<uint32_t>(program_.steps.size());
+  return !weak(program_.steps[(position.index + count - 1) % count].kind);
+}
+
+void FrameLabeler::release_doubted(std::vector<Labeled>& out) {
+  if (!doubted_) return;
+  out.push_back(*doubted_);
+  doubted_.reset();
 }
 
 }  // namespace inverse

@@ -102,6 +102,8 @@ class FrameLabeler {
   void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
   void lose_anchor();
   void end();
+  void release_doubted(std::vector<Labeled>& out);
+  bool checked_by_picture(LightProgram::Position position) const;
   const Seen* seen_at(int64_t trigger) const;
   enum class Match : uint8_t { no, wait, yes };
   Match matches(int64_t start, Anchor& anchor) const;
@@ -123,6 +125,7 @@ class FrameLabeler {
   std::optional<int64_t> last_;      // the counter's trigger of the last labeled frame
   uint64_t dropped_since_last_ = 0;  // which took a trigger's place and were not labeled
   ImageEvidence before_;             // of the frame that came before
+  std::optional<Labeled> doubted_;   // labeled, unless the next frame claims the same trigger
   uint32_t contradicted_lately_ = 0;
   std::optional<int64_t> waiting_since_, now_;  // ns
   bool overdue_told_ = false;

@@ -12,7 +12,7 @@
 namespace inverse::sacn {
 namespace {
 
-constexpr size_t kMostSources = 64;  // of a universe; a flood of made-up senders ends here
+constexpr size_t kMostSources = 16;  // of a universe; a flood of made-up senders ends here
 constexpr size_t kMostUniverses = 1024;
 constexpr int kMostAtOnce = 4096;  // datagrams of one poll, so that a flood cannot hold it
 
@@ -55,14 +55,19 @@ void Universes::take(std::span<const uint8_t> datagram, double now) {
 }
 
 void Universes::take(const DataPacket& packet, double now) {
-  forget_silent(now);
+  // Not with every packet: there may be many.
+  if (now - swept_ > kDataLossTimeout) forget_silent(now);
   if (packet.preview || packet.start_code != 0 ||
       (!universes_.contains(packet.universe) && universes_.size() >= kMostUniverses)) {
     ++stats_.other;
     return;
   }
   Sources& sources = universes_[packet.universe];
-  const auto known = sources.find(packet.cid);
+  auto known = sources.find(packet.cid);
+  if (known != sources.end() && now - known->second.heard > kDataLossTimeout) {
+    sources.erase(known);
+    known = sources.end();
+  }
   if (known != sources.end() && !in_order(known->second.sequence, packet.sequence)) {
     ++stats_.late;
     return;
@@ -117,6 +122,7 @@ void Universes::take(const SyncPacket& packet, double now) {
 }
 
 void Universes::forget_silent(double now) {
+  swept_ = now;
   for (auto& [universe, sources] : universes_)
     std::erase_if(sources, [&](const auto& s) { return now - s.second.heard > kDataLossTimeout; });
   std::erase_if(syncs_, [&](const auto& s) { return now - s.second.second > kDataLossTimeout; });

@@ -47,6 +47,7 @@ class Universes {
 
   std::map<uint32_t, Sources> universes_;
   std::map<std::pair<Cid, uint16_t>, std::pair<uint8_t, double>> syncs_;  // sequence, when
+  double swept_ = 0;
   Stats stats_;
 };
 

@@ -136,8 +136,12 @@ std::vector<TriggerCounter::Counted> TriggerCounter::push(const Frame& frame,
   if (next.empty() && with_id && off_in_row_ + 1 >= kOffInRowOfIds) collect(false);
   if (next.empty()) {
     const Explanation& any = explanations_.front();
-    out.push_back({frame.token, Counted::Fate::off, 0,
-                   frame.time && *frame.time > any.high + params_.jitter});
+    Frame pictureless = frame;
+    pictureless.content = 0;
+    std::vector<Explanation> same;
+    add_if_fitting(any, pictureless, 0, same);
+    out.push_back({frame.token, Counted::Fate::off, any.trigger,
+                   frame.time && *frame.time > any.high + params_.jitter, !same.empty()});
     if (++off_in_row_ >= kOffInRow) give_up(out);
     return out;
   }

@@ -42,7 +42,8 @@ class TriggerCounter {
     uint64_t token = 0;
     Fate fate = Fate::off;
     int64_t trigger = 0;
-    bool late = false;  ///< of `off`: it is behind where it could be
+    bool late = false;      ///< of `off`: it is behind where it could be
+    bool conflict = false;  ///< of `off`: its time is that of the frame before, its pixels are not
   };
   /// Whether the picture cannot be of this trigger. Asked while frames are pushed.
   using Contradicts = std::function<bool(int64_t trigger, const Frame& frame)>;

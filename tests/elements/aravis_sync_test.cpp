@@ -99,9 +99,9 @@ TEST_F(AravisSync, EveryFrameIsLabeledWithTheLightItWasTakenIn) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(11);  // 154 frames and the marker's: ids wrap
   Witness witness(program_, {1});
-  ASSERT_NO_FATAL_FAILURE(play(
-      line("lights=sacn sacn-destination=127.0.0.1:" + std::to_string(witness.receiver.port()) +
-           " trigger-timeout=2")));
+  ASSERT_NO_FATAL_FAILURE(
+      play(line("backend=sacn host=127.0.0.1:" + std::to_string(witness.receiver.port()) +
+                " trigger-timeout=2")));
   GstPad* pad = gst_element_get_static_pad(element("before"), "sink");
   gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, Witness::saw, &witness, nullptr);
   gst_object_unref(pad);
@@ -195,8 +195,7 @@ TEST_F(AravisSync, WhatDoesNotGoTogetherIsSaid) {
   fails("videotestsrc ! lightstagesync camera-trigger=aravis-software ! fakesink",
         "no camera to trigger upstream of sink_0");
   fails(line("", "trigger-source=Line0"), "trigger-source=Line0");
-  fails(line("lights=serial serial-port=/dev/no-such-port"), "/dev/no-such-port");
-  fails("videotestsrc ! lightstagesync lights=sacn ! fakesink", "set camera-trigger");
+  fails(line("backend=serial serial-port=/dev/no-such-port"), "/dev/no-such-port");
 }
 
 }  // namespace

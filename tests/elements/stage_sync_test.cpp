@@ -35,7 +35,9 @@ TEST_F(StageSync, LostFramesAreCountedAndToldOf) {
   use_performance();
   start();
   for (int64_t n = -10; n < 60; ++n)
-    if (n != 20 && n != 31) ASSERT_EQ(push(n), GST_FLOW_OK);
+    if (n != 20 && n != 31) {
+      ASSERT_EQ(push(n), GST_FLOW_OK);
+    }
   EXPECT_EQ(pull(58).back().trigger, 59);
   EXPECT_EQ(count("missing"), 2u);
   EXPECT_TRUE(warned_of("lost"));
@@ -46,8 +48,12 @@ TEST_F(StageSync, TwoCamerasLeaveInCompleteSets) {
   start(0);
   start(1);
   for (int64_t n = -10; n < 40; ++n) {
-    if (n != 20) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-    if (n != 25) ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+    if (n != 20) {
+      ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+    }
+    if (n != 25) {
+      ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+    }
   }
   for (const unsigned number : {0u, 1u}) {
     const auto frames = pull(38, number);
@@ -66,8 +72,12 @@ TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
   start(0);
   start(1);
   for (int64_t n = -10; n < 40; ++n) {
-    if (n != 20) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
-    if (n != 25) ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+    if (n != 20) {
+      ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+    }
+    if (n != 25) {
+      ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+    }
   }
   EXPECT_EQ(pull(39, 0).back().trigger, 39);
   EXPECT_EQ(pull(39, 1).back().trigger, 39);

@@ -258,6 +258,27 @@ TEST_F(ByHand, TimesThatAreNotThereOrNonsense) {
   EXPECT_EQ(told_.back().trigger, 109U);
 }
 
+class SingleLights : public ByHand {
+ protected:
+  SingleLights() : ByHand(static_capture(some_lights(331))) {}
+};
+
+TEST_F(SingleLights, TwoFramesThatClaimOneTriggerAreBothDropped) {
+  play(-20, 60);
+  // The picture of light 60 − 3 − …, a period late, and the one whose time that is.
+  const uint64_t late = push(60.9, picture(60));
+  const uint64_t rightful = push(61, picture(61));
+  play(62, 100);
+  EXPECT_EQ(fate(late), Fate::ambiguous);
+  EXPECT_EQ(fate(rightful), Fate::ambiguous);
+  for (uint64_t token = 20; token + 1 < told_.size(); ++token)
+    if (fate(token) == Fate::labeled) {
+      EXPECT_EQ(told_[token].trigger, token - 20) << token;
+    }
+  EXPECT_EQ(labeler_.counts().missing, 0U);
+  EXPECT_EQ(labeler_.counts().labeled, 98U);
+}
+
 class ShortProgram : public ByHand {
  protected:
   static LightProgram program() {

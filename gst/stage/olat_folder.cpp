@@ -1,0 +1,117 @@
+#include "olat_folder.hpp"
+
+#include <ImfArray.h>
+#include <ImfRgbaFile.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "error.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr uintmax_t kMostJson = uintmax_t{16} << 20;
+
+[[noreturn]] void refuse(const std::string& text) { throw Error(ErrorKind::file, text); }
+
+nlohmann::json read_json(const std::string& path) {
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  if (error)
+    refuse("cannot read " + path + ": " + error.message() +
+           "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
+  if (size > kMostJson) refuse(path + " is too large for a list of lights");
+  std::ifstream file(path);
+  auto json = nlohmann::json::parse(file, nullptr, false);
+  if (json.is_discarded()) refuse(path + " is no JSON");
+  return json;
+}
+
+/// Lists of three numbers under "directions", or objects with a "direction" under "lights".
+std::vector<Direction> read_directions(const std::string& path) {
+  const nlohmann::json json = read_json(path);
+  std::vector<Direction> directions;
+  const bool plain = json.is_object() && json.contains("directions");
+  const auto list =
+      plain ? json["directions"]
+            : (json.is_object() ? json.value("lights", nlohmann::json()) : nlohmann::json());
+  if (!list.is_array() || list.empty()) refuse(path + " has no \"directions\" of lights");
+  if (list.size() > LightProgram::kMaxLights)
+    refuse(path + " has more than " + std::to_string(LightProgram::kMaxLights) + " lights");
+  for (const auto& item : list) {
+    const std::string where = path + ": light " + std::to_string(directions.size());
+    const auto d =
+        plain ? item : (item.is_object() ? item.value("direction", nlohmann::json()) : item);
+    if (!d.is_array() || d.size() != 3 || !d[0].is_number() || !d[1].is_number() ||
+        !d[2].is_number())
+      refuse(where + " has no direction of three numbers");
+    Direction direction{d[0].get<double>(), d[1].get<double>(), d[2].get<double>()};
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
+    if (!(std::abs(length - 1) <= 1e-3))
+      refuse(where + ": its direction is not a unit vector, its length is " +
+             std::to_string(length));
+    for (double& c : direction) c /= length;
+    directions.push_back(direction);
+  }
+  return directions;
+}
+
+/// Runs `read(file, size)` on an image's file.
+template <typename Read>
+void with_image(const std::string& path, Read read) {
+  try {
+    Imf::RgbaInputFile file(path.c_str());
+    const Imath::Box2i window = file.dataWindow();
+    const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+    const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+    if (width < 1 || height < 1 || width > OlatFolder::kMostPixels ||
+        height > OlatFolder::kMostPixels)
+      refuse(path + " is " + std::to_string(width) + "x" + std::to_string(height) +
+             "; images have up to 16384 pixels along a side");
+    read(file, Extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)});
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    refuse(path + " cannot be read as OpenEXR: " + error.what());
+  }
+}
+
+}  // namespace
+
+OlatFolder::OlatFolder(const std::string& path)
+    : path_(path), directions_(read_directions(path + "/lights.json")) {
+  with_image(file(0), [&](Imf::RgbaInputFile&, Extent extent) { extent_ = extent; });
+}
+
+std::string OlatFolder::file(uint32_t light) const {
+  std::string number = std::to_string(light);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  return path_ + "/olat/" + number + ".exr";
+}
+
+std::vector<float> OlatFolder::image(uint32_t light) const {
+  std::vector<float> rgb;
+  with_image(file(light), [&](Imf::RgbaInputFile& file, Extent extent) {
+    if (extent != extent_)
+      refuse(this->file(light) + " is " + std::to_string(extent.width) + "x" +
+             std::to_string(extent.height) + ", the first image " + std::to_string(extent_.width) +
+             "x" + std::to_string(extent_.height));
+    const Imath::Box2i window = file.dataWindow();
+    Imf::Array2D<Imf::Rgba> pixels(extent.height, extent.width);
+    const auto width = static_cast<std::ptrdiff_t>(extent.width);
+    file.setFrameBuffer(&pixels[0][0] - window.min.x - window.min.y * width, 1, extent.width);
+    file.readPixels(window.min.y, window.max.y);
+    rgb.reserve(3 * extent.pixels());
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < extent.width; ++x) {
+        const Imf::Rgba& p = pixels[y][x];
+        rgb.insert(rgb.end(), {p.r, p.g, p.b});
+      }
+  });
+  return rgb;
+}
+
+}  // namespace inverse

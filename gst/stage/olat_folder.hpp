@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "image/plane.hpp"
+#include "light_stage/light_program.hpp"
+
+namespace inverse {
+
+/// A folder of images under one light at a time: lights.json with the lights' "directions" (unit
+/// vectors from the subject to the light: x right, y up, z to the camera), and olat/NNN.exr, linear
+/// RGB. Everything throws Error(file), saying what is missing or wrong.
+class OlatFolder {
+ public:
+  static constexpr uint32_t kMostPixels = 16384;  ///< along a side
+  /// Reads the directions, and the size from the first image.
+  explicit OlatFolder(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  const std::vector<Direction>& directions() const { return directions_; }
+  Extent extent() const { return extent_; }
+  /// Reads an image: width × height RGB.
+  std::vector<float> image(uint32_t light) const;
+
+ private:
+  std::string file(uint32_t light) const;
+  std::string path_;
+  std::vector<Direction> directions_;
+  Extent extent_;
+};
+
+}  // namespace inverse

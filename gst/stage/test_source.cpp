@@ -1,0 +1,267 @@
+#include "test_source.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "base/caps.hpp"
+#include "base/light_stage_meta.hpp"
+#include "base/report.hpp"
+#include "virtual_stage/virtual_head.hpp"
+
+namespace inverse {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Where the names that stand for programs leave the number of lights open, it is the folder's.
+LightProgram program_for(const TestSourceParams& params, const OlatFolder* folder) {
+  if (!folder || (params.program != "performance" && params.program != "static"))
+    return light_program(params.program, params.rate);
+  auto lights = stage_lights(folder->directions());
+  return params.program == "static" ? static_capture(std::move(lights), params.rate)
+                                    : performance(std::move(lights), params.rate);
+}
+
+void check_agreement(const LightProgram& program, const OlatFolder& folder) {
+  const std::string remedy = "; program=performance or program=static take the folder's lights";
+  if (program.lights.size() != folder.directions().size())
+    throw Error(ErrorKind::file, "the program \"" + program.name + "\" has " +
+                                     std::to_string(program.lights.size()) + " lights, " +
+                                     folder.path() + " has " +
+                                     std::to_string(folder.directions().size()) + remedy);
+  for (size_t i = 0; i < program.lights.size(); ++i)
+    for (size_t c = 0; c < 3; ++c)
+      if (std::abs(program.lights[i].direction[c] - folder.directions()[i][c]) > 2e-3)
+        throw Error(ErrorKind::file, "light " + std::to_string(i) + " of the program \"" +
+                                         program.name + "\" is elsewhere than in " + folder.path() +
+                                         remedy);
+}
+
+GstLightStageKind kind_of(StepKind kind) {
+  switch (kind) {
+    case StepKind::olat:
+      return GST_LIGHT_STAGE_OLAT;
+    case StepKind::gradient_a:
+      return GST_LIGHT_STAGE_GRADIENT_A;
+    case StepKind::gradient_b:
+      return GST_LIGHT_STAGE_GRADIENT_B;
+    case StepKind::tracking:
+      return GST_LIGHT_STAGE_TRACKING;
+    case StepKind::black:
+      return GST_LIGHT_STAGE_BLACK;
+    case StepKind::custom:
+      break;
+  }
+  return GST_LIGHT_STAGE_CUSTOM;
+}
+
+}  // namespace
+
+TestSource::~TestSource() {
+  if (stats_) gst_structure_free(stats_);
+}
+
+std::string TestSource::device_name() const {
+  std::lock_guard lock(mutex_);
+  return device_name_;
+}
+
+void TestSource::set_device_name(const char* name) {
+  std::lock_guard lock(mutex_);
+  device_name_ = name ? name : "";
+}
+
+void TestSource::start() {
+  context_.renew(device_name());
+  started_ = parameters_.snapshot();
+  folder_.reset();
+  if (!started_.location.empty()) folder_.emplace(started_.location);
+  program_ = program_for(started_, folder_ ? &*folder_ : nullptr);
+  program_id_ = program_.id();
+  if (folder_) check_agreement(program_, *folder_);
+  if (!started_.listen.empty()) {
+    patch_.emplace(program_, started_.universe);
+    std::vector<uint32_t> universes;
+    for (const auto& [universe, used] : patch_->universes()) universes.push_back(universe);
+    receiver_.emplace(started_.listen, universes, started_.sync_universe);
+  }
+  frames_ = dropped_ = duplicated_ = overruns_ = 0;
+}
+
+void TestSource::stop() {
+  receiver_.reset();
+  patch_.reset();
+  commands_.reset();
+  output_.reset();
+  readback_.reset();
+  pictures_.reset();
+  camera_.reset();
+  stack_.reset();
+  folder_.reset();
+  program_ = {};
+}
+
+GstCaps* TestSource::caps() const {
+  GstCaps* caps = pixel_caps();
+  if (!program_.lights.empty())
+    gst_caps_set_simple(caps, "framerate", GST_TYPE_FRACTION,
+                        static_cast<gint>(program_.rate_numerator),
+                        static_cast<gint>(program_.rate_denominator), nullptr);
+  if (folder_)
+    gst_caps_set_simple(caps, "width", G_TYPE_INT, static_cast<gint>(folder_->extent().width),
+                        "height", G_TYPE_INT, static_cast<gint>(folder_->extent().height), nullptr);
+  return caps;
+}
+
+void TestSource::set_caps(const GstVideoInfo& info) {
+  const auto start = Clock::now();
+  const auto device = context_.current();
+  if (!device) throw Error(ErrorKind::internal, "caps before a device");
+  auto output = std::make_unique<FrameOutput>(info);
+  const Extent extent{static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
+                      static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
+  if (!stack_ || stack_->extent() != extent || !commands_ || commands_->device() != device) {
+    stack_.reset();  // before the next one takes its memory
+    const auto lights = static_cast<uint32_t>(program_.lights.size());
+    auto stack =
+        std::make_unique<OlatStack>(device, extent, lights, uint64_t{started_.stack_limit} << 20);
+    if (folder_) {
+      for (uint32_t i = 0; i < lights; ++i) stack->load(i, folder_->image(i));
+    } else {
+      std::vector<Direction> directions;
+      for (const StageLight& light : program_.lights) directions.push_back(light.direction);
+      render_head(*stack, directions, view_of_camera(started_.camera));
+    }
+    stack_ = std::move(stack);
+    commands_ = std::make_unique<gpu::Commands>(device);
+    camera_.emplace(device);
+    pictures_.emplace(device, extent);
+  }
+  output->configure(device);
+  readback_ = output->make_buffer(device);
+  output_ = std::move(output);
+  render_ms_ = milliseconds_since(start);
+}
+
+GstClockTime TestSource::time_of(uint64_t frame) const {
+  return gst_util_uint64_scale(frame, GST_SECOND * program_.rate_denominator,
+                               program_.rate_numerator);
+}
+
+GstClockTime TestSource::until_exposure(uint64_t frame) const {
+  double guard = program_.guard, exposure = program_.exposure;
+  const auto position = program_.at(frame);
+  if (position.part == LightProgram::Position::Part::step) {
+    guard = program_.steps[position.index].guard.value_or(guard);
+    exposure = program_.steps[position.index].exposure.value_or(exposure);
+  }
+  if (exposure <= 0) return period() / 2;
+  return static_cast<GstClockTime>((guard + exposure / 2) * GST_SECOND);
+}
+
+bool TestSource::ended(uint64_t frame) const {
+  return !receiver_ && program_.at(frame).part == LightProgram::Position::Part::ended;
+}
+
+FrameFate TestSource::fate(uint64_t frame) const {
+  const TestSourceParams p = parameters_.snapshot();
+  return fate_of(frame, {p.drop_rate, p.duplicate_rate, p.late_rate, p.jitter, p.seed});
+}
+
+void TestSource::count(bool dropped, bool duplicated) {
+  dropped_ += dropped;
+  duplicated_ += duplicated;
+}
+
+std::vector<LightColor> TestSource::colors(uint64_t frame) {
+  if (!receiver_) return program_.colors(program_.at(frame));
+  receiver_->poll();
+  return patch_->colors(receiver_->levels());
+}
+
+void TestSource::draw(uint64_t frame, GstBuffer* buffer) {
+  const auto start = Clock::now();
+  const TestSourceParams params = parameters_.snapshot();
+  const auto lit = colors(frame);
+  const double seconds = static_cast<double>(time_of(frame)) / GST_SECOND;
+  VirtualCamera::Shot shot;
+  shot.sway = static_cast<float>(
+      params.motion * std::sin(2 * std::numbers::pi * seconds / double{params.motion_period}));
+  // Lambert's law: all around, white gives back a quarter of what all lights send.
+  shot.gain = params.gain * 4 / static_cast<float>(program_.lights.size());
+  shot.noise = params.noise;
+  shot.seed = params.seed + 1000 * params.camera;
+  shot.frame = static_cast<uint32_t>(frame);
+  commands_->begin();
+  const PlanePtr light = stack_->record(*commands_, lit);
+  commands_->stage("weigh");
+  const PlanePtr picture = pictures_->acquire();
+  camera_->record(*commands_, *light, shot, *picture);
+  output_->record(*commands_, Picture{picture}, Layers{picture->extent, {}}, readback_, buffer);
+  commands_->stage("camera");
+  commands_->submit();
+  commands_->wait();
+  output_->write(readback_, buffer);
+  if (started_.label) label(frame, lit, buffer);
+  if (started_.frame_ids) {
+    GST_BUFFER_OFFSET(buffer) =
+        frame_id(frame, started_.first_frame_id, static_cast<uint32_t>(started_.frame_id_bits));
+    GST_BUFFER_OFFSET_END(buffer) = GST_BUFFER_OFFSET_NONE;
+  }
+  publish(frame, milliseconds_since(start));
+}
+
+void TestSource::label(uint64_t frame, const std::vector<LightColor>& colors,
+                       GstBuffer* buffer) const {
+  using Part = LightProgram::Position::Part;
+  GstLightStageMeta* meta = add_light_stage_meta(buffer);
+  meta->program = program_id_;
+  meta->trigger = frame;
+  meta->lights = static_cast<guint>(colors.size());
+  meta->colors = g_bytes_new(colors.data(), colors.size() * sizeof colors[0]);
+  if (receiver_) {  // whatever the packets said
+    meta->kind = GST_LIGHT_STAGE_CUSTOM;
+    return;
+  }
+  const auto position = program_.at(frame);
+  meta->pass = position.pass;
+  meta->kind = kind_of(program_.kind(position));
+  if (position.part != Part::step) return;
+  meta->step = static_cast<gint>(position.index);
+  if (meta->kind != GST_LIGHT_STAGE_OLAT) return;
+  meta->light = static_cast<gint>(program_.steps[position.index].light);
+  const Direction& direction = program_.lights[program_.steps[position.index].light].direction;
+  for (size_t c = 0; c < 3; ++c) meta->direction[c] = static_cast<gfloat>(direction[c]);
+}
+
+void TestSource::publish(uint64_t frame, double wall_ms) {
+  ++frames_;
+  GstStructure* stats = frame_stats(*commands_, frames_, wall_ms);
+  gst_structure_set(stats, "render-ms", G_TYPE_DOUBLE, render_ms_, "stack-bytes", G_TYPE_UINT64,
+                    OlatStack::bytes(stack_->extent(), stack_->lights()), "lights", G_TYPE_UINT,
+                    stack_->lights(), "trigger", G_TYPE_UINT64, frame, "sums", G_TYPE_UINT64,
+                    stack_->made(), "sums-reused", G_TYPE_UINT64, stack_->taken_again(), "dropped",
+                    G_TYPE_UINT64, dropped_, "duplicated", G_TYPE_UINT64, duplicated_, "overruns",
+                    G_TYPE_UINT64, overruns_, nullptr);
+  if (receiver_) {
+    const auto& heard = receiver_->stats();
+    gst_structure_set(stats, "packets", G_TYPE_UINT64, heard.packets, "packets-malformed",
+                      G_TYPE_UINT64, heard.malformed, "packets-late", G_TYPE_UINT64, heard.late,
+                      "packets-other", G_TYPE_UINT64, heard.other, nullptr);
+  }
+  std::lock_guard lock(mutex_);
+  std::swap(stats, stats_);
+  if (stats) gst_structure_free(stats);
+}
+
+GstStructure* TestSource::stats() const {
+  std::lock_guard lock(mutex_);
+  return stats_ ? gst_structure_copy(stats_) : gst_structure_new_empty("inverse-stats");
+}
+
+}  // namespace inverse

@@ -1,0 +1,19 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+
+namespace inverse {
+
+/// The nearest half float; negative values and what is no number become 0, what is too large the
+/// largest one.
+inline uint16_t to_half(float value) {
+  if (!(value > 0)) return 0;
+  if (value >= 65504) return 0x7bff;
+  if (value < 0x1p-14F)  // subnormal: multiples of 2^-24, ties to even
+    return static_cast<uint16_t>(std::bit_cast<uint32_t>(value + 0.5F) - 0x3f000000U);
+  uint32_t bits = std::bit_cast<uint32_t>(value) - (uint32_t{112} << 23);
+  bits += 0xfff + ((bits >> 13) & 1);
+  return static_cast<uint16_t>(bits >> 13);
+}
+
+}  // namespace inverse

@@ -1,0 +1,84 @@
+#include "virtual_head.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "../gpu/shaders.hpp"
+
+INVERSE_SHADER(virtual_stage_shade);
+INVERSE_SHADER(virtual_stage_surface);
+
+namespace inverse {
+namespace {
+
+// Work of one submit: a device that also draws a screen must not be held for long.
+constexpr uint64_t kSamplesAtOnce = uint64_t{1} << 24;
+
+gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
+                        std::span<const HeadScene::Vec4> values) {
+  auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, values.size(), gpu::Memory::upload);
+  memcpy(buffer->map(), values.data(), values.size_bytes());
+  return buffer;
+}
+
+}  // namespace
+
+HeadSurface record_head_surface(gpu::Commands& commands, Extent extent, const HeadView& view) {
+  const auto& device = commands.device();
+  const HeadScene& head = virtual_head();
+  const auto plane = [&] {
+    return Plane{extent, gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())};
+  };
+  HeadSurface surface{plane(), plane(), plane()};
+  const struct {
+    uint32_t width, height, primitives;
+    float turn, distance, height_of_view, center;
+  } push{extent.width,  extent.height, head.count(), view.turn,
+         view.distance, view.height,   view.center};
+  commands.dispatch(device->kernel(shaders::virtual_stage_surface),
+                    {uploaded(device, head.primitives), uploaded(device, head.materials),
+                     surface.position.buffer, surface.normal.buffer, surface.albedo.buffer},
+                    push, {static_cast<uint32_t>(extent.pixels())});
+  return surface;
+}
+
+void render_head(OlatStack& stack, std::span<const Direction> lights, const HeadView& view,
+                 uint32_t side) {
+  const Extent extent = stack.extent();
+  const auto& device = stack.chunks().front().images->device();
+  const HeadScene& head = virtual_head();
+  gpu::Commands commands(device);
+  commands.begin();
+  const HeadSurface surface =
+      record_head_surface(commands, {extent.width * side, extent.height * side}, view);
+  commands.submit();
+  commands.wait();
+  std::vector<HeadScene::Vec4> directions;
+  for (const Direction& d : lights)
+    directions.push_back(
+        {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]), 0});
+  const auto scene = uploaded(device, head.primitives), table = uploaded(device, directions);
+  const auto kernel = device->kernel(shaders::virtual_stage_shade);
+  const auto pixels = static_cast<uint32_t>(extent.pixels());
+  const auto eye = view.eye();
+  const auto at_once = static_cast<uint32_t>(
+      std::max<uint64_t>(1, kSamplesAtOnce / (extent.pixels() * side * side)));
+  for (const OlatStack::Chunk& chunk : stack.chunks())
+    for (uint32_t first = 0; first < chunk.count; first += at_once) {
+      const uint32_t count = std::min(at_once, chunk.count - first);
+      const struct {
+        uint32_t width, height, side, first, count, target, primitives;
+        float eye[3];
+      } push{extent.width, extent.height, side,         chunk.first + first,
+             count,        first,         head.count(), {eye[0], eye[1], eye[2]}};
+      commands.begin();
+      commands.dispatch(kernel,
+                        {scene, surface.position.buffer, surface.normal.buffer,
+                         surface.albedo.buffer, table, chunk.images},
+                        push, {pixels, count});
+      commands.submit();
+      commands.wait();
+    }
+}
+
+}  // namespace inverse

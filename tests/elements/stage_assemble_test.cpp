@@ -1,0 +1,284 @@
+// lightstagesync: pairs of gradients, and captures that are put together.
+#include <ImfArray.h>
+#include <ImfRgbaFile.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/inverse_layers_meta.h"
+#include "stage_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kLayers =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)gradients";
+
+class StagePairs : public StageSync {
+ protected:
+  void SetUp() override {
+    StageSync::SetUp();
+    use_performance();
+    gst_util_set_object_arg(G_OBJECT(element_), "assemble", "pairs");
+  }
+  std::vector<uint8_t> picture(int64_t n, double shift = 0) {
+    return BallOnStage(program_, kWidth, kHeight).draw(n, shift);
+  }
+};
+
+/// Columns from…to of RGBA frames.
+std::vector<uint8_t> columns(const std::vector<uint8_t>& frame, int width, int from, int to) {
+  std::vector<uint8_t> part;
+  for (size_t row = 0; row < frame.size() / 4 / static_cast<size_t>(width); ++row) {
+    const auto begin = frame.begin() + (static_cast<ptrdiff_t>(row) * width + from) * 4;
+    part.insert(part.end(), begin, begin + (to - from) * 4);
+  }
+  return part;
+}
+
+double l1(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::abs(int{a[i]} - int{b[i]});
+  return sum / static_cast<double>(a.size());
+}
+
+TEST_F(StagePairs, ThirtyPairsOfSixtyFramesSideBySide) {
+  start();
+  for (int64_t n = -10; n < 63; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const auto pairs = pull(30);
+  ASSERT_EQ(pairs.size(), 30u);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const auto n = static_cast<int64_t>(3 + 2 * i);
+    EXPECT_EQ(pairs[i].trigger, n);
+    EXPECT_EQ(pairs[i].kind, GST_LIGHT_STAGE_GRADIENTS);
+    EXPECT_EQ(columns(pairs[i].bytes, 2 * kWidth, 0, kWidth), picture(n));
+    EXPECT_EQ(columns(pairs[i].bytes, 2 * kWidth, kWidth, 2 * kWidth), picture(n + 1));
+    EXPECT_EQ(pairs[i].pts, static_cast<GstClockTime>((n + 100) * GST_SECOND / 60));
+    EXPECT_NEAR(static_cast<double>(pairs[i].duration), GST_SECOND / 30.0, 2);
+  }
+  EXPECT_EQ(count("pairs"), 30u);
+  GstCaps* got = gst_pad_get_current_caps(camera()->sinkpad);
+  GstVideoInfo info;
+  ASSERT_TRUE(gst_video_info_from_caps(&info, got));
+  gst_caps_unref(got);
+  EXPECT_EQ(GST_VIDEO_INFO_WIDTH(&info), 2 * kWidth);
+  EXPECT_EQ(GST_VIDEO_INFO_FPS_N(&info), 30 * GST_VIDEO_INFO_FPS_D(&info));
+  gst_harness_set_upstream_latency(camera(), 20 * GST_MSECOND);
+  EXPECT_NEAR(static_cast<double>(gst_harness_query_latency(camera())),
+              static_cast<double>(20 * GST_MSECOND + GST_SECOND / 60), 2);
+}
+
+TEST_F(StagePairs, LayersWhereTheNextElementTakesThem) {
+  camera(0, kLayers);
+  start();
+  for (int64_t n = -10; n < 13; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  for (int i = 0; i < 5; ++i) {
+    GstBuffer* pair = gst_harness_pull(camera());
+    ASSERT_NE(pair, nullptr);
+    EXPECT_EQ(gst_buffer_get_size(pair), 0u);
+    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(pair);
+    ASSERT_NE(meta, nullptr);
+    EXPECT_EQ(meta->width, static_cast<guint>(kWidth));
+    for (const int which : {0, 1}) {
+      GBytes* bytes =
+          meta->download(meta, which ? GST_INVERSE_ROLE_GRADIENT_B : GST_INVERSE_ROLE_GRADIENT_A);
+      ASSERT_NE(bytes, nullptr);
+      const auto* light = static_cast<const float*>(g_bytes_get_data(bytes, nullptr));
+      const auto codes = picture(3 + 2 * i + which);
+      for (size_t k = 0; k < codes.size(); ++k) {
+        const double code = codes[k] / 255.0;
+        const double linear = k % 4 == 3        ? code
+                              : code <= 0.04045 ? code / 12.92
+                                                : std::pow((code + 0.055) / 1.055, 2.4);
+        ASSERT_NEAR(static_cast<double>(light[k]), linear, 1e-4);
+      }
+      g_bytes_unref(bytes);
+    }
+    gst_buffer_unref(pair);
+  }
+}
+
+TEST_F(StagePairs, FramesWithoutTheOtherHalfAreCounted) {
+  start();
+  for (int64_t n = -10; n < 43; ++n) {
+    if (n == 20 || n == 31) continue;  // a B and an A
+    ASSERT_EQ(push(n), GST_FLOW_OK);
+  }
+  EXPECT_EQ(pull(18).back().trigger, 41);
+  EXPECT_EQ(count("unpaired"), 2u);
+}
+
+TEST_F(StagePairs, SizesThatChangeWithinAPairMakeNone) {
+  start();
+  for (int64_t n = -10; n < 14; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const BallOnStage small(program_, 32, 20);
+  start(0, caps(32, 20));
+  for (int64_t n = 14; n < 24; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(small.draw(n), static_cast<double>(n))),
+              GST_FLOW_OK);
+  const auto pairs = pull(9);  // 3 … 11, 15 … 21
+  EXPECT_EQ(pairs.back().trigger, 21);
+  EXPECT_EQ(pairs.back().bytes.size(), 64u * 20 * 4);
+  EXPECT_EQ(count("unpaired"), 2u);  // 13 and 14
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StagePairs, EveryFormatCanBeJoinedAtOddSizes) {
+  start();
+  int64_t n = -10;
+  for (; n < 4; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  for (const char* format :
+       {"I420", "NV12", "GRAY8", "P010_10LE", "v210", "UYVY", "RGB16", "ARGB64", "A420"}) {
+    for (const int width : {13, 16}) {
+      const std::string odd = "video/x-raw, format=" + std::string(format) +
+                              ", width=" + std::to_string(width) + ", height=9, framerate=60/1";
+      start(0, odd);
+      // Pictures of no light at all contradict; the steps go on by their times.
+      for (int k = 0; k < 2; ++k, ++n) {
+        GstBuffer* buffer = buffer_of(flat_frame(odd, n % 2 ? 120 : 110), static_cast<double>(n));
+        ASSERT_EQ(gst_harness_push(camera(), buffer), GST_FLOW_OK) << format;
+      }
+    }
+  }
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StagePairs, WhatFollowsMayTakeNeither) {
+  camera(0, "video/x-raw, format=RGBA, width=48");
+  start();
+  for (int64_t n = -10; n < 20; ++n)
+    if (push(n) != GST_FLOW_OK) break;
+  for (int i = 0; i < 500 && push(20) == GST_FLOW_OK; ++i) g_usleep(10000);
+  const auto errors = texts(GST_MESSAGE_ERROR);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("double width"), std::string::npos) << errors[0];
+}
+
+TEST_F(StagePairs, AlignedPairsOfAMovingSubjectFitBetter) {
+  constexpr int kWide = 160, kHigh = 120;
+  double errors[2] = {};
+  for (const int aligned : {0, 1}) {
+    if (aligned) {
+      TearDown();
+      cameras_.clear();
+      bus_ = gst_bus_new();
+      SetUp();
+      gst_util_set_object_arg(G_OBJECT(element_), "align", "flow");
+    }
+    const BallOnStage ball(program_, kWide, kHigh);
+    start(0, caps(kWide, kHigh));
+    const auto place = [](int64_t n) { return 1.7 * static_cast<double>(n) - 20; };
+    for (int64_t n = -5; n < 23; ++n)
+      ASSERT_EQ(
+          gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
+          GST_FLOW_OK);
+    const auto pairs = pull(10);
+    ASSERT_EQ(pairs.size(), 10u);
+    for (size_t i = 1; i < pairs.size(); ++i) {
+      const int64_t n = pairs[i].trigger;
+      // B as it would have been at A's time.
+      const auto truth = ball.draw(n + 1, place(n));
+      errors[aligned] += l1(columns(pairs[i].bytes, 2 * kWide, kWide, 2 * kWide), truth) / 9;
+    }
+    EXPECT_EQ(count("unaligned"), aligned ? 1u : 0u);
+  }
+  RecordProperty("l1_as_seen", std::to_string(errors[0]));
+  RecordProperty("l1_aligned", std::to_string(errors[1]));
+  printf("B against what it would have been at A's time, l1 in codes: %.3f as seen, %.3f aligned\n",
+         errors[0], errors[1]);
+  EXPECT_LT(errors[1], 0.4 * errors[0]);
+}
+
+class StageCapture : public StageSync {
+ protected:
+  void SetUp() override {
+    StageSync::SetUp();
+    use(static_capture(stage_lights(geodesic_directions(42))));
+    gst_util_set_object_arg(G_OBJECT(element_), "assemble", "olat");
+  }
+};
+
+TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
+  constexpr int kWide = 160, kHigh = 120;
+  char* folder = g_dir_make_tmp("capture-XXXXXX", nullptr);
+  const std::string location = folder;
+  g_free(folder);
+  g_object_set(element_, "location", location.c_str(), nullptr);
+  BallOnStage ball(program_, kWide, kHigh);
+  ball.set_gain(2);
+  start(0, caps(kWide, kHigh));
+  // Sways, a pixel a frame at most.
+  const auto place = [](int64_t n) { return 9 * std::sin(static_cast<double>(n) / 9); };
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  for (int64_t n = -20; n < triggers; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
+              GST_FLOW_OK);
+  const auto frames = pull(static_cast<size_t>(triggers));
+  ASSERT_EQ(frames.size(), static_cast<size_t>(triggers));
+  int64_t reference = 0;
+  for (const Out& frame : frames)
+    if (frame.kind == GST_LIGHT_STAGE_TRACKING) reference = frame.trigger;
+  double as_seen = 0, moved = 0, lights = 0;
+  for (const Out& frame : frames) {
+    if (frame.kind != GST_LIGHT_STAGE_OLAT) continue;
+    const auto truth = ball.draw(frame.trigger, place(reference));
+    as_seen += l1(ball.draw(frame.trigger, place(frame.trigger)), truth);
+    moved += l1(frame.bytes, truth);
+    ++lights;
+  }
+  EXPECT_EQ(lights, 42);
+  printf(
+      "single lights against what they would have been at the last tracking frame, l1 in codes: "
+      "%.3f as seen, %.3f moved\n",
+      as_seen / lights, moved / lights);
+  EXPECT_LT(moved, 0.5 * as_seen);
+
+  std::ifstream file(location + "/camera_0/lights.json");
+  const auto list = nlohmann::json::parse(file);
+  ASSERT_EQ(list["lights"].size(), 42u);
+  EXPECT_EQ(list["width"], kWide);
+  EXPECT_NEAR(list["lights"][7]["direction"][1].get<double>(), program_.lights[7].direction[1],
+              1e-9);
+  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
+    EXPECT_TRUE(std::filesystem::exists(location + "/camera_0/" + list[kind].get<std::string>()));
+  const std::string name = location + "/camera_0/" + list["lights"][7]["file"].get<std::string>();
+  Imf::RgbaInputFile exr(name.c_str());
+  Imf::Array2D<Imf::Rgba> pixels(kHigh, kWide);
+  exr.setFrameBuffer(&pixels[0][0], 1, kWide);
+  exr.readPixels(0, kHigh - 1);
+  for (const Out& frame : frames) {
+    if (frame.light != 7) continue;
+    double off = 0;
+    for (int y = 0; y < kHigh; ++y)
+      for (int x = 0; x < kWide; ++x) {
+        const double code = frame.bytes[4 * static_cast<size_t>(y * kWide + x)] / 255.0;
+        const double linear =
+            code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+        off += std::abs(linear - static_cast<double>(static_cast<float>(pixels[y][x].r)));
+      }
+    EXPECT_LT(off / (kWide * kHigh), 2e-3);
+  }
+  std::filesystem::remove_all(location);
+}
+
+TEST_F(StageCapture, ACaptureThatIsCutShortGoesOutAsFarAsItCame) {
+  start();
+  for (int64_t n = -20; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  EXPECT_EQ(pull(30).back().trigger, 29);
+  EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StageCapture, AFolderThatCannotBeMadeIsAnError) {
+  g_object_set(element_, "location", "/proc/nowhere/capture", nullptr);
+  EXPECT_EQ(gst_element_set_state(element_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(element_, GST_STATE_NULL);
+  const auto errors = texts(GST_MESSAGE_ERROR);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("/proc/nowhere/capture"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace inverse::testing

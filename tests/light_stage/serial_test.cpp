@@ -1,0 +1,452 @@
+// The serial backend against a pseudo-terminal that plays the controller.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "error.hpp"
+#include "light_stage/descriptor.hpp"
+#include "light_stage/light_driver.hpp"
+#include "light_stage/serial_protocol.hpp"
+#include "two_lights.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The other end of a wire: a thread that reads lines and answers as `answer` says.
+class Controller {
+ public:
+  using Answer = std::function<std::string(const std::string& line)>;
+  explicit Controller(Answer answer) : answer_(std::move(answer)) {
+    master_ = Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    EXPECT_EQ(grantpt(master_.get()), 0);
+    EXPECT_EQ(unlockpt(master_.get()), 0);
+    path_ = ptsname(master_.get());
+    // Held open, so that the master does not see a hang-up before the driver comes.
+    slave_ = Descriptor(open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Controller() {
+    stop_ = true;
+    thread_.join();
+  }
+  const std::string& path() const { return path_; }
+  /// Pulls the plug.
+  void hang_up() {
+    stop_ = true;
+    thread_.join();
+    thread_ = std::thread([] {});
+    slave_.reset();
+    master_.reset();
+  }
+  void say(const std::string& text) {
+    std::lock_guard lock(mutex_);
+    (void)!write(master_.get(), text.data(), text.size());
+  }
+  /// Waits for so many lines and gives all that came.
+  std::vector<std::string> lines(size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(10), [&] { return lines_.size() >= count; });
+    return lines_;
+  }
+
+ private:
+  void run() {
+    std::string partial;
+    while (!stop_) {
+      pollfd wanted{master_.get(), POLLIN, 0};
+      poll(&wanted, 1, 20);
+      std::array<char, 256> bytes;
+      const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
+      for (ssize_t i = 0; i < size; ++i) {
+        if (bytes[static_cast<size_t>(i)] != '\n') {
+          partial += bytes[static_cast<size_t>(i)];
+          continue;
+        }
+        const std::string reply = answer_(partial);
+        {
+          std::lock_guard lock(mutex_);
+          lines_.push_back(partial);
+          changed_.notify_all();
+        }
+        partial.clear();
+        if (!reply.empty()) say(reply);
+      }
+    }
+  }
+
+  Answer answer_;
+  Descriptor master_, slave_;
+  std::string path_;
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::string> lines_;
+  std::thread thread_;
+};
+
+/// A controller that does what docs/light-stage-serial.md says: keeps a program, and knows what its
+/// lights do. Written from that page alone.
+class Rig {
+ public:
+  std::string operator()(const std::string& line) {
+    std::istringstream words(line);
+    std::string verb;
+    words >> verb;
+    if (verb == "hello") {
+      std::string token;
+      words >> token;
+      return "hello " + token + " 1 a rig\n";
+    }
+    if (verb == "begin") {
+      std::string id;
+      words >> id >> count_ >> intro_ >> loop_ >> repeat_;
+      steps_.clear();
+      bytes_.clear();
+    }
+    if (verb == "begin" || verb == "set") bytes_ += line + "\n";
+    if (verb == "set") set(words);
+    if (verb == "end") {
+      std::string sum;
+      words >> sum;
+      char own[9];
+      snprintf(own, sizeof own, "%08x", crc());
+      return sum == own ? "ok " + sum + "\n" : "error checksum\n";
+    }
+    if (verb == "pulse") {
+      uint64_t n = 0;
+      words >> n;
+      const uint64_t pass = n < intro_ ? 0 : (n - intro_) / loop_;
+      const uint64_t step = n < intro_ ? n : intro_ + (n - intro_) % loop_;
+      std::lock_guard lock(mutex_);
+      now_ = repeat_ && pass >= repeat_ ? Lights(count_) : steps_[step];
+      ++pulses_;
+      return "";
+    }
+    if (verb == "off" || verb == "go") {
+      std::lock_guard lock(mutex_);
+      now_ = Lights(count_);
+    }
+    return "ok\r\n";
+  }
+
+  using Lights = std::vector<std::array<int, 3>>;
+  Lights after(uint64_t pulses) {
+    for (int i = 0; i < 1000; ++i) {
+      {
+        std::lock_guard lock(mutex_);
+        if (pulses_ >= pulses) return now_;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return {};
+  }
+
+ private:
+  void set(std::istringstream& words) {
+    uint64_t step = 0;
+    std::string how, hex;
+    words >> step >> how;
+    Lights& lights = steps_[step];
+    lights.assign(count_, {});
+    if (how == "one") {
+      size_t light = 0;
+      words >> light >> hex;
+      lights[light] = color(hex, 0);
+    } else if (how == "all") {
+      words >> hex;
+      lights.assign(count_, color(hex, 0));
+    } else if (how == "each") {
+      words >> hex;
+      for (size_t i = 0; i < count_; ++i) lights[i] = color(hex, 12 * i);
+    }
+  }
+  static std::array<int, 3> color(const std::string& hex, size_t at) {
+    std::array<int, 3> result{};
+    for (size_t c = 0; c < 3; ++c) result[c] = std::stoi(hex.substr(at + 4 * c, 4), nullptr, 16);
+    return result;
+  }
+  /// The polynomial division, bit by bit with the message's bits reversed.
+  uint32_t crc() const {
+    uint32_t rest = 0xffffffff;
+    for (const char c : bytes_)
+      for (int bit = 0; bit < 8; ++bit) {
+        const uint32_t top = (rest >> 31) ^ ((static_cast<uint8_t>(c) >> bit) & 1U);
+        rest = (rest << 1) ^ (top ? 0x04c11db7U : 0);
+      }
+    uint32_t reversed = 0;
+    for (int i = 0; i < 32; ++i) reversed |= ((~rest >> i) & 1U) << (31 - i);
+    return reversed;
+  }
+
+  size_t count_ = 0;
+  uint64_t intro_ = 0, loop_ = 0, repeat_ = 0, pulses_ = 0;
+  std::map<uint64_t, Lights> steps_;
+  std::string bytes_;
+  Lights now_;
+  std::mutex mutex_;
+};
+
+LightDriverSettings settings_for(const std::string& port) {
+  LightDriverSettings settings;
+  settings.backend = LightDriverSettings::Backend::serial;
+  settings.serial.port = port;
+  settings.serial.patience = 1;
+  return settings;
+}
+
+std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What `upload` throws where a controller answers like this, which must not take much longer than
+/// its patience.
+std::string upload_error(Controller& controller) {
+  const auto start = Clock::now();
+  const std::string error =
+      error_of([&] { make_light_driver(settings_for(controller.path()))->upload(two_lights()); });
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(6));
+  return error;
+}
+
+TEST(SerialProtocol, ChecksumIsTheUsualOne) {
+  EXPECT_EQ(serial::crc32("123456789"), 0xcbf43926U);  // the check value of CRC-32
+  EXPECT_EQ(serial::crc32(""), 0U);
+}
+
+TEST(SerialProtocol, LinesAreCutAndBounded) {
+  serial::LineReader reader;
+  const std::string text =
+      "ok\r\n\n\x01"
+      "error\xff now\nrest";
+  for (const char c : text) reader.take({&c, 1});
+  EXPECT_EQ(reader.next(), "ok");
+  EXPECT_EQ(reader.next(), "?error? now");
+  EXPECT_FALSE(reader.next());
+  const std::string flood(1 << 20, 'x');
+  reader.take(flood);
+  reader.take(std::string("\n"));
+  EXPECT_EQ(reader.next()->size(), serial::kLongestReply);
+  const std::string many(1 << 20, '\n');
+  std::string alternating;
+  for (int i = 0; i < 100000; ++i) alternating += "a\n";
+  reader.take(alternating);
+  int lines = 0;
+  while (reader.next()) ++lines;
+  EXPECT_LE(lines, 1024);
+}
+
+TEST(SerialProtocol, Replies) {
+  using Kind = serial::Reply::Kind;
+  EXPECT_EQ(serial::parse_reply("ok 1234abcd").text, "1234abcd");
+  EXPECT_EQ(serial::parse_reply("error lamp 3 is dead").text, "lamp 3 is dead");
+  const auto hello = serial::parse_reply("hello 7 1 a big rig");
+  EXPECT_EQ(hello.kind, Kind::hello);
+  EXPECT_EQ(hello.token, 7U);
+  EXPECT_EQ(hello.version, 1);
+  EXPECT_EQ(hello.text, "a big rig");
+  for (const char* text : {"", " ", "okay", "hello", "hello x 1", "hello 1", "hello 99999999999 1",
+                           "hello -1 1", "Error", "hello  1 1"})
+    EXPECT_EQ(serial::parse_reply(text).kind, Kind::other) << text;
+}
+
+TEST(SerialDriver, UploadsOnceAndSteps) {
+  for (const auto marker :
+       {LightProgram::Marker::start, LightProgram::Marker::pass, LightProgram::Marker::none}) {
+    Rig rig;
+    Controller controller([&](const std::string& line) { return rig(line); });
+    LightProgram program = two_lights();
+    program.marker = marker;
+    const auto driver = make_light_driver(settings_for(controller.path()));
+    driver->upload(program);
+    uint64_t pulses = 0;
+    for (uint64_t t = 0; t <= program.triggers().value() + 2; ++t) {
+      if (t == 4) continue;  // a pulse that was never sent does no harm
+      driver->show(t);
+      const auto lights = rig.after(++pulses);
+      const auto colors = program.colors(program.at(t));
+      ASSERT_EQ(lights.size(), colors.size());
+      for (size_t i = 0; i < lights.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR(lights[i][c], 65535 * colors[i][c], .5001) << "trigger " << t;
+    }
+    driver->show(1);
+    driver->black();
+    EXPECT_EQ(rig.after(0), Rig::Lights(2));
+    EXPECT_EQ(controller.lines(0).back(), "off");
+    driver->upload(program);  // another start of the same one
+    driver->show(0);
+  }
+}
+
+TEST(SerialDriver, UploadsBigPrograms) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  LightProgram program = static_capture(stage_lights(geodesic_directions(331)), 60);
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(program);
+  driver->show(3 + 330 + 30);  // the last light comes after 30 tracking frames
+  const auto lights = rig.after(1);
+  ASSERT_EQ(lights.size(), 331U);
+  EXPECT_EQ(lights[330][1], 65535);
+  EXPECT_EQ(lights[329][1], 0);
+}
+
+TEST(SerialDriver, LeavesSteppingToTheRig) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  auto settings = settings_for(controller.path());
+  settings.serial.pulses = false;
+  const auto driver = make_light_driver(settings);
+  driver->upload(two_lights());
+  for (int t = 0; t < 5; ++t) driver->show(t);
+  driver->black();
+  const auto lines = controller.lines(0);
+  EXPECT_EQ(lines[lines.size() - 2], "go trigger");
+}
+
+TEST(SerialDriver, WaitsForControllersThatWakeUp) {
+  Rig rig;
+  int greetings = 0;
+  Controller controller([&](const std::string& line) -> std::string {
+    if (line.starts_with("hello") && ++greetings < 3) return greetings == 1 ? "" : "booting...\n";
+    return rig(line);
+  });
+  auto settings = settings_for(controller.path());
+  settings.serial.patience = 5;
+  const auto driver = make_light_driver(settings);
+  driver->upload(two_lights());
+  EXPECT_EQ(greetings, 3);
+}
+
+TEST(SerialDriver, SaysThatNobodyAnswers) {
+  Controller silent([](const std::string&) { return ""; });
+  EXPECT_NE(upload_error(silent).find("does not answer; check its cable"), std::string::npos);
+  Rig rig;
+  Controller half(
+      [&](const std::string& line) { return line.starts_with("set 3") ? "" : rig(line); });
+  EXPECT_NE(upload_error(half).find("does not answer \"set\""), std::string::npos);
+}
+
+TEST(SerialDriver, SaysThatItIsRubbish) {
+  Controller rubbish([](const std::string&) { return "\x80\xffU*U*\x01\n"; });
+  EXPECT_NE(upload_error(rubbish).find("is not our protocol; check the baud rate"),
+            std::string::npos);
+  Rig rig;
+  Controller later(
+      [&](const std::string& line) { return line.starts_with("set") ? "what?\n" : rig(line); });
+  EXPECT_NE(upload_error(later).find("says \"what?\", which is no answer"), std::string::npos);
+  Controller flood([](const std::string&) { return std::string(3000, 'x'); });
+  EXPECT_NE(upload_error(flood).find("does not answer"), std::string::npos);
+  Controller newer([](const std::string& line) { return line + " 2 a rig of tomorrow\n"; });
+  EXPECT_NE(upload_error(newer).find("speaks version 2"), std::string::npos);
+}
+
+TEST(SerialDriver, SaysWhatTheControllerSays) {
+  Rig rig;
+  Controller small([&](const std::string& line) {
+    return line.starts_with("begin") ? "error no memory for 2 lights\n" : rig(line);
+  });
+  EXPECT_NE(upload_error(small).find("says: no memory for 2 lights"), std::string::npos);
+  Controller wrong([&](const std::string& line) {
+    return line.starts_with("end") ? "ok 00000000\n" : rig(line);
+  });
+  EXPECT_NE(upload_error(wrong).find("checksum \"00000000\""), std::string::npos);
+  Controller dying([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(dying.path()));
+  driver->upload(two_lights());
+  driver->show(0);
+  dying.say("error lamp 1 is dead\n");
+  std::string error;
+  for (int t = 1; t < 100 && error.empty(); ++t) {
+    error = error_of([&] { driver->show(t); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_NE(error.find("says: lamp 1 is dead"), std::string::npos) << error;
+}
+
+TEST(SerialDriver, SaysThatItHungUp) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  driver->show(0);
+  controller.hang_up();
+  EXPECT_NE(error_of([&] { driver->show(1); }).find("has hung up"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver->black(); }).find("has hung up"), std::string::npos);
+}
+
+TEST(SerialDriver, ControllersThatStopTakingPulses) {
+  Rig rig;
+  std::atomic<bool> stuck{false};
+  Controller controller([&](const std::string& line) {
+    while (stuck) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return rig(line);
+  });
+  auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  stuck = true;
+  std::string error;
+  const auto start = Clock::now();
+  for (uint64_t t = 0; t < 10'000'000 && error.empty(); ++t)
+    error = error_of([&] { driver->show(t); });
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
+  EXPECT_NE(error.find("takes nothing any more"), std::string::npos) << error;
+  stuck = false;
+  driver.reset();
+}
+
+TEST(SerialDriver, CanBeCancelled) {
+  Controller silent([](const std::string&) { return ""; });
+  auto settings = settings_for(silent.path());
+  settings.serial.patience = 60;
+  const auto driver = make_light_driver(settings);
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    driver->cancel();
+  });
+  const auto start = Clock::now();
+  EXPECT_NE(error_of([&] { driver->upload(two_lights()); }).find("given up"), std::string::npos);
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(5));
+  other.join();
+}
+
+TEST(SerialDriver, PortsThatAreNone) {
+  const auto upload = [](LightDriverSettings settings) {
+    return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
+  };
+  EXPECT_NE(upload(settings_for("/dev/no-such-tty")).find("cannot open the serial port"),
+            std::string::npos);
+  EXPECT_NE(upload(settings_for("/dev/null")).find("is no serial port"), std::string::npos);
+  EXPECT_NE(upload(settings_for("")).find("needs the name of its port"), std::string::npos);
+  auto settings = settings_for("/dev/null");
+  settings.serial.baud = 12345;
+  EXPECT_NE(upload(settings).find("12345 baud"), std::string::npos);
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  EXPECT_NE(upload(settings_for(controller.path())).find("in use by another program"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace inverse::testing
