@@ -88,8 +88,9 @@ GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
     return GST_FLOW_OK;
   }
   GstFlowReturn flow = GST_FLOW_OK;
-  const bool new_pass = !held_.empty() && (held_.back().label.trigger > label->trigger ||
-                                           held_.back().label.position.pass != label->position.pass);
+  const bool new_pass =
+      !held_.empty() && (held_.back().label.trigger > label->trigger ||
+                         held_.back().label.position.pass != label->position.pass);
   if (new_pass) flow = assemble();
   if (flow != GST_FLOW_OK) {
     gst_buffer_unref(buffer);
@@ -100,7 +101,7 @@ GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
   gst_buffer_unref(buffer);
   const bool step = label->position.part == Position::Part::step;
   return step && label->position.index + 1 == labels_->program().steps.size() ? assemble()
-                                                                               : GST_FLOW_OK;
+                                                                              : GST_FLOW_OK;
 }
 
 GstFlowReturn OlatAssembler::finish() { return held_.empty() ? GST_FLOW_OK : assemble(); }
@@ -152,10 +153,10 @@ GstFlowReturn OlatAssembler::send(Held& held, const cv::Mat& displacement) {
       gst_buffer_unref(buffer);
       throw Error(ErrorKind::out_of_memory, "no memory for a frame; use smaller ones");
     }
-    gst_buffer_copy_into(there, buffer,
-                         static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS |
-                                                         GST_BUFFER_COPY_TIMESTAMPS),
-                         0, static_cast<gsize>(-1));
+    gst_buffer_copy_into(
+        there, buffer,
+        static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
+        static_cast<gsize>(-1));
     gst_buffer_unref(buffer);
     buffer = there;
     write_codes(info_, buffer, Motion::moved(codes, displacement));

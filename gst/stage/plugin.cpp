@@ -7,12 +7,19 @@
 namespace inverse {
 gboolean register_lightstagesync(GstPlugin* plugin);
 bool register_test_source(GstPlugin* plugin);
+#if HAVE_ARAVIS
+gboolean register_lightstagearavissrc(GstPlugin* plugin);
+#endif
 }  // namespace inverse
 
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  return inverse::register_lightstagesync(plugin) && inverse::register_test_source(plugin);
+  gboolean all = inverse::register_lightstagesync(plugin) && inverse::register_test_source(plugin);
+#if HAVE_ARAVIS
+  all = all && inverse::register_lightstagearavissrc(plugin);
+#endif
+  return all;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversestage,

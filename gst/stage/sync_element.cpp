@@ -20,17 +20,19 @@ SyncElement::~SyncElement() {
 }
 
 bool SyncElement::start() {
-  const SyncParams params = parameters_.snapshot();
+  SyncParams params = parameters_.snapshot();
   return guarded(element_, [&] {
     if (params.assemble != SyncParams::Assemble::olat && !params.location.empty())
       throw Error(ErrorKind::unsupported, "location is for assemble=olat: nothing else is written");
     auto labels = std::make_shared<const StageLabels>(light_program(params.program));
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
+    auto trigger = make_trigger(params, labels);
     lights_.reset();
-    if (params.lights.backend != LightDriverSettings::Backend::none)
+    if (!trigger && params.lights.backend != LightDriverSettings::Backend::none)
       lights_ = std::make_unique<LightClock>(element_, labels, params.lights, params.lead_in);
     Lock lock(mutex_);
+    trigger_ = std::move(trigger);
     params_ = params;
     labels_ = std::move(labels);
     sets_ = FrameSets(params_.sets == SyncParams::Sets::complete);
@@ -43,8 +45,10 @@ bool SyncElement::start() {
 }
 
 void SyncElement::stop() {
+  std::shared_ptr<StageTrigger> trigger;  // ends after the lock: its threads may take that
   lights_.reset();
   Lock lock(mutex_);
+  trigger = std::move(trigger_);
   for (auto& [number, camera] : cameras_) {
     camera->clear();
     camera->labeler.reset();
@@ -53,9 +57,10 @@ void SyncElement::stop() {
     camera->linear.reset();
     camera->last_trigger.reset();
     camera->stream_id.clear();
-    camera->ended = camera->left_alone = camera->silent = camera->was_anchored = camera->live_known = false;
+    camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
+        camera->live_known = false;
     camera->flow = GST_FLOW_OK;
-    camera->told = {};
+    camera->told = camera->triggered = {};
     camera->run = camera->incomplete = camera->sent = 0;
   }
   sets_ = FrameSets(true);
@@ -66,12 +71,15 @@ void SyncElement::stop() {
 }
 
 bool SyncElement::set_playing(bool playing) {
+  std::shared_ptr<StageTrigger> trigger;
   {
     Lock lock(mutex_);
+    trigger = trigger_;
     playing_ = playing;
     lacking_since_ = Clock::now();
     for (auto& [number, camera] : cameras_) camera->last_arrival = lacking_since_;
   }
+  if (trigger) trigger->set_playing(playing);
   if (!lights_) return true;
   return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
 }
@@ -79,8 +87,9 @@ bool SyncElement::set_playing(bool playing) {
 std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {
   FrameLabeler::Params params;
   params.jitter = params_.jitter;
-  params.id_bits =
-      params_.frame_id == SyncParams::FrameId::none ? 0 : static_cast<uint32_t>(params_.frame_id_bits);
+  params.id_bits = params_.frame_id == SyncParams::FrameId::none
+                       ? 0
+                       : static_cast<uint32_t>(params_.frame_id_bits);
   params.marker_within = params_.marker_timeout;
   return std::make_unique<FrameLabeler>(labels_->program(), params);
 }
@@ -95,8 +104,8 @@ void SyncElement::make_assembler(SyncCamera& camera) {
           std::make_unique<PairAssembler>(element_, camera.src, labels_, params_, context_);
       break;
     case SyncParams::Assemble::olat:
-      camera.assembler = std::make_unique<OlatAssembler>(element_, camera.src, labels_, params_,
-                                                         camera.number);
+      camera.assembler =
+          std::make_unique<OlatAssembler>(element_, camera.src, labels_, params_, camera.number);
       break;
   }
 }
@@ -158,11 +167,18 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     gst_buffer_unref(buffer);
     return GST_FLOW_NOT_NEGOTIATED;
   }
+  std::shared_ptr<StageTrigger> trigger;
+  {
+    Lock lock(mutex_);
+    trigger = trigger_;
+  }
+  std::optional<StageTrigger::Handling> handling;
+  if (trigger) handling.emplace(*trigger, camera->number, buffer);
   FrameLabeler::Frame frame;
   if (GST_BUFFER_PTS_IS_VALID(buffer)) frame.time = static_cast<int64_t>(GST_BUFFER_PTS(buffer));
   if (GST_BUFFER_OFFSET_IS_VALID(buffer)) frame.id = GST_BUFFER_OFFSET(buffer);
-  if (!guarded(element_,
-               [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
+  if (!trigger &&
+      !guarded(element_, [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
     gst_buffer_unref(buffer);
     return GST_FLOW_ERROR;
   }
@@ -170,7 +186,8 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     // Frames of a file wait for each other; those of a camera cannot for long.
     GstQuery* query = gst_query_new_latency();
     gboolean live = FALSE;
-    if (gst_pad_peer_query(camera->sink, query)) gst_query_parse_latency(query, &live, nullptr, nullptr);
+    if (gst_pad_peer_query(camera->sink, query))
+      gst_query_parse_latency(query, &live, nullptr, nullptr);
     gst_query_unref(query);
     Lock lock(mutex_);
     camera->live = live;
@@ -193,15 +210,56 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return camera->flushing ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
   }
   frame.token = next_token_++;
-  camera->line.push_back({SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer),
-                          frame.token, std::nullopt});
+  camera->line.push_back(
+      {SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer), frame.token, std::nullopt});
   ++camera->waiting_buffers;
-  labeled(*camera, camera->labeler->push(frame));
+  labeled(*camera, trigger ? triggered(*camera, frame.token, handling->trigger())
+                           : camera->labeler->push(frame));
   report(*camera);
   advance();
   const GstFlowReturn flow = combined_flow(*camera);
   speak(lock);
   return flow;
+}
+
+/// What is to be triggered by us, null where nothing is; frames wait for each other as long as a
+/// camera may be triggered again.
+std::shared_ptr<StageTrigger> SyncElement::make_trigger(
+    SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
+  if (params.camera_trigger == SyncParams::CameraTrigger::none) return nullptr;
+  StageTrigger::Settings settings;
+  settings.lights = params.lights;
+  settings.capture.timeout = params.trigger_timeout;
+  settings.capture.retries = params.trigger_retries;
+  params.timeout = std::max(params.timeout, params.trigger_timeout * (params.trigger_retries + 3));
+  std::map<uint32_t, GstPad*> sinks;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [number, camera] : cameras_) sinks[number] = camera->sink;
+  }
+  return std::make_shared<StageTrigger>(element_, std::move(labels), settings, sinks);
+}
+
+/// The label of a frame that we triggered.
+std::vector<FrameLabeler::Labeled> SyncElement::triggered(
+    SyncCamera& camera, uint64_t token, const std::optional<uint64_t>& trigger) const {
+  FrameLabeler::Labeled frame;
+  frame.token = token;
+  frame.fate = trigger ? FrameLabeler::Fate::labeled : FrameLabeler::Fate::ambiguous;
+  ++camera.triggered.frames;
+  ++(trigger ? camera.triggered.labeled : camera.triggered.ambiguous);
+  if (trigger) {
+    if (camera.last_trigger && *trigger > *camera.last_trigger + 1)
+      camera.triggered.missing += *trigger - *camera.last_trigger - 1;
+    frame.trigger = *trigger;
+    frame.position = labels_->program().at(*trigger);
+  }
+  return {frame};
+}
+
+FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
+  if (trigger_) return camera.triggered;
+  return camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
 }
 
 /// A camera's labels start anew: a new run of the program, unless another camera has seen the same
@@ -305,8 +363,8 @@ void SyncElement::push_out(SyncCamera& camera) {
     gst_pad_pause_task(camera.src);
     return;
   }
-  const bool ending = GST_IS_EVENT(item.object) &&
-                      GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
+  const bool ending =
+      GST_IS_EVENT(item.object) && GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
   const bool is_buffer = GST_IS_BUFFER(item.object);
   const GstFlowReturn flow = send(camera, item);
   Lock lock(mutex_);

@@ -10,6 +10,7 @@
 #include "base/device_context.hpp"
 #include "light_clock.hpp"
 #include "light_stage/frame_sets.hpp"
+#include "stage_trigger.hpp"
 #include "sync_camera.hpp"
 
 namespace inverse {
@@ -60,6 +61,11 @@ class SyncElement {
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
   std::unique_ptr<FrameLabeler> make_labeler() const;
+  std::shared_ptr<StageTrigger> make_trigger(SyncParams& params,
+                                             std::shared_ptr<const StageLabels> labels) const;
+  std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,
+                                               const std::optional<uint64_t>& trigger) const;
+  FrameLabeler::Counts counts_of(const SyncCamera& camera) const;
   void make_assembler(SyncCamera& camera);
   GstFlowReturn combined_flow(const SyncCamera& camera) const;
   GstClockTime own_latency() const;
@@ -86,6 +92,7 @@ class SyncElement {
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
   std::shared_ptr<const StageLabels> labels_;
+  std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
   FrameSets sets_{true};
   uint64_t next_token_ = 1;
   uint64_t run_ = 0;

@@ -33,6 +33,10 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   camera.linear.emplace(info);
   Lock lock(mutex_);
   if (!labels_) return true;
+  if (const auto trigger = trigger_) {
+    lock.unlock();  // it speaks with the camera
+    return guarded(element_, [&] { trigger->camera_ready(camera.number); });
+  }
   const LightProgram& program = labels_->program();
   const double rate = double(program.rate_numerator) / program.rate_denominator;
   const int num = GST_VIDEO_INFO_FPS_N(&info), den = GST_VIDEO_INFO_FPS_D(&info);
@@ -105,7 +109,8 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
     sets_.wait_for(camera->number, false);
     if (camera->labeler->counts().markers == 0 && camera->labeler->counts().frames > 0 &&
         labels_->program().marker != LightProgram::Marker::none)
-      warn("camera " + camera->name() + " has ended without the marker of the light program "
+      warn("camera " + camera->name() +
+           " has ended without the marker of the light program "
            "(black, full on, black): none of its frames has a label");
   }
   camera->append(event);

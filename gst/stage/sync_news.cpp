@@ -54,8 +54,8 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    const auto wait = std::max<Clock::duration>(
-        kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
+    const auto wait =
+        std::max<Clock::duration>(kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
         camera->waiting_buffers >= params_.max_frames || now - camera->last_arrival < wait)
       continue;
@@ -98,6 +98,7 @@ void SyncElement::report(SyncCamera& camera) {
     camera.silent = false;
     tell("camera-sends", camera);
   }
+  if (trigger_) return;  // whoever triggers tells
   const FrameLabeler& labeler = *camera.labeler;
   const FrameLabeler::Counts& counts = labeler.counts();
   if (labeler.anchored() != camera.was_anchored) {
@@ -105,8 +106,10 @@ void SyncElement::report(SyncCamera& camera) {
     tell(camera.was_anchored ? "marker" : "unsynchronized", camera);
   }
   if (camera.labeler->take_overdue())
-    warn("camera " + camera.name() + " has not seen the marker of the light program (black, full on, "
-         "black) for " + std::to_string(params_.marker_timeout) +
+    warn("camera " + camera.name() +
+         " has not seen the marker of the light program (black, full on, "
+         "black) for " +
+         std::to_string(params_.marker_timeout) +
          " s; start the program of the lights, or look whether the camera sees them and has the "
          "program's rate");
   const auto now = Clock::now();
@@ -139,8 +142,7 @@ void SyncElement::report(SyncCamera& camera) {
 }
 
 GstStructure* SyncElement::camera_stats(const SyncCamera& camera) const {
-  const FrameLabeler::Counts counts =
-      camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
+  const FrameLabeler::Counts counts = counts_of(camera);
   const auto rate = camera.labeler ? camera.labeler->rate() : std::pair{0.0, 0.0};
   GstStructure* stats = gst_structure_new(
       camera.name().c_str(), "frames", G_TYPE_UINT64, counts.frames, "labeled", G_TYPE_UINT64,
@@ -151,8 +153,8 @@ GstStructure* SyncElement::camera_stats(const SyncCamera& camera) const {
       counts.before_marker, "after-end", G_TYPE_UINT64, counts.ended, "incomplete", G_TYPE_UINT64,
       camera.incomplete, "markers", G_TYPE_UINT64, counts.markers, "resynchronizations",
       G_TYPE_UINT64, counts.resynchronizations, "synchronized", G_TYPE_BOOLEAN,
-      camera.labeler && camera.labeler->anchored(), "rate-low", G_TYPE_DOUBLE, rate.first,
-      "rate-high", G_TYPE_DOUBLE, rate.second, nullptr);
+      trigger_ ? counts.labeled > 0 : camera.labeler && camera.labeler->anchored(), "rate-low",
+      G_TYPE_DOUBLE, rate.first, "rate-high", G_TYPE_DOUBLE, rate.second, nullptr);
   if (camera.assembler) camera.assembler->add_stats(stats);
   return stats;
 }
@@ -163,6 +165,7 @@ GstStructure* SyncElement::stats() const {
                                           static_cast<guint>(cameras_.size()), "sets-complete",
                                           G_TYPE_UINT64, sets_.complete_sets(), "sets-incomplete",
                                           G_TYPE_UINT64, sets_.incomplete_sets(), nullptr);
+  if (trigger_) trigger_->add_stats(stats);
   for (const auto& [number, camera] : cameras_) {
     GstStructure* one = camera_stats(*camera);
     for (gint i = 0; i < gst_structure_n_fields(one); ++i) {

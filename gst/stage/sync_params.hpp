@@ -13,6 +13,7 @@ struct SyncParams {
   enum class Assemble : uint8_t { none, pairs, olat };
   enum class Align : uint8_t { none, flow };
   enum class Sets : uint8_t { complete, all };
+  enum class CameraTrigger : uint8_t { none, aravis_software };
 
   std::string program = "performance";
   FrameId frame_id = FrameId::none;
@@ -26,6 +27,9 @@ struct SyncParams {
   Assemble assemble = Assemble::none;
   Align align = Align::none;
   std::string location;
+  CameraTrigger camera_trigger = CameraTrigger::none;
+  double trigger_timeout = 1;
+  unsigned trigger_retries = 2;
   std::string device;
 
   LightDriverSettings lights;

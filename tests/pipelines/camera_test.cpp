@@ -120,5 +120,29 @@ class Aravis : public PipelineTest {
 TEST_F(Aravis, Bayer) { expect_line("bayer", "", false); }
 TEST_F(Aravis, Mono) { expect_line("mono", "", true); }
 
+/// Lights and camera in step, to the program's end.
+TEST_F(PipelineTest, LightStageAravis) {
+  if (system("command -v arv-fake-gv-camera-0.8 >/dev/null") != 0)
+    GTEST_SKIP() << "arv-fake-gv-camera-0.8 is missing: install aravis-tools";
+  if (system("gst-inspect-1.0 --exists --atleast-version=0.0.0 lightstagearavissrc") != 0)
+    GTEST_SKIP() << "the plugin was built without Aravis: install libaravis-dev";
+  const std::string name = "stage" + std::to_string(getpid());
+  Process fake({"arv-fake-gv-camera-0.8", "-i", "127.0.0.1", "-s", name});
+  // A camera of which one is there already is found only when that has gone.
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    ASSERT_TRUE(fake.running()) << fake.output();
+    if (run("light-stage-aravis", {"Aravis-Fake-" + name, "static:12"},
+            {{"SINK", raw_file(file("out.mkv"))}}) == 0)
+      break;
+  }
+  const Media media = read_media(file("out.mkv"));
+  ASSERT_TRUE(media.errors.empty()) << media.errors.front() << output_;
+  // The marker, twelve lights, full on after eleven and at the end, two gradients.
+  ASSERT_EQ(media.frames.size(), 3U + 12 + 2 + 2) << output_;
+  EXPECT_EQ(media.frames.back().width, 512);
+  EXPECT_GT(media.frames.back().variance(0, 0, .5, .5), 100);
+}
+
 }  // namespace
 }  // namespace inverse::testing

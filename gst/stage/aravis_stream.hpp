@@ -1,0 +1,55 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "aravis_camera.hpp"
+
+namespace inverse {
+
+/// A frame as it came, its pixels in the layout that GStreamer wants.
+struct CameraFrame {
+  GstBuffer* pixels = nullptr;  ///< the taker's
+  uint64_t id = 0;              ///< as the camera counts
+  uint64_t camera_time = 0;     ///< ns of the camera's clock; 0 where it has none
+  int64_t age = 0;              ///< ns since it began to arrive
+};
+
+/// What comes from a camera. A frame's memory is lent to the buffer that carries it and goes back
+/// to the camera when that is freed, even after the stream has ended. No more than half of the
+/// frames are lent: then they are copied, so that the camera always has where to write.
+class AravisStream {
+ public:
+  /// Frames go into `frames` buffers of memory. `arrived` is called from another thread when one
+  /// is there. Throws Error.
+  AravisStream(AravisCamera& camera, const FrameLayout& layout, uint32_t frames,
+               std::function<void()> arrived);
+  ~AravisStream();
+  AravisStream(const AravisStream&) = delete;
+  AravisStream& operator=(const AravisStream&) = delete;
+
+  /// The next complete frame, if there is one. `stale` tells by its age whether nobody wants it
+  /// any more.
+  std::optional<CameraFrame> take(const std::function<bool(int64_t age)>& stale);
+
+  struct Counts {
+    uint64_t incomplete = 0, misfits = 0, stale = 0, copied = 0, lent = 0;
+    uint64_t underruns = 0;  ///< frames that the camera sent and there was no memory for
+    uint64_t resent_packets = 0, missing_packets = 0;
+  };
+  Counts counts() const;
+  /// How many buffers downstream holds.
+  uint32_t lent_now() const;
+
+ private:
+  struct Lender;
+  GstBuffer* pixels(ArvBuffer* frame);
+
+  FrameLayout layout_;
+  ObjectRef<ArvStream> stream_;
+  std::shared_ptr<Lender> lender_;
+  std::function<void()> arrived_;
+  Counts counts_;
+};
+
+}  // namespace inverse

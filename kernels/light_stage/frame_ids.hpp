@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+namespace inverse {
+
+/// Follows the numbers that a camera gives its frames. With 16 bits they go on from 65535 to 1, and
+/// 0 is no number (GigE Vision 1.x); cameras that send one nevertheless are taken at their word.
+class FrameIds {
+ public:
+  explicit FrameIds(uint32_t bits) : bits_(bits) {}
+
+  /// How many exposures `id` is after the last one that `accept` was told: 1 for the next, 0 or
+  /// less for one that came again or late. Nothing without a last one.
+  std::optional<int64_t> after_last(uint64_t id) const {
+    if (!known_) return std::nullopt;
+    const uint64_t mask = bits_ >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits_) - 1;
+    const uint64_t ahead = (id - last_) & mask, behind = (last_ - id) & mask;
+    const bool zero = !skips_zero_ || id == 0;
+    if (ahead <= behind) return static_cast<int64_t>(ahead - (!zero && id < last_ ? 1 : 0));
+    return -static_cast<int64_t>(behind - (!zero && id > last_ ? 1 : 0));
+  }
+  void accept(uint64_t id) {
+    if (id == 0) skips_zero_ = false;
+    last_ = id;
+    known_ = true;
+  }
+  /// Takes the next one; how many are missing before it.
+  uint64_t missed_before(uint64_t id) {
+    const int64_t step = after_last(id).value_or(1);
+    accept(id);
+    return step > 1 ? static_cast<uint64_t>(step - 1) : 0;
+  }
+  std::optional<uint64_t> last() const { return known_ ? std::optional(last_) : std::nullopt; }
+
+ private:
+  uint32_t bits_ = 16;
+  bool skips_zero_ = bits_ < 64;
+  bool known_ = false;
+  uint64_t last_ = 0;
+};
+
+}  // namespace inverse
