@@ -1,13 +1,18 @@
 // The elements of light stages, nothing else.
 #include <gst/gst.h>
 
+#include "base/filter.hpp"
 #include "base/layers_meta.hpp"
 #include "base/light_stage_meta.hpp"
 
-static gboolean plugin_init(GstPlugin*) {
+namespace inverse {
+extern const ElementInfo kOlatRelight;
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  return TRUE;
+  return inverse::register_filter(plugin, inverse::kOlatRelight);
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversestage,
