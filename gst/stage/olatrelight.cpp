@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <mutex>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -14,20 +13,17 @@
 #include "environment_file.hpp"
 #include "image/mosaic.hpp"
 #include "light_stage/light_program.hpp"
-#include "reflectance_field/cosine_lobe.hpp"
+#include "reflectance_field/relighting.hpp"
 
 namespace inverse {
 namespace {
 
 enum class RelightShow { relit, olat, mosaic, normal, albedo };
 
-struct Params {
+struct Params : Relighting::Params {
   RelightShow show = RelightShow::relit;
-  std::string program = "performance", environment;
-  float rotation = 0, exposure = 0;
+  std::string program = "performance", environment, models;
   std::array<float, 3> light{0.5F, 0.5F, 0.7F};
-  bool adaptive = true;
-  CosineLobe::Params lobe;
 };
 
 /// light-direction: three numbers, in one text.
@@ -84,6 +80,17 @@ const PropertyTable<Params>& table() {
            {static_cast<int>(RelightShow::albedo), "albedo",
             "The subject under all lights: gradient A + gradient B"}},
           "What to show"),
+      choice<P>("model", &P::model, "GstInverseRelightModel",
+                {{static_cast<int>(Relighting::Model::cosine_lobe), "cosine-lobe",
+                  "Each pixel gives light back in one lobe around one direction, which the "
+                  "gradients tell: no shadows, no training, fast"},
+                 {static_cast<int>(Relighting::Model::network), "network",
+                  "A network that was trained on heads: shadows and highlights, too"}},
+                "How the picture under one light is found", Mutable::ready),
+      text<P>("models", &P::models,
+              "Folder with a folder olat of networks, for model=network; empty = the environment "
+              "variable INVERSE_MODELS, else where the plugin's models were installed",
+              Mutable::ready),
       text<P>("program", &P::program,
               "Light program of the stage, for where its lights are: a JSON file, or "
               "performance[:N] or static[:N] for N lights (331) of a geodesic dome",
@@ -112,14 +119,22 @@ const PropertyTable<Params>& table() {
           "Linear light of A + B, 1 = full scale, that is as good as noise: where there is no "
           "more, "
           "directions are not trusted and light is taken to be given back from everywhere"),
+      number<P>("max-error", &P::max_error, 0, 1,
+                "How far a relit picture may be from the sum over all lights of the stage: mean "
+                "absolute difference over the mean. The network evaluates the fewest lights that "
+                "stay within it; 0 = all"),
       flag<P>("adaptive", &P::adaptive,
-              "Leave out what cannot be seen; false sums over all lights of the stage at every "
-              "pixel"),
+              "Leave out what cannot be seen: most lights (max-error), and all that was done "
+              "before where a picture comes again. false: all lights, one by one, at every pixel"),
   };
   return table;
 }
 
-constexpr float kDegree = std::numbers::pi_v<float> / 180;
+std::string models_folder(const std::string& set) {
+  if (!set.empty()) return set + "/olat";
+  const char* environment = g_getenv("INVERSE_MODELS");
+  return std::string(environment && *environment ? environment : MODELS_FOLDER) + "/olat";
+}
 
 class RelightElement final : public Filter {
  public:
@@ -132,31 +147,42 @@ class RelightElement final : public Filter {
       const LightProgram program = light_program(params.program);
       std::vector<Direction> lights;
       for (const StageLight& light : program.lights) lights.push_back(light.direction);
-      moments_ = std::make_shared<const LobeMoments>(lights);
-      stage_.emplace(std::move(lights));
+      stage_ = std::make_shared<const RelightStage>(std::move(lights));
       program_ = params.program;
+    }
+    const std::string folder = models_folder(params.models);
+    if (params.model == Relighting::Model::network && (!models_ || folder != folder_)) {
+      models_ = RelightModels::load(folder);
+      folder_ = folder;
     }
     load(params.environment);
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    lobe_.emplace(device, extent, moments_, stage_->lights());
+    const bool network = parameters_.snapshot().model == Relighting::Model::network;
+    method_.emplace(device, extent, stage_, network ? &*models_ : nullptr);
+    method_->set_environment(map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
-    forget();
+    picture_ = nullptr;
     {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
     }
-    if (device->first_warm_up("olatrelight")) warm_up(device);
+    if (device->first_warm_up(network ? "olatrelight network" : "olatrelight")) warm_up(device);
   }
   void release() override {
-    forget();
-    lobe_.reset();
+    picture_ = nullptr;
+    last_a_ = last_b_ = nullptr;
+    method_.reset();
     mosaic_.reset();
     planes_.reset();
   }
-  void reset() override { forget(); }
+  void reset() override {
+    picture_ = nullptr;
+    last_a_ = last_b_ = nullptr;
+    method_->forget();
+  }
 
   void point(Mouse mouse, double x, double y) override {
     std::lock_guard lock(mouse_mutex_);
@@ -179,47 +205,50 @@ class RelightElement final : public Filter {
 
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
-    Report& report = reports_[frame.number % reports_.size()] = {};
     take_environment(frame, params);
-    const bool same_pair = take_pair(frame, params);
-    report.fitted = !same_pair;
-
-    const bool same_light = take_light(params);
-    const bool same = same_pair && same_light && picture_ && shown_ &&
-                      shown_->show == params.show && shown_->light == params.light &&
-                      shown_->adaptive == params.adaptive;
+    take_pair(frame, params);
+    const bool same = params.adaptive && picture_ && shown_ && alike(*shown_, params) &&
+                      method_->version() == version_;
     if (same) {
       frame.same_picture = true;
     } else {
       picture_ = planes_->acquire();
       draw(frame.commands, params, *picture_);
-      frame.commands.stage("relight");
+      drawn_ = method_->stats();
     }
     shown_ = params;
-    report.lights = stage_->lights().size();
-    report.evaluated = evaluated_;
-    report.shown = shown_light_;
+    version_ = method_->version();
+    Report& report = reports_[frame.number % reports_.size()];
+    report = {drawn_, same};
+    report.stats.fitted = method_->stats().fitted;
     frame.picture = {picture_};
     frame.layers = {picture_->extent, {}};
     frame.layers[Role::input] = picture_;  // for its alpha
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const Report& report = reports_[number % reports_.size()];
-    gst_structure_set(stats, "model", G_TYPE_STRING, "cosine-lobe", "environment", G_TYPE_STRING,
-                      environment_name_.c_str(), "lights", G_TYPE_UINT64, report.lights,
-                      "evaluated", G_TYPE_UINT64, report.evaluated, "environment-shown",
-                      G_TYPE_DOUBLE, report.shown, "fitted", G_TYPE_BOOLEAN, report.fitted,
-                      "largest-exponent", G_TYPE_DOUBLE,
-                      moments_ ? moments_->largest_exponent() : 0.0, nullptr);
+    const auto& [report, repeated] = reports_[number % reports_.size()];
+    gst_structure_set(stats, "environment", G_TYPE_STRING, environment_name_.c_str(), "lights",
+                      G_TYPE_UINT64, report.lights, "lit", G_TYPE_UINT64, report.lit, "evaluated",
+                      G_TYPE_UINT64, report.evaluated, "expected-error", G_TYPE_DOUBLE,
+                      report.expected_error, "environment-shown", G_TYPE_DOUBLE, report.shown,
+                      "fitted", G_TYPE_BOOLEAN, report.fitted, "repeated", G_TYPE_BOOLEAN, repeated,
+                      "largest-exponent", G_TYPE_DOUBLE, stage_->moments->largest_exponent(),
+                      "network-bytes", G_TYPE_UINT64, method_ ? method_->network_bytes() : 0,
+                      nullptr);
   }
 
  private:
   struct Report {
-    uint64_t lights = 0, evaluated = 0;
-    double shown = 1;
-    bool fitted = false;
+    Relighting::Stats stats;
+    bool repeated = false;
   };
+
+  /// Whether two sets of parameters make the same of the same picture.
+  static bool alike(const Params& a, const Params& b) {
+    return a.show == b.show && a.light == b.light && a.rotation == b.rotation &&
+           a.exposure == b.exposure && a.max_error == b.max_error && a.adaptive == b.adaptive;
+  }
 
   void load(const std::string& path) {
     std::string warning;
@@ -229,7 +258,7 @@ class RelightElement final : public Filter {
     environment_path_ = path;
     environment_name_ = path.empty() ? "studio" : path;
     if (!warning.empty()) pending_warning_ = warning;
-    lit_.reset();
+    if (method_) method_->set_environment(map_);
   }
 
   /// Another file while playing: one that cannot be read is told once, and the light stays.
@@ -244,103 +273,56 @@ class RelightElement final : public Filter {
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
   }
 
-  /// Finds the lobes of the frame; false where they are those of the frame before.
-  bool take_pair(FrameWork& frame, const Params& params) {
+  void take_pair(FrameWork& frame, const Params& params) {
     const bool layers = frame.layers.gradients();
     const PlanePtr a = layers ? frame.layers[Role::gradient_a] : frame.layers[Role::input];
     const PlanePtr b = layers ? frame.layers[Role::gradient_b] : a;
-    const bool came_again =
-        !frame.fresh && fitted_ && (layers ? a == last_a_ && b == last_b_ : frame.repeated);
-    if (came_again && fitted_->noise == params.lobe.noise) return true;
     const Extent extent = planes_->extent();
     const uint32_t second = layers ? 0 : extent.width;
-    if (a->extent.height != extent.height || a->extent.width != extent.width + second ||
+    if (!a || a->extent.height != extent.height || a->extent.width != extent.width + second ||
         b->extent != a->extent)
       throw Error(ErrorKind::unsupported,
-                  "gradients A and B are not of one size: " + std::to_string(a->extent.width) +
-                      "x" + std::to_string(a->extent.height) + " and " +
-                      std::to_string(b->extent.width) + "x" + std::to_string(b->extent.height));
-    lobe_->record_lobes(frame.commands, {*a, *b, second}, params.lobe);
-    frame.commands.stage("lobes");
-    fitted_ = params.lobe;
+                  "the two gradients are not of the size that caps say; mend the element that sent "
+                  "them");
+    // Planes that are held are not written to: the same ones hold the same picture.
+    const bool again =
+        !frame.fresh && params.adaptive && (layers ? a == last_a_ && b == last_b_ : frame.repeated);
     last_a_ = layers ? a : nullptr;
     last_b_ = layers ? b : nullptr;
-    return false;
+    const bool lit = params.show != RelightShow::normal && params.show != RelightShow::albedo;
+    method_->record_pair(frame.commands, {*a, *b, second}, params, frame.number, again, lit);
   }
 
-  /// Chooses the lights for the environment; true where they are those of the frame before.
-  bool take_light(const Params& params) {
-    if (lit_ && lit_->rotation == params.rotation && lit_->exposure == params.exposure) return true;
-    const std::vector<Rgb> weights = stage_->weights(map_, double{params.rotation * kDegree});
-    shown_light_ = LightCells::shown(map_, weights, stage_->covered());
-    const float gain = std::exp2(params.exposure);
-    lights_.clear();
-    for (size_t i = 0; i < weights.size(); ++i) {
-      const Rgb& w = weights[i];
-      if (w[0] + w[1] + w[2] > 0)
-        lights_.push_back({stage_->lights()[i], {gain * w[0], gain * w[1], gain * w[2]}});
-    }
-    lit_ = params;
-    table_is_old_ = true;
-    return false;
-  }
-
-  WeightedLight one_light(const Params& params) const {
+  static Direction light_of(const Params& params) {
     const auto& l = params.light;
     const double length = std::hypot(double{l[0]}, double{l[1]}, double{l[2]});
-    const float weight =
-        0.25F * static_cast<float>(stage_->lights().size()) * std::exp2(params.exposure);
-    const Direction w =
-        length > 0 ? Direction{l[0] / length, l[1] / length, l[2] / length} : Direction{0, 0, 1};
-    return {w, {weight, weight, weight}};
-  }
-
-  void relit(gpu::Commands& commands, const Params& params, const Plane& target) {
-    evaluated_ = lights_.size();
-    if (!params.adaptive) {
-      lobe_->record_sum(commands, lights_, target);
-      return;
-    }
-    if (std::exchange(table_is_old_, false)) lobe_->record_lights(commands, lights_);
-    lobe_->record_relit(commands, target);
-  }
-  void olat(gpu::Commands& commands, const Params& params, const Plane& target) {
-    const WeightedLight light = one_light(params);
-    evaluated_ = 1;
-    lobe_->record_sum(commands, std::span(&light, 1), target);
+    if (!(length > 0)) return {0, 0, 1};
+    return {l[0] / length, l[1] / length, l[2] / length};
   }
 
   void draw(gpu::Commands& commands, const Params& params, const Plane& target) {
-    evaluated_ = 0;
+    const CosineLobe& lobes = method_->lobes();
     switch (params.show) {
       case RelightShow::relit:
-        return relit(commands, params, target);
+        return method_->record_relit(commands, params, target);
       case RelightShow::olat:
-        return olat(commands, params, target);
+        return method_->record_olat(commands, params, light_of(params), target);
       case RelightShow::normal:
-        return lobe_->record_directions(commands, params.lobe, target);
+        return lobes.record_directions(commands, params.lobe, target);
       case RelightShow::albedo:
-        return commands.copy(lobe_->full()->buffer, target.buffer, target.buffer->bytes());
+        return commands.copy(lobes.full()->buffer, target.buffer, target.buffer->bytes());
       case RelightShow::mosaic: {
         const PlanePtr directions = planes_->acquire(), one = planes_->acquire(),
                        all = planes_->acquire();
-        lobe_->record_directions(commands, params.lobe, *directions);
-        olat(commands, params, *one);
-        relit(commands, params, *all);
+        lobes.record_directions(commands, params.lobe, *directions);
+        method_->record_relit(commands, params, *all);
+        method_->record_olat(commands, params, light_of(params), *one);
         mosaic_->record(commands,
-                        {{{lobe_->full().get()}, {directions.get()}, {one.get()}, {all.get()}}},
+                        {{{lobes.full().get()}, {directions.get()}, {one.get()}, {all.get()}}},
                         target);
         return;
       }
     }
-  }
-
-  void forget() {
-    picture_ = nullptr;
-    last_a_ = last_b_ = nullptr;
-    fitted_.reset();
-    shown_.reset();
-    lit_.reset();
   }
 
   /// Sets a property as if from outside.
@@ -360,37 +342,35 @@ class RelightElement final : public Filter {
     gpu::Commands commands(device);
     const PlanePtr black = planes_->acquire(), target = planes_->acquire();
     Params params;
+    params.model = parameters_.snapshot().model;
     commands.begin();
     commands.fill(black->buffer);
-    lobe_->record_lobes(commands, {*black, *black}, params.lobe);
-    take_light(params);
+    method_->record_pair(commands, {*black, *black}, params, 0, false, true);
     params.show = RelightShow::mosaic;
     draw(commands, params, *target);
     commands.submit();
     commands.wait();
-    forget();
+    method_->forget();
   }
 
   Parameters<Params> parameters_{table()};
   std::string program_;
-  std::optional<LightCells> stage_;
-  std::shared_ptr<const LobeMoments> moments_;
+  std::shared_ptr<const RelightStage> stage_;
+  std::string folder_;
+  std::optional<RelightModels> models_;
   LightCells::Map map_;
   std::string environment_path_, environment_name_ = "studio";
   std::optional<std::string> refused_, pending_warning_;
 
-  std::optional<CosineLobe> lobe_;
+  std::optional<Relighting> method_;
   std::optional<Mosaic> mosaic_;
   std::optional<PlanePool> planes_;
-  std::vector<WeightedLight> lights_;  // that stand for the environment
-  bool table_is_old_ = true;
-  double shown_light_ = 1;  // share of the environment's light that the stage can show
-  uint64_t evaluated_ = 0;
 
   // Of the frame before.
   PlanePtr picture_, last_a_, last_b_;
-  std::optional<CosineLobe::Params> fitted_;
-  std::optional<Params> lit_, shown_;
+  std::optional<Params> shown_;
+  uint64_t version_ = 0;
+  Relighting::Stats drawn_;
   std::array<Report, 8> reports_{};
 
   std::mutex mouse_mutex_;

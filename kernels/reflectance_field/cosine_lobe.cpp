@@ -96,7 +96,7 @@ void CosineLobe::record_lobes(gpu::Commands& commands, const GradientPair& pair,
          noise * noise,
          static_cast<float>(moments_->largest_exponent())};
   commands.dispatch(find_, {pair.a.buffer, pair.b.buffer, grid_, full_->buffer, lobes_->buffer},
-                    push, {static_cast<uint32_t>(extent_.pixels())});
+                    push, {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
@@ -111,37 +111,38 @@ void CosineLobe::record_lights(gpu::Commands& commands, std::span<const Weighted
 }
 
 void CosineLobe::record_relit(gpu::Commands& commands, const Plane& target) const {
-  const auto pixels = static_cast<uint32_t>(extent_.pixels());
   const struct {
     float even[4];
-    uint32_t pixels;
-  } push{{even_[0], even_[1], even_[2], 0}, pixels};
+    uint32_t width, height;
+  } push{{even_[0], even_[1], even_[2], 0}, extent_.width, extent_.height};
   commands.dispatch(relight_, {full_->buffer, lobes_->buffer, table_, target.buffer}, push,
-                    {pixels});
+                    {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
                             const Plane& target) const {
-  const auto pixels = static_cast<uint32_t>(extent_.pixels());
   const Rgb even = even_light(lights, stage_lights_);
   const struct {
     float even[4];
-    uint32_t pixels;
+    uint32_t width, height;
     int lights;
-  } push{{even[0], even[1], even[2], 0}, pixels, static_cast<int>(lights.size())};
+  } push{{even[0], even[1], even[2], 0},
+         extent_.width,
+         extent_.height,
+         static_cast<int>(lights.size())};
   commands.dispatch(
       sum_, {full_->buffer, lobes_->buffer, gains_, uploaded(device_, lights), target.buffer}, push,
-      {pixels});
+      {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_directions(gpu::Commands& commands, const Params& params,
                                    const Plane& target) const {
-  const auto pixels = static_cast<uint32_t>(extent_.pixels());
   const struct {
-    uint32_t pixels;
+    uint32_t width, height;
     float least;
-  } push{pixels, params.noise};
-  commands.dispatch(directions_, {full_->buffer, lobes_->buffer, target.buffer}, push, {pixels});
+  } push{extent_.width, extent_.height, params.noise};
+  commands.dispatch(directions_, {full_->buffer, lobes_->buffer, target.buffer}, push,
+                    {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_responses(gpu::Commands& commands, const gpu::BufferPtr& samples,

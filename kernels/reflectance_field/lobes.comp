@@ -32,9 +32,9 @@ vec3 corrected(vec3 m) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= push.size.x * push.size.y) return;
-  uint y = i / push.size.x, from = y * push.stride + (i - y * push.size.x);
+  uvec2 at = gl_GlobalInvocationID.xy;
+  if (at.x >= push.size.x) return;
+  uint i = at.y * push.size.x + at.x, from = at.y * push.stride + at.x;
   vec4 first = finite(FETCH(a, int(from))), second = finite(FETCH(b, int(from + push.second)));
   vec3 sum = first.rgb + second.rgb;
   // Where there is hardly any light m is noise: it goes to 0, and never to 0/0.

@@ -10,14 +10,15 @@ PLANE_IN(2, lobe_values);
 PLANE_OUT(3, picture);
 layout(push_constant) uniform Push {
   vec4 even;  // what comes from everywhere gives: Σ weights / N
-  uint pixels;
+  uvec2 size;
 } push;
 
 #include "lobe_table.glsl"
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= push.pixels) return;
+  uvec2 at = gl_GlobalInvocationID.xy;
+  if (at.x >= push.size.x) return;
+  uint i = at.y * push.size.x + at.x;
   vec4 f = FETCH(full, int(i)), lobe = FETCH(lobes, int(i));
   float share = length(lobe.xyz);
   vec3 u = share > 1e-6 ? lobe.xyz / share : vec3(0.0, 0.0, 1.0);
