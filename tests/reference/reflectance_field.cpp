@@ -85,4 +85,43 @@ Vec3 relit(const CosineLobe& lobe, const std::vector<Lamp>& lamps, const Stage& 
   return result;
 }
 
+Plane network_light(const RelightModels& models, const Plane& a, const Plane& b,
+                    const Vec3& light) {
+  const auto width = static_cast<uint32_t>(a.width), height = static_cast<uint32_t>(a.height);
+  Image input{{6, height, width}, std::vector<double>(a.size() * 6)};
+  Plane root(a.width, a.height), result(a.width, a.height);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double full = std::max(0.0, a.data[i][c] + b.data[i][c]);
+      root.data[i][c] = std::sqrt(full);
+      input.data[c * a.size() + i] = root.data[i][c];
+      input.data[(3 + c) * a.size() + i] = (a.data[i][c] - b.data[i][c]) / (full + 0.004);
+    }
+  const Image features = run_network(models.features, std::vector{input})[0];
+  constexpr std::size_t kIn = RelightModels::kPlanes + RelightModels::kHarmonics;
+  const auto& [x, y, z] = light;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::vector<double> u(kIn), out(RelightModels::kOut);
+    for (std::size_t k = 0; k < RelightModels::kPlanes; ++k) {
+      const auto f = [&](std::size_t n) { return features.data[(4 * k + n) * a.size() + i]; };
+      u[k] = std::max(0.0, f(0) * x + f(1) * y + f(2) * z + f(3));
+    }
+    const double phi[] = {x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1};
+    std::copy(std::begin(phi), std::end(phi), u.begin() + RelightModels::kPlanes);
+    for (std::size_t o = 0; o < RelightModels::kOut; ++o) out[o] = models.outer_bias[o];
+    for (std::size_t j = 0; j < RelightModels::kHidden; ++j) {
+      double v = models.inner_bias[j];
+      for (std::size_t k = 0; k < kIn; ++k) v += models.inner[j * kIn + k] * u[k];
+      for (std::size_t o = 0; o < RelightModels::kOut; ++o)
+        out[o] += models.outer[o * RelightModels::kHidden + j] * std::max(0.0, v);
+    }
+    const Vec4& r = root.data[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double q = std::max(0.0, r[c] * out[c] + (r[0] + r[1] + r[2]) / 3 * out[3]);
+      result.data[i][c] = q * q;
+    }
+  }
+  return result;
+}
+
 }  // namespace inverse::reference

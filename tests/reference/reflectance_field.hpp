@@ -4,7 +4,9 @@
 
 #include <vector>
 
+#include "network.hpp"
 #include "plane.hpp"
+#include "reflectance_field/relight_models.hpp"
 
 namespace inverse::reference {
 
@@ -39,5 +41,9 @@ CosineLobe lobe_of(const Vec3& full, const Vec3& v, const Stage& stage);
 double lobe_sum(const Vec3& u, double p, const Stage& stage);
 /// F ((1 − s) Σ weight / N + s Σ weight max(0, u·w)^p / S(u, p)).
 Vec3 relit(const CosineLobe& lobe, const std::vector<Lamp>& lamps, const Stage& stage);
+
+/// P of a light for every pixel (training/olat/README.md, "What is computed"): as bright as if the
+/// light had the energy of the whole sphere. `a` and `b` hold RGB; their size is a multiple of 32.
+Plane network_light(const RelightModels& models, const Plane& a, const Plane& b, const Vec3& light);
 
 }  // namespace inverse::reference
