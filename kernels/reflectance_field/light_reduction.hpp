@@ -29,8 +29,8 @@ class LightReduction {
     double error = 0;               ///< that is expected
   };
   /// The fewest lights that stay within `max_error`: the mean absolute difference from the sum over
-  /// all lights with these weights, over its mean. All lights that are lit, with error 0, where a
-  /// third of them would not do or where there are no samples.
+  /// all lights with these weights, over its mean. All lights that are lit, with error 0, where too
+  /// many of them would be needed or where there are no samples.
   Choice choose(std::span<const Rgb> weights, double max_error) const;
   /// The error of a choice for samples that came since.
   double error(const Choice& choice, std::span<const Rgb> weights) const;

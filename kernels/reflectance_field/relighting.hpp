@@ -33,7 +33,7 @@ class Relighting {
     Model model = Model::cosine_lobe;
     float rotation = 0;       ///< of the environment about y, degrees
     float exposure = 0;       ///< stops
-    float max_error = 0.01F;  ///< of a relit picture with few lights, of its mean
+    float max_error = 0.02F;  ///< of a relit picture with few lights, of its mean
     bool adaptive = true;     ///< else all lights at every pixel
     CosineLobe::Params lobe;
   };
@@ -73,7 +73,7 @@ class Relighting {
   uint64_t network_bytes() const { return network_ ? network_->bytes() : 0; }
 
   static constexpr uint64_t kEvery = 8;      ///< frames from one look at what matters to the next
-  static constexpr uint32_t kSamples = 480;  ///< pixels that are looked at
+  static constexpr uint32_t kSamples = 960;  ///< pixels that are looked at
 
  private:
   void take_responses(const Params& params, uint64_t number);
