@@ -48,6 +48,12 @@ bool carries_images(const GstCaps* caps);
 /// takes over, are those of the other pad. New reference.
 GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 
+/// `transform_caps` for an element that takes layers, or plain frames of so many pictures side by
+/// side: widths of plain caps are divided towards the source pad and multiplied towards the sink
+/// pad. Widths that leave a remainder pass, for `set_caps` to refuse them with a helpful error.
+GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCaps* templates,
+                                GstCaps* filter, uint32_t pictures);
+
 /// The same caps with layers first. What GstBaseTransform answers puts what passes through
 /// unchanged first, which for an editor's sink is what it will refuse. New reference.
 GstCaps* prefer_layers(const GstCaps* caps);

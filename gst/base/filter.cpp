@@ -87,8 +87,10 @@ void set_context(GstElement* element, GstContext* context) {
 GstCaps* transform_caps(GstBaseTransform* transform, GstPadDirection direction, GstCaps* caps,
                         GstCaps* filter) {
   const ElementInfo& info = info_of(transform);
-  return inverse::transform_caps(
-      caps, direction == GST_PAD_SINK ? info.src_caps() : info.sink_caps(), filter);
+  GstCaps* templates = direction == GST_PAD_SINK ? info.src_caps() : info.sink_caps();
+  return info.side_by_side ? inverse::transform_side_by_side(direction, caps, templates, filter,
+                                                             info.side_by_side)
+                           : inverse::transform_caps(caps, templates, filter);
 }
 
 GstCaps* fixate_caps(GstBaseTransform*, GstPadDirection, GstCaps* caps, GstCaps* other) {
@@ -173,9 +175,13 @@ GstFlowReturn prepare_output_buffer(GstBaseTransform* transform, GstBuffer* in, 
              : GST_FLOW_ERROR;
 }
 
-gboolean transform_meta(GstBaseTransform*, GstBuffer*, GstMeta* meta, GstBuffer*) {
-  // The picture keeps its size, so what is said about it stays true; what is said about its memory
-  // does not.
+gboolean transform_meta(GstBaseTransform* transform, GstBuffer*, GstMeta* meta, GstBuffer*) {
+  // Where the picture keeps its size, what is said about it stays true; what is said about its
+  // memory does not.
+  if (element_of(transform).resizes() &&
+      gst_meta_api_type_has_tag(meta->info->api,
+                                g_quark_from_static_string(GST_META_TAG_VIDEO_SIZE_STR)))
+    return FALSE;
   return !gst_meta_api_type_has_tag(meta->info->api,
                                     g_quark_from_static_string(GST_META_TAG_MEMORY_STR));
 }
@@ -324,7 +330,7 @@ void element_class_init(gpointer klass, gpointer data) {
   auto* object = G_OBJECT_CLASS(klass);
   object->get_property = get_property;  // GObject does not inherit these two
   object->set_property = set_property;
-  if (info.sink == inverse::Flow::pixels)
+  if (info.takes_pixels())
     g_object_class_install_property(
         object, PROP_DEVICE,
         g_param_spec_string(

@@ -62,8 +62,8 @@ class Filter {
   /// READY → PAUSED, before any frame, from the application's thread: reads files. What it throws
   /// becomes an element error, and the element does not start.
   virtual void start() {}
-  /// Makes pipelines and state for frames of this size; called before the first frame and when size
-  /// or device change.
+  /// Makes pipelines and state for frames of this size (as they go out: ElementInfo::side_by_side);
+  /// called before the first frame and when size or device change.
   virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) = 0;
   /// Drops everything on the device.
   virtual void release() = 0;
@@ -121,8 +121,9 @@ struct ElementInfo {
   /// Caps of its pads. New references. An editor's sink takes all layers of reflectance and
   /// shading, to refuse what is not enough for it with a helpful error.
   GstCaps* sink_caps() const {
-    const bool all = layers && std::string_view(layers) == kAllLayers;
-    return template_caps(sink, all ? kAllLayers : kAnyLayers);
+    const std::string_view kind = layers ? layers : "";
+    const bool own = kind == kAllLayers || kind == kGradientLayers;
+    return template_caps(sink, own ? layers : kAnyLayers);
   }
   GstCaps* src_caps() const {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
@@ -134,6 +135,12 @@ struct ElementInfo {
   /// Whether it finds light: Filter::ended, and the action signal save-environment.
   bool lights = false;
   bool points = false;  ///< whether it follows the mouse: navigation events
+  /// Of an element that takes layers: so many pictures side by side in a plain frame do as well,
+  /// and what it sends is as much narrower. 0: it refuses plain frames.
+  uint32_t side_by_side = 0;
+
+  /// Whether it may work without layers before it, so that it has to find a device of its own.
+  bool takes_pixels() const { return sink == Flow::pixels || side_by_side > 0; }
 };
 
 /// Registers the element; one line of the plugin's list.

@@ -21,6 +21,11 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+Extent extent_of(const GstVideoInfo& info) {
+  return {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
+          static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
+}
+
 }  // namespace
 
 FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
@@ -36,7 +41,7 @@ FilterElement::~FilterElement() {
 
 bool FilterElement::open() {
   // Editors work on the device that their layers live on.
-  if (info_.sink != Flow::pixels) return true;
+  if (!info_.takes_pixels()) return true;
   return guarded(element_, [&] { context_.acquire(device_name()); });
 }
 
@@ -118,7 +123,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   in_layers_ = carries_layers(in);
   in_images_ = carries_images(in);
   out_layers_ = carries_layers(out);
-  if (info_.sink != Flow::pixels && !in_layers_) {
+  if (!info_.takes_pixels() && !in_layers_) {
     GST_ELEMENT_ERROR(
         element_, STREAM, FORMAT,
         ("%s works on decomposed video; insert %s before it", name.c_str(), info_.needs),
@@ -147,6 +152,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
                       ("got %" GST_PTR_FORMAT, in));
     return false;
   }
+  if (!can_be_cut()) return false;
   return guarded(element_, [&] {
     stop();
     // Refused formats show up here, before any frame.
@@ -162,9 +168,20 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   });
 }
 
+bool FilterElement::can_be_cut() {
+  if (in_layers_ || info_.side_by_side < 2) return true;
+  const int width = GST_VIDEO_INFO_WIDTH(&in_info_), parts = static_cast<int>(info_.side_by_side);
+  if (width % parts == 0 && width / parts == GST_VIDEO_INFO_WIDTH(&out_info_)) return true;
+  GST_ELEMENT_ERROR(element_, STREAM, FORMAT,
+                    ("%s takes plain frames of %d pictures of one size side by side, which frames "
+                     "%d pixels wide cannot hold; scale or crop before it, or send layers",
+                     info_.factory, parts, width),
+                    (nullptr));
+  return false;
+}
+
 void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
-  const Extent extent{static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&in_info_)),
-                      static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&in_info_))};
+  const Extent extent = extent_of(in_info_);
   slots_ = {};
   forget_repeats();
   for (Slot& slot : slots_) {
@@ -176,7 +193,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   planes_.emplace(device, extent);
   if (input_) input_->configure(device);
   if (output_) output_->configure(device);
-  filter_->configure(device, extent);
+  filter_->configure(device, extent_of(out_info_));
   if (device->variant().warm_up && filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
   device_ = device;
   configured_ = true;
@@ -191,7 +208,14 @@ void FilterElement::warm_up() {
   memset(slot.in->map(), 0, slot.in->bytes());
   slot.commands->begin();
   input_->warm_up(*slot.commands, slot.in, *plane, *slot.tiles);
-  if (output_ && output_->waits()) output_->warm_up(*slot.commands, *plane, slot.out, *slot.tiles);
+  if (output_ && output_->waits()) {
+    const Extent out = extent_of(out_info_);
+    const PlanePtr drawn =
+        out == plane->extent ? plane : PlanePool(plane->buffer->device(), out).acquire();
+    TileList all(plane->buffer->device(), out, gpu::Memory::upload);
+    all.assign(std::vector<uint8_t>(all.tiles(), 1));
+    output_->warm_up(*slot.commands, *drawn, slot.out, all);
+  }
   slot.commands->submit();
   slot.commands->wait();
 }
@@ -272,7 +296,8 @@ void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
 std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   if (in_layers_) {
     const Layers* layers = layers_of(in);
-    if (!layers || !(*layers)[Role::input])
+    const PlanePtr any = layers ? layers->any() : nullptr;
+    if (!any)
       throw Error(ErrorKind::unsupported, std::string("a buffer without layers reached ") +
                                               info_.factory +
                                               "; an element before it dropped the layers meta");
@@ -285,7 +310,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
                       ", but their caps say " + std::to_string(width) + "x" +
                       std::to_string(height) +
                       "; scale or crop before the decomposer or behind intrinsiccompose");
-    return (*layers)[Role::input]->buffer->device();
+    return any->buffer->device();
   }
   if (!in_images_) return images_device_ ? images_device_ : context_.current();
   auto device = input_->device_of(element_, in);

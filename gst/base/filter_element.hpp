@@ -49,6 +49,10 @@ class FilterElement {
   GstBufferPool* image_pool(GstCaps* caps, guint* size);
   bool sends_layers() const { return out_layers_; }
   bool sends_images() const { return images_device_ != nullptr; }
+  /// Whether frames go out in another size than they came in (ElementInfo::side_by_side).
+  bool resizes() const {
+    return GST_VIDEO_INFO_WIDTH(&in_info_) != GST_VIDEO_INFO_WIDTH(&out_info_);
+  }
   /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
   GstClockTime latency() const { return latency_; }
 
@@ -67,6 +71,8 @@ class FilterElement {
     bool pending = false;  // stats are yet to be published
   };
   bool try_caps(GstCaps* in, GstCaps* out);
+  /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
+  bool can_be_cut();
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Has the device build the kernels for frames of which only tiles are converted.
   void warm_up();

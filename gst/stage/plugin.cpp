@@ -1,10 +1,12 @@
 // The elements of light stages, nothing else.
 #include <gst/gst.h>
 
+#include "base/filter.hpp"
 #include "base/layers_meta.hpp"
 #include "base/light_stage_meta.hpp"
 
 namespace inverse {
+extern const ElementInfo kOlatRelight;
 gboolean register_lightstagesync(GstPlugin* plugin);
 bool register_test_source(GstPlugin* plugin);
 #if HAVE_ARAVIS
@@ -15,7 +17,9 @@ gboolean register_lightstagearavissrc(GstPlugin* plugin);
 static gboolean plugin_init(GstPlugin* plugin) {
   inverse::register_layers_meta();
   inverse::register_light_stage_meta();
-  gboolean all = inverse::register_lightstagesync(plugin) && inverse::register_test_source(plugin);
+  gboolean all = inverse::register_lightstagesync(plugin) &&
+                 inverse::register_test_source(plugin) &&
+                 inverse::register_filter(plugin, inverse::kOlatRelight);
 #if HAVE_ARAVIS
   all = all && inverse::register_lightstagearavissrc(plugin);
 #endif

@@ -53,6 +53,17 @@ Environment::Environment(Extent extent, std::vector<float> rgb, const std::strin
   }
 }
 
+Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& changed,
+                                 const std::string& name) {
+  changed = 0;
+  for (float& value : rgb) {
+    if (value >= 0 && value <= kMaxRadiance) continue;
+    value = value > 0 ? kMaxRadiance : 0;  // NaN: 0
+    ++changed;
+  }
+  return {extent, std::move(rgb), name};
+}
+
 Environment Environment::uniform(std::array<float, 3> radiance) {
   constexpr Extent kExtent{16, 8};
   std::vector<float> rgb;

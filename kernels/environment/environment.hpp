@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,12 @@ class Environment {
   /// panoramas have it: further right in it is further left for the camera, so that columns are
   /// mirrored here and in `save`. Throws Error(file).
   static Environment load(const std::string& path);
+  /// The same, with radiance that is not allowed made so: what is no number or below 0 becomes 0,
+  /// what is above kMaxRadiance that; `changed` is how many values were.
+  static Environment load(const std::string& path, size_t& changed);
+  /// A map of such radiance, of any origin.
+  static Environment bounded(Extent extent, std::vector<float> rgb, size_t& changed,
+                             const std::string& name = "environment map");
   /// Writes a Radiance file, with 8 bits of mantissa. Throws Error(file).
   void save(const std::string& path) const;
 

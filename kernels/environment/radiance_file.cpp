@@ -64,9 +64,14 @@ std::vector<float> mirrored(const float* rgb, uint32_t width, uint32_t height) {
   return result;
 }
 
-}  // namespace
+struct Panorama {
+  Extent extent;
+  std::vector<float> rgb;
+};
 
-Environment Environment::load(const std::string& path) {
+/// The pixels of a file, as the camera sees them.
+template <typename Check>
+Panorama read(const std::string& path, Check check) {
   const std::string name = "environment map " + path;
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status))
@@ -86,7 +91,7 @@ Environment Environment::load(const std::string& path) {
   open([&](Reader* reader) {
     return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
   });
-  check_size({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, name);
+  check({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, name);
   // A header may promise anything: at the least, a pair of bytes stands for 127 of a row's.
   if (std::filesystem::file_size(path, status) <
       static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
@@ -97,7 +102,19 @@ Environment Environment::load(const std::string& path) {
         stbi_image_free);
   });
   const auto columns = static_cast<uint32_t>(width), rows = static_cast<uint32_t>(height);
-  return {{columns, rows}, mirrored(rgb.get(), columns, rows), name};
+  return {{columns, rows}, mirrored(rgb.get(), columns, rows)};
+}
+
+}  // namespace
+
+Environment Environment::load(const std::string& path) {
+  Panorama panorama = read(path, check_size);
+  return {panorama.extent, std::move(panorama.rgb), "environment map " + path};
+}
+
+Environment Environment::load(const std::string& path, size_t& changed) {
+  Panorama panorama = read(path, check_size);
+  return bounded(panorama.extent, std::move(panorama.rgb), changed, "environment map " + path);
 }
 
 void Environment::save(const std::string& path) const {

@@ -54,6 +54,12 @@ struct Layers {
 
   PlanePtr& operator[](Role role) { return planes[static_cast<size_t>(role)]; }
   const PlanePtr& operator[](Role role) const { return planes[static_cast<size_t>(role)]; }
+  /// One of them, all of which are on one device; null where there is none.
+  PlanePtr any() const {
+    for (const PlanePtr& plane : planes)
+      if (plane) return plane;
+    return nullptr;
+  }
   /// Whether the light has color and layers of its own.
   bool global() const { return (*this)[Role::light] && (*this)[Role::model_light]; }
   /// Whether it is of highlights and what is under them, in place of reflectance and shading.

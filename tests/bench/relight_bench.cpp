@@ -1,0 +1,377 @@
+// relight-bench [options] SET.f32 …: how well olatrelight's methods relight, and what it costs.
+// Sets come from import-olat.
+//
+//   --environment FILE.hdr   a light to relight with; may come again (the studio where there is
+//   none)
+//   --models FOLDER          a folder with features.net and light.net: the network, too
+//   --pictures FOLDER        writes truth and predictions side by side
+//   --runs N                 of each time (default 7)
+//   --times 0|1              whether to measure times (default 1)
+//
+// Prints, as tables: errors of single lights and of relit pictures, how many lights stay within an
+// error by three ways of choosing them, and times by size and number of lights.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "environment/environment.hpp"
+#include "reflectance_field/relighting.hpp"
+#include "tests/bench/command_line.hpp"
+#include "tests/bench/light_choices.hpp"
+#include "tests/bench/olat_set.hpp"
+#include "tests/bench/png_file.hpp"
+#include "tests/bench/timing.hpp"
+
+namespace inverse::bench {
+namespace {
+
+struct Named {
+  std::string name;
+  LightCells::Map map;
+};
+
+/// One subject on the device, by one method.
+class Subject {
+ public:
+  Subject(const std::shared_ptr<gpu::Device>& device, const OlatSet& set, Extent extent,
+          const RelightModels* models)
+      : device_(device),
+        stage_(std::make_shared<const RelightStage>(set.directions)),
+        extent_(extent),
+        lobe_(device, extent, stage_->moments, stage_->lights()),
+        a_(uploaded(set.a)),
+        b_(uploaded(set.b)),
+        target_(PlanePool(device, extent).acquire()),
+        commands_(device) {
+    if (models) network_ = std::make_unique<RelightNetwork>(device, extent, *models);
+    run([&] {
+      find_lobes();
+      if (network_) network_->record_features(commands_, {*a_, *b_});
+    });
+  }
+
+  /// What this many of all lights with these weights give, light by light.
+  Image sum(std::span<const WeightedLight> lights) {
+    run([&] { record_sum(lights); });
+    return picture();
+  }
+  void record_sum(std::span<const WeightedLight> lights) {
+    if (network_)
+      network_->record_sum(commands_, *lobe_.full(), lights, stage_->share, *target_);
+    else
+      lobe_.record_sum(commands_, lights, *target_);
+  }
+  Image relit_by_table(std::span<const WeightedLight> lights) {
+    run([&] {
+      lobe_.record_lights(commands_, lights);
+      lobe_.record_relit(commands_, *target_);
+    });
+    return picture();
+  }
+  /// What every light gives these pixels.
+  std::vector<float> responses(const std::vector<uint32_t>& pixels) {
+    const auto words =
+        gpu::Buffer::create(device_, gpu::Element::word, pixels.size(), gpu::Memory::upload);
+    std::copy(pixels.begin(), pixels.end(), words->map_as<uint32_t>());
+    const auto out =
+        gpu::Buffer::create(device_, gpu::Element::vec4, pixels.size() * stage_->lights().size(),
+                            gpu::Memory::readback);
+    run([&] {
+      if (network_)
+        network_->record_responses(commands_, *lobe_.full(), stage_->lights(), stage_->share, words,
+                                   out);
+      else
+        lobe_.record_responses(commands_, words, out);
+    });
+    return {out->map_as<float>(), out->map_as<float>() + 4 * out->count()};
+  }
+  template <typename Record>
+  double time(int runs, Record record) {
+    std::vector<double> times;
+    for (int i = 0; i <= runs; ++i) {
+      const auto start = Clock::now();
+      run(record);
+      if (i > 0) times.push_back(milliseconds(Clock::now() - start));
+    }
+    return median(times);
+  }
+  template <typename Record>
+  void run(Record record) {
+    commands_.begin();
+    record();
+    commands_.submit();
+    commands_.wait();
+  }
+  void find_lobes() { lobe_.record_lobes(commands_, {*a_, *b_}, {}); }
+  void find_features() { network_->record_features(commands_, {*a_, *b_}); }
+  void make_table(std::span<const WeightedLight> lights) { lobe_.record_lights(commands_, lights); }
+  void look_up() { lobe_.record_relit(commands_, *target_); }
+  const RelightStage& stage() const { return *stage_; }
+
+ private:
+  /// Frames of other sizes are made by repeating pixels: what they cost does not depend on them.
+  PlanePtr uploaded(const Image& image) {
+    const auto buffer =
+        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::upload);
+    auto* to = buffer->map_as<float>();
+    for (uint32_t y = 0; y < extent_.height; ++y)
+      for (uint32_t x = 0; x < extent_.width; ++x, to += 4) {
+        for (int c = 0; c < 3; ++c)
+          to[c] =
+              image.at(static_cast<int>(x) * image.width / static_cast<int>(extent_.width),
+                       static_cast<int>(y) * image.height / static_cast<int>(extent_.height), c);
+        to[3] = 1;
+      }
+    return std::make_shared<Plane>(Plane{extent_, buffer});
+  }
+  Image picture() {
+    const auto host =
+        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::readback);
+    run([&] { commands_.copy(target_->buffer, host, host->bytes()); });
+    Image image(static_cast<int>(extent_.width), static_cast<int>(extent_.height), 3);
+    for (size_t i = 0; i < image.data.size(); ++i)
+      image.data[i] = host->map_as<float>()[i / 3 * 4 + i % 3];
+    return image;
+  }
+
+  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<const RelightStage> stage_;
+  Extent extent_;
+  CosineLobe lobe_;
+  std::unique_ptr<RelightNetwork> network_;
+  PlanePtr a_, b_, target_;
+  gpu::Commands commands_;
+};
+
+std::vector<WeightedLight> weighted(const RelightStage& stage, std::span<const Rgb> weights) {
+  std::vector<WeightedLight> lights;
+  for (size_t i = 0; i < weights.size(); ++i) lights.push_back({stage.lights()[i], weights[i]});
+  return lights;
+}
+
+Image true_sum(const OlatSet& set, std::span<const Rgb> weights) {
+  Image sum(set.a.width, set.a.height, 3);
+  for (size_t i = 0; i < weights.size(); ++i)
+    for (size_t n = 0; n < sum.data.size(); ++n)
+      sum.data[n] += weights[i][n % 3] * set.lights[i].data[n];
+  return sum;
+}
+
+/// Mean absolute difference over the subject, in parts of the mean of `truth`.
+double relative(const Image& got, const Image& truth, const Image& mask) {
+  double off = 0, total = 0;
+  for (size_t n = 0; n < truth.data.size(); ++n) {
+    if (mask.data[n / 3] < .5F) continue;
+    off += std::fabs(double{got.data[n]} - truth.data[n]);
+    total += truth.data[n];
+  }
+  return off / total;
+}
+
+/// The gain that makes the median over the subject of its brightest light 0.7.
+double display_gain(const OlatSet& set) {
+  std::vector<double> brightest;
+  for (size_t i = 0; i < set.mask.data.size(); ++i) {
+    if (set.mask.data[i] < .5F) continue;
+    float most = 0;
+    for (const Image& light : set.lights)
+      most = std::max(most,
+                      std::max({light.data[3 * i], light.data[3 * i + 1], light.data[3 * i + 2]}));
+    brightest.push_back(most);
+  }
+  return .7 / std::max(median(brightest), 1e-9);
+}
+
+/// Mean absolute difference over the subject of what a display shows, of 255.
+double shown_difference(const Image& got, const Image& truth, const Image& mask, double gain) {
+  double off = 0, count = 0;
+  for (size_t n = 0; n < truth.data.size(); ++n) {
+    if (mask.data[n / 3] < .5F) continue;
+    off += std::fabs(std::min(1.0, gain * got.data[n]) - std::min(1.0, gain * truth.data[n]));
+    ++count;
+  }
+  return 255 * off / count;
+}
+
+Image beside(const std::vector<Image>& images, double gain) {
+  Image all(0, images[0].height, 3);
+  for (const Image& image : images) all.width += image.width;
+  all.data.resize(size_t(all.width) * all.height * 3);
+  int left = 0;
+  for (const Image& image : images) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c)
+          all.at(left + x, y, c) = static_cast<float>(gain) * image.at(x, y, c);
+    left += image.width;
+  }
+  return all;
+}
+
+struct Arguments {
+  std::vector<std::string> environments, sets;
+  std::string models, pictures;
+  int runs = 7, times = 1;
+};
+
+struct Method {
+  const char* name;
+  const RelightModels* models;
+};
+
+void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
+            const std::vector<Named>& environments, const std::vector<Method>& methods,
+            const std::string& pictures) {
+  std::printf("\n| subject | method | one light, l1 of 255 |");
+  for (const Named& e : environments) std::printf(" %s |", e.name.c_str());
+  std::printf("\n|---|---|---|");
+  for (size_t i = 0; i < environments.size(); ++i) std::printf("---|");
+  std::printf("\n");
+  for (const OlatSet& set : sets) {
+    const Extent extent{static_cast<uint32_t>(set.a.width), static_cast<uint32_t>(set.a.height)};
+    const double gain = display_gain(set);
+    std::vector<std::vector<Image>> lit(5), relit(environments.size());
+    for (size_t k = 0; k < lit.size(); ++k)
+      lit[k].push_back(set.lights[(2 * k + 1) * set.lights.size() / (2 * lit.size())]);
+    for (const Method& method : methods) {
+      Subject subject(device, set, extent, method.models);
+      double off = 0;
+      for (size_t i = 0; i < set.lights.size(); ++i) {
+        const WeightedLight light{set.directions[i], {1, 1, 1}};
+        const Image got = subject.sum(std::span(&light, 1));
+        off += shown_difference(got, set.lights[i], set.mask, gain) /
+               static_cast<double>(set.lights.size());
+        for (size_t k = 0; k < lit.size(); ++k)
+          if (i == (2 * k + 1) * set.lights.size() / (2 * lit.size())) lit[k].push_back(got);
+      }
+      std::printf("| %s | %s | %.2f |", set.name.c_str(), method.name, off);
+      for (size_t e = 0; e < environments.size(); ++e) {
+        const auto weights = subject.stage().cells.weights(environments[e].map);
+        const Image truth = true_sum(set, weights);
+        const Image got = subject.sum(weighted(subject.stage(), weights));
+        if (relit[e].empty()) relit[e].push_back(truth);
+        relit[e].push_back(got);
+        std::printf(" %.1f %% |", 100 * relative(got, truth, set.mask));
+      }
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+    if (pictures.empty()) continue;
+    for (size_t k = 0; k < lit.size(); ++k)
+      write_png(pictures + "/" + set.name + "-light-" + std::to_string(k) + ".png",
+                beside(lit[k], gain));
+    for (size_t e = 0; e < relit.size(); ++e)
+      write_png(pictures + "/" + set.name + "-" + environments[e].name + ".png",
+                beside(relit[e], 1));
+  }
+}
+
+void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
+             const std::vector<Named>& environments, const std::vector<Method>& methods) {
+  std::printf(
+      "\n| subject | method | environment | error at most | fitted | its error | clusters | "
+      "brightest |\n|---|---|---|---|---|---|---|---|\n");
+  for (const OlatSet& set : sets)
+    for (const Method& method : methods) {
+      const Extent extent{static_cast<uint32_t>(set.a.width), static_cast<uint32_t>(set.a.height)};
+      Subject subject(device, set, extent, method.models);
+      std::vector<uint32_t> all, few;
+      for (uint32_t i = 0; i < extent.pixels(); ++i)
+        if (set.mask.data[i] >= .5F) all.push_back(i);
+      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 400))
+        few.push_back(all[i]);
+      LightReduction reduction(set.directions), judge(set.directions);
+      reduction.set_responses(subject.responses(few));
+      judge.set_responses(subject.responses(all));
+      for (const Named& e : environments) {
+        const auto weights = subject.stage().cells.weights(e.map);
+        for (const double most : {.05, .02, .01}) {
+          const auto fitted = reduction.choose(weights, most);
+          std::printf("| %s | %s | %s | %.1f %% | %zu | %.2f %% | %zu | %zu |\n", set.name.c_str(),
+                      method.name, e.name.c_str(), 100 * most, fitted.lights.size(),
+                      100 * judge.error(fitted, weights),
+                      fewest(judge, set.directions, weights, most, by_clusters),
+                      fewest(judge, set.directions, weights, most, brightest));
+          std::fflush(stdout);
+        }
+      }
+    }
+}
+
+void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set, const Named& environment,
+           const RelightModels* models, int runs) {
+  std::printf(
+      "\n| size | lobes | table of %zu lights | look-up | sum of 1 | of 8 | of 32 | of all |",
+      set.lights.size());
+  std::printf(
+      " features | network, 1 | 8 | 32 | all "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Extent extent : {Extent{128, 160}, {256, 320}, {512, 640}}) {
+    std::printf("| %u x %u |", extent.width, extent.height);
+    Subject lobe(device, set, extent, nullptr);
+    const auto lights = weighted(lobe.stage(), lobe.stage().cells.weights(environment.map));
+    const std::span<const WeightedLight> all(lights);
+    std::printf(" %.2f | %.2f | %.2f |", lobe.time(runs, [&] { lobe.find_lobes(); }),
+                lobe.time(runs, [&] { lobe.make_table(all); }),
+                lobe.time(runs, [&] { lobe.look_up(); }));
+    for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
+      std::printf(" %.2f |", lobe.time(runs, [&] { lobe.record_sum(all.first(count)); }));
+    if (models) {
+      Subject network(device, set, extent, models);
+      std::printf(" %.1f |", network.time(runs, [&] { network.find_features(); }));
+      for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
+        std::printf(" %.1f |", network.time(runs, [&] { network.record_sum(all.first(count)); }));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
+void run(const Arguments& arguments) {
+  std::vector<OlatSet> sets;
+  for (const std::string& path : arguments.sets) sets.push_back(read_olat_set(path));
+  if (sets.empty()) {
+    std::printf("no sets were named: nothing is measured (import-olat makes them)\n");
+    return;
+  }
+  std::vector<Named> environments;
+  for (const std::string& path : arguments.environments)
+    environments.push_back(
+        {std::filesystem::path(path).stem().string(), LightCells::map(Environment::load(path))});
+  if (environments.empty())
+    environments.push_back({"studio", LightCells::map(Environment::studio())});
+  std::optional<RelightModels> models;
+  if (!arguments.models.empty()) models = RelightModels::load(arguments.models);
+  std::vector<Method> methods{{"cosine-lobe", nullptr}};
+  if (models) methods.push_back({"network", &*models});
+  const auto device = gpu::Device::open();
+  std::printf("%s\n", device->name().c_str());
+  if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
+  errors(device, sets, environments, methods, arguments.pictures);
+  choices(device, sets, environments, methods);
+  if (arguments.times)
+    times(device, sets[0], environments[0], models ? &*models : nullptr, arguments.runs);
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) {
+  using namespace inverse::bench;
+  Arguments arguments;
+  const Options options{
+      {"--environment",
+       {true, [&](const char* v) { return arguments.environments.emplace_back(v), true; }}},
+      {"--models", text(arguments.models)},
+      {"--pictures", text(arguments.pictures)},
+      {"--runs", integer(arguments.runs)},
+      {"--times", integer(arguments.times)}};
+  if (!read(options, argc, argv, "relight_bench.cpp", &arguments.sets)) return 2;
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "relight-bench: %s\n", error.what());
+    return 1;
+  }
+}
