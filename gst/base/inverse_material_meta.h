@@ -23,7 +23,8 @@ G_BEGIN_DECLS
  * @diffuse: diffuse albedo, linear RGB, 0...1
  * @specular: specular albedo, white, 0...1
  * @shininess: exponent of Blinn-Phong's lobe, 2...1024. What the object gives back of the light is
- * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1
+ * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1. The mean, in log2,
+ * over the probabilities of all bins: it need not lie in the most probable one
  * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
  * @estimates: frames that went into it; 0 with the frame in which the object is found: only its box
  * is known then, and the numbers of its material are 0
