@@ -14,11 +14,17 @@ G_BEGIN_DECLS
 
 /**
  * GstMaterialMeta:
+ *
+ * It comes with every frame of limematerial, and stays where frames are converted (videoconvert) or
+ * scaled (videoscale: the box is, too). Elements that crop, pad or turn frames (videocrop,
+ * videobox, videoflip) drop it, as box and light would be wrong.
+ *
  * @found: whether there is an object; nothing else but the light means anything where there is none
  * @diffuse: diffuse albedo, linear RGB, 0...1
  * @specular: specular albedo, white, 0...1
  * @shininess: exponent of Blinn-Phong's lobe, 2...1024. What the object gives back of the light is
- * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1
+ * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1. The mean, in log2,
+ * over the probabilities of all bins: it need not lie in the most probable one
  * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
  * @estimates: frames that went into it; 0 with the frame in which the object is found: only its box
  * is known then, and the numbers of its material are 0

@@ -182,8 +182,8 @@ class LimeElement final : public Filter {
       throw Error(ErrorKind::file,
                   path +
                       " was not written, as there is no light yet: it takes an object whose "
-                      "material is known, normals (normals=silhouette or normal-map), and "
-                      "light=true");
+                      "material is known and normals (normals=silhouette or normal-map)" +
+                      (parameters_.snapshot().asks_for_light() ? "" : ", and light=true"));
     light->save(path);
   }
 

@@ -119,32 +119,13 @@ std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
   return Environment(extent, std::move(rgb), "the estimated environment map");
 }
 
-/// Whether two materials look the same, to half a code value and what an exponent can tell.
-bool alike(const Surface& a, const Surface& b) {
-  constexpr float kAlbedo = 0.002F, kRatio = 1.01F;
-  for (size_t c = 0; c < 3; ++c)
-    if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
-  return std::fabs(a.specular - b.specular) <= kAlbedo && a.shininess <= kRatio * b.shininess &&
-         b.shininess <= kRatio * a.shininess;
-}
-
-/// Whether two maps differ by less than a hundredth of what light there is.
-bool alike(const Environment& a, const Environment& b) {
-  if (a.extent() != b.extent()) return false;
-  double difference = 0, sum = 0;
-  for (size_t i = 0; i < a.rgb().size(); ++i) {
-    difference += std::fabs(double{a.rgb()[i]} - b.rgb()[i]);
-    sum += a.rgb()[i];
-  }
-  return difference <= 0.01 * sum;
-}
-
 class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
 
   void start() override {
     const Params params = parameters_.snapshot();
+    looked_ = false;
     if (!mesh_ || params.mesh != mesh_name_) {
       mesh_.reset();
       mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
@@ -205,6 +186,12 @@ class CloneElement final : public Filter {
       if (!warned_) frame.warnings.push_back(error.what());
       warned_ = true;
     }
+    // limematerial tells something with every frame, also where there is no object.
+    if (params.source == MaterialFrom::stream && frame.in && !std::exchange(looked_, true) && !meta)
+      frame.warnings.emplace_back(
+          "source=stream, but the frames bring no material: put limematerial before this element, "
+          "and nothing that crops, pads or turns the picture between them; source=properties draws "
+          "diffuse-color, specular and shininess");
     const Surface surface = material(meta, params);
     if (!shown_ || !alike(surface, *shown_)) shown_ = surface;
     sphere_->record(
@@ -318,6 +305,7 @@ class CloneElement final : public Filter {
   std::optional<Surface> seen_;           // what the stream told last
   std::optional<Surface> shown_;
   bool warned_ = false;  // of light that is none
+  bool looked_ = false;  // whether the stream brings a material, once
   std::mutex mouse_mutex_;
   Extent extent_;      // of frames
   bool held_ = false;  // the mouse's button is down

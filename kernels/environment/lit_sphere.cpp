@@ -60,6 +60,24 @@ std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
 
 }  // namespace
 
+bool alike(const Surface& a, const Surface& b) {
+  constexpr float kAlbedo = 0.002F, kRatio = 1.01F;
+  for (size_t c = 0; c < 3; ++c)
+    if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
+  return std::fabs(a.specular - b.specular) <= kAlbedo && a.shininess <= kRatio * b.shininess &&
+         b.shininess <= kRatio * a.shininess;
+}
+
+bool alike(const Environment& a, const Environment& b) {
+  if (a.extent() != b.extent()) return false;
+  double difference = 0, sum = 0;
+  for (size_t i = 0; i < a.rgb().size(); ++i) {
+    difference += std::fabs(double{a.rgb()[i]} - b.rgb()[i]);
+    sum += a.rgb()[i];
+  }
+  return difference <= 0.01 * sum;
+}
+
 struct LitSphere::Light {
   gpu::BufferPtr cells, texels;
   uint32_t cell_count, rows, levels;

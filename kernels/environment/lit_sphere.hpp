@@ -17,6 +17,12 @@ struct Surface {
   bool operator==(const Surface&) const = default;
 };
 
+/// Whether two surfaces look the same, to half a code value and what an exponent can tell: who
+/// draws one need not be told of the other.
+bool alike(const Surface& a, const Surface& b);
+/// Whether two maps differ by less than a hundredth of what light there is.
+bool alike(const Environment& a, const Environment& b);
+
 /// How a material looks under a light, by the normal alone: the viewer is far away, so that nothing
 /// else matters (a lit sphere). A table over the normals that face the camera holds linear RGB
 /// md D(n) + ms S(n); kernels look into it through lit_sphere.glsl.

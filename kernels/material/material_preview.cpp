@@ -21,11 +21,15 @@ MaterialPreview::MaterialPreview(const std::shared_ptr<gpu::Device>& device)
 void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const Material& material,
                              const std::shared_ptr<const Environment>& light, float size,
                              const Plane& picture) {
-  if (light_ != light) {
+  const bool same_light =
+      light_ && (*light_ == light || (*light_ && light && alike(**light_, *light)));
+  if (!same_light) {
     sphere_.set_light(light ? *light : Environment::studio());
     light_ = light;
   }
-  sphere_.record(commands, {material.diffuse, material.specular, material.shininess()}, {});
+  const Surface surface{material.diffuse, material.specular, material.shininess()};
+  if (!surface_ || !alike(*surface_, surface)) surface_ = surface;
+  sphere_.record(commands, *surface_, {});
   const auto width = static_cast<float>(frame.extent.width);
   const auto height = static_cast<float>(frame.extent.height);
   const float diameter = std::max(size * std::min(width, height), kSmallest);

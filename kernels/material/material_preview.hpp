@@ -21,7 +21,9 @@ class MaterialPreview {
  private:
   gpu::KernelPtr kernel_;
   LitSphere sphere_;
-  std::optional<std::shared_ptr<const Environment>> light_;  // the sphere's
+  // What the sphere was drawn with. What moves less than can be seen is not drawn anew.
+  std::optional<Surface> surface_;
+  std::optional<std::shared_ptr<const Environment>> light_;
 };
 
 }  // namespace inverse

@@ -191,8 +191,12 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 Graph load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + " (a network file)");
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) throw Error(ErrorKind::file, path + ": it cannot be read");
+  std::vector<char> bytes;
+  try {
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+  } catch (const std::ios_base::failure& failure) {  // a folder, for one
+    throw Error(ErrorKind::file, path + ": it cannot be read: " + failure.code().message());
+  }
   return from_file(std::as_bytes(std::span(bytes)), path);
 }
 

@@ -101,6 +101,38 @@ TEST_F(CloneTest, TakesTheMaterialOfTheStreamAndHoldsIt) {
   EXPECT_EQ(text(clone, "material"), "properties");
 }
 
+TEST_F(CloneTest, MaterialsPassElementsThatConvertAndScale) {
+  VideoHarness harness(line("show=input light=true") +
+                           " ! videoconvert ! video/x-raw,format=I420 ! videoscale ! "
+                           "video/x-raw,width=64,height=96 ! materialclone size=0.3 x=0.15",
+                       caps());
+  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  GstElement* clone = harness.find("materialclone");
+  EXPECT_EQ(text(clone, "material"), "stream");
+  EXPECT_EQ(text(clone, "light"), "estimate");
+  EXPECT_NEAR(stat<gdouble>(clone, "diffuse-blue", G_TYPE_DOUBLE), .7, 1e-2);
+}
+
+TEST_F(CloneTest, AStreamWithoutMaterialsIsAWarning) {
+  const auto warnings = [this](const std::string& between, const std::string& properties = "") {
+    const auto result =
+        run_line("videotestsrc num-buffers=4 ! video/x-raw,format=RGBA,width=96,height=64 ! " +
+                 between + "materialclone " + properties + " ! fakesink");
+    EXPECT_TRUE(result.eos) << result.first_error();
+    return result.warnings;
+  };
+  const std::string lime = line("show=input") + " ! ";
+  EXPECT_TRUE(warnings(lime).empty()) << "no object, but limematerial is there";
+  EXPECT_TRUE(warnings(lime + "videoconvert ! video/x-raw,format=I420 ! ").empty());
+  EXPECT_TRUE(warnings("", "source=properties").empty());
+  for (const std::string& between :
+       {std::string(), lime + "videoflip video-direction=180 ! ", lime + "videocrop top=10 ! "}) {
+    const auto told = warnings(between);
+    ASSERT_EQ(told.size(), 1u) << between;
+    EXPECT_NE(told[0].find("put limematerial before this element"), std::string::npos) << told[0];
+  }
+}
+
 TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
   const std::string lamp = lamp_file(8, 8, 2);
   VideoHarness harness("materialclone specular=0 size=0.8 environment-location=" + lamp,

@@ -104,6 +104,8 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAWarning) {
   EXPECT_TRUE(unknown.eos);
   ASSERT_EQ(unknown.warnings.size(), 1u) << "told once";
   EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
+  EXPECT_EQ(unknown.warnings.front().find("light=true"), std::string::npos)
+      << "environment-location asks for the light itself";
   EXPECT_FALSE(std::filesystem::exists(file.path));
 }
 

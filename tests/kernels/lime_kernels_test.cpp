@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <tuple>
 
 #include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
@@ -11,6 +12,9 @@
 INVERSE_SHADER(material_crop);
 INVERSE_SHADER(material_layers);
 INVERSE_SHADER(material_masked);
+INVERSE_SHADER(material_mirror_out);
+INVERSE_SHADER(material_preview);
+INVERSE_SHADER(material_specular_out);
 
 namespace inverse::testing {
 namespace {
@@ -103,6 +107,79 @@ TEST_F(LimeKernels, PictureOfTheObject) {
   expect_near(download_points(out),
               reference::lime_masked(to_reference(side, image), to_reference(side, probability)),
               1e-6, "masked");
+}
+
+/// Codes as no network should give them, but may.
+Pixels extreme_codes(Extent side, unsigned seed) {
+  Pixels codes = random_pixels(side, seed, -2, 9);
+  const float far[] = {1e30F, -1e30F, 0, 1e-30F};
+  std::mt19937 random(seed);
+  for (size_t i = 0; i < codes.size(); i += 1 + random() % 17) codes[i] = far[random() % 4];
+  return codes;
+}
+
+TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
+  const Extent side{32, 32};
+  const auto count = static_cast<uint32_t>(side.pixels());
+  Pixels masked = random_pixels(side, 5);
+  for (size_t i = 3; i < masked.size(); i += 4) masked[i] = masked[i] < .6F ? 1 : 0;
+  const Pixels specular = extreme_codes(side, 6), mirror = extreme_codes(side, 7);
+  const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
+                       exponent_in = empty(1 + count);
+  run([&](gpu::Commands& commands) {
+    commands.dispatch(device->kernel(shaders::material_specular_out),
+                      {points(masked), points(specular), mirror_in, albedo_in},
+                      static_cast<int32_t>(count), {count});
+    commands.dispatch(device->kernel(shaders::material_mirror_out),
+                      {points(masked), mirror_in, points(mirror), exponent_in},
+                      static_cast<int32_t>(count), {count});
+  });
+  const auto expected =
+      reference::lime_specular_out(to_reference(side, masked), to_reference(side, specular));
+  expect_near(download_points(mirror_in), expected.mirror_in, 1e-6, "to MirrorNet");
+  expect_near(download_points(albedo_in), expected.albedo_in, 1e-6, "to AlbedoNet");
+  expect_near(download_points(exponent_in),
+              reference::lime_mirror_out(to_reference(side, masked), expected.mirror_in,
+                                         to_reference(side, mirror)),
+              1e-6, "to ExponentNet");
+}
+
+TEST_F(LimeKernels, SphereBeforeTheFrame) {
+  constexpr uint32_t kTable = 160;
+  unsigned seed = 60;
+  for (const Extent extent : {Extent{64, 48}, Extent{17, 5}, Extent{1, 1}, Extent{349, 287}})
+    for (const bool extreme : {false, true}) {
+      Pixels frame = random_pixels(extent, ++seed), table = random_pixels({kTable, kTable}, ++seed);
+      if (extreme) {
+        frame = with_extremes(frame, seed);
+        for (size_t i = 3; i < frame.size(); i += 4) frame[i] = .5F;  // alpha passes as it is
+        for (size_t i = 0; i < table.size(); i += 101) table[i] = i % 2 ? 1e30F : -5;
+      }
+      const float shorter = static_cast<float>(std::min(extent.width, extent.height));
+      // Within the frame, and of which the frame shows a part.
+      for (const auto& [x, y, radius] :
+           {std::tuple{.5F, .5F, .45F}, {.95F, .8F, .3F}, {-.1F, .3F, 2.5F}, {.4F, .4F, .02F}}) {
+        const struct {
+          uint32_t size[2];
+          float middle[2], radius;
+          uint32_t side;
+        } push{{extent.width, extent.height},
+               {x * static_cast<float>(extent.width), y * static_cast<float>(extent.height)},
+               radius * shorter,
+               kTable};
+        const gpu::BufferPtr out = empty(extent.pixels());
+        run([&](gpu::Commands& commands) {
+          commands.dispatch(
+              device->kernel(shaders::material_preview),
+              {plane(extent, frame).buffer, plane({kTable, kTable}, table).buffer, out}, push,
+              {extent.width, (extent.height + 3) / 4});
+        });
+        const auto expected = reference::lime_preview(
+            to_reference(extent, frame), to_reference({kTable, kTable}, table),
+            double{push.middle[0]}, double{push.middle[1]}, double{push.radius});
+        expect_near(download(out), expected, 2e-3, "frame of " + std::to_string(extent.width));
+      }
+    }
 }
 
 /// A picture of a square, the mask with it, and codes: of its specular layer some clipped

@@ -357,6 +357,35 @@ TEST_F(PreviewTest, DrawsASphereIntoTheCorner) {
   EXPECT_GT(edge, 50) << "soft";
 }
 
+TEST_F(PreviewTest, IsDrawnAnewOnlyWhereThatCanBeSeen) {
+  const Extent extent{40, 30};
+  const Plane frame = plane(extent, random_pixels(extent, 4)), picture = plane(extent);
+  MaterialPreview preview(device);
+  const auto light = [](float radiance) {
+    return std::make_shared<const Environment>(
+        Environment::uniform({radiance, radiance, radiance}));
+  };
+  const auto drawn = [&](const Material& m, const std::shared_ptr<const Environment>& lit_by) {
+    run([&](gpu::Commands& commands) { preview.record(commands, frame, m, lit_by, .8F, picture); });
+    return download(picture.buffer);
+  };
+  Material m = material(.5F, .3F, 5);
+  const Pixels first = drawn(m, light(1));
+  m.diffuse[0] += 4e-4F;
+  m.specular -= 7e-4F;
+  m.bins[5] -= .002F;
+  m.bins[6] += .002F;
+  EXPECT_EQ(drawn(m, light(1.004F)), first) << "less than half a code value";
+  Pixels redder;
+  for (int i = 0; i < 5; ++i) {
+    m.diffuse[0] += 5e-4F;
+    redder = drawn(m, light(1));
+  }
+  EXPECT_NE(redder, first) << "small steps add up";
+  EXPECT_NE(drawn(m, light(1.1F)), redder);
+  EXPECT_NE(drawn(m, nullptr), redder) << "the studio's light";
+}
+
 TEST_F(PreviewTest, HasAPictureAtEverySize) {
   MaterialPreview preview(device);
   for (const Extent extent : kOddSizes)

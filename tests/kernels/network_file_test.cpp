@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "error.hpp"
 #include "network/graph_file.hpp"
@@ -135,6 +137,26 @@ TEST(NetworkFile, RefusesGraphsThatAreNone) {
            [](Graph& g) { g.outputs.clear(); }, [](Graph& g) { g.outputs[0].value = 0; },
            [](Graph& g) { g.outputs[0].value = 99; }})
     EXPECT_NE(complaint(spoil), "");
+}
+
+TEST(NetworkFile, WhatCannotBeReadIsNamed) {
+  const auto complaint_of = [](const std::string& path) -> std::string {
+    try {
+      network::load(path);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::file);
+      return error.what();
+    }
+    return "";
+  };
+  const auto folder = std::filesystem::temp_directory_path() /
+                      ("folder-" + std::to_string(std::random_device{}()) + ".net");
+  std::filesystem::create_directory(folder);
+  const std::string text = complaint_of(folder.string());
+  std::filesystem::remove(folder);
+  EXPECT_EQ(text, folder.string() + ": it cannot be read: Is a directory");
+  EXPECT_EQ(complaint_of(folder.string()),
+            folder.string() + ": No such file or directory (a network file)");
 }
 
 }  // namespace inverse::testing

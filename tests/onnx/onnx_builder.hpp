@@ -11,9 +11,9 @@ namespace inverse::testing {
 /// Writes ONNX models as PyTorch exports them, with random weights.
 class OnnxBuilder {
  public:
-  explicit OnnxBuilder(unsigned seed) : random_(seed) {
+  explicit OnnxBuilder(unsigned seed, int64_t opset = 13) : random_(seed) {
     model_.set_ir_version(7);
-    model_.add_opset_import()->set_version(13);
+    model_.add_opset_import()->set_version(opset);
     model_.mutable_graph()->set_name("test");
   }
 

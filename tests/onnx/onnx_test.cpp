@@ -2,11 +2,13 @@
 // what the importer refuses.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <opencv2/dnn.hpp>
 
 #include "../kernels/gpu_fixture.hpp"
 #include "error.hpp"
+#include "network/graph_file.hpp"
 #include "network/network.hpp"
 #include "onnx_builder.hpp"
 #include "onnx_import.hpp"
@@ -81,10 +83,16 @@ OnnxBuilder vector_model(int64_t side) {
 class OnnxTest : public GpuTest {
  protected:
   void expect_as_opencv(const OnnxBuilder& builder, network::Shape shape) {
-    const network::Graph graph = import(builder);
+    const std::string bytes = builder.bytes();
+    expect_as_opencv(import(builder), cv::dnn::readNetFromONNX(bytes.data(), bytes.size()), shape,
+                     -1);
+  }
+  /// On numbers from `low` to 1.
+  void expect_as_opencv(const network::Graph& graph, cv::dnn::Net peer, network::Shape shape,
+                        float low) {
     const network::Network network(device, graph, std::vector{shape});
     std::mt19937 random(9);
-    std::uniform_real_distribution<float> value(-1, 1);
+    std::uniform_real_distribution<float> value(low, 1);
     cv::Mat blob({1, static_cast<int>(shape.channels), static_cast<int>(shape.height),
                   static_cast<int>(shape.width)},
                  CV_32F);
@@ -100,8 +108,6 @@ class OnnxTest : public GpuTest {
     });
     const Pixels got = download(network.output(0));
 
-    const std::string bytes = builder.bytes();
-    cv::dnn::Net peer = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
     peer.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     peer.setInput(blob);
     const cv::Mat want = peer.forward();
@@ -124,6 +130,35 @@ TEST_F(OnnxTest, ImagesComeOutAsOfOpenCv) {
 }
 
 TEST_F(OnnxTest, VectorsComeOutAsOfOpenCv) { expect_as_opencv(vector_model(32), {2, 32, 32}); }
+
+// As the plugin loads them: what the build made of models/lime.
+TEST_F(OnnxTest, TheNetworksThatComeAlongComeOutAsOfOpenCv) {
+  int networks = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(MODELS "/lime")) {
+    if (entry.path().extension() != ".onnx") continue;
+    const std::string name = entry.path().stem().string();
+    SCOPED_TRACE(name);
+    const network::Graph graph = network::load(BUILT_MODELS "/lime/" + name + ".net");
+    ASSERT_EQ(graph.inputs.size(), 1u);
+    const network::Input& input = graph.inputs[0];
+    ASSERT_NO_FATAL_FAILURE(expect_as_opencv(graph, cv::dnn::readNetFromONNX(entry.path().string()),
+                                             {input.channels, input.height, input.width}, 0));
+    ++networks;
+  }
+  EXPECT_EQ(networks, 5);
+}
+
+TEST_F(OnnxTest, SoftmaxOfWhatIsOnePixelIsTheSameInEveryOpset) {
+  for (const int64_t opset : {11, 12, 13, 17}) {
+    OnnxBuilder b(3, opset);
+    const std::string image = b.input("image", {1, 3, 8, 8});
+    onnx::NodeProto* soft =
+        b.node("Softmax", {b.op("GlobalAveragePool", {b.convolution(image, 3, 6, 3)})});
+    OnnxBuilder::set(soft, "axis", 1);
+    b.output(soft->output(0), {1, 6, 1, 1});
+    expect_as_opencv(b, {3, 8, 8});
+  }
+}
 
 TEST_F(OnnxTest, FoldsWhatCanBeFolded) {
   const network::Graph graph = import(image_model(32, 32));
@@ -189,6 +224,23 @@ TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {
   refused(with("MaxPool", "kernel_shape", {3, 3}), "2 x 2");
   refused(
       [](OnnxBuilder& b, const std::string& i) {
+        onnx::NodeProto* n = b.node("MaxPool", {i});
+        for (const char* two : {"kernel_shape", "strides", "dilations"})
+          OnnxBuilder::set_list(n, two, {2, 2});
+        return n->output(0);
+      },
+      "MaxPool \"MaxPool_0\": it is dilated");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
+        const auto numbers = [&b] { return b.tensor({4}, .1F, 1); };
+        onnx::NodeProto* n = b.node("BatchNormalization", {b.convolution(i, 4, 4, 1), numbers(),
+                                                           numbers(), numbers(), numbers()});
+        OnnxBuilder::set(n, "training_mode", 1);
+        return n->output(0);
+      },
+      "training");
+  refused(
+      [](OnnxBuilder& b, const std::string& i) {
         return b.op("Conv", {i, b.tensor({4, 4, 5, 5}, 1)});
       },
       "5 x 5");
@@ -217,6 +269,41 @@ TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {
         return b.op("Conv", {i, b.constant({1, 4, 1, 1}, {1, 2, NAN, 4})});
       },
       "Conv_1\"\": a weight is not a finite number");
+}
+
+TEST_F(OnnxTest, RefusesBatchesAndOperatorSetsThatItDoesNotKnow) {
+  const auto refused = [](int64_t opset, int64_t batch) {
+    OnnxBuilder b(1, opset);
+    const std::string image = b.input("image", {batch, 4, 8, 8});
+    b.output(b.op("Relu", {b.convolution(image, 4, 4, 3)}), {batch, 4, 8, 8});
+    return complaint(b);
+  };
+  for (const int64_t opset : {11, 13, 17, 21}) EXPECT_EQ(refused(opset, 1), "");
+  EXPECT_EQ(refused(13, 0), "") << "open";
+  EXPECT_NE(refused(13, 4).find("input \"image\": one image is wanted"), std::string::npos)
+      << refused(13, 4);
+  for (const int64_t opset : {0, 9, 10, 22})
+    EXPECT_NE(refused(opset, 1).find("(opset) " + std::to_string(opset) + "; 11 to 21"),
+              std::string::npos)
+        << refused(opset, 1);
+}
+
+// Up to opset 12 axis 1 means that axis and all behind it.
+TEST_F(OnnxTest, RefusesSoftmaxOverAllOfAnImage) {
+  const auto complaint_of = [](int64_t opset, bool with_axis) {
+    OnnxBuilder b(1, opset);
+    onnx::NodeProto* n =
+        b.node("Softmax", {b.convolution(b.input("image", {1, 4, 8, 8}), 4, 4, 1)});
+    if (with_axis) OnnxBuilder::set(n, "axis", 1);
+    b.output(n->output(0), {1, 4, 8, 8});
+    return complaint(b);
+  };
+  EXPECT_EQ(complaint_of(13, true), "");
+  for (const bool with_axis : {false, true})
+    for (const int64_t opset : {11, 12})
+      EXPECT_NE(complaint_of(opset, with_axis).find("all of its pixels together"),
+                std::string::npos)
+          << complaint_of(opset, with_axis);
 }
 
 TEST_F(OnnxTest, RefusesFilesThatAreCutShort) {

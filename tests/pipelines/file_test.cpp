@@ -1,4 +1,6 @@
-// Lines that begin with a file or a pattern: file-to-file, batch, playbin, test-pattern.
+// Lines that begin with a file or a pattern: file-to-file, batch, playbin, test-pattern, clone.
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "pipeline_test.hpp"
@@ -21,6 +23,44 @@ void make_clip(const std::string& path, const std::string& encoder = "vorbisenc"
 
 void make_silent_clip(const std::string& path) {
   make_media(path, kVideo + std::string("matroskamux name=mux"));
+}
+
+/// A glossy blue ball before a checkered wall, for half a second; its highlight is up left.
+void make_ball(const std::string& folder, const std::string& path) {
+  constexpr int kSide = 192, kRadius = 55;
+  constexpr double kAlbedo[3] = {.08, .35, .5};
+  std::string pixels;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double nx = (x - 80.) / kRadius, ny = (y - 96.) / kRadius, r2 = nx * nx + ny * ny;
+      for (const double albedo : kAlbedo) {
+        double light = (x / 18 + y / 18) % 2 ? .26 : .18;
+        if (r2 < 1) {
+          const double nz = std::sqrt(1 - r2), facing = -.48 * nx - .48 * ny + .73 * nz;
+          const double half = -.26 * nx - .26 * ny + .93 * nz;
+          light =
+              albedo * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
+        }
+        pixels +=
+            static_cast<char>(std::lround(255 * std::pow(std::clamp(light, 0., 1.), 1 / 2.2)));
+      }
+    }
+  const std::string raw = folder + "/ball.rgb";
+  std::ofstream(raw, std::ios::binary) << pixels;
+  make_media(path, "filesrc location=" + raw +
+                       " ! rawvideoparse width=192 height=192 format=rgb framerate=24/1 ! "
+                       "imagefreeze num-buffers=12 ! videoconvert ! vp8enc deadline=1 cq-level=8 "
+                       "end-usage=cq target-bitrate=8000000 ! matroskamux");
+}
+
+bool has(const std::string& element) {
+  return system(("gst-inspect-1.0 --exists --atleast-version=0.0.0 " + element).c_str()) == 0;
+}
+
+/// Whether the build made the networks of limematerial.
+bool has_networks() {
+  const char* models = getenv("INVERSE_MODELS");
+  return models && std::filesystem::exists(std::string(models) + "/lime/albedo.net");
 }
 
 class Files : public PipelineTest {
@@ -76,6 +116,47 @@ TEST_F(Files, Playbin) {
   ASSERT_NO_FATAL_FAILURE(expect_video(out, 160, 120, 3));
   // The filter was in: the picture is not the input's.
   EXPECT_GT(std::abs(out.frames[0].mean(1) - in.frames[0].mean(1)), 1);
+}
+
+TEST_F(Files, HighlightsOfAFile) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  make_ball(file(""), file("in.mkv"));
+  ASSERT_EQ(run("run",
+                {"--out", file("out"), file("in.mkv"), "--", "limematerial", "show=specular", "!",
+                 "videoconvert"},
+                {{"INVERSE_RUN", INVERSE_RUN}}),
+            0)
+      << output_;
+  const Media out = read_media(file("out/decomposition.mkv"));
+  ASSERT_EQ(out.frames.size(), 12u);
+  const Image& last = out.frames.back();
+  EXPECT_GT(last.mean(0, .32, .40, .36, .44), 120) << "where the highlight is";
+  EXPECT_LT(last.mean(0, .50, .60, .60, .70), 90) << "where none is";
+  EXPECT_LT(last.mean(0, .80, .10, .95, .90), 20) << "the wall";
+}
+
+TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp";
+  make_ball(file(""), file("in.mkv"));
+  ASSERT_EQ(run("clone", {file("in.mkv")}, {{"SINK", raw_file(file("out.mkv"))}}), 0) << output_;
+  EXPECT_EQ(output_.find("WARNING"), std::string::npos) << output_;
+  const Media in = read_media(file("in.mkv")), out = read_media(file("out.mkv"));
+  ASSERT_NO_FATAL_FAILURE(expect_video(out, 192, 192, 12));
+  const Image &before = in.frames.back(), &after = out.frames.back();
+  const auto wall = [](const Image& image) { return image.mean(0, .72, .60, .92, .80); };
+  EXPECT_GT(std::abs(wall(after) - wall(before)), 10) << "the other object";
+  EXPECT_GT(after.mean(2, .72, .60, .92, .80), after.mean(0, .72, .60, .92, .80) + 20) << "is blue";
+  EXPECT_NEAR(after.mean(2, .2, .3, .6, .7), before.mean(2, .2, .3, .6, .7), 2) << "as the first";
+}
+
+TEST_F(Files, CloneSaysWhatIsMissing) {
+  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp";
+  EXPECT_EQ(run("clone", {"/dev/video97"}, {{"SINK", "fakesink"}}), 1);
+  EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
+  make_silent_clip(file("in.mkv"));
+  EXPECT_EQ(run("clone", {file("in.mkv"), file("none.obj")}, {{"SINK", "fakesink"}}), 1);
+  EXPECT_NE(output_.find("there is no mesh"), std::string::npos) << output_;
 }
 
 TEST_F(Files, TestPatternTurnsRedBarsGreen) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lit_sphere.hpp"
+
 namespace inverse::reference {
 namespace {
 
@@ -101,6 +103,43 @@ Plane lime_masked(const Plane& image, const Plane& probability) {
     if (probability.data[i][0] > 0.5) {
       out.data[i] = image.data[i];
       out.data[i][3] = 1;
+    }
+  return out;
+}
+
+LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular) {
+  LimeSpecular out{Plane(masked.width, masked.height), Plane(masked.width, masked.height)};
+  for (size_t i = 0; i < masked.size(); ++i) {
+    const Vec4& here = masked.data[i];
+    const double code = here[3] * specular.data[i][0];
+    out.mirror_in.data[i] = {code, 0, 0, 0};
+    out.albedo_in.data[i] = {here[0], here[1], here[2], code};
+  }
+  return out;
+}
+
+Plane lime_mirror_out(const Plane& masked, const Plane& specular, const Plane& mirror) {
+  Plane out(masked.width, masked.height);
+  for (size_t i = 0; i < out.size(); ++i)
+    out.data[i] = {specular.data[i][0], masked.data[i][3] * mirror.data[i][0], 0, 0};
+  return out;
+}
+
+Plane lime_preview(const Plane& frame, const Plane& table, double x, double y, double radius) {
+  Plane out(frame.width, frame.height);
+  for (int row = 0; row < frame.height; ++row)
+    for (int column = 0; column < frame.width; ++column) {
+      const double right = (column + 0.5 - x) / radius, down = (row + 0.5 - y) / radius;
+      const double away = std::hypot(right, down);
+      // The share of the pixel that the sphere covers, as if its edge were straight there.
+      const double covered = std::clamp(0.5 + radius * (1 - away), 0.0, 1.0);
+      const double rim = std::max(away, 1.0);  // what is beyond it looks as on it
+      const Vec3 lit =
+          lit_lookup(table, {right / rim, -down / rim, std::sqrt(std::max(1 - away * away, 0.0))});
+      const Vec4& pixel = frame.at(column, row);
+      for (size_t c = 0; c < 3; ++c)
+        out.at(column, row)[c] = (1 - covered) * finite(pixel[c]) + covered * finite(lit[c]);
+      out.at(column, row)[3] = pixel[3];
     }
   return out;
 }

@@ -19,6 +19,21 @@ Plane lime_crop(const Plane& frame, const LimeSquare& square);
 /// SpecularNet's input: the picture where the object is, w = mask.
 Plane lime_masked(const Plane& image, const Plane& probability);
 
+/// What SpecularNet gave (x), where the object is: MirrorNet's input in x, and AlbedoNet's, the
+/// picture and the code in w.
+struct LimeSpecular {
+  Plane mirror_in, albedo_in;
+};
+LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular);
+
+/// ExponentNet's input: the code that MirrorNet saw (x), and in y what MirrorNet gave (x), where
+/// the object is.
+Plane lime_mirror_out(const Plane& masked, const Plane& specular, const Plane& mirror);
+
+/// A frame with a sphere before it, at (x, y) pixels. `table`: how the sphere looks by its normal
+/// (lit_lookup).
+Plane lime_preview(const Plane& frame, const Plane& table, double x, double y, double radius);
+
 /// Linear light of codes ln(1 + 4 x) / 2.
 double lime_decode(double code);
 

@@ -1,5 +1,6 @@
 #include "lit_sphere.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -33,6 +34,20 @@ Shading shade(const LightMap& map, const Vec3& normal, double shininess, double 
     }
   }
   return result;
+}
+
+Vec3 lit_lookup(const Plane& table, const Vec3& normal) {
+  const double scale = 1 / std::sqrt(1 + normal[2]), last = table.width - 1.0;
+  const double x = std::clamp((1 + scale * normal[0]) / 2 * table.width - 0.5, 0.0, last);
+  const double y = std::clamp((1 - scale * normal[1]) / 2 * table.width - 0.5, 0.0, last);
+  const int x0 = std::min(static_cast<int>(x), table.width - 2);
+  const int y0 = std::min(static_cast<int>(y), table.width - 2);
+  Vec3 out{};
+  for (std::size_t c = 0; c < 3; ++c)
+    out[c] =
+        std::lerp(std::lerp(table.at(x0, y0)[c], table.at(x0 + 1, y0)[c], x - x0),
+                  std::lerp(table.at(x0, y0 + 1)[c], table.at(x0 + 1, y0 + 1)[c], x - x0), y - y0);
+  return out;
 }
 
 }  // namespace inverse::reference

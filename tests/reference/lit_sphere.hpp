@@ -29,4 +29,9 @@ struct Shading {
 Shading shade(const LightMap& map, const Vec3& normal, double shininess, double turn = 0,
               int split = 2);
 
+/// What a table over normals n of length 1 that face the viewer says of one: the half sphere goes
+/// to the unit disc by Lambert's projection, of equal areas, p = n.xy / sqrt(1 + n.z), the disc to
+/// the square table, y up; between its points it is bilinear.
+Vec3 lit_lookup(const Plane& table, const Vec3& normal);
+
 }  // namespace inverse::reference

@@ -17,7 +17,12 @@ using namespace inverse;
 std::vector<char> read(const char* path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::unsupported, std::string(path) + ": " + std::strerror(errno));
-  return {std::istreambuf_iterator<char>(file), {}};
+  try {
+    return {std::istreambuf_iterator<char>(file), {}};
+  } catch (const std::ios_base::failure& failure) {  // a folder, for one
+    throw Error(ErrorKind::unsupported,
+                std::string(path) + ": it cannot be read: " + failure.code().message());
+  }
 }
 
 void write(const char* path, const std::vector<std::byte>& bytes) {

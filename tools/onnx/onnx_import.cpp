@@ -17,10 +17,26 @@ using network::Graph;
 using network::Node;
 using network::Op;
 
+// Versions of ONNX' operators whose meaning we know. Before 11, Resize and others had other inputs.
+constexpr int64_t kFirstOpset = 11, kLastOpset = 21;
+
+/// The version of ONNX' own operators that a model is written in.
+int64_t opset_of(const onnx::ModelProto& model) {
+  int64_t version = 0;
+  for (const onnx::OperatorSetIdProto& set : model.opset_import())
+    if (set.domain().empty() || set.domain() == "ai.onnx") version = set.version();
+  if (version < kFirstOpset || version > kLastOpset)
+    throw Error(ErrorKind::unsupported, "it is of operator set (opset) " + std::to_string(version) +
+                                            "; " + std::to_string(kFirstOpset) + " to " +
+                                            std::to_string(kLastOpset) +
+                                            " are taken: export it with one of these");
+  return version;
+}
+
 class Importer {
  public:
-  explicit Importer(const onnx::GraphProto& proto)
-      : proto_(proto), constants_(constants_of(proto)) {
+  Importer(const onnx::GraphProto& proto, int64_t opset)
+      : proto_(proto), opset_(opset), constants_(constants_of(proto)) {
     for (const onnx::NodeProto& node : proto.node())
       for (const std::string& input : node.input()) ++readers_[input];
     for (const onnx::ValueInfoProto& output : proto.output()) ++readers_[output.name()];
@@ -42,11 +58,11 @@ class Importer {
  private:
   void add_input(const onnx::ValueInfoProto& input) {
     const onnx::TensorShapeProto& shape = input.type().tensor_type().shape();
-    if (shape.dim_size() != 4 || shape.dim(1).dim_value() < 1)
+    if (shape.dim_size() != 4 || shape.dim(1).dim_value() < 1 || shape.dim(0).dim_value() > 1)
       throw Error(
           ErrorKind::unsupported,
           "input \"" + input.name() +
-              "\": an image is wanted, of [1, channels, height, width] with known channels");
+              "\": one image is wanted, of [1, channels, height, width] with known channels");
     values_[input.name()] = static_cast<uint32_t>(graph_.inputs.size());
     const auto side = [&shape](int index) {  // 0 where it is open, as dim_value is then
       return static_cast<uint32_t>(std::max<int64_t>(0, shape.dim(index).dim_value()));
@@ -146,6 +162,7 @@ class Importer {
     Node* node = only_mine(op, 0);
     op.expect(node && node->op == Op::convolution && node->activation == Activation::none,
               "it does not follow a Conv that nothing else reads");
+    op.expect(op.integer("training_mode", 0) == 0, "it is in training");
     std::array<const float*, 4> parts{};
     for (int i = 0; i < 4; ++i) {
       const std::vector<float>& part = constant(op, i + 1).floats;
@@ -190,6 +207,7 @@ class Importer {
     op.expect(op.integers("kernel_shape", {}) == two && op.integers("strides", {1, 1}) == two,
               "only 2 x 2 with stride 2 is taken");
     op.expect(op.integers("pads", {0, 0, 0, 0}) == std::vector<int64_t>(4, 0), "it has padding");
+    op.expect(op.integers("dilations", {1, 1}) == std::vector<int64_t>({1, 1}), "it is dilated");
     op.expect(op.integer("ceil_mode", 0) == 0, "ceil_mode");
     op.expect(op.word("auto_pad", "NOTSET") == "NOTSET", "auto_pad");
     put(op.output(), make(op, Op::max_pool, {value(op, 0)}));
@@ -218,16 +236,19 @@ class Importer {
   }
 
   void softmax(const Operator& op) {
-    const int64_t axis = op.integer("axis", -1);
+    // Before opset 13 it ran over the axis and all behind it.
+    const bool over_all = opset_ < 13;
+    const int64_t axis = op.integer("axis", over_all ? 1 : -1);
     op.expect(axis == 1 || axis == -1, "only channels (axis 1) are taken");
-    op.expect(axis == 1 || is_vector(op), "axis -1 of an image");
+    op.expect(axis == 1 || comes_of(op, Op::dense), "axis -1 of an image");
+    op.expect(!over_all || comes_of(op, Op::dense) || comes_of(op, Op::global_mean),
+              "axis 1 of an image, which before opset 13 is all of its pixels together");
     put(op.output(), make(op, Op::softmax, {value(op, 0)}));
   }
-  /// Whether what an operator reads is a vector, not an image.
-  bool is_vector(const Operator& op) const {
+  /// Whether what an operator reads comes of a node of this kind.
+  bool comes_of(const Operator& op, Op kind) const {
     const uint32_t from = value(op, 0);
-    return from >= graph_.inputs.size() &&
-           graph_.nodes[from - graph_.inputs.size()].op == Op::dense;
+    return from >= graph_.inputs.size() && graph_.nodes[from - graph_.inputs.size()].op == kind;
   }
 
   void pass(const Operator& op) {
@@ -276,6 +297,7 @@ class Importer {
   }
 
   const onnx::GraphProto& proto_;
+  const int64_t opset_;
   std::unordered_map<std::string, Tensor> constants_;
   std::unordered_map<std::string, uint32_t> values_;  // by the name that ONNX has for them
   std::unordered_map<std::string, int> readers_;
@@ -289,7 +311,7 @@ Graph graph_of(std::span<const std::byte> model, const std::string& name) {
   if (!proto.ParseFromArray(model.data(), static_cast<int>(model.size())) || !proto.has_graph())
     throw Error(ErrorKind::unsupported, name + ": it is no ONNX model, or cut short");
   try {
-    Graph graph = Importer(proto.graph()).run();
+    Graph graph = Importer(proto.graph(), opset_of(proto)).run();
     network::validate(graph);
     return graph;
   } catch (const Error& error) {

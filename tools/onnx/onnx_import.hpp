@@ -7,7 +7,8 @@
 
 namespace inverse::onnx_import {
 
-/// The graph of an ONNX model (float32, one image at a time). `name` is for messages.
+/// The graph of an ONNX model (float32, one image at a time, opset 11 to 21). `name` is for
+/// messages.
 ///
 /// Taken: Conv (3 x 3 or 1 x 1, stride 1 or 2, one group, zeros all around), BatchNormalization
 /// (folded into the Conv before it), Relu, LeakyRelu, Sigmoid (made part of the Conv or Gemm before
