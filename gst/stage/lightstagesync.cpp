@@ -204,7 +204,8 @@ void class_init(gpointer klass, gpointer) {
       object, PROP_STATS,
       g_param_spec_boxed(
           "stats", "stats",
-          "Counts of frames, of all cameras together and in a structure for each (sink_0 …): frames, "
+          "Counts of frames, of all cameras together and in a structure for each (sink_0 …): "
+          "frames, "
           "labeled, sent, missing (lost on the way), duplicates, late, ambiguous, contradicted, "
           "untimed, before-marker, after-end, incomplete (of sets), markers, resynchronizations; "
           "synchronized, and the triggers' rate by the camera's clock between rate-low and "

@@ -8,12 +8,13 @@
 namespace inverse {
 namespace {
 
-constexpr int kLeastSize = 64;         // DIS wants some levels and whole patches
-constexpr double kWhite = 0.995;       // share of pixels below what becomes white
+constexpr int kLeastSize = 64;    // DIS wants some levels and whole patches
+constexpr double kWhite = 0.995;  // share of pixels below what becomes white
 constexpr int kFixedPointSteps = 4;
 
 cv::Mat enlarged(const cv::Mat& image) {
-  const int right = std::max(0, kLeastSize - image.cols), below = std::max(0, kLeastSize - image.rows);
+  const int right = std::max(0, kLeastSize - image.cols),
+            below = std::max(0, kLeastSize - image.rows);
   if (!right && !below) return image;
   cv::Mat large;
   cv::copyMakeBorder(image, large, 0, below, 0, right, cv::BORDER_REPLICATE);
@@ -62,7 +63,8 @@ cv::Mat Motion::half(const cv::Mat& later, const cv::Mat& earlier) {
   const cv::Mat back = between(later, earlier);
   // p = q + back(q) / 2 is where pixel q of `later` was halfway; q from p, by fixed point.
   cv::Mat displacement = back * -0.5;
-  for (int step = 0; step < kFixedPointSteps; ++step) displacement = moved(back, displacement) * -0.5;
+  for (int step = 0; step < kFixedPointSteps; ++step)
+    displacement = moved(back, displacement) * -0.5;
   return displacement;
 }
 

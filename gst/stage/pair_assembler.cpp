@@ -151,11 +151,12 @@ GstFlowReturn PairAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
 }
 
 /// B where the subject was in A, a new buffer, or null where that is not known. Motion is read from
-/// what differs in nothing else, this B and the one before, with A halfway between them: half of it.
+/// what differs in nothing else, this B and the one before, with A halfway between them: half of
+/// it.
 GstBuffer* PairAssembler::aligned(GstBuffer* b, const FrameLabel& label) {
   const cv::Mat codes = read_codes(info_, b);
-  auto now = std::make_unique<Before>(
-      Before{label.trigger, Motion::gray(linear_light(*linear_, codes))});
+  auto now =
+      std::make_unique<Before>(Before{label.trigger, Motion::gray(linear_light(*linear_, codes))});
   GstBuffer* result = nullptr;
   if (before_ && before_->trigger + 2 == label.trigger) {
     const cv::Mat there = Motion::moved(codes, Motion::half(now->gray, before_->gray));
@@ -218,10 +219,10 @@ GstFlowReturn PairAssembler::pair(GstBuffer* b, const FrameLabel& label) {
   a_ = nullptr;
   GstBuffer* pair = layers_ ? layers_->make(first.buffer, second.buffer)
                             : side_by_side(first.buffer, second.buffer);
-  gst_buffer_copy_into(pair, first.buffer,
-                       static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS |
-                                                       GST_BUFFER_COPY_TIMESTAMPS),
-                       0, static_cast<gsize>(-1));
+  gst_buffer_copy_into(
+      pair, first.buffer,
+      static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
+      static_cast<gsize>(-1));
   GST_BUFFER_DURATION(pair) = 2 * labels_->period();
   labels_->attach(pair, a_label_);
   gst_buffer_get_light_stage_meta(pair)->kind = GST_LIGHT_STAGE_GRADIENTS;

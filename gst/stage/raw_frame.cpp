@@ -50,7 +50,7 @@ bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
 RawFrame::RawFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flags)
     : info_(info), unpacked_(gst_video_format_get_info(info.finfo->unpack_format)) {
   const auto no_ref = static_cast<GstMapFlags>(static_cast<int>(flags) |
-                                                static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
+                                               static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF));
   bool good = suits(info, buffer) && gst_video_frame_map(&frame_, &info, buffer, no_ref);
   if (good && !is_whole(frame_)) {
     gst_video_frame_unmap(&frame_);

@@ -82,7 +82,7 @@ struct SyncCamera {
   std::string stream_id;
   bool live = false, live_known = false;
   bool flushing = true, ended = false, released = false;
-  bool blocked = false;    // its frames are not taken because there is no room
+  bool blocked = false;     // its frames are not taken because there is no room
   bool left_alone = false;  // sets do not wait for it any more
   bool silent = false;      // and that was told
   Clock::time_point last_arrival{};

@@ -53,7 +53,8 @@ void SyncElement::stop() {
     camera->linear.reset();
     camera->last_trigger.reset();
     camera->stream_id.clear();
-    camera->ended = camera->left_alone = camera->silent = camera->was_anchored = camera->live_known = false;
+    camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
+        camera->live_known = false;
     camera->flow = GST_FLOW_OK;
     camera->told = {};
     camera->run = camera->incomplete = camera->sent = 0;
@@ -79,8 +80,9 @@ bool SyncElement::set_playing(bool playing) {
 std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {
   FrameLabeler::Params params;
   params.jitter = params_.jitter;
-  params.id_bits =
-      params_.frame_id == SyncParams::FrameId::none ? 0 : static_cast<uint32_t>(params_.frame_id_bits);
+  params.id_bits = params_.frame_id == SyncParams::FrameId::none
+                       ? 0
+                       : static_cast<uint32_t>(params_.frame_id_bits);
   params.marker_within = params_.marker_timeout;
   return std::make_unique<FrameLabeler>(labels_->program(), params);
 }
@@ -95,8 +97,8 @@ void SyncElement::make_assembler(SyncCamera& camera) {
           std::make_unique<PairAssembler>(element_, camera.src, labels_, params_, context_);
       break;
     case SyncParams::Assemble::olat:
-      camera.assembler = std::make_unique<OlatAssembler>(element_, camera.src, labels_, params_,
-                                                         camera.number);
+      camera.assembler =
+          std::make_unique<OlatAssembler>(element_, camera.src, labels_, params_, camera.number);
       break;
   }
 }
@@ -161,8 +163,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   FrameLabeler::Frame frame;
   if (GST_BUFFER_PTS_IS_VALID(buffer)) frame.time = static_cast<int64_t>(GST_BUFFER_PTS(buffer));
   if (GST_BUFFER_OFFSET_IS_VALID(buffer)) frame.id = GST_BUFFER_OFFSET(buffer);
-  if (!guarded(element_,
-               [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
+  if (!guarded(element_, [&] { frame.image = look_at(*camera->info, *camera->linear, buffer); })) {
     gst_buffer_unref(buffer);
     return GST_FLOW_ERROR;
   }
@@ -170,7 +171,8 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     // Frames of a file wait for each other; those of a camera cannot for long.
     GstQuery* query = gst_query_new_latency();
     gboolean live = FALSE;
-    if (gst_pad_peer_query(camera->sink, query)) gst_query_parse_latency(query, &live, nullptr, nullptr);
+    if (gst_pad_peer_query(camera->sink, query))
+      gst_query_parse_latency(query, &live, nullptr, nullptr);
     gst_query_unref(query);
     Lock lock(mutex_);
     camera->live = live;
@@ -193,8 +195,8 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return camera->flushing ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
   }
   frame.token = next_token_++;
-  camera->line.push_back({SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer),
-                          frame.token, std::nullopt});
+  camera->line.push_back(
+      {SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer), frame.token, std::nullopt});
   ++camera->waiting_buffers;
   labeled(*camera, camera->labeler->push(frame));
   report(*camera);
@@ -305,8 +307,8 @@ void SyncElement::push_out(SyncCamera& camera) {
     gst_pad_pause_task(camera.src);
     return;
   }
-  const bool ending = GST_IS_EVENT(item.object) &&
-                      GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
+  const bool ending =
+      GST_IS_EVENT(item.object) && GST_EVENT_TYPE(GST_EVENT_CAST(item.object)) == GST_EVENT_EOS;
   const bool is_buffer = GST_IS_BUFFER(item.object);
   const GstFlowReturn flow = send(camera, item);
   Lock lock(mutex_);
@@ -332,24 +334,17 @@ bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
       Lock lock(mutex_);
       camera->flushing = false;
     }
-    // The pad keeps the camera for its thread.
-    auto* kept = new CameraPtr(camera);
-    struct Work {
-      SyncElement* element;
-      CameraPtr* camera;
-    };
     return gst_pad_start_task(
         camera->src,
         [](gpointer data) {
-          auto& work = *static_cast<Work*>(data);
-          work.element->push_out(**work.camera);
+          auto* pad = static_cast<GstPad*>(data);
+          auto* element = static_cast<SyncElement*>(gst_pad_get_element_private(pad));
+          if (const CameraPtr one = element->find(pad))
+            element->push_out(*one);
+          else
+            gst_pad_pause_task(pad);  // it was given back
         },
-        new Work{this, kept},
-        [](gpointer data) {
-          auto* work = static_cast<Work*>(data);
-          delete work->camera;
-          delete work;
-        });
+        camera->src, nullptr);
   }
   {
     Lock lock(mutex_);

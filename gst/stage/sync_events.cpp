@@ -101,11 +101,14 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && camera->labeler) {
     labeled(*camera, camera->labeler->drain());
+    camera->told_at = {};  // the last losses, too
+    report(*camera);
     camera->ended = true;
     sets_.wait_for(camera->number, false);
     if (camera->labeler->counts().markers == 0 && camera->labeler->counts().frames > 0 &&
         labels_->program().marker != LightProgram::Marker::none)
-      warn("camera " + camera->name() + " has ended without the marker of the light program "
+      warn("camera " + camera->name() +
+           " has ended without the marker of the light program "
            "(black, full on, black): none of its frames has a label");
   }
   camera->append(event);

@@ -54,8 +54,8 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    const auto wait = std::max<Clock::duration>(
-        kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
+    const auto wait =
+        std::max<Clock::duration>(kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
         camera->waiting_buffers >= params_.max_frames || now - camera->last_arrival < wait)
       continue;
@@ -105,8 +105,10 @@ void SyncElement::report(SyncCamera& camera) {
     tell(camera.was_anchored ? "marker" : "unsynchronized", camera);
   }
   if (camera.labeler->take_overdue())
-    warn("camera " + camera.name() + " has not seen the marker of the light program (black, full on, "
-         "black) for " + std::to_string(params_.marker_timeout) +
+    warn("camera " + camera.name() +
+         " has not seen the marker of the light program (black, full on, "
+         "black) for " +
+         std::to_string(params_.marker_timeout) +
          " s; start the program of the lights, or look whether the camera sees them and has the "
          "program's rate");
   const auto now = Clock::now();

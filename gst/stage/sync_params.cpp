@@ -7,26 +7,29 @@ const PropertyTable<SyncParams>& sync_properties() {
   using Backend = LightDriverSettings::Backend;
   const auto value = [](auto choice) { return static_cast<int>(choice); };
   static const PropertyTable<P> table{
-      text<P>("program", &P::program,
-              "The light program: a JSON file, or \"performance\" or \"static\", also with a number "
-              "of lights as \"static:96\"",
-              Mutable::ready),
-      choice<P>("frame-id", &P::frame_id, "GstInverseFrameId",
-                {{value(P::FrameId::none), "none", "Time stamps alone tell which trigger a frame is of"},
-                 {value(P::FrameId::offset), "offset",
-                  "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
-                  "counts, and time stamps check"}},
-                "Where the camera's frame id is", Mutable::ready),
+      text<P>(
+          "program", &P::program,
+          "The light program: a JSON file, or \"performance\" or \"static\", also with a number "
+          "of lights as \"static:96\"",
+          Mutable::ready),
+      choice<P>(
+          "frame-id", &P::frame_id, "GstInverseFrameId",
+          {{value(P::FrameId::none), "none", "Time stamps alone tell which trigger a frame is of"},
+           {value(P::FrameId::offset), "offset",
+            "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
+            "counts, and time stamps check"}},
+          "Where the camera's frame id is", Mutable::ready),
       choice<P>("frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
                 {{16, "16", "Ids wrap after 65535"},
                  {32, "32", "Ids wrap after 4294967295"},
                  {64, "64", "Ids wrap after 2^64 - 1"}},
                 "Bits of a frame id; after the largest comes 0, or 1 where the camera leaves 0 out",
                 Mutable::ready),
-      number<P>("jitter", &P::jitter, 0.01, 0.45,
-                "How far a time stamp may be from its trigger's time, either way, in periods of the "
-                "program; labels are certain as long as this holds",
-                Mutable::ready),
+      number<P>(
+          "jitter", &P::jitter, 0.01, 0.45,
+          "How far a time stamp may be from its trigger's time, either way, in periods of the "
+          "program; labels are certain as long as this holds",
+          Mutable::ready),
       number<P>("marker-timeout", &P::marker_timeout, 0.1, 3600,
                 "Seconds of a camera's frames without the marker (black, full, black) after which "
                 "there is a warning",
@@ -63,49 +66,59 @@ const PropertyTable<SyncParams>& sync_properties() {
               "Folder for the frames of a static capture as half-float OpenEXR files, and a JSON "
               "file that lists them with directions (assemble=olat); empty: none",
               Mutable::ready),
-      text<P>("device", &P::device,
-              "Vulkan device for layers (assemble=pairs): an index or a part of its name; empty = "
-              "shared with neighbors, else the environment variable INVERSE_DEVICE, else the fastest",
-              Mutable::ready),
-      choice<P>("backend", [](P& p) -> auto& { return p.lights.backend; }, "GstInverseLightBackend",
-                {{value(Backend::none), "none",
-                  "The rig has the program, and its own trigger steps it"},
-                 {value(Backend::sacn), "sacn",
-                  "Streaming ACN (E1.31) over UDP, stepped by the pipeline's clock"},
-                 {value(Backend::serial), "serial",
-                  "A controller on a serial line that is given the program before the start, and a "
-                  "pulse for each step"}},
-                "How the lights are reached", Mutable::ready),
-      number<P>("lead-in", &P::lead_in, 0, 3600,
-                "Seconds of black from PLAYING to the program's start, where the lights are driven "
-                "from here",
-                Mutable::ready),
-      text<P>("host", [](P& p) -> auto& { return p.lights.sacn.destination; },
-              "backend=sacn: the one receiver, host or host:port; empty: multicast, to the group of "
-              "each universe",
-              Mutable::ready),
-      text<P>("interface", [](P& p) -> auto& { return p.lights.sacn.interface_address; },
-              "backend=sacn: IPv4 address of the network interface for multicast; empty: the "
-              "system's choice",
-              Mutable::ready),
-      number<P>("universe", [](P& p) -> auto& { return p.lights.sacn.universe; }, 1u, 63999u,
-                "backend=sacn: the universe in which the program's channel 1 is", Mutable::ready),
-      number<P>("sync-universe", [](P& p) -> auto& { return p.lights.sacn.sync_universe; }, 0u,
-                63999u,
-                "backend=sacn: universe of the packets that make all receivers change at once; 0: "
-                "none",
-                Mutable::ready),
-      number<P>("priority", [](P& p) -> auto& { return p.lights.sacn.priority; }, 0u, 200u,
-                "backend=sacn: priority over other senders", Mutable::ready),
-      text<P>("serial-port", [](P& p) -> auto& { return p.lights.serial.port; },
-              "backend=serial: the port, such as /dev/ttyUSB0", Mutable::ready),
-      number<P>("baud", [](P& p) -> auto& { return p.lights.serial.baud; }, 9600u, 3000000u,
-                "backend=serial: its speed, bits a second", Mutable::ready),
-      flag<P>("pulses", [](P& p) -> auto& { return p.lights.serial.pulses; },
-              "backend=serial: step the program from here; else the rig's own trigger does",
-              Mutable::ready),
-      number<P>("patience", [](P& p) -> auto& { return p.lights.serial.patience; }, 0.01, 3600,
-                "backend=serial: seconds that the controller has for an answer", Mutable::ready),
+      text<P>(
+          "device", &P::device,
+          "Vulkan device for layers (assemble=pairs): an index or a part of its name; empty = "
+          "shared with neighbors, else the environment variable INVERSE_DEVICE, else the fastest",
+          Mutable::ready),
+      choice<P>(
+          "backend", [](P & p) -> auto& { return p.lights.backend; }, "GstInverseLightBackend",
+          {{value(Backend::none), "none", "The rig has the program, and its own trigger steps it"},
+           {value(Backend::sacn), "sacn",
+            "Streaming ACN (E1.31) over UDP, stepped by the pipeline's clock"},
+           {value(Backend::serial), "serial",
+            "A controller on a serial line that is given the program before the start, and a "
+            "pulse for each step"}},
+          "How the lights are reached", Mutable::ready),
+      number<P>(
+          "lead-in", &P::lead_in, 0, 3600,
+          "Seconds of black at least from PLAYING to the program's start, where the lights are "
+          "driven from here; it starts at a whole number of periods of the running time",
+          Mutable::ready),
+      text<P>(
+          "host", [](P & p) -> auto& { return p.lights.sacn.destination; },
+          "backend=sacn: the one receiver, host or host:port; empty: multicast, to the group of "
+          "each universe",
+          Mutable::ready),
+      text<P>(
+          "interface", [](P & p) -> auto& { return p.lights.sacn.interface_address; },
+          "backend=sacn: IPv4 address of the network interface for multicast; empty: the "
+          "system's choice",
+          Mutable::ready),
+      number<P>(
+          "universe", [](P & p) -> auto& { return p.lights.sacn.universe; }, 1u, 63999u,
+          "backend=sacn: the universe in which the program's channel 1 is", Mutable::ready),
+      number<P>(
+          "sync-universe", [](P & p) -> auto& { return p.lights.sacn.sync_universe; }, 0u, 63999u,
+          "backend=sacn: universe of the packets that make all receivers change at once; 0: "
+          "none",
+          Mutable::ready),
+      number<P>(
+          "priority", [](P & p) -> auto& { return p.lights.sacn.priority; }, 0u, 200u,
+          "backend=sacn: priority over other senders", Mutable::ready),
+      text<P>(
+          "serial-port", [](P & p) -> auto& { return p.lights.serial.port; },
+          "backend=serial: the port, such as /dev/ttyUSB0", Mutable::ready),
+      number<P>(
+          "baud", [](P & p) -> auto& { return p.lights.serial.baud; }, 9600u, 3000000u,
+          "backend=serial: its speed, bits a second", Mutable::ready),
+      flag<P>(
+          "pulses", [](P & p) -> auto& { return p.lights.serial.pulses; },
+          "backend=serial: step the program from here; else the rig's own trigger does",
+          Mutable::ready),
+      number<P>(
+          "patience", [](P & p) -> auto& { return p.lights.serial.patience; }, 0.01, 3600,
+          "backend=serial: seconds that the controller has for an answer", Mutable::ready),
   };
   return table;
 }

@@ -10,7 +10,7 @@ using Position = LightProgram::Position;
 using Counted = TriggerCounter::Counted;
 
 constexpr uint32_t kContradicted = 2, kAgreed = 1, kTooMuch = 6;  // contradictions against labels
-constexpr double kVisible = 0.2;  // of what a light adds on average
+constexpr double kVisible = 0.2;                                  // of what a light adds on average
 
 TriggerCounter::Params counter_params(const FrameLabeler::Params& params) {
   return {params.jitter, params.drift, params.id_bits, params.hold};
@@ -20,8 +20,7 @@ TriggerCounter::Params counter_params(const FrameLabeler::Params& params) {
 bool same_light(const LightProgram& program, Position a, Position b) {
   const StepKind kind = program.kind(a);
   if (kind != program.kind(b)) return false;
-  if (kind == StepKind::olat)
-    return program.steps[a.index].light == program.steps[b.index].light;
+  if (kind == StepKind::olat) return program.steps[a.index].light == program.steps[b.index].light;
   return kind != StepKind::custom || a.index == b.index;
 }
 
@@ -80,15 +79,14 @@ void FrameLabeler::end() {
 
 bool FrameLabeler::take_overdue() {
   if (anchor_ || overdue_told_ || !waiting_since_ || !now_) return false;
-  overdue_told_ =
-      static_cast<double>(*now_ - *waiting_since_) > params_.marker_within * 1e9;
+  overdue_told_ = static_cast<double>(*now_ - *waiting_since_) > params_.marker_within * 1e9;
   return overdue_told_;
 }
 
 void FrameLabeler::tell(uint64_t token, Fate fate, std::vector<Labeled>& out) {
-  uint64_t* const counts[] = {&counts_.labeled,      &counts_.duplicates,    &counts_.late,
-                              &counts_.ambiguous,    &counts_.contradicted,  &counts_.before_marker,
-                              &counts_.ended,        &counts_.untimed};
+  uint64_t* const counts[] = {&counts_.labeled,   &counts_.duplicates,   &counts_.late,
+                              &counts_.ambiguous, &counts_.contradicted, &counts_.before_marker,
+                              &counts_.ended,     &counts_.untimed};
   ++*counts[static_cast<size_t>(fate)];
   out.push_back({token, fate, 0, {}});
 }

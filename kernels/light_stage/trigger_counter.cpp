@@ -7,11 +7,11 @@ namespace inverse {
 namespace {
 
 constexpr size_t kMostExplanations = 24;
-constexpr uint32_t kOffInRow = 8;        // frames that fit nothing: the clock has jumped
-constexpr uint32_t kOffInRowOfIds = 4;   // ids that do not fit the times: they count otherwise now
-constexpr int64_t kMostLate = 64;        // triggers by which a frame may arrive out of order
-constexpr double kWander = 2e-6;         // by which a clock's rate changes between two measurements
-constexpr double kAnyTime = 1e15;        // periods
+constexpr uint32_t kOffInRow = 8;       // frames that fit nothing: the clock has jumped
+constexpr uint32_t kOffInRowOfIds = 4;  // ids that do not fit the times: they count otherwise now
+constexpr int64_t kMostLate = 64;       // triggers by which a frame may arrive out of order
+constexpr double kWander = 2e-6;        // by which a clock's rate changes between two measurements
+constexpr double kAnyTime = 1e15;       // periods
 constexpr int64_t kMeasureAfter = 512, kCheckpointAfter = 8192;  // triggers
 
 }  // namespace
@@ -69,7 +69,8 @@ std::vector<TriggerCounter::Explanation> TriggerCounter::fitting(const Explanati
     add_if_fitting(before, frame, step, found);
     // Where ids wrap, some cameras leave out 0.
     const bool wrapped = !late && (*frame.id & mask) < (before.id & mask);
-    if (wrapped && skips_zero_possible_ && *frame.id) add_if_fitting(before, frame, step - 1, found);
+    if (wrapped && skips_zero_possible_ && *frame.id)
+      add_if_fitting(before, frame, step - 1, found);
     return found;
   }
   if (!frame.time) return found;
@@ -93,7 +94,8 @@ std::vector<TriggerCounter::Counted> TriggerCounter::push(const Frame& frame,
                                                           const Contradicts& contradicts) {
   std::vector<Counted> out;
   if (params_.id_bits && frame.id && *frame.id == 0) skips_zero_possible_ = false;
-  const bool countable = (frame.time && std::isfinite(*frame.time)) || (params_.id_bits && frame.id);
+  const bool countable =
+      (frame.time && std::isfinite(*frame.time)) || (params_.id_bits && frame.id);
   if (!countable) {
     out.push_back({frame.token, Counted::Fate::off, 0, false});
     return out;
@@ -198,8 +200,7 @@ void TriggerCounter::settle(std::vector<Counted>& out) {
 }
 
 void TriggerCounter::give_up(std::vector<Counted>& out) {
-  for (const Held& held : held_)
-    out.push_back({held.token, Counted::Fate::ambiguous, 0, false});
+  for (const Held& held : held_) out.push_back({held.token, Counted::Fate::ambiguous, 0, false});
   restart();
 }
 

@@ -69,11 +69,11 @@ class TriggerCounter {
 
  private:
   struct Explanation {
-    double low = 0, high = 0;        ///< time of `trigger`
-    int64_t trigger = 0;             ///< of the latest frame
-    uint64_t id = 0, content = 0;    ///< of that frame
-    std::deque<int64_t> held;        ///< triggers of the frames in `held_`
-    bool by_id = false;              ///< `id` is known
+    double low = 0, high = 0;      ///< time of `trigger`
+    int64_t trigger = 0;           ///< of the latest frame
+    uint64_t id = 0, content = 0;  ///< of that frame
+    std::deque<int64_t> held;      ///< triggers of the frames in `held_`
+    bool by_id = false;            ///< `id` is known
     bool operator==(const Explanation& other) const {
       return trigger == other.trigger && held == other.held;
     }
@@ -82,7 +82,8 @@ class TriggerCounter {
     uint64_t token;
     bool contradicted;
   };
-  std::vector<Explanation> fitting(const Explanation& before, const Frame& frame, bool use_id) const;
+  std::vector<Explanation> fitting(const Explanation& before, const Frame& frame,
+                                   bool use_id) const;
   void add_if_fitting(const Explanation& before, const Frame& frame, int64_t step,
                       std::vector<Explanation>& to) const;
   void settle(std::vector<Counted>& out);

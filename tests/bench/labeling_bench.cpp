@@ -1,5 +1,6 @@
 // Frames of a light stage that are labeled while some are lost, doubled and stamped unevenly: what
-// became of them. Options: --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE, --doubled SHARE.
+// became of them. Options: --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE,
+// --doubled SHARE.
 #include <cstdio>
 #include <exception>
 
@@ -28,7 +29,8 @@ struct Row {
     doubled += result.doubled;
     duplicates += result.counts.duplicates;
     held = std::max(held, result.held);
-    worst = std::max(worst, static_cast<double>(result.ambiguous) / static_cast<double>(result.sent));
+    worst =
+        std::max(worst, static_cast<double>(result.ambiguous) / static_cast<double>(result.sent));
   }
 };
 
@@ -56,12 +58,10 @@ uint64_t false_sets(const testing::SimulationResult& a, const testing::Simulatio
 int main(int argc, char** argv) try {
   CameraSimulation camera;
   int frames = 10000, seeds = 50;
-  const bench::Options known{{"--frames", bench::integer(frames)},
-                             {"--seeds", bench::integer(seeds)},
-                             {"--jitter", bench::number(camera.jitter)},
-                             {"--drift", bench::number(camera.drift)},
-                             {"--lost", bench::number(camera.lost)},
-                             {"--doubled", bench::number(camera.doubled)}};
+  const bench::Options known{
+      {"--frames", bench::integer(frames)},       {"--seeds", bench::integer(seeds)},
+      {"--jitter", bench::number(camera.jitter)}, {"--drift", bench::number(camera.drift)},
+      {"--lost", bench::number(camera.lost)},     {"--doubled", bench::number(camera.doubled)}};
   if (!bench::read(known, argc, argv, "labeling_bench.cpp") || frames < 1 || seeds < 1) return 2;
   camera.frames = static_cast<uint64_t>(frames);
   const auto lights = stage_lights(geodesic_directions(331));
@@ -69,12 +69,14 @@ int main(int argc, char** argv) try {
   endless.repeat = 0;
   const std::pair<const char*, LightProgram> programs[] = {{"performance", performance(lights)},
                                                            {"static, again and again", endless}};
-  std::printf("%d runs of %d triggers each; %.3g %% lost, %.3g %% doubled, jitter up to %.3g "
-              "periods, drift %.3g ppm\n\n",
-              seeds, frames, camera.lost * 100, camera.doubled * 100, camera.jitter, camera.drift);
-  std::printf("| program | jitter | told by | good frames | mislabeled | not labeled (worst run) | "
-              "lost: true / counted | doubled: true / counted | runs miscounted | held, frames at "
-              "most | two cameras: false sets |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "%d runs of %d triggers each; %.3g %% lost, %.3g %% doubled, jitter up to %.3g "
+      "periods, drift %.3g ppm\n\n",
+      seeds, frames, camera.lost * 100, camera.doubled * 100, camera.jitter, camera.drift);
+  std::printf(
+      "| program | jitter | told by | good frames | mislabeled | not labeled (worst run) | "
+      "lost: true / counted | doubled: true / counted | runs miscounted | held, frames at "
+      "most | two cameras: false sets |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, program] : programs)
     for (const auto distribution :
          {CameraSimulation::Jitter::uniform, CameraSimulation::Jitter::normal})
@@ -99,19 +101,22 @@ int main(int argc, char** argv) try {
           }
           wrong_sets += false_sets(pair[0], pair[1]);
         }
-        std::printf("| %s | %s | %s | %llu | %llu | %.4f %% (%.3f %%) | %llu / %llu | %llu / %llu | "
-                    "%llu | %.0f | %llu |\n",
-                    name, distribution == CameraSimulation::Jitter::uniform ? "uniform" : "normal, cut",
-                    bits == 0 ? "times" : bits == 16 ? "ids of 16 bits" : "ids of 64 bits",
-                    static_cast<unsigned long long>(row.sent),
-                    static_cast<unsigned long long>(row.mislabeled),
-                    100.0 * static_cast<double>(row.ambiguous) / static_cast<double>(row.sent),
-                    100 * row.worst, static_cast<unsigned long long>(row.lost),
-                    static_cast<unsigned long long>(row.missing),
-                    static_cast<unsigned long long>(row.doubled),
-                    static_cast<unsigned long long>(row.duplicates),
-                    static_cast<unsigned long long>(row.uncounted), row.held,
-                    static_cast<unsigned long long>(wrong_sets));
+        std::printf(
+            "| %s | %s | %s | %llu | %llu | %.4f %% (%.3f %%) | %llu / %llu | %llu / %llu | "
+            "%llu | %.0f | %llu |\n",
+            name, distribution == CameraSimulation::Jitter::uniform ? "uniform" : "normal, cut",
+            bits == 0    ? "times"
+            : bits == 16 ? "ids of 16 bits"
+                         : "ids of 64 bits",
+            static_cast<unsigned long long>(row.sent),
+            static_cast<unsigned long long>(row.mislabeled),
+            100.0 * static_cast<double>(row.ambiguous) / static_cast<double>(row.sent),
+            100 * row.worst, static_cast<unsigned long long>(row.lost),
+            static_cast<unsigned long long>(row.missing),
+            static_cast<unsigned long long>(row.doubled),
+            static_cast<unsigned long long>(row.duplicates),
+            static_cast<unsigned long long>(row.uncounted), row.held,
+            static_cast<unsigned long long>(wrong_sets));
       }
   return 0;
 } catch (const std::exception& error) {

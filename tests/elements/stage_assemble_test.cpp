@@ -32,8 +32,7 @@ class StagePairs : public StageSync {
 std::vector<uint8_t> columns(const std::vector<uint8_t>& frame, int width, int from, int to) {
   std::vector<uint8_t> part;
   for (size_t row = 0; row < frame.size() / 4 / static_cast<size_t>(width); ++row) {
-    const auto begin =
-        frame.begin() + (static_cast<ptrdiff_t>(row) * width + from) * 4;
+    const auto begin = frame.begin() + (static_cast<ptrdiff_t>(row) * width + from) * 4;
     part.insert(part.end(), begin, begin + (to - from) * 4);
   }
   return part;
@@ -90,7 +89,7 @@ TEST_F(StagePairs, LayersWhereTheNextElementTakesThem) {
       const auto codes = picture(3 + 2 * i + which);
       for (size_t k = 0; k < codes.size(); ++k) {
         const double code = codes[k] / 255.0;
-        const double linear = k % 4 == 3      ? code
+        const double linear = k % 4 == 3        ? code
                               : code <= 0.04045 ? code / 12.92
                                                 : std::pow((code + 0.055) / 1.055, 2.4);
         ASSERT_NEAR(static_cast<double>(light[k]), linear, 1e-4);
@@ -172,9 +171,9 @@ TEST_F(StagePairs, AlignedPairsOfAMovingSubjectFitBetter) {
     start(0, caps(kWide, kHigh));
     const auto place = [](int64_t n) { return 1.7 * static_cast<double>(n) - 20; };
     for (int64_t n = -5; n < 23; ++n)
-      ASSERT_EQ(gst_harness_push(camera(),
-                                 buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
-                GST_FLOW_OK);
+      ASSERT_EQ(
+          gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
+          GST_FLOW_OK);
     const auto pairs = pull(10);
     ASSERT_EQ(pairs.size(), 10u);
     for (size_t i = 1; i < pairs.size(); ++i) {
@@ -214,9 +213,8 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
   const auto place = [](int64_t n) { return 9 * std::sin(static_cast<double>(n) / 9); };
   const auto triggers = static_cast<int64_t>(*program_.triggers());
   for (int64_t n = -20; n < triggers; ++n)
-    ASSERT_EQ(
-        gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
-        GST_FLOW_OK);
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n, place(n)), static_cast<double>(n))),
+              GST_FLOW_OK);
   const auto frames = pull(static_cast<size_t>(triggers));
   ASSERT_EQ(frames.size(), static_cast<size_t>(triggers));
   int64_t reference = 0;
@@ -231,9 +229,10 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
     ++lights;
   }
   EXPECT_EQ(lights, 42);
-  printf("single lights against what they would have been at the last tracking frame, l1 in codes: "
-         "%.3f as seen, %.3f moved\n",
-         as_seen / lights, moved / lights);
+  printf(
+      "single lights against what they would have been at the last tracking frame, l1 in codes: "
+      "%.3f as seen, %.3f moved\n",
+      as_seen / lights, moved / lights);
   EXPECT_LT(moved, 0.5 * as_seen);
 
   std::ifstream file(location + "/camera_0/lights.json");

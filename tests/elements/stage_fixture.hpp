@@ -23,9 +23,8 @@ class BallOnStage {
   /// Under the lights at a trigger (before 0: none), the ball `shift` pixels further right; noise
   /// makes every frame another.
   std::vector<uint8_t> draw(int64_t trigger, double shift = 0, unsigned seed = 0) const {
-    const auto colors = trigger < 0
-                            ? std::vector<LightColor>(program_.lights.size())
-                            : program_.colors(program_.at(static_cast<uint64_t>(trigger)));
+    const auto colors = trigger < 0 ? std::vector<LightColor>(program_.lights.size())
+                                    : program_.colors(program_.at(static_cast<uint64_t>(trigger)));
     std::mt19937 random(seed * 7919u + static_cast<unsigned>(trigger + 100000));
     std::vector<uint8_t> frame;
     const double radius = 0.42 * std::min(width_, height_);
@@ -108,9 +107,8 @@ class StageSync : public ::testing::Test {
   }
   GstFlowReturn push(int64_t trigger, unsigned number = 0, double shift = 0) {
     const BallOnStage ball(program_, kWidth, kHeight);
-    return gst_harness_push(camera(number),
-                            buffer_of(ball.draw(trigger, shift, number),
-                                      static_cast<double>(trigger)));
+    return gst_harness_push(
+        camera(number), buffer_of(ball.draw(trigger, shift, number), static_cast<double>(trigger)));
   }
   struct Out {
     int64_t trigger = -1;

@@ -14,10 +14,10 @@ TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
   ASSERT_EQ(frames.size(), 30u);
   for (size_t n = 0; n < frames.size(); ++n) {
     EXPECT_EQ(frames[n].trigger, static_cast<int64_t>(n));
-    const int kind = n == 1   ? GST_LIGHT_STAGE_TRACKING
-                     : n < 3  ? GST_LIGHT_STAGE_BLACK
+    const int kind = n == 1  ? GST_LIGHT_STAGE_TRACKING
+                     : n < 3 ? GST_LIGHT_STAGE_BLACK
                      : n % 2 ? GST_LIGHT_STAGE_GRADIENT_A
-                              : GST_LIGHT_STAGE_GRADIENT_B;
+                             : GST_LIGHT_STAGE_GRADIENT_B;
     EXPECT_EQ(frames[n].kind, kind) << n;
     EXPECT_EQ(frames[n].step, n < 3 ? -1 : static_cast<int>((n - 3) % 2));
     EXPECT_EQ(frames[n].bytes,
@@ -179,8 +179,8 @@ TEST_F(StageSync, FrameIdsCount) {
   for (int64_t n = -10; n < 300; ++n) {
     if (n % 50 == 49) continue;
     // Time stamps that wander by a third of a period.
-    GstBuffer* buffer =
-        buffer_of(ball.draw(n), static_cast<double>(n) + 0.33 * std::sin(static_cast<double>(3 * n)));
+    GstBuffer* buffer = buffer_of(
+        ball.draw(n), static_cast<double>(n) + 0.33 * std::sin(static_cast<double>(3 * n)));
     GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(65400 + n) % 65536;
     ASSERT_EQ(gst_harness_push(camera(), buffer), GST_FLOW_OK);
   }

@@ -114,9 +114,8 @@ class ByHand : public ::testing::Test {
 
   ImageEvidence picture(int64_t trigger) {
     ImageEvidence image;
-    image.level = trigger < 0
-                      ? mean_picture(program_, {LightProgram::Position::Part::ended, 0, 0})
-                      : mean_picture(program_, program_.at(static_cast<uint64_t>(trigger)));
+    image.level = trigger < 0 ? mean_picture(program_, {LightProgram::Position::Part::ended, 0, 0})
+                              : mean_picture(program_, program_.at(static_cast<uint64_t>(trigger)));
     image.content = ++content_;
     return image;
   }
@@ -137,9 +136,7 @@ class ByHand : public ::testing::Test {
   void play(int64_t from, int64_t to) {
     for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(n));
   }
-  Fate fate(uint64_t token) {
-    return token < told_.size() ? told_[token].fate : Fate::untimed;
-  }
+  Fate fate(uint64_t token) { return token < told_.size() ? told_[token].fate : Fate::untimed; }
 
   LightProgram program_;
   FrameLabeler labeler_;

@@ -16,9 +16,9 @@ struct CameraSimulation {
   uint64_t frames = 10000;  ///< triggers of the program
   uint64_t idle = 50;       ///< triggers before it starts
   double lost = 0.02, doubled = 0.01;
-  double jitter = 1.0 / 3;            ///< periods, the most either way
+  double jitter = 1.0 / 3;                ///< periods, the most either way
   Jitter distribution = Jitter::uniform;  ///< or normal, sigma half of that, cut there
-  double drift = 80;                  ///< ppm
+  double drift = 80;                      ///< ppm
   uint32_t id_bits = 0;
   uint64_t first_id = 65400;
   bool ids_skip_zero = false;
@@ -28,13 +28,13 @@ struct CameraSimulation {
 };
 
 struct SimulationResult {
-  uint64_t sent = 0;        ///< frames of the program that were delivered, doubles apart
+  uint64_t sent = 0;  ///< frames of the program that were delivered, doubles apart
   uint64_t mislabeled = 0, labeled = 0;
-  uint64_t ambiguous = 0;   ///< good frames that were not labeled
-  uint64_t lost = 0;        ///< truly, before the last that was delivered
-  uint64_t doubled = 0;     ///< truly
+  uint64_t ambiguous = 0;  ///< good frames that were not labeled
+  uint64_t lost = 0;       ///< truly, before the last that was delivered
+  uint64_t doubled = 0;    ///< truly
   FrameLabeler::Counts counts;
-  double held = 0;          ///< frames that the slowest decision waited for
+  double held = 0;                        ///< frames that the slowest decision waited for
   std::vector<int64_t> trigger_of_token;  ///< of each that was delivered; what was said of it
   std::vector<int64_t> label_of_token;    ///< -1: none
 };
@@ -93,8 +93,8 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
   const auto hear = [&](const std::vector<FrameLabeler::Labeled>& told) {
     for (const auto& one : told) {
       const int64_t truth = result.trigger_of_token[one.token];
-      result.held = std::max(
-          result.held, static_cast<double>(result.trigger_of_token.size() - 1 - one.token));
+      result.held = std::max(result.held,
+                             static_cast<double>(result.trigger_of_token.size() - 1 - one.token));
       if (one.fate != FrameLabeler::Fate::labeled) continue;
       ++result.labeled;
       result.label_of_token[one.token] = static_cast<int64_t>(one.trigger);
