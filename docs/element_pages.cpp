@@ -117,7 +117,8 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   for (guint i = 0; i < count; ++i) {
     GParamSpec* spec = specs[i];
     if (spec->owner_type == GST_TYPE_OBJECT || spec->owner_type == GST_TYPE_ELEMENT ||
-        g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0)
+        g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0 ||
+        g_strcmp0(g_type_name(spec->owner_type), "GstBaseSrc") == 0)
       continue;
     const Kind kind = kind_of(spec);
     page << "| `" << spec->name << "` | " << kind.type << " | " << cell(kind.range) << " | "
@@ -147,7 +148,7 @@ int main(int count, char** arguments) {
   const std::filesystem::path output = arguments[1], intros = arguments[2];
   std::filesystem::create_directories(output);
   GList* features = nullptr;
-  for (const char* plugin : {"inverse", "inversemesh"}) {
+  for (const char* plugin : {"inverse", "inversemesh", "inversestage"}) {
     GList* own = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
     if (!own) {
       std::cerr << "the plugin " << plugin << " is not on GST_PLUGIN_PATH\n";

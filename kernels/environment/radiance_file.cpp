@@ -76,7 +76,7 @@ Environment Environment::load(const std::string& path) {
   const auto open = [&](auto use) {
     Reader reader{std::ifstream(path, std::ios::binary)};
     if (!reader.file) fail(path, std::string("cannot be read: ") + strerror(errno));
-    const auto result = use(&reader);
+    auto result = use(&reader);
     if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
     if (!result)
       fail(path, std::string("is no Radiance picture (.hdr, RGBE) that can be read (") +
@@ -91,11 +91,11 @@ Environment Environment::load(const std::string& path) {
   if (std::filesystem::file_size(path, status) <
       static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
     fail(path, "ends too early; it was not copied or written whole");
-  const std::unique_ptr<float, void (*)(void*)> rgb(
-      open([&](Reader* reader) {
-        return stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3);
-      }),
-      stbi_image_free);
+  const auto rgb = open([&](Reader* reader) {
+    return std::unique_ptr<float, void (*)(void*)>(
+        stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3),
+        stbi_image_free);
+  });
   const auto columns = static_cast<uint32_t>(width), rows = static_cast<uint32_t>(height);
   return {{columns, rows}, mirrored(rgb.get(), columns, rows), name};
 }

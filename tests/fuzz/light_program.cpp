@@ -1,0 +1,24 @@
+// Light programs from anybody: refused with an Error, or read so that they can be written and read
+// again.
+#include "light_stage/light_program.hpp"
+
+#include <cstdlib>
+
+#include "error.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace inverse;
+  LightProgram program;
+  try {
+    program = LightProgram::parse({reinterpret_cast<const char*>(data), size});
+  } catch (const Error&) {
+    return 0;
+  }
+  if (LightProgram::parse(program.json()).id() != program.id()) abort();
+  for (const uint64_t trigger : {uint64_t{0}, uint64_t{3}, uint64_t{1000}, ~uint64_t{0}})
+    for (const LightColor& color : program.colors(program.at(trigger)))
+      for (const float c : color)
+        if (!(c >= 0 && c <= 1)) abort();
+  program.triggers();
+  return 0;
+}

@@ -1,0 +1,24 @@
+// What comes over a wire from anybody: the first byte says in which pieces.
+#include <algorithm>
+#include <cstdlib>
+
+#include "light_stage/serial_protocol.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace inverse::serial;
+  if (!size) return 0;
+  const size_t piece = 1 + data[0];
+  LineReader reader;
+  for (size_t at = 1; at < size; at += piece) {
+    const auto* bytes = reinterpret_cast<const char*>(data) + at;
+    reader.take({bytes, std::min(piece, size - at)});
+    while (const auto line = reader.next()) {
+      if (line->empty() || line->size() > kLongestReply) abort();
+      for (const char c : *line)
+        if (c < ' ' || c > '~') abort();
+      const Reply reply = parse_reply(*line);
+      if (reply.text.size() > line->size()) abort();
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,39 @@
+// Lines of the virtual light stage.
+#include "pipeline_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class Stage : public PipelineTest {};
+
+double brightness(const Image& image) {
+  return (image.mean(0) + image.mean(1) + image.mean(2)) / 3;
+}
+
+TEST_F(Stage, StaticCaptureToAFile) {
+  ASSERT_EQ(run("virtual-stage", {"static:12", file("out.mkv"), "160", "120"}), 0) << output_;
+  const Media movie = read_media(file("out.mkv"));
+  EXPECT_TRUE(movie.errors.empty());
+  // The marker, twelve lights with a full-on frame after the 11th and the last, two gradients.
+  ASSERT_EQ(movie.frames.size(), 3U + 12 + 2 + 2);
+  EXPECT_EQ(movie.frames[0].width, 160);
+  EXPECT_EQ(movie.frames[0].height, 120);
+  for (const size_t black : {0U, 2U}) EXPECT_LT(brightness(movie.frames[black]), 6) << black;
+  for (const size_t full : {1U, 14U, 16U}) EXPECT_GT(brightness(movie.frames[full]), 40) << full;
+  for (size_t olat = 3; olat < 14; ++olat)
+    EXPECT_LT(brightness(movie.frames[olat]), brightness(movie.frames[1])) << olat;
+  // Gradient A is red from the right, B from the left.
+  const Image &a = movie.frames[17], &b = movie.frames[18];
+  EXPECT_GT(a.mean(0, .5), a.mean(0, 0, 0, .5) + 2);
+  EXPECT_LT(b.mean(0, .5), b.mean(0, 0, 0, .5) - 2);
+}
+
+TEST_F(Stage, SaysWhatIsMissing) {
+  EXPECT_EQ(run("virtual-stage", {"/no/such/program.json", file("out.mkv")}), 1);
+  EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
+  EXPECT_EQ(run("virtual-stage", {"static:4", "/no/such/folder/out.mkv"}), 1);
+  EXPECT_NE(output_.find("there is no folder"), std::string::npos) << output_;
+}
+
+}  // namespace
+}  // namespace inverse::testing
