@@ -390,24 +390,17 @@ bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
       Lock lock(mutex_);
       camera->flushing = false;
     }
-    // The pad keeps the camera for its thread.
-    auto* kept = new CameraPtr(camera);
-    struct Work {
-      SyncElement* element;
-      CameraPtr* camera;
-    };
     return gst_pad_start_task(
         camera->src,
         [](gpointer data) {
-          auto& work = *static_cast<Work*>(data);
-          work.element->push_out(**work.camera);
+          auto* pad = static_cast<GstPad*>(data);
+          auto* element = static_cast<SyncElement*>(gst_pad_get_element_private(pad));
+          if (const CameraPtr one = element->find(pad))
+            element->push_out(*one);
+          else
+            gst_pad_pause_task(pad);  // it was given back
         },
-        new Work{this, kept},
-        [](gpointer data) {
-          auto* work = static_cast<Work*>(data);
-          delete work->camera;
-          delete work;
-        });
+        camera->src, nullptr);
   }
   {
     Lock lock(mutex_);
