@@ -466,10 +466,9 @@ gboolean query(GstBaseSrc* base, GstQuery* asked) {
   Source& source = source_of(base);
   const Lock lock(source.mutex);
   // A frame is stamped when it begins and is there when it ends.
-  const double rate = source.layout.frame_rate;
-  const GstClockTime frame = rate > 0 ? static_cast<GstClockTime>(GST_SECOND / rate) : 0;
-  gst_query_set_latency(asked, TRUE, frame,
-                        frame ? frame * std::max(source.buffers, 1U) : GST_CLOCK_TIME_NONE);
+  const double time = source.layout.frame_time;
+  const auto frame = static_cast<GstClockTime>(time * GST_SECOND);
+  gst_query_set_latency(asked, TRUE, frame, frame ? frame * source.buffers : GST_CLOCK_TIME_NONE);
   return TRUE;
 }
 
