@@ -275,6 +275,10 @@ FrameLayout AravisCamera::configure(const GstCaps* caps, const CameraSettings& s
   int numerator = 0, denominator = 1;
   gst_structure_get_fraction(wanted, "framerate", &numerator, &denominator);
   layout.frame_rate = denominator > 0 ? static_cast<double>(numerator) / denominator : 0;
+  double slowest = 0, fastest = layout.frame_rate;
+  if (fastest <= 0 && arv_camera_is_frame_rate_available(get(), nullptr))
+    arv_camera_get_frame_rate_bounds(get(), &slowest, &fastest, nullptr);
+  layout.frame_time = fastest > 0 ? 1 / fastest : 0;
   if (!settings.trigger_source.empty()) {
     if (settings.trigger_source == "Software" &&
         !arv_camera_is_software_trigger_supported(get(), nullptr))

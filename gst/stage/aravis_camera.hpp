@@ -79,6 +79,7 @@ struct FrameLayout {
   /// Cameras send 10, 12 or 14 bits in the low bits of 16; white is white after this shift.
   uint32_t shift = 0;
   double frame_rate = 0;  ///< 0: frames come when they are triggered
+  double frame_time = 0;  ///< seconds from a frame's begin to its end, at most; 0: not known
   size_t payload = 0;     ///< of a frame with all that comes with it, bytes
 };
 

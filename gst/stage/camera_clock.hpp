@@ -19,13 +19,16 @@ class CameraClock {
   static constexpr double kSlew = 1e-3;
   /// A frame that is so early, or a second of frames so late, and the camera's clock has jumped.
   static constexpr int64_t kJump = 250'000'000;
+  /// Without frames for so long, and the next one is like the first.
+  static constexpr uint64_t kGap = 5'000'000'000;
 
   /// The running time of a frame that the camera stamped `camera` and that began to arrive at
   /// `arrival`, a running time, too. All in ns.
   int64_t map(uint64_t camera, int64_t arrival) {
     if (!anchored_ || camera <= last_) return anchor(camera, arrival);
-    const auto passed = static_cast<int64_t>(std::min<uint64_t>(camera - last_, 10 * kWindow));
-    offset_ += rate_ * static_cast<double>(passed);
+    // How far the clocks drift apart in such a time is not known.
+    if (camera - last_ > kGap) return anchor(camera, arrival);
+    offset_ += rate_ * static_cast<double>(camera - last_);
     last_ = camera;
     const int64_t time = anchor_arrival_ + static_cast<int64_t>(camera - anchor_camera_) +
                          static_cast<int64_t>(offset_);
@@ -50,7 +53,7 @@ class CameraClock {
 
  private:
   int64_t anchor(uint64_t camera, int64_t arrival) {
-    if (anchored_) ++jumps_;
+    if (anchored_ && (camera <= last_ || camera - last_ <= kGap)) ++jumps_;
     // Time does not run backwards where the camera's does.
     if (anchored_) arrival = std::max(arrival, newest_ + 1);
     anchored_ = true;

@@ -57,6 +57,17 @@ TEST(CameraClock, FollowsACameraThatStartsItsClockAnew) {
   EXPECT_EQ(clock.jumps(), 2U);
 }
 
+/// A pause in which nobody knows how the clocks drift.
+TEST(CameraClock, IsExactAgainAfterAGap) {
+  CameraClock clock;
+  for (int64_t i = 0; i < 100; ++i) clock.map(static_cast<uint64_t>(1000 + i * kFrame), i * kFrame);
+  const int64_t later = 100 * kFrame + 600'000'000'000;
+  const auto camera = static_cast<uint64_t>(1000 + later + 90'000'000);  // 150 ppm fast
+  EXPECT_EQ(clock.map(camera, later), later);
+  EXPECT_EQ(clock.map(camera + kFrame, later + kFrame), later + kFrame);
+  EXPECT_EQ(clock.jumps(), 0U);
+}
+
 /// Frames that waited half a second in a machine that was busy say nothing of the clock.
 TEST(CameraClock, DoesNotFollowSingleLateFrames) {
   CameraClock clock;

@@ -1,0 +1,57 @@
+#pragma once
+#include <gst/gst.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "aravis_stream.hpp"
+#include "camera_clock.hpp"
+#include "light_stage/frame_ids.hpp"
+
+namespace inverse {
+
+/// The work behind lightstagearavissrc, which binds it to GObject: a camera, what comes from it,
+/// and how it is numbered and timed. Aravis' threads hold it, too.
+struct AravisSource : std::enable_shared_from_this<AravisSource> {
+  using Lock = std::unique_lock<std::mutex>;
+
+  /// Opens the camera. Throws Error.
+  void open();
+  void close();
+  /// Makes the camera send frames of these caps. Throws Error.
+  void begin(const GstCaps* caps);
+  /// Not with the mutex held: the stream's thread may wait for that.
+  void end();
+  /// Waits for the next frame of `element`. Flushing, or throws Error.
+  GstFlowReturn next(GstElement* element, GstBuffer** buffer);
+  void set_flushing(bool flush);
+
+  /// The camera, where it is open, and whether somebody triggers it.
+  std::pair<std::shared_ptr<AravisCamera>, bool> opened();
+  GstStructure* stats();
+
+  std::mutex mutex;  ///< of all below
+  std::condition_variable news;
+  std::string camera_name;
+  CameraSettings settings;
+  guint buffers = 16, timeout = 2000;
+  std::shared_ptr<AravisCamera> camera;
+  std::unique_ptr<AravisStream> stream;
+  FrameLayout layout;
+  uint32_t id_bits = 0;
+
+ private:
+  GstBuffer* finish(GstElement* element, const CameraFrame& frame, int64_t now);
+  void tell_incomplete(GstElement* element, Lock& lock);
+
+  GstCaps* reference_ = nullptr;  ///< of GstReferenceTimestampMeta
+  CameraClock clock_;
+  FrameIds ids_{16};
+  AravisStream::Counts before_;  ///< of streams that ended
+  uint64_t frames_ = 0, missed_ = 0, timeouts_ = 0, told_ = 0;
+  bool flushing_ = false, lost_ = false;
+};
+
+}  // namespace inverse
