@@ -219,8 +219,10 @@ GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCap
   }
   GstCaps* wide = with_widths(caps, [n](int low, int high) {
     constexpr int kMost = 32767;
-    return std::pair{std::min(low, kMost / n) * n,
-                     high > (kMost - n + 1) / n ? kMost : high * n + n - 1};
+    const int least = std::min(low, kMost / n) * n;
+    return std::pair{least, low == high                  ? least
+                            : high > (kMost - n + 1) / n ? kMost
+                                                         : high * n + n - 1};
   });
   GstCaps *layers = gst_caps_new_empty(), *plain = gst_caps_new_empty();
   for (guint i = 0; i < gst_caps_get_size(templates); ++i) {
