@@ -377,6 +377,9 @@ TEST_F(RelightTest, FramesThatCannotBeHalvedAreRefusedInWords) {
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_NE(errors[0].find("side by side"), std::string::npos) << errors[0];
   EXPECT_NE(errors[0].find("65"), std::string::npos) << errors[0];
+  std::string error;
+  warnings_of(line("", 101), &error);
+  EXPECT_NE(error.find("side by side"), std::string::npos) << error;
   // The width that goes out settles the one that comes in.
   const auto result = run_line(
       "videotestsrc num-buffers=1 ! olatrelight ! video/x-raw,width=50,height=20 ! "
