@@ -147,7 +147,7 @@ int main(int count, char** arguments) {
   const std::filesystem::path output = arguments[1], intros = arguments[2];
   std::filesystem::create_directories(output);
   GList* features = nullptr;
-  for (const char* plugin : {"inverse", "inversemesh"}) {
+  for (const char* plugin : {"inverse", "inversemesh", "inversestage"}) {
     GList* own = gst_registry_get_feature_list_by_plugin(gst_registry_get(), plugin);
     if (!own) {
       std::cerr << "the plugin " << plugin << " is not on GST_PLUGIN_PATH\n";
