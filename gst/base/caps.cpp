@@ -217,10 +217,19 @@ GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCap
     gst_caps_unref(narrow);
     return result;
   }
-  GstCaps* wide = with_widths(caps, [n](int low, int high) {
-    constexpr int kMost = 32767;
+  constexpr int kMost = 32767;
+  const auto range = [n](int low, int high) {
     return std::pair{std::min(low, kMost / n) * n,
                      high > (kMost - n + 1) / n ? kMost : high * n + n - 1};
+  };
+  // Where one width goes out, who may choose is to choose what can be divided: that is first.
+  GstCaps* wide = with_widths(caps, [n, range](int low, int high) {
+    return low == high ? std::pair{range(low, high).first, range(low, high).first}
+                       : range(low, high);
+  });
+  GstCaps* rest = with_widths(caps, [range](int low, int high) {
+    auto [least, most] = range(low, high);
+    return std::pair{low == high ? std::min(least + 1, most) : least, most};
   });
   GstCaps *layers = gst_caps_new_empty(), *plain = gst_caps_new_empty();
   for (guint i = 0; i < gst_caps_get_size(templates); ++i) {
@@ -229,9 +238,11 @@ GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCap
     gst_caps_append(carries ? layers : plain, gst_caps_copy_nth(templates, i));
   }
   gst_caps_unref(templates);
-  GstCaps* result =
-      gst_caps_merge(transform_caps(caps, layers, nullptr), transform_caps(wide, plain, nullptr));
+  GstCaps* result = transform_caps(caps, layers, nullptr);
+  result = gst_caps_merge(result, transform_caps(wide, gst_caps_ref(plain), nullptr));
+  result = gst_caps_merge(result, transform_caps(rest, plain, nullptr));
   gst_caps_unref(wide);
+  gst_caps_unref(rest);
   return filter_caps(result, filter);
 }
 

@@ -50,7 +50,8 @@ GstCaps* transform_caps(GstCaps* caps, GstCaps* templates, GstCaps* filter);
 
 /// `transform_caps` for an element that takes layers, or plain frames of so many pictures side by
 /// side: widths of plain caps are divided towards the source pad and multiplied towards the sink
-/// pad. Widths that leave a remainder pass, for `set_caps` to refuse them with a helpful error.
+/// pad. Where any width may go out, those that leave a remainder pass, for `set_caps` to refuse
+/// them with a helpful error.
 GstCaps* transform_side_by_side(GstPadDirection direction, GstCaps* caps, GstCaps* templates,
                                 GstCaps* filter, uint32_t pictures);
 

@@ -7,9 +7,9 @@
 namespace inverse {
 namespace {
 
-constexpr int kSweeps = 25;      // of the fit
-constexpr size_t kCheap = 64;    // so many lights are fitted in little time
-constexpr double kMargin = 0.9;  // the first number of lights to be within an error is so by luck
+constexpr int kSweeps = 25;       // of the fit
+constexpr size_t kCheap = 64;     // so many lights are fitted in little time
+constexpr double kMargin = 0.85;  // the first number of lights to be within an error is so by luck
 
 float dot(const float* a, const float* b, size_t count) {
   // Eight sums side by side, which compilers make vectors of.

@@ -279,7 +279,7 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       std::vector<uint32_t> all, few;
       for (uint32_t i = 0; i < extent.pixels(); ++i)
         if (set.mask.data[i] >= .5F) all.push_back(i);
-      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 400))
+      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 600))
         few.push_back(all[i]);
       LightReduction reduction(set.directions), judge(set.directions);
       reduction.set_responses(subject.responses(few));

@@ -77,4 +77,23 @@ std::vector<uint8_t> visible(const std::string& caps, const std::vector<uint8_t>
 /// The largest difference between two frames, byte by byte; 256 where their sizes differ.
 int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
 
+template <typename T>
+T property(GstElement* element, const char* name) {
+  T value{};
+  g_object_get(element, name, &value, nullptr);
+  return value;
+}
+
+/// A field of `stats`.
+template <typename T>
+T stat(GstElement* element, const char* name, GType type) {
+  GstStructure* stats = nullptr;
+  g_object_get(element, "stats", &stats, nullptr);
+  T value{};
+  const GValue* field = gst_structure_get_value(stats, name);
+  if (field && G_VALUE_HOLDS(field, type)) gst_structure_get(stats, name, type, &value, nullptr);
+  gst_structure_free(stats);
+  return value;
+}
+
 }  // namespace inverse::testing

@@ -34,23 +34,4 @@ class LimeElementTest : public ::testing::Test {
   HandMadeLime files;
 };
 
-template <typename T>
-T property(GstElement* element, const char* name) {
-  T value{};
-  g_object_get(element, name, &value, nullptr);
-  return value;
-}
-
-/// A field of `stats`.
-template <typename T>
-T stat(GstElement* element, const char* name, GType type) {
-  GstStructure* stats = nullptr;
-  g_object_get(element, "stats", &stats, nullptr);
-  T value{};
-  const GValue* field = gst_structure_get_value(stats, name);
-  if (field && G_VALUE_HOLDS(field, type)) gst_structure_get(stats, name, type, &value, nullptr);
-  gst_structure_free(stats);
-  return value;
-}
-
 }  // namespace inverse::testing
