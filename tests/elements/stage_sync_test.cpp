@@ -200,8 +200,8 @@ TEST_F(StageSync, AnyFormatIsMeasuredAndSizesChange) {
   const auto frames = pull(30);
   EXPECT_EQ(frames.back().trigger, 29);
   EXPECT_EQ(frames.back().bytes.size(), 17u * 11 * 4);
-  for (const char* format : {"I420", "NV12", "GRAY8", "GRAY16_LE", "P010_10LE", "v210", "UYVY",
-                             "GBR_12LE", "RGB16", "NV12_64Z32", "IYU1", "A420"}) {
+  for (const char* format : {"BGRA", "RGBx", "BGRx", "RGB", "BGR", "I420", "NV12", "YUY2", "UYVY",
+                             "GRAY8", "GRAY16_LE", "P010_10LE", "I420_10LE", "RGBA64_LE"}) {
     const std::string odd = VideoHarness::caps(format, 13, 9);
     start(0, odd);
     const auto bytes = random_frame(odd, 1);
