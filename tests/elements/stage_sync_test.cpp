@@ -103,6 +103,16 @@ TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
+TEST_F(StageSync, ALoneCameraThatStopsIsToldOfAndMaySendAgain) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
+  for (int64_t n = 200; n < 220; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_EQ(pull(40).back().trigger, 219);
+  EXPECT_EQ(count("missing"), 180u);
+}
+
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   use_performance();
   g_object_set(element_, "marker-timeout", 0.5, nullptr);
