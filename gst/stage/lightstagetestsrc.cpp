@@ -116,15 +116,24 @@ GstCaps* fixate(GstBaseSrc* base, GstCaps* caps) {
   return GST_BASE_SRC_CLASS(parent_class)->fixate(base, caps);
 }
 
+bool flushing(GstLightStageTestSrc& self) {
+  GST_OBJECT_LOCK(&self);
+  const bool result = self.flushing;
+  GST_OBJECT_UNLOCK(&self);
+  return result;
+}
+
 gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
-  return inverse::guarded(GST_ELEMENT(base), [&] {
+  bool done = false;
+  const bool good = inverse::guarded(GST_ELEMENT(base), [&] {
     GstVideoInfo info;
     if (!gst_video_info_from_caps(&info, caps))
       throw inverse::Error(inverse::ErrorKind::unsupported,
                            "lightstagetestsrc was asked for an impossible video format");
-    source_of(base).set_caps(info);
     gst_base_src_set_blocksize(base, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
+    done = source_of(base).set_caps(info, [base] { return !flushing(self_of(base)); });
   });
+  return good && done;
 }
 
 gboolean decide_allocation(GstBaseSrc* base, GstQuery* query) {
@@ -216,13 +225,6 @@ gboolean unlock_stop(GstBaseSrc* base) {
   self_of(base).flushing = FALSE;
   GST_OBJECT_UNLOCK(base);
   return TRUE;
-}
-
-bool flushing(GstLightStageTestSrc& self) {
-  GST_OBJECT_LOCK(&self);
-  const bool result = self.flushing;
-  GST_OBJECT_UNLOCK(&self);
-  return result;
 }
 
 GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {

@@ -118,7 +118,26 @@ GstCaps* TestSource::caps() const {
   return caps;
 }
 
-void TestSource::set_caps(const GstVideoInfo& info) {
+std::unique_ptr<OlatStack> TestSource::make_stack(const std::shared_ptr<gpu::Device>& device,
+                                                  Extent extent,
+                                                  const std::function<bool()>& go_on) const {
+  const auto lights = static_cast<uint32_t>(program_.lights.size());
+  auto stack =
+      std::make_unique<OlatStack>(device, extent, lights, uint64_t{started_.stack_limit} << 20);
+  if (folder_) {
+    for (uint32_t i = 0; i < lights; ++i) {
+      if (!go_on()) return nullptr;
+      stack->load(i, folder_->image(i));
+    }
+    return stack;
+  }
+  std::vector<Direction> directions;
+  for (const StageLight& light : program_.lights) directions.push_back(light.direction);
+  if (!render_head(*stack, directions, view_of_camera(started_.camera), go_on)) return nullptr;
+  return stack;
+}
+
+bool TestSource::set_caps(const GstVideoInfo& info, const std::function<bool()>& go_on) {
   const auto start = Clock::now();
   const auto device = context_.current();
   if (!device) throw Error(ErrorKind::internal, "caps before a device");
@@ -127,17 +146,8 @@ void TestSource::set_caps(const GstVideoInfo& info) {
                       static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
   if (!stack_ || stack_->extent() != extent || !commands_ || commands_->device() != device) {
     stack_.reset();  // before the next one takes its memory
-    const auto lights = static_cast<uint32_t>(program_.lights.size());
-    auto stack =
-        std::make_unique<OlatStack>(device, extent, lights, uint64_t{started_.stack_limit} << 20);
-    if (folder_) {
-      for (uint32_t i = 0; i < lights; ++i) stack->load(i, folder_->image(i));
-    } else {
-      std::vector<Direction> directions;
-      for (const StageLight& light : program_.lights) directions.push_back(light.direction);
-      render_head(*stack, directions, view_of_camera(started_.camera));
-    }
-    stack_ = std::move(stack);
+    stack_ = make_stack(device, extent, go_on);
+    if (!stack_) return false;
     commands_ = std::make_unique<gpu::Commands>(device);
     camera_.emplace(device);
     pictures_.emplace(device, extent);
@@ -145,7 +155,29 @@ void TestSource::set_caps(const GstVideoInfo& info) {
   output->configure(device);
   readback_ = output->make_buffer(device);
   output_ = std::move(output);
+  warm_up();
   render_ms_ = milliseconds_since(start);
+  return true;
+}
+
+/// What takes longer the first time is done before frames are due: kernels are built, and sums of
+/// many lights are made where they will be kept.
+void TestSource::warm_up() {
+  constexpr size_t kSteps = 6;
+  commands_->begin();
+  PlanePtr light = stack_->record(*commands_, program_.colors(LightStep{StepKind::tracking}));
+  const PlanePtr picture = pictures_->acquire();
+  camera_->record(*commands_, *light, {}, *picture);
+  output_->record(*commands_, Picture{picture}, Layers{picture->extent, {}}, readback_, nullptr);
+  commands_->submit();
+  commands_->wait();
+  for (size_t i = 0; i < std::min(kSteps, program_.steps.size()); ++i) {
+    if (program_.steps[i].kind == StepKind::olat) continue;
+    commands_->begin();
+    light = stack_->record(*commands_, program_.colors(program_.steps[i]));
+    commands_->submit();
+    commands_->wait();
+  }
 }
 
 GstClockTime TestSource::time_of(uint64_t steps) const {

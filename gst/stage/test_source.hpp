@@ -1,6 +1,7 @@
 #pragma once
 #include <gst/video/video.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,8 +41,9 @@ class TestSource {
 
   /// Video of the program's rate, and of the folder's size; before `start` of any. New reference.
   GstCaps* caps() const;
-  /// Renders what these caps need. Takes as long as it takes. Throws.
-  void set_caps(const GstVideoInfo& info);
+  /// Renders what these caps need, which may take seconds; where `go_on` says no meanwhile it stops
+  /// and gives false. Throws.
+  bool set_caps(const GstVideoInfo& info, const std::function<bool()>& go_on);
 
   /// From running time 0 to the start of so many steps.
   GstClockTime time_of(uint64_t steps) const;
@@ -63,6 +65,9 @@ class TestSource {
   GstStructure* stats() const;
 
  private:
+  std::unique_ptr<OlatStack> make_stack(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                                        const std::function<bool()>& go_on) const;
+  void warm_up();
   std::vector<LightColor> colors(const Exposure& exposure);
   void label(const Exposure& exposure, const std::vector<LightColor>& colors,
              GstBuffer* buffer) const;
