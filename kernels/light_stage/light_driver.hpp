@@ -60,7 +60,8 @@ class LightDriver {
   virtual void upload(const LightProgram& program) = 0;
   /// The lights of this trigger, counted from 0 as LightProgram::at does: to be called when the
   /// cameras are triggered (or the guard time before). Does not wait for answers: what the
-  /// controller objects to is thrown by a later call.
+  /// controller objects to is thrown by a later call. Receivers of sACN take a source that is
+  /// silent for 2.5 s for gone: call it again with the same trigger where a step lasts longer.
   virtual void show(uint64_t trigger) = 0;
   /// All lights off, and the end of what `upload` started.
   virtual void black() = 0;

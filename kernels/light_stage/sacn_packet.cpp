@@ -112,7 +112,7 @@ std::vector<uint8_t> write(const DataPacket& packet) {
   out.flags_and_length();  // framing layer
   out.quad(kFramingData);
   uint8_t name[kNameSize] = {};  // ends with a zero
-  memcpy(name, packet.source_name.data(), std::min(packet.source_name.size(), kNameSize - 1));
+  std::copy_n(packet.source_name.begin(), std::min(packet.source_name.size(), kNameSize - 1), name);
   out.copy(name);
   out.octet(packet.priority);
   out.word(packet.sync_address);

@@ -56,7 +56,7 @@ HeadScene make_head() {
   add(s, {{0, -.355F, .575F}, {.155F, .03F, .07F}, .025F, M::lips});
   add(s, {{0, -.425F, .57F}, {.125F, .04F, .075F}, .025F, M::lips});
   add_pair(s, {{.235F, .045F, .475F}, {.115F, .115F, .115F}, .004F, M::eye});
-  add_pair(s, {{.235F, .105F, .47F}, {.14F, .065F, .135F}, .02F, M::skin, .25F, -.08F});  // lids
+  add_pair(s, {{.235F, .10F, .47F}, {.14F, .068F, .137F}, .02F, M::skin, .25F, -.08F});  // lids
   add_pair(s, {{.235F, -.035F, .47F}, {.13F, .045F, .12F}, .03F});
   add_pair(s, {{.60F, .03F, -.06F}, {.055F, .18F, .12F}, .04F, M::skin, .20F, -.12F});  // ears
   add_pair(s, {{.655F, .05F, -.02F}, {.04F, .11F, .065F}, .03F, M::skin, .20F, -.12F, kCarving});

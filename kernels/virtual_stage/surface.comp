@@ -15,6 +15,7 @@ layout(push_constant) uniform Push {
   float distance;  // of the camera from the axis
   float height_of_view;  // at the axis
   float center;          // of the view, above the origin
+  uint first, count;     // pixels
 } push;
 
 #define SCENE(index) FETCH(scene, index)
@@ -49,8 +50,8 @@ vec3 eye_color(vec3 out_of_center) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= push.width * push.height) return;
+  if (gl_GlobalInvocationID.x >= push.count) return;
+  uint i = push.first + gl_GlobalInvocationID.x;
   uvec2 pixel = uvec2(i % push.width, i / push.width);
   float scale = push.height_of_view / float(push.height);
   vec2 plane = (vec2(pixel) + 0.5 - 0.5 * vec2(push.width, push.height)) * scale;

@@ -12,7 +12,8 @@ namespace inverse {
 namespace {
 
 // Work of one submit: a device that also draws a screen must not be held for long.
-constexpr uint64_t kSamplesAtOnce = uint64_t{1} << 24;
+constexpr uint64_t kSamplesAtOnce = uint64_t{1} << 23;
+constexpr uint32_t kRaysAtOnce = uint32_t{1} << 18;
 
 gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
                         std::span<const HeadScene::Vec4> values) {
@@ -23,36 +24,46 @@ gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
 
 }  // namespace
 
-HeadSurface record_head_surface(gpu::Commands& commands, Extent extent, const HeadView& view) {
-  const auto& device = commands.device();
-  const HeadScene& head = virtual_head();
+HeadSurface make_head_surface(const std::shared_ptr<gpu::Device>& device, Extent extent) {
   const auto plane = [&] {
     return Plane{extent, gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())};
   };
-  HeadSurface surface{plane(), plane(), plane()};
+  return {plane(), plane(), plane()};
+}
+
+void record_head_surface(gpu::Commands& commands, const HeadSurface& surface, const HeadView& view,
+                         uint32_t first, uint32_t count) {
+  const auto& device = commands.device();
+  const HeadScene& head = virtual_head();
+  const Extent extent = surface.position.extent;
   const struct {
     uint32_t width, height, primitives;
     float turn, distance, height_of_view, center;
-  } push{extent.width,  extent.height, head.count(), view.turn,
-         view.distance, view.height,   view.center};
+    uint32_t first, count;
+  } push{extent.width, extent.height, head.count(), view.turn, view.distance,
+         view.height,  view.center,   first,        count};
   commands.dispatch(device->kernel(shaders::virtual_stage_surface),
                     {uploaded(device, head.primitives), uploaded(device, head.materials),
                      surface.position.buffer, surface.normal.buffer, surface.albedo.buffer},
-                    push, {static_cast<uint32_t>(extent.pixels())});
-  return surface;
+                    push, {count});
 }
 
-void render_head(OlatStack& stack, std::span<const Direction> lights, const HeadView& view,
-                 uint32_t side) {
+bool render_head(OlatStack& stack, std::span<const Direction> lights, const HeadView& view,
+                 const std::function<bool()>& go_on, uint32_t side) {
   const Extent extent = stack.extent();
   const auto& device = stack.chunks().front().images->device();
   const HeadScene& head = virtual_head();
   gpu::Commands commands(device);
-  commands.begin();
   const HeadSurface surface =
-      record_head_surface(commands, {extent.width * side, extent.height * side}, view);
-  commands.submit();
-  commands.wait();
+      make_head_surface(device, {extent.width * side, extent.height * side});
+  const auto samples = static_cast<uint32_t>(surface.position.extent.pixels());
+  for (uint32_t first = 0; first < samples; first += kRaysAtOnce) {
+    if (go_on && !go_on()) return false;
+    commands.begin();
+    record_head_surface(commands, surface, view, first, std::min(kRaysAtOnce, samples - first));
+    commands.submit();
+    commands.wait();
+  }
   std::vector<HeadScene::Vec4> directions;
   for (const Direction& d : lights)
     directions.push_back(
@@ -65,6 +76,7 @@ void render_head(OlatStack& stack, std::span<const Direction> lights, const Head
       std::max<uint64_t>(1, kSamplesAtOnce / (extent.pixels() * side * side)));
   for (const OlatStack::Chunk& chunk : stack.chunks())
     for (uint32_t first = 0; first < chunk.count; first += at_once) {
+      if (go_on && !go_on()) return false;
       const uint32_t count = std::min(at_once, chunk.count - first);
       const struct {
         uint32_t width, height, side, first, count, target, primitives;
@@ -79,6 +91,7 @@ void render_head(OlatStack& stack, std::span<const Direction> lights, const Head
       commands.submit();
       commands.wait();
     }
+  return true;
 }
 
 }  // namespace inverse

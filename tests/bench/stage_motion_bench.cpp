@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "../../gst/base/inverse_light_stage_meta.h"
+#include "../../gst/stage/motion.hpp"
 #include "command_line.hpp"
 #include "light_stage/light_program.hpp"
 
@@ -162,6 +164,55 @@ void pairs(const Stage& stage) {
               errors[1].share(), errors[0].share() / errors[1].share());
 }
 
+/// Ways to measure the motion from A to B, without the element: errors of the moved B.
+void ways(const Stage& stage) {
+  constexpr uint64_t kFrames = 123;
+  const auto folder = std::filesystem::temp_directory_path() / "stage-motion-ways";
+  std::filesystem::create_directories(folder);
+  LightProgram program =
+      performance(stage_lights(geodesic_directions(static_cast<uint32_t>(stage.lights))));
+  const std::string forth = folder / "ab.json", back = folder / "ba.json";
+  program.save(forth);
+  std::swap(program.steps[0], program.steps[1]);
+  program.save(back);
+  Stage clean = stage;
+  clean.noise = 0;
+  const auto sway = static_cast<double>(stage.motion);
+  Frames seen = run(stage.source(forth, sway, 2, kFrames));
+  const Frames truth = run(clean.source(back, sway, 2, kFrames));
+  std::filesystem::remove_all(folder);
+  const auto picture = [&](uint64_t trigger) {
+    return cv::Mat(stage.height, stage.width, CV_32FC3, seen.at(trigger).light_of_pixels.data());
+  };
+  using Way = std::function<cv::Mat(const cv::Mat* frames)>;  // from A before to A after
+  const auto flow = [](const cv::Mat& from, const cv::Mat& to) {
+    return Motion::between(Motion::gray(from), Motion::gray(to));
+  };
+  const std::pair<const char*, Way> all[] = {
+      {"this B and the one before, halved",
+       [&](const cv::Mat* f) -> cv::Mat {
+         return Motion::half(Motion::gray(f[3]), Motion::gray(f[1]));
+       }},
+      {"this A and the one after, halved",
+       [&](const cv::Mat* f) -> cv::Mat { return flow(f[2], f[4]) * 0.5; }},
+      {"A + B of this pair and the one before, halved",
+       [&](const cv::Mat* f) -> cv::Mat { return flow(f[2] + f[3], f[0] + f[1]) * -0.5; }},
+      {"A and B themselves", [&](const cv::Mat* f) { return flow(f[2], f[3]); }},
+  };
+  std::printf("\n| flow between | error of the moved B |\n|---|---|\n");
+  for (const auto& [name, way] : all) {
+    Error error;
+    for (uint64_t a = 7; a + 3 < kFrames; a += 2) {
+      const cv::Mat frames[] = {picture(a - 2), picture(a - 1), picture(a), picture(a + 1),
+                                picture(a + 2)};
+      const cv::Mat moved = Motion::moved(frames[3], way(frames));
+      error.add(moved.ptr<float>(), truth.at(a).light_of_pixels.data(),
+                truth.at(a).light_of_pixels.size());
+    }
+    std::printf("| %s | %.4f |\n", name, error.share());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -180,6 +231,7 @@ int main(int argc, char** argv) try {
       static_cast<double>(stage.noise));
   captures(stage);
   pairs(stage);
+  ways(stage);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "stage-motion-bench: %s\n", error.what());

@@ -1,85 +1,20 @@
 // lightstagetestsrc, by whole lines.
-#include <ImfArray.h>
-#include <ImfRgbaFile.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 
-#include "base/inverse_light_stage_meta.h"
-#include "element_test.hpp"
 #include "light_stage/light_driver.hpp"
 #include "light_stage/light_program.hpp"
+#include "test_source_shots.hpp"
 #include "virtual_stage/camera_schedule.hpp"
 
 namespace inverse::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Frame {
-  GstClockTime time, duration;
-  guint64 offset;
-  bool labeled = false;
-  GstLightStageMeta meta{};  // without its colors
-  std::vector<float> colors;
-};
-
-/// What a line sends, with what its buffers say.
-struct Shots {
-  LineResult line;
-  std::vector<Frame> frames;
-};
-
-GstPadProbeReturn note(GstPad*, GstPadProbeInfo* info, gpointer data) {
-  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-  Frame frame{GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), GST_BUFFER_OFFSET(buffer)};
-  if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer)) {
-    frame.labeled = true;
-    frame.meta = *meta;
-    gsize size = 0;
-    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta->colors, &size));
-    frame.colors.assign(colors, colors + size / sizeof(float));
-  }
-  static_cast<std::vector<Frame>*>(data)->push_back(frame);
-  return GST_PAD_PROBE_OK;
-}
-
-/// `source` is what follows "lightstagetestsrc", `caps` what its frames are.
-Shots shoot(const std::string& source, const std::string& caps = "format=GRAY8,width=16,height=16",
-            const std::function<void(GstElement*)>& prepare = {}) {
-  Shots shots;
-  shots.line =
-      run_line("lightstagetestsrc name=camera " + source + " ! video/x-raw," + caps +
-                   " ! appsink name=out sync=false",
-               120, [&](GstElement* pipeline) {
-                 GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-                 GstPad* pad = gst_element_get_static_pad(sink, "sink");
-                 gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, note, &shots.frames, nullptr);
-                 gst_object_unref(pad);
-                 gst_object_unref(sink);
-                 if (prepare) prepare(pipeline);
-               });
-  return shots;
-}
-
-std::string linear16(int width, int height) {
-  return "format=RGBA64_LE,colorimetry=(string)1:1:1:1,width=" + std::to_string(width) +
-         ",height=" + std::to_string(height);
-}
-
-std::vector<double> samples(const std::vector<uint8_t>& frame) {
-  std::vector<double> values(frame.size() / 2);
-  for (size_t i = 0; i < values.size(); ++i) {
-    uint16_t value = 0;
-    memcpy(&value, &frame[2 * i], 2);
-    values[i] = value;
-  }
-  return values;
-}
 
 TEST(LightStageTestSrc, FollowsItsProgramToTheEnd) {
   const LightProgram program = light_program("static:12", 50);
@@ -180,6 +115,31 @@ TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
   EXPECT_GT(doubled, 5U);
 }
 
+TEST(LightStageTestSrc, StartsLaterWhereAsked) {
+  const Shots shots = shoot(
+      "is-live=false program=static:2 rate=20 label=true start=0.35 "
+      "frame-ids=true first-frame-id=5");
+  const LightProgram program = light_program("static:2", 20);
+  ASSERT_EQ(shots.frames.size(), 7 + program.triggers().value()) << shots.line.first_error();
+  for (size_t i = 0; i < shots.frames.size(); ++i) {
+    EXPECT_EQ(shots.frames[i].time, i * GST_SECOND / 20);
+    EXPECT_EQ(shots.frames[i].offset, 5 + i);
+    EXPECT_EQ(shots.frames[i].meta.trigger, i < 7 ? 0 : i - 7);
+    const auto kind = i < 7 ? StepKind::black : program.kind(program.at(i - 7));
+    EXPECT_EQ(shots.frames[i].meta.kind == GST_LIGHT_STAGE_BLACK, kind == StepKind::black) << i;
+  }
+}
+
+/// Rendering takes a while; the program does not pass meanwhile.
+TEST(LightStageTestSrc, LiveProgramsBeginWithTheirMarker) {
+  const Shots shots = shoot("program=static:60 label=true num-buffers=2", "width=320,height=240");
+  ASSERT_EQ(shots.frames.size(), 2U) << shots.line.first_error();
+  EXPECT_EQ(shots.frames[0].meta.trigger, 0U);
+  EXPECT_LE(shots.frames[1].meta.trigger, 3U);  // nor does it while kernels are built
+  const double periods = static_cast<double>(shots.frames[0].time) * 60 / GST_SECOND;
+  EXPECT_NEAR(periods, std::round(periods), 1e-6);
+}
+
 TEST(LightStageTestSrc, SeedsRepeatNoise) {
   const std::string source = "is-live=false program=performance:4 num-buffers=3 noise=0.1 seed=";
   const auto first = shoot(source + "1").line.frames, again = shoot(source + "1").line.frames,
@@ -248,6 +208,7 @@ TEST(LightStageTestSrc, SizesAndFormats) {
 TEST(LightStageTestSrc, CapsMayChange) {
   GstElement* pipeline = gst_parse_launch(
       "lightstagetestsrc is-live=false program=performance:3 ! capsfilter name=filter "
+      "caps-change-mode=delayed "
       "caps=video/x-raw,format=RGBA,width=32,height=24 ! appsink name=out sync=false max-buffers=2",
       nullptr);
   ASSERT_NE(pipeline, nullptr);
@@ -305,6 +266,21 @@ TEST(LightStageTestSrc, StopsWhileItWaits) {
   gst_object_unref(pipeline);
 }
 
+TEST(LightStageTestSrc, StopsWhileItRenders) {
+  GstElement* pipeline = gst_parse_launch(
+      "lightstagetestsrc stack-limit=8192 ! video/x-raw,width=1024,height=768 ! fakesink", nullptr);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  g_usleep(1500000);  // all of it takes a minute and more
+  const auto start = std::chrono::steady_clock::now();
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(took.count(), 20);
+  GstBus* bus = gst_element_get_bus(pipeline);
+  EXPECT_EQ(gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR), nullptr);
+  gst_object_unref(bus);
+  gst_object_unref(pipeline);
+}
+
 TEST(LightStageTestSrc, FollowsPackets) {
   const LightProgram program = light_program("performance:5", 60);
   const std::string port = std::to_string(20000 + getpid() % 10000);
@@ -313,7 +289,7 @@ TEST(LightStageTestSrc, FollowsPackets) {
   settings.sacn.destination = "127.0.0.1:" + port;
   const auto driver = make_light_driver(settings);
   GstElement* pipeline = gst_parse_launch(
-      ("lightstagetestsrc is-live=false label=true program=performance:5 gain=0.1 "
+      ("lightstagetestsrc is-live=false label=true program=performance:5 gain=0.5 "
        "listen=127.0.0.1:" +
        port + " ! video/x-raw," + linear16(32, 24) + " ! appsink name=out sync=false max-buffers=1")
           .c_str(),
@@ -352,7 +328,8 @@ TEST(LightStageTestSrc, FollowsPackets) {
       for (size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(colors[3 * l + c], expected[l][c], .5 / 255 + 1e-6);
     const auto got = samples(frame), wanted = samples(truth.line.frames[trigger]);
-    for (size_t i = 0; i < got.size(); ++i) ASSERT_NEAR(got[i], wanted[i], 65535 * .01);
+    for (size_t i = 0; i < got.size(); ++i)
+      EXPECT_NEAR(got[i], wanted[i], 65535 * .01) << "trigger " << trigger << ", sample " << i;
   }
   driver->black();
   for (int i = 0; i < 4; ++i) next(colors);
@@ -365,106 +342,6 @@ TEST(LightStageTestSrc, FollowsPackets) {
   gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(sink);
   gst_object_unref(pipeline);
-}
-
-/// A folder of OLAT images with `lights` lights.
-class Folder {
- public:
-  explicit Folder(int lights, int width = 24, int height = 20) {
-    std::string name = (fs::temp_directory_path() / "inverse-olat-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no folder");
-    path_ = name;
-    fs::create_directory(path_ + "/olat");
-    std::ofstream json(path_ + "/lights.json");
-    json << "{\"directions\": [";
-    const auto directions = geodesic_directions(static_cast<uint32_t>(lights));
-    for (int i = 0; i < lights; ++i) {
-      const auto& d = directions[static_cast<size_t>(i)];
-      json << (i ? "," : "") << "[" << d[0] << "," << d[1] << "," << d[2] << "]";
-      write(i, width, height);
-    }
-    json << "]}";
-  }
-  ~Folder() { fs::remove_all(path_); }
-  const std::string& path() const { return path_; }
-  std::string image(int light) const { return path_ + "/olat/00" + std::to_string(light) + ".exr"; }
-  /// The value of channel c at x of the images, everywhere the same along y.
-  static float value(int light, int x, int c) {
-    return static_cast<float>((light + 1) * (x % 8) + c) / 64;
-  }
-  void write(int light, int width, int height) const {
-    Imf::Array2D<Imf::Rgba> pixels(height, width);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        pixels[y][x] = Imf::Rgba(value(light, x, 0), value(light, x, 1), value(light, x, 2));
-    Imf::RgbaOutputFile file(image(light).c_str(), width, height, Imf::WRITE_RGB);
-    file.setFrameBuffer(&pixels[0][0], 1, static_cast<size_t>(width));
-    file.writePixels(height);
-  }
-
- private:
-  std::string path_;
-};
-
-TEST(LightStageTestSrc, PlaysFolders) {
-  const Folder folder(5);
-  const LightProgram program = light_program("static:5", 60);
-  const std::string line = "is-live=false gain=1.25 location=" + folder.path();  // factor 1
-  const LineResult shots =
-      run_line("lightstagetestsrc program=static " + line +
-                   " ! video/x-raw,format=RGBA64_LE,colorimetry=(string)1:1:1:1"
-                   " ! appsink name=out sync=false",
-               120);
-  ASSERT_EQ(shots.frames.size(), program.triggers().value()) << shots.first_error();
-  EXPECT_EQ(GST_VIDEO_INFO_WIDTH(&shots.info), 24);
-  EXPECT_EQ(GST_VIDEO_INFO_HEIGHT(&shots.info), 20);
-  for (size_t step = 0; step < program.steps.size(); ++step) {
-    const auto frame = samples(shots.frames[step + LightProgram::kMarkerSteps]);
-    const auto colors = program.colors(program.steps[step]);
-    for (int x = 0; x < 24; ++x)
-      for (int c = 0; c < 3; ++c) {
-        double sum = 0;
-        for (int l = 0; l < 5; ++l)
-          sum += double{colors[static_cast<size_t>(l)][static_cast<size_t>(c)]} *
-                 double{Folder::value(l, x, c)};
-        ASSERT_NEAR(frame[static_cast<size_t>(4 * x + c)], std::min(1.0, sum) * 65535, 2);
-      }
-  }
-}
-
-std::string error_of(const std::string& source, const std::string& caps = "format=RGBA") {
-  return shoot("is-live=false num-buffers=2 " + source, caps).line.first_error();
-}
-
-TEST(LightStageTestSrc, SaysWhatIsWrongWithFolders) {
-  const auto expect = [](const std::string& error, const std::string& part) {
-    EXPECT_NE(error.find(part), std::string::npos) << error;
-  };
-  expect(error_of("location=/no/such/folder"), "an OLAT folder has lights.json");
-  {
-    const Folder folder(3);
-    const std::string location = "location=" + folder.path();
-    expect(error_of("program=performance:4 " + location), "program=performance or program=static");
-    // The images have another size: nothing can be agreed on.
-    EXPECT_FALSE(error_of(location, "width=100").empty());
-    std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, 2]]}";
-    expect(error_of(location), "not a unit vector");
-    std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0";
-    expect(error_of(location), "is no JSON");
-    std::ofstream(folder.path() + "/lights.json") << "{\"directions\": [[0, 0, \"x\"]]}";
-    expect(error_of(location), "no direction of three numbers");
-    std::ofstream(folder.path() + "/lights.json") << "[1]";
-    expect(error_of(location), "has no \"directions\"");
-  }
-  {
-    const Folder folder(3);
-    fs::resize_file(folder.image(2), fs::file_size(folder.image(2)) / 2);
-    expect(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
-    fs::remove(folder.image(2));
-    expect(error_of("location=" + folder.path()), "002.exr cannot be read as OpenEXR");
-    folder.write(2, 25, 20);
-    expect(error_of("location=" + folder.path()), "002.exr is 25x20, the first image 24x20");
-  }
 }
 
 TEST(LightStageTestSrc, SaysWhatIsWrong) {

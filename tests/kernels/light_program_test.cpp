@@ -190,5 +190,19 @@ TEST(LightProgram, ByName) {
     EXPECT_THROW(light_program(name), Error) << name;
 }
 
+TEST(LightProgram, IsTheSameWhenReadAgain) {
+  for (const uint32_t count : {1U, 12U, 42U, 331U})
+    for (LightProgram program : {static_capture(stage_lights(geodesic_directions(count))),
+                                 performance(stage_lights(geodesic_directions(count)))}) {
+      // As they come from other programs: a few digits.
+      for (auto& light : program.lights)
+        for (double& c : light.direction) c = std::round(c * 1e6) / 1e6;
+      program.check();
+      const LightProgram again = LightProgram::parse(program.json());
+      EXPECT_EQ(again.id(), program.id());
+      EXPECT_EQ(LightProgram::parse(again.json()).id(), program.id());
+    }
+}
+
 }  // namespace
 }  // namespace inverse

@@ -76,8 +76,12 @@ TEST_F(VirtualStageTest, SurfaceMatchesItsReference) {
   for (const uint32_t camera : {0U, 1U, 4U}) {
     const Extent extent{80, 60};
     const HeadView view = view_of_camera(camera);
-    HeadSurface surface{};
-    run([&](gpu::Commands& commands) { surface = record_head_surface(commands, extent, view); });
+    const HeadSurface surface = make_head_surface(device, extent);
+    run([&](gpu::Commands& commands) {
+      const auto all = static_cast<uint32_t>(extent.pixels());
+      record_head_surface(commands, surface, view, 0, all / 3);
+      record_head_surface(commands, surface, view, all / 3, all - all / 3);
+    });
     const Pixels position = download(surface.position.buffer),
                  normal = download(surface.normal.buffer), albedo = download(surface.albedo.buffer);
     const reference::HeadCamera eye{view.turn, view.distance, view.height, view.center};
@@ -113,10 +117,14 @@ TEST_F(VirtualStageTest, ShadingMatchesItsReference) {
   lights.push_back({0, 0, 1});
   lights.push_back({0, 0, -1});
   OlatStack stack(device, extent, static_cast<uint32_t>(lights.size()), kPlenty);
-  render_head(stack, lights, view, 2);
-  HeadSurface surface{};
+  ASSERT_TRUE(render_head(stack, lights, view));
   const Extent fine{2 * extent.width, 2 * extent.height};
-  run([&](gpu::Commands& commands) { surface = record_head_surface(commands, fine, view); });
+  const HeadSurface surface = make_head_surface(device, fine);
+  run([&](gpu::Commands& commands) {
+    const auto all = static_cast<uint32_t>(fine.pixels());
+    record_head_surface(commands, surface, view, 0, all / 3);
+    record_head_surface(commands, surface, view, all / 3, all - all / 3);
+  });
   const Pixels position = download(surface.position.buffer),
                normal = download(surface.normal.buffer), albedo = download(surface.albedo.buffer);
   const auto eye = view.eye();
@@ -153,13 +161,18 @@ TEST_F(VirtualStageTest, ShadingMatchesItsReference) {
   }
 }
 
+TEST_F(VirtualStageTest, RenderingCanBeGivenUp) {
+  OlatStack stack(device, {8, 8}, 3, kPlenty);
+  EXPECT_FALSE(render_head(stack, geodesic_directions(3), {}, [] { return false; }));
+}
+
 TEST_F(VirtualStageTest, FramesAreSumsOfTheirImages) {
   const LightProgram program = static_capture(stage_lights(geodesic_directions(42)), 60);
   for (const Extent extent : {Extent{40, 30}, {16, 16}, {1, 1}, {17, 5}}) {
     OlatStack stack(device, extent, 42, kPlenty);
     std::vector<Direction> directions;
     for (const auto& light : program.lights) directions.push_back(light.direction);
-    render_head(stack, directions, {});
+    ASSERT_TRUE(render_head(stack, directions, {}));
     std::vector<Pixels> images;
     for (uint32_t i = 0; i < 42; ++i) images.push_back(olat(stack, i));
     for (size_t step = 0; step < program.steps.size(); ++step) {

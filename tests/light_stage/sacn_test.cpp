@@ -140,11 +140,12 @@ TEST(SacnDriver, SaysWhatIsWrong) {
   EXPECT_NE(upload("255.255.255.255").find("cannot send sACN packets to 255.255.255.255"),
             std::string::npos);
   auto settings = settings_for("");
-  settings.sacn.interface_address = "192.0.2.77";
+  settings.sacn.interface_address = "203.0.113.77";
   const auto multicast = [&] {
     return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
   };
-  EXPECT_NE(multicast().find("no network interface has the address 192.0.2.77"), std::string::npos);
+  EXPECT_NE(multicast().find("no network interface has the address 203.0.113.77"),
+            std::string::npos);
   settings.sacn.interface_address = "eth0";
   EXPECT_NE(multicast().find("is no IPv4 address"), std::string::npos);
   settings = settings_for("");
@@ -304,7 +305,11 @@ TEST(SacnReceiver, HearsMulticast) {
   }
   auto settings = settings_for("");
   const auto driver = make_light_driver(settings);
-  driver->upload(two_lights());
+  try {
+    driver->upload(two_lights());
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what();
+  }
   driver->show(1);
   receiver->poll();
   if (receiver->stats().packets == 0) {
@@ -319,7 +324,7 @@ TEST(SacnReceiver, PortsInUseAndStrangeAddressesAreSaid) {
   const std::string taken = "127.0.0.1:" + std::to_string(first.port());
   EXPECT_NE(error_of([&] { sacn::Receiver(taken, none); }).find("another program listens"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { sacn::Receiver("192.0.2.200:0", none); }).find("of this machine"),
+  EXPECT_NE(error_of([&] { sacn::Receiver("203.0.113.200:0", none); }).find("of this machine"),
             std::string::npos);
   EXPECT_NE(error_of([&] { sacn::Receiver("localhost:x", none); }).find("the port is a number"),
             std::string::npos);
