@@ -36,11 +36,12 @@ GstCaps* assembled_caps(GstCaps* in, SyncParams::Assemble assemble) {
     double_width(structure);
     halve_rate(structure);
   }
-  GstCaps* layers = gst_caps_copy(in);
-  for (guint i = 0; i < gst_caps_get_size(layers); ++i)
-    halve_rate(gst_caps_get_structure(layers, i));
-  layers = transform_caps(layers, template_caps(Flow::layers, kGradientLayers), nullptr);
-  gst_caps_append(plain, layers);
+  GstCaps* slower = gst_caps_copy(in);
+  for (guint i = 0; i < gst_caps_get_size(slower); ++i)
+    halve_rate(gst_caps_get_structure(slower, i));
+  gst_caps_append(plain,
+                  transform_caps(slower, template_caps(Flow::layers, kGradientLayers), nullptr));
+  gst_caps_unref(slower);
   return plain;
 }
 

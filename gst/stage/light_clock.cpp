@@ -1,5 +1,7 @@
 #include "light_clock.hpp"
 
+#include <algorithm>
+
 #include "base/errors.hpp"
 
 namespace inverse {
@@ -32,13 +34,18 @@ void LightClock::play() {
 void LightClock::run(GstClock* clock, GstClockTime start) {
   const LightProgram& program = labels_->program();
   const auto triggers = program.triggers();
-  start += static_cast<GstClockTime>(lead_in_ * GST_SECOND);
+  // Steps begin at whole periods of the running time, as do the frames of cameras that are
+  // triggered by the same clock.
+  const GstClockTime base = gst_element_get_base_time(element_);
+  const GstClockTime first =
+      start - std::min(start, base) + static_cast<GstClockTime>(lead_in_ * GST_SECOND);
+  const GstClockTime nominator = GST_SECOND * program.rate_denominator;
+  const uint64_t before = gst_util_uint64_scale_ceil(first, program.rate_numerator, nominator);
   uint64_t trigger = 0;
   for (; !triggers || trigger < *triggers; ++trigger) {
     // From the program's start, so that nothing adds up.
     const GstClockTime time =
-        start + gst_util_uint64_scale(trigger, GST_SECOND * program.rate_denominator,
-                                      program.rate_numerator);
+        base + gst_util_uint64_scale(before + trigger, nominator, program.rate_numerator);
     GstClockID wait = nullptr;
     {
       std::lock_guard lock(mutex_);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "base/caps.hpp"
 #include "sync_element.hpp"
 
 using inverse::SyncElement;
@@ -193,10 +194,9 @@ void class_init(gpointer klass, gpointer) {
       "Says of each frame of the cameras of a light stage which lights lit it, keeps the cameras "
       "together, and makes pairs or sets of what belongs together",
       "the gst-inverse authors");
-  GstCaps* raw = gst_caps_from_string(GST_VIDEO_CAPS_MAKE(GST_VIDEO_FORMATS_ALL));
+  GstCaps* raw = inverse::pixel_caps();
   add_template(element, "sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, raw);
-  GstCaps* out = inverse::assembled_caps(raw, inverse::SyncParams::Assemble::none);
-  out = gst_caps_merge(out, inverse::assembled_caps(raw, inverse::SyncParams::Assemble::pairs));
+  GstCaps* out = inverse::assembled_caps(raw, inverse::SyncParams::Assemble::pairs);  // all of it
   add_template(element, "src_%u", GST_PAD_SRC, GST_PAD_SOMETIMES, out);
   gst_caps_unref(raw);
   gst_caps_unref(out);

@@ -13,7 +13,9 @@ struct GstLightStageTestSrc {
   GstPushSrc parent;
   TestSource* source;
   // Of the streaming thread.
-  uint64_t frame;          // the next one of the camera
+  bool running;            // the camera has begun
+  uint64_t first, frame;   // its first and its next frame, periods from running time 0
+  uint64_t start;          // of the program, the same
   GstClockTime last_time;  // time stamps do not go back
   GstBuffer* again;        // a frame that is to be sent a second time
   // Under the object's lock.
@@ -87,7 +89,7 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
 gboolean start(GstBaseSrc* base) {
   auto& self = self_of(base);
   if (!inverse::guarded(GST_ELEMENT(base), [&] { self.source->start(); })) return FALSE;
-  self.frame = 0;
+  self.running = false;
   self.last_time = 0;
   return TRUE;
 }
@@ -170,14 +172,31 @@ bool wait_until(GstLightStageTestSrc& self, GstClockTime running) {
   return result != GST_CLOCK_UNSCHEDULED;
 }
 
+/// The camera begins with the next period: what it sees may have taken a while to be made.
+void begin(GstLightStageTestSrc& self, bool live) {
+  self.frame = 0;
+  if (live) {
+    const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(&self));
+    if (GST_CLOCK_TIME_IS_VALID(now))
+      self.frame = gst_util_uint64_scale_ceil(now, 1, self.source->period());
+  }
+  self.first = self.frame;
+  self.start = self.source->said_start().value_or(self.first);
+  self.running = true;
+}
+
+inverse::Exposure exposure_of(const GstLightStageTestSrc& self) {
+  inverse::Exposure exposure{self.frame - self.first, std::nullopt};
+  if (self.frame >= self.start) exposure.trigger = self.frame - self.start;
+  return exposure;
+}
+
 /// Where a live camera is after this machine was held up: frames that nobody fetched are gone.
 void catch_up(GstLightStageTestSrc& self) {
-  auto* element = GST_ELEMENT(&self);
-  const GstClockTime now = gst_element_get_current_running_time(element);
+  constexpr uint64_t kBuffers = 4;  // as many may wait in a camera
+  const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(&self));
   if (!GST_CLOCK_TIME_IS_VALID(now)) return;
   uint64_t lost = 0;
-  // As many as cameras have buffers may be waiting.
-  constexpr uint64_t kBuffers = 4;
   while (self.source->time_of(self.frame + lost + kBuffers) < now) ++lost;
   if (lost) self.source->overran(lost);
   self.frame += lost;
@@ -216,13 +235,16 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
     return GST_FLOW_OK;
   }
   const bool live = gst_base_src_is_live(base);
-  if (live) catch_up(self);
+  if (!self.running)
+    begin(self, live);
+  else if (live)
+    catch_up(self);
   inverse::FrameFate fate;
   while (true) {
     if (flushing(self)) return GST_FLOW_FLUSHING;
-    if (source.ended(self.frame)) return GST_FLOW_EOS;
+    if (source.ended(exposure_of(self))) return GST_FLOW_EOS;
     gst_object_sync_values(GST_OBJECT(push), source.time_of(self.frame));
-    fate = source.fate(self.frame);
+    fate = source.fate(exposure_of(self));
     if (!fate.dropped) break;
     source.count(true, false);
     ++self.frame;
@@ -230,12 +252,13 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
     if (live && !wait_until(self, source.time_of(self.frame))) return GST_FLOW_FLUSHING;
   }
   const GstClockTime time = source.time_of(self.frame);
-  if (live && !wait_until(self, time + source.until_exposure(self.frame))) return GST_FLOW_FLUSHING;
+  if (live && !wait_until(self, time + source.until_exposure(exposure_of(self))))
+    return GST_FLOW_FLUSHING;
   GstBuffer* made = nullptr;
   const GstFlowReturn allocated =
       GST_BASE_SRC_CLASS(parent_class)->alloc(base, 0, gst_base_src_get_blocksize(base), &made);
   if (allocated != GST_FLOW_OK) return allocated;
-  if (!inverse::guarded(GST_ELEMENT(push), [&] { source.draw(self.frame, made); })) {
+  if (!inverse::guarded(GST_ELEMENT(push), [&] { source.draw(exposure_of(self), made); })) {
     gst_buffer_unref(made);
     return GST_FLOW_ERROR;
   }

@@ -3,6 +3,7 @@
 #include <ImfRgbaFile.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -33,6 +34,20 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
   }
 } catch (const std::exception& error) {
   throw Error(ErrorKind::file, "cannot write " + path + ": " + error.what());
+}
+
+constexpr double kMuchClipped = 0.1;
+
+/// How much of what is lit is at the end of the scale in all channels.
+double clipped_share(const cv::Mat& light) {
+  double lit = 0, clipped = 0;
+  for (int y = 0; y < light.rows; y += 2)
+    for (int x = 0; x < light.cols; x += 2) {
+      const auto& rgb = light.at<cv::Vec3f>(y, x);
+      lit += std::max({rgb[0], rgb[1], rgb[2]}) > 0.05F ? 1 : 0;
+      clipped += std::min({rgb[0], rgb[1], rgb[2]}) > 0.97F ? 1 : 0;
+    }
+  return lit > 0 ? clipped / lit : 0;
 }
 
 std::string file_name(const LightStep& step) {
@@ -113,10 +128,20 @@ void OlatAssembler::forget() {
 
 GstFlowReturn OlatAssembler::assemble() {
   std::map<uint64_t, cv::Mat> tracking;
-  for (const Held& held : held_)
-    if (labels_->program().kind(held.label.position) == StepKind::tracking)
-      tracking[held.label.trigger] =
-          Motion::gray(linear_light(*linear_, read_codes(info_, held.buffer)));
+  double clipped = 0;
+  for (const Held& held : held_) {
+    if (labels_->program().kind(held.label.position) != StepKind::tracking) continue;
+    const cv::Mat light = linear_light(*linear_, read_codes(info_, held.buffer));
+    clipped = std::max(clipped, clipped_share(light));
+    tracking[held.label.trigger] = Motion::gray(light);
+  }
+  if (clipped > kMuchClipped)
+    GST_ELEMENT_WARNING(
+        element_, STREAM, FAILED,
+        ("%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
+         "not seen there; give the steps \"tracking\" a shorter exposure than single lights",
+         static_cast<int>(std::lround(100 * clipped))),
+        (nullptr));
   std::unique_ptr<OlatMotion> motion;
   if (!tracking.empty()) motion = std::make_unique<OlatMotion>(tracking);
   const uint64_t last = tracking.empty() ? 0 : tracking.rbegin()->first;

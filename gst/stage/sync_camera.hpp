@@ -46,7 +46,6 @@ struct SyncCamera {
       } else {
         gst_mini_object_unref(line.front().object);
       }
-      waiting_buffers -= line.front().token != 0 ? 1 : 0;
       line.pop_front();
     }
   }
@@ -60,7 +59,7 @@ struct SyncCamera {
       for (const Item& item : *queue) gst_mini_object_unref(item.object);
       queue->clear();
     }
-    waiting_buffers = outgoing_buffers = 0;
+    in_sets = outgoing_buffers = 0;
   }
 
   const uint32_t number;
@@ -75,7 +74,7 @@ struct SyncCamera {
 
   // Under the mutex.
   std::deque<Item> line, out;
-  size_t waiting_buffers = 0, outgoing_buffers = 0;
+  size_t in_sets = 0, outgoing_buffers = 0;  // buffers that wait for other cameras, or to leave
   std::unique_ptr<FrameLabeler> labeler;
   uint64_t run = 0;  // of the program: labels of different runs do not compare
   std::optional<uint64_t> last_trigger;

@@ -196,8 +196,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   Lock lock(mutex_);
   camera->last_arrival = Clock::now();
   while (!camera->flushing && !camera->ended &&
-         (camera->waiting_buffers >= params_.max_frames ||
-          camera->outgoing_buffers >= kMostOutgoing)) {
+         (camera->in_sets >= params_.max_frames || camera->outgoing_buffers >= kMostOutgoing)) {
     camera->blocked = camera->outgoing_buffers >= kMostOutgoing;
     changed_.wait_for(lock, kLook);
     look_for_silence();
@@ -212,7 +211,6 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   frame.token = next_token_++;
   camera->line.push_back(
       {SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer), frame.token, std::nullopt});
-  ++camera->waiting_buffers;
   labeled(*camera, trigger ? triggered(*camera, frame.token, handling->trigger())
                            : camera->labeler->push(frame));
   report(*camera);
@@ -287,6 +285,7 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     item->label = FrameLabel{frame.trigger, frame.position};
     join_run(camera, frame.trigger);
     camera.last_trigger = frame.trigger;
+    ++camera.in_sets;
     sets_.add(camera.number, camera.run << 40 | frame.trigger, frame.token);
     if (camera.left_alone) {
       camera.left_alone = false;
@@ -306,6 +305,7 @@ void SyncElement::advance() {
     if (!item) continue;
     item->state = frame.out ? State::leaves : State::dropped;
     camera->second->incomplete += frame.out ? 0 : 1;
+    --camera->second->in_sets;
   }
   for (auto& [number, camera] : cameras_) camera->advance();
   changed_.notify_all();
@@ -390,24 +390,17 @@ bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
       Lock lock(mutex_);
       camera->flushing = false;
     }
-    // The pad keeps the camera for its thread.
-    auto* kept = new CameraPtr(camera);
-    struct Work {
-      SyncElement* element;
-      CameraPtr* camera;
-    };
     return gst_pad_start_task(
         camera->src,
         [](gpointer data) {
-          auto& work = *static_cast<Work*>(data);
-          work.element->push_out(**work.camera);
+          auto* pad = static_cast<GstPad*>(data);
+          auto* element = static_cast<SyncElement*>(gst_pad_get_element_private(pad));
+          if (const CameraPtr one = element->find(pad))
+            element->push_out(*one);
+          else
+            gst_pad_pause_task(pad);  // it was given back
         },
-        new Work{this, kept},
-        [](gpointer data) {
-          auto* work = static_cast<Work*>(data);
-          delete work->camera;
-          delete work;
-        });
+        camera->src, nullptr);
   }
   {
     Lock lock(mutex_);

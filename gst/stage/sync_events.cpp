@@ -105,6 +105,8 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && camera->labeler) {
     labeled(*camera, camera->labeler->drain());
+    camera->told_at = {};  // the last losses, too
+    report(*camera);
     camera->ended = true;
     sets_.wait_for(camera->number, false);
     if (camera->labeler->counts().markers == 0 && camera->labeler->counts().frames > 0 &&

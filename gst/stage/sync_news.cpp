@@ -57,7 +57,7 @@ void SyncElement::look_for_silence() {
     const auto wait =
         std::max<Clock::duration>(kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
-        camera->waiting_buffers >= params_.max_frames || now - camera->last_arrival < wait)
+        camera->in_sets >= params_.max_frames || now - camera->last_arrival < wait)
       continue;
     camera->silent = true;
     tell("camera-stopped", *camera);

@@ -96,10 +96,11 @@ const PropertyTable<SyncParams>& sync_properties() {
             "A controller on a serial line that is given the program before the start, and a "
             "pulse for each step"}},
           "How the lights are reached", Mutable::ready),
-      number<P>("lead-in", &P::lead_in, 0, 3600,
-                "Seconds of black from PLAYING to the program's start, where the lights are driven "
-                "from here",
-                Mutable::ready),
+      number<P>(
+          "lead-in", &P::lead_in, 0, 3600,
+          "Seconds of black at least from PLAYING to the program's start, where the lights are "
+          "driven from here; it starts at a whole number of periods of the running time",
+          Mutable::ready),
       text<P>(
           "host", [](P & p) -> auto& { return p.lights.sacn.destination; },
           "backend=sacn: the one receiver, host or host:port; empty: multicast, to the group of "

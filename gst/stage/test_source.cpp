@@ -148,29 +148,38 @@ void TestSource::set_caps(const GstVideoInfo& info) {
   render_ms_ = milliseconds_since(start);
 }
 
-GstClockTime TestSource::time_of(uint64_t frame) const {
-  return gst_util_uint64_scale(frame, GST_SECOND * program_.rate_denominator,
+GstClockTime TestSource::time_of(uint64_t steps) const {
+  return gst_util_uint64_scale(steps, GST_SECOND * program_.rate_denominator,
                                program_.rate_numerator);
 }
 
-GstClockTime TestSource::until_exposure(uint64_t frame) const {
+std::optional<uint64_t> TestSource::said_start() const {
+  if (started_.start <= 0) return std::nullopt;
+  return static_cast<uint64_t>(
+      std::llround(started_.start * program_.rate_numerator / program_.rate_denominator));
+}
+
+GstClockTime TestSource::until_exposure(const Exposure& exposed) const {
   double guard = program_.guard, exposure = program_.exposure;
-  const auto position = program_.at(frame);
-  if (position.part == LightProgram::Position::Part::step) {
-    guard = program_.steps[position.index].guard.value_or(guard);
-    exposure = program_.steps[position.index].exposure.value_or(exposure);
+  if (exposed.trigger) {
+    const auto position = program_.at(*exposed.trigger);
+    if (position.part == LightProgram::Position::Part::step) {
+      guard = program_.steps[position.index].guard.value_or(guard);
+      exposure = program_.steps[position.index].exposure.value_or(exposure);
+    }
   }
   if (exposure <= 0) return period() / 2;
   return static_cast<GstClockTime>((guard + exposure / 2) * GST_SECOND);
 }
 
-bool TestSource::ended(uint64_t frame) const {
-  return !receiver_ && program_.at(frame).part == LightProgram::Position::Part::ended;
+bool TestSource::ended(const Exposure& exposure) const {
+  return !receiver_ && exposure.trigger &&
+         program_.at(*exposure.trigger).part == LightProgram::Position::Part::ended;
 }
 
-FrameFate TestSource::fate(uint64_t frame) const {
+FrameFate TestSource::fate(const Exposure& exposure) const {
   const TestSourceParams p = parameters_.snapshot();
-  return fate_of(frame, {p.drop_rate, p.duplicate_rate, p.late_rate, p.jitter, p.seed});
+  return fate_of(exposure.number, {p.drop_rate, p.duplicate_rate, p.late_rate, p.jitter, p.seed});
 }
 
 void TestSource::count(bool dropped, bool duplicated) {
@@ -178,17 +187,20 @@ void TestSource::count(bool dropped, bool duplicated) {
   duplicated_ += duplicated;
 }
 
-std::vector<LightColor> TestSource::colors(uint64_t frame) {
-  if (!receiver_) return program_.colors(program_.at(frame));
-  receiver_->poll();
-  return patch_->colors(receiver_->levels());
+std::vector<LightColor> TestSource::colors(const Exposure& exposure) {
+  if (receiver_) {
+    receiver_->poll();
+    return patch_->colors(receiver_->levels());
+  }
+  if (exposure.trigger) return program_.colors(program_.at(*exposure.trigger));
+  return std::vector<LightColor>(program_.lights.size());
 }
 
-void TestSource::draw(uint64_t frame, GstBuffer* buffer) {
+void TestSource::draw(const Exposure& exposure, GstBuffer* buffer) {
   const auto start = Clock::now();
   const TestSourceParams params = parameters_.snapshot();
-  const auto lit = colors(frame);
-  const double seconds = static_cast<double>(time_of(frame)) / GST_SECOND;
+  const auto lit = colors(exposure);
+  const double seconds = static_cast<double>(time_of(exposure.trigger.value_or(0))) / GST_SECOND;
   VirtualCamera::Shot shot;
   shot.sway = static_cast<float>(
       params.motion * std::sin(2 * std::numbers::pi * seconds / double{params.motion_period}));
@@ -196,7 +208,7 @@ void TestSource::draw(uint64_t frame, GstBuffer* buffer) {
   shot.gain = params.gain * 4 / static_cast<float>(program_.lights.size());
   shot.noise = params.noise;
   shot.seed = params.seed + 1000 * params.camera;
-  shot.frame = static_cast<uint32_t>(frame);
+  shot.frame = static_cast<uint32_t>(exposure.number);
   commands_->begin();
   const PlanePtr light = stack_->record(*commands_, lit);
   commands_->stage("weigh");
@@ -207,28 +219,30 @@ void TestSource::draw(uint64_t frame, GstBuffer* buffer) {
   commands_->submit();
   commands_->wait();
   output_->write(readback_, buffer);
-  if (started_.label) label(frame, lit, buffer);
+  if (started_.label) label(exposure, lit, buffer);
   if (started_.frame_ids) {
-    GST_BUFFER_OFFSET(buffer) =
-        frame_id(frame, started_.first_frame_id, static_cast<uint32_t>(started_.frame_id_bits));
+    GST_BUFFER_OFFSET(buffer) = frame_id(exposure.number, started_.first_frame_id,
+                                         static_cast<uint32_t>(started_.frame_id_bits));
     GST_BUFFER_OFFSET_END(buffer) = GST_BUFFER_OFFSET_NONE;
   }
-  publish(frame, milliseconds_since(start));
+  publish(exposure, milliseconds_since(start));
 }
 
-void TestSource::label(uint64_t frame, const std::vector<LightColor>& colors,
+void TestSource::label(const Exposure& exposure, const std::vector<LightColor>& colors,
                        GstBuffer* buffer) const {
   using Part = LightProgram::Position::Part;
   GstLightStageMeta* meta = add_light_stage_meta(buffer);
   meta->program = program_id_;
-  meta->trigger = frame;
+  meta->trigger = exposure.trigger.value_or(0);
+  meta->kind = GST_LIGHT_STAGE_BLACK;
   meta->lights = static_cast<guint>(colors.size());
   meta->colors = g_bytes_new(colors.data(), colors.size() * sizeof colors[0]);
   if (receiver_) {  // whatever the packets said
     meta->kind = GST_LIGHT_STAGE_CUSTOM;
     return;
   }
-  const auto position = program_.at(frame);
+  if (!exposure.trigger) return;
+  const auto position = program_.at(*exposure.trigger);
   meta->pass = position.pass;
   meta->kind = kind_of(program_.kind(position));
   if (position.part != Part::step) return;
@@ -239,15 +253,15 @@ void TestSource::label(uint64_t frame, const std::vector<LightColor>& colors,
   for (size_t c = 0; c < 3; ++c) meta->direction[c] = static_cast<gfloat>(direction[c]);
 }
 
-void TestSource::publish(uint64_t frame, double wall_ms) {
+void TestSource::publish(const Exposure& exposure, double wall_ms) {
   ++frames_;
   GstStructure* stats = frame_stats(*commands_, frames_, wall_ms);
   gst_structure_set(stats, "render-ms", G_TYPE_DOUBLE, render_ms_, "stack-bytes", G_TYPE_UINT64,
                     OlatStack::bytes(stack_->extent(), stack_->lights()), "lights", G_TYPE_UINT,
-                    stack_->lights(), "trigger", G_TYPE_UINT64, frame, "sums", G_TYPE_UINT64,
-                    stack_->made(), "sums-reused", G_TYPE_UINT64, stack_->taken_again(), "dropped",
-                    G_TYPE_UINT64, dropped_, "duplicated", G_TYPE_UINT64, duplicated_, "overruns",
-                    G_TYPE_UINT64, overruns_, nullptr);
+                    stack_->lights(), "trigger", G_TYPE_UINT64, exposure.trigger.value_or(0),
+                    "sums", G_TYPE_UINT64, stack_->made(), "sums-reused", G_TYPE_UINT64,
+                    stack_->taken_again(), "dropped", G_TYPE_UINT64, dropped_, "duplicated",
+                    G_TYPE_UINT64, duplicated_, "overruns", G_TYPE_UINT64, overruns_, nullptr);
   if (receiver_) {
     const auto& heard = receiver_->stats();
     gst_structure_set(stats, "packets", G_TYPE_UINT64, heard.packets, "packets-malformed",

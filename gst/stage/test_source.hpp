@@ -16,6 +16,12 @@
 
 namespace inverse {
 
+/// A frame of the camera.
+struct Exposure {
+  uint64_t number = 0;              ///< counted from the camera's first
+  std::optional<uint64_t> trigger;  ///< of the program; nothing before its start
+};
+
 /// What lightstagetestsrc does: a light program (or sACN packets), a head (or an OLAT folder) under
 /// its lights, a camera that looks. The element around it has the clock and the pad.
 class TestSource {
@@ -37,15 +43,18 @@ class TestSource {
   /// Renders what these caps need. Takes as long as it takes. Throws.
   void set_caps(const GstVideoInfo& info);
 
-  /// Period of the program, and from the start of a step to the middle of its exposure.
-  GstClockTime time_of(uint64_t frame) const;
+  /// From running time 0 to the start of so many steps.
+  GstClockTime time_of(uint64_t steps) const;
   GstClockTime period() const { return time_of(1); }
-  GstClockTime until_exposure(uint64_t frame) const;
-  /// Whether the program has ended before this frame; never with `listen`.
-  bool ended(uint64_t frame) const;
-  FrameFate fate(uint64_t frame) const;
-  /// Draws a frame of the camera: what the lights do now. `time` is where it belongs.
-  void draw(uint64_t frame, GstBuffer* buffer);
+  /// Step at which the program starts, where that is said.
+  std::optional<uint64_t> said_start() const;
+  /// From the start of a step to the middle of its exposure.
+  GstClockTime until_exposure(const Exposure& exposure) const;
+  /// Whether the program has ended before this; never with `listen`.
+  bool ended(const Exposure& exposure) const;
+  FrameFate fate(const Exposure& exposure) const;
+  /// Draws what the camera sees: what the lights do now.
+  void draw(const Exposure& exposure, GstBuffer* buffer);
   /// How many frames went lost because this machine was too slow for a live camera.
   void overran(uint64_t frames) { overruns_ += frames; }
   void count(bool dropped, bool duplicated);
@@ -54,9 +63,10 @@ class TestSource {
   GstStructure* stats() const;
 
  private:
-  std::vector<LightColor> colors(uint64_t frame);
-  void label(uint64_t frame, const std::vector<LightColor>& colors, GstBuffer* buffer) const;
-  void publish(uint64_t frame, double wall_ms);
+  std::vector<LightColor> colors(const Exposure& exposure);
+  void label(const Exposure& exposure, const std::vector<LightColor>& colors,
+             GstBuffer* buffer) const;
+  void publish(const Exposure& exposure, double wall_ms);
 
   GstElement* element_;
   DeviceContext context_;

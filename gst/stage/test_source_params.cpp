@@ -13,6 +13,11 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
       number<P>("rate", &P::rate, 1, 1000,
                 "Frames a second of programs that are no files (these have a rate of their own)",
                 kReady),
+      number<P>("start", &P::start, 0, 1e6,
+                "Running time at which the program starts, seconds, rounded to its periods; frames "
+                "before it are black, and a live camera that is not ready by then misses the "
+                "beginning. Several cameras need the same one. 0: with the first frame",
+                kReady),
       text<P>("location", &P::location,
               "A folder of OLAT images to play in place of the head: lights.json and olat/NNN.exr. "
               "The frames have the images' size",

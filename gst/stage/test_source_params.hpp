@@ -12,6 +12,7 @@ struct TestSourceParams {
 
   std::string program = "performance";
   unsigned rate = 60;
+  double start = 0;
   std::string location;
   std::string listen;
   unsigned universe = 1;

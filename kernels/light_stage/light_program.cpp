@@ -35,7 +35,9 @@ void check_light(const LightProgram& program, size_t index, StageLight& light) {
   if (!(std::abs(length - 1) <= 1e-3))  // also where it is no number
     refuse(program,
            where + ": its direction is not a unit vector, its length is " + std::to_string(length));
-  for (double& c : light.direction) c /= length;
+  // Not what is as exact as numbers are: a program that is read again is the same one.
+  if (std::abs(length - 1) > 1e-12)
+    for (double& c : light.direction) c /= length;
   const size_t channels = light.channels.size();
   if (channels > 4 || channels == 2)
     refuse(program, where + " has " + std::to_string(channels) +

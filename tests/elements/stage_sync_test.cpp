@@ -103,6 +103,16 @@ TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
+TEST_F(StageSync, ALoneCameraThatStopsIsToldOfAndMaySendAgain) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
+  for (int64_t n = 200; n < 220; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_EQ(pull(40).back().trigger, 219);
+  EXPECT_EQ(count("missing"), 180u);
+}
+
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   use_performance();
   g_object_set(element_, "marker-timeout", 0.5, nullptr);
@@ -200,8 +210,8 @@ TEST_F(StageSync, AnyFormatIsMeasuredAndSizesChange) {
   const auto frames = pull(30);
   EXPECT_EQ(frames.back().trigger, 29);
   EXPECT_EQ(frames.back().bytes.size(), 17u * 11 * 4);
-  for (const char* format : {"I420", "NV12", "GRAY8", "GRAY16_LE", "P010_10LE", "v210", "UYVY",
-                             "GBR_12LE", "RGB16", "NV12_64Z32", "IYU1", "A420"}) {
+  for (const char* format : {"BGRA", "RGBx", "BGRx", "RGB", "BGR", "I420", "NV12", "YUY2", "UYVY",
+                             "GRAY8", "GRAY16_LE", "P010_10LE", "I420_10LE", "RGBA64_LE"}) {
     const std::string odd = VideoHarness::caps(format, 13, 9);
     start(0, odd);
     const auto bytes = random_frame(odd, 1);

@@ -180,6 +180,30 @@ TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
   EXPECT_GT(doubled, 5U);
 }
 
+TEST(LightStageTestSrc, StartsLaterWhereAsked) {
+  const Shots shots = shoot(
+      "is-live=false program=static:2 rate=20 label=true start=0.35 "
+      "frame-ids=true first-frame-id=5");
+  const LightProgram program = light_program("static:2", 20);
+  ASSERT_EQ(shots.frames.size(), 7 + program.triggers().value()) << shots.line.first_error();
+  for (size_t i = 0; i < shots.frames.size(); ++i) {
+    EXPECT_EQ(shots.frames[i].time, i * GST_SECOND / 20);
+    EXPECT_EQ(shots.frames[i].offset, 5 + i);
+    EXPECT_EQ(shots.frames[i].meta.trigger, i < 7 ? 0 : i - 7);
+    const auto kind = i < 7 ? StepKind::black : program.kind(program.at(i - 7));
+    EXPECT_EQ(shots.frames[i].meta.kind == GST_LIGHT_STAGE_BLACK, kind == StepKind::black) << i;
+  }
+}
+
+/// Rendering takes a while; the program does not pass meanwhile.
+TEST(LightStageTestSrc, LiveProgramsBeginWithTheirMarker) {
+  const Shots shots = shoot("program=static:60 label=true num-buffers=2", "width=320,height=240");
+  ASSERT_EQ(shots.frames.size(), 2U) << shots.line.first_error();
+  EXPECT_EQ(shots.frames[0].meta.trigger, 0U);
+  const double periods = static_cast<double>(shots.frames[0].time) * 60 / GST_SECOND;
+  EXPECT_NEAR(periods, std::round(periods), 1e-6);
+}
+
 TEST(LightStageTestSrc, SeedsRepeatNoise) {
   const std::string source = "is-live=false program=performance:4 num-buffers=3 noise=0.1 seed=";
   const auto first = shoot(source + "1").line.frames, again = shoot(source + "1").line.frames,
@@ -313,7 +337,7 @@ TEST(LightStageTestSrc, FollowsPackets) {
   settings.sacn.destination = "127.0.0.1:" + port;
   const auto driver = make_light_driver(settings);
   GstElement* pipeline = gst_parse_launch(
-      ("lightstagetestsrc is-live=false label=true program=performance:5 gain=0.1 "
+      ("lightstagetestsrc is-live=false label=true program=performance:5 gain=0.5 "
        "listen=127.0.0.1:" +
        port + " ! video/x-raw," + linear16(32, 24) + " ! appsink name=out sync=false max-buffers=1")
           .c_str(),
@@ -352,7 +376,8 @@ TEST(LightStageTestSrc, FollowsPackets) {
       for (size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(colors[3 * l + c], expected[l][c], .5 / 255 + 1e-6);
     const auto got = samples(frame), wanted = samples(truth.line.frames[trigger]);
-    for (size_t i = 0; i < got.size(); ++i) ASSERT_NEAR(got[i], wanted[i], 65535 * .01);
+    for (size_t i = 0; i < got.size(); ++i)
+      EXPECT_NEAR(got[i], wanted[i], 65535 * .01) << "trigger " << trigger << ", sample " << i;
   }
   driver->black();
   for (int i = 0; i < 4; ++i) next(colors);

@@ -1,0 +1,86 @@
+// lightstagesync as the one that drives the lights.
+#include <set>
+
+#include "element_test.hpp"
+#include "light_stage/dmx_levels.hpp"
+#include "light_stage/sacn_receiver.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kCamera =
+    "videotestsrc is-live=true ! video/x-raw,width=32,height=24,framerate=60/1 ! ";
+
+/// A line that is stopped at the end whatever happens.
+class Line {
+ public:
+  explicit Line(const std::string& line) : pipeline_(gst_parse_launch(line.c_str(), nullptr)) {}
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  ~Line() {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(pipeline_);
+  }
+  GstStateChangeReturn set(GstState state) { return gst_element_set_state(pipeline_, state); }
+  std::string error() {
+    GstBus* bus = gst_element_get_bus(pipeline_);
+    GstMessage* message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
+    gst_object_unref(bus);
+    if (!message) return "";
+    GError* error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    std::string text = error->message;
+    g_error_free(error);
+    gst_message_unref(message);
+    return text;
+  }
+
+ private:
+  GstElement* pipeline_;
+};
+
+/// Whether the lights come to emit what the program has in a step, within half a minute.
+bool shows(sacn::Receiver& receiver, const LightProgram& program, StepKind kind) {
+  const DmxPatch patch(program, 1);
+  const auto wanted = program.colors(LightStep{kind, 0, {}, {}, {}});
+  const gint64 until = g_get_monotonic_time() + 30 * G_USEC_PER_SEC;
+  while (g_get_monotonic_time() < until) {
+    receiver.poll();
+    const auto seen = patch.colors(receiver.levels());
+    float off = 0;
+    for (size_t i = 0; i < wanted.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) off = std::max(off, std::abs(seen[i][c] - wanted[i][c]));
+    if (off < 0.51F / 255) return true;
+    g_usleep(500);
+  }
+  return false;
+}
+
+TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
+  const LightProgram program = performance(stage_lights(geodesic_directions(42)));
+  const std::vector<uint32_t> universes = {1};
+  sacn::Receiver receiver("127.0.0.1:0", universes);
+  Line line(std::string(kCamera) +
+            "lightstagesync program=performance:42 backend=sacn lead-in=0.2 host=127.0.0.1:" +
+            std::to_string(receiver.port()) + " ! fakesink");
+  for (int time = 0; time < 2; ++time) {  // after a pause it starts anew
+    ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    EXPECT_TRUE(shows(receiver, program, StepKind::gradient_a));
+    EXPECT_TRUE(shows(receiver, program, StepKind::gradient_b));
+    line.set(GST_STATE_PAUSED);
+    EXPECT_TRUE(shows(receiver, program, StepKind::black));
+  }
+}
+
+TEST(StageLights, WhatCannotBeReachedIsAnErrorBeforeTheStart) {
+  Line line(std::string(kCamera) +
+            "lightstagesync backend=serial serial-port=/dev/nowhere ! fakesink");
+  EXPECT_EQ(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  EXPECT_NE(line.error().find("/dev/nowhere"), std::string::npos);
+  Line without(std::string(kCamera) + "lightstagesync backend=serial ! fakesink");
+  EXPECT_EQ(without.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  EXPECT_NE(without.error().find("port"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace inverse::testing

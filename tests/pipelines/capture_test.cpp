@@ -1,0 +1,31 @@
+// The line that writes a static capture of a light stage.
+#include <filesystem>
+#include <fstream>
+
+#include "pipeline_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class Capture : public PipelineTest {};
+
+TEST_F(Capture, EveryLightIsWritten) {
+  ASSERT_EQ(run("static-capture", {"static:20", file("set"), "160", "120"}), 0) << output_;
+  const std::filesystem::path folder = file("set") + "/camera_0";
+  size_t lights = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "olat"))
+    lights += entry.path().extension() == ".exr" && entry.file_size() > 10000 ? 1 : 0;
+  EXPECT_EQ(lights, 20U);
+  for (const char* name : {"tracking.exr", "gradient-a.exr", "gradient-b.exr", "lights.json"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+}
+
+TEST_F(Capture, SaysWhatIsMissing) {
+  EXPECT_EQ(run("static-capture", {"/no/such/program.json", file("set")}), 1);
+  EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
+  EXPECT_EQ(run("static-capture", {"static:4", "/proc/nowhere"}), 1);
+  EXPECT_NE(output_.find("/proc/nowhere"), std::string::npos) << output_;
+}
+
+}  // namespace
+}  // namespace inverse::testing
