@@ -92,8 +92,9 @@ std::vector<size_t> TriggeredCapture::missing() const {
 /// Waits until every camera's frame is there, or, for `owed`, until all that was fired has come.
 /// False where that takes too long.
 bool TriggeredCapture::wait_for_all(std::unique_lock<std::mutex>& lock, bool owed) {
-  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                        std::chrono::duration<double>(params_.timeout));
+  const auto until = (owed ? last_fired_ : Clock::now()) +
+                     std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>((owed ? 2 : 1) * params_.timeout));
   const bool complete = news_.wait_until(lock, until, [&] {
     return stopping_ || std::all_of(cameras_.begin(), cameras_.end(), [&](const State& state) {
              return owed ? state.owed == 0 : state.there;
@@ -111,7 +112,8 @@ void TriggeredCapture::fire(const std::vector<size_t>& cameras) {
       if (stopping_) throw Stopped{};
       State& state = cameras_[i];
       if (state.there) continue;  // in the meantime
-      if (state.fired == Clock::time_point{}) state.fired = Clock::now();
+      last_fired_ = Clock::now();
+      if (state.fired == Clock::time_point{}) state.fired = last_fired_;
       ++state.owed;
       ++stats_.fired;
     }

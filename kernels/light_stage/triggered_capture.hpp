@@ -35,7 +35,7 @@ class TriggeredCamera {
 /// trigger of a frame is the one that is waited for; nothing is estimated.
 ///
 /// A camera whose frame does not come in time is triggered again in the same light. What it still
-/// owes after that is waited for as long again before the lights change, so that a late frame
+/// owes after that is waited for, twice the time from its last trigger, so that a late frame
 /// cannot be taken for one of the next step; where frames have ids or times, these are asked, too.
 ///
 /// The loop has a thread of its own. `frame` and `done` are called by the threads that the frames
@@ -127,6 +127,7 @@ class TriggeredCapture {
   std::condition_variable news_;
   std::vector<State> cameras_;
   std::optional<uint64_t> awaited_;
+  Clock::time_point last_fired_{};  ///< of any camera
   uint64_t next_ = 0;
   Stats stats_;
   bool stopping_ = true;

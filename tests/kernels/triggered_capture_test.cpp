@@ -232,7 +232,7 @@ TEST_P(Mislabeled, Nothing) {
   const auto [bits, age] = GetParam();
   Camera camera(lights_, bits, 65500), other(lights_, bits, 65400);
   camera.tells_age = other.tells_age = age;
-  // Without a number and an age, a frame is late only as long as the capture waits for it. Two
+  // Without a number and an age, a late frame comes while the capture still waits for it. Two
   // exposures for a trigger have to tell their age.
   const bool blind = bits == 0 && !age;
   std::mt19937 random(7 + bits);
@@ -245,7 +245,7 @@ TEST_P(Mislabeled, Nothing) {
                            : dice >= 15 && dice < 18 && age ? Deed::another
                                                             : Deed::frame);
   }
-  camera.late = blind ? 120 : 30;
+  camera.late = blind ? 300 : 30;
   TriggeredCapture::Params params;
   params.timeout = blind ? .2 : .04;
   params.retries = 4;
