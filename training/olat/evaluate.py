@@ -81,4 +81,5 @@ def main():
         args.report.write_text(text)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -59,7 +59,7 @@ def validate(variant, state, subjects, device):
     for s in subjects:
         batch = samples.Batch(s.gradients[:1], s.gradients[1:], s.olats[None].astype(np.float32), s.directions[None],
                               s.alpha[None]).to(device)
-        code = net(batch.x, batch.directions)
+        code = net(batch.x["gradients"], batch.directions)
         inside = batch.alpha / (batch.alpha.sum() * 3 * code.shape[1])
         sums += [float(((code.clamp(min=0) - batch.truth).abs() * inside).sum()),
                  float(((encoding.decode(code) - batch.truth ** 2).abs() * inside).sum())]
@@ -101,8 +101,7 @@ def main():
 
     def make(number):
         random = np.random.default_rng((args.seed, number))
-        inputs = "gradients" if state["judged"] < judge_budget else args.input
-        return samples.draw(random, subjects, *samples.shape_of(random), args.shifts, inputs)
+        return samples.draw(random, subjects, *samples.shape_of(random), args.shifts, args.input == "olats")
 
     write(event="start", subjects=len(subjects), arguments={k: str(v) for k, v in vars(args).items()})
     judge_budget = 60 * min(0.1 * args.minutes, 4)
@@ -132,7 +131,7 @@ def main():
     while state["seconds"] < budget:
         started = time.monotonic()
         batch = next(stream).to(args.device)
-        terms = teaching.terms_of(net, judge, batch, random, not args.no_perceptual, args.alignment)
+        terms = teaching.terms_of(net, judge, batch, random, args.input, not args.no_perceptual, args.alignment)
         teaching.step(net, optimizer, sum(terms.values()), teaching.rate_of(RATE, state["seconds"] / budget, count))
         average.update(net)
         count += 1

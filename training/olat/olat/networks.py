@@ -124,7 +124,7 @@ class DirectionNet(nn.Module):
 
 def network(variant):
     """variant: {"fusion": "late" | "early", "input": "gradients" | "olats"}."""
-    inputs = 6 if variant["input"] == "gradients" else 9
+    inputs = 6 if variant["input"] == "gradients" else 12
     return Late(inputs) if variant["fusion"] == "late" else Early(inputs)
 
 

@@ -9,16 +9,19 @@ from . import corpus, encoding
 
 
 class Batch:
-    """x: input of the network; truth: codes √P, n × lights × 3 × h × w; directions: n × lights × 3; alpha: n × 1 × 1 × h × w."""
+    """x: inputs of the networks by name, "gradients" and, where there are `wide` ones, "olats"; truth: codes √P,
+    n × lights × 3 × h × w; directions: n × lights × 3; alpha: n × 1 × 1 × h × w."""
 
-    def __init__(self, a, b, olats, directions, alpha, inputs="gradients", wide=None):
+    def __init__(self, a, b, olats, directions, alpha, wide=None):
         self.directions, self.alpha = torch.from_numpy(directions), torch.from_numpy(alpha)[:, None, None]
         self.truth = encoding.encode(torch.from_numpy(olats))
-        self.x = (encoding.inputs_of(torch.from_numpy(a), torch.from_numpy(b)) if inputs == "gradients" else
-                  inputs_of_olats(torch.from_numpy(wide)))
+        self.x = {"gradients": encoding.inputs_of(torch.from_numpy(a), torch.from_numpy(b))}
+        if wide is not None:
+            self.x["olats"] = inputs_of_olats(torch.from_numpy(wide))
 
     def to(self, device):
-        for name in ("x", "truth", "directions", "alpha"):
+        self.x = {name: x.to(device) for name, x in self.x.items()}
+        for name in ("truth", "directions", "alpha"):
             setattr(self, name, getattr(self, name).to(device))
         return self
 
@@ -52,8 +55,9 @@ def camera(a, b, random):
     return np.maximum(a, 0).astype(np.float32), np.maximum(b, 0).astype(np.float32)
 
 
-def draw(random, subjects, count, lights, height, width, shifts=0, inputs="gradients"):
-    """A batch of `count` crops. shifts: OLATs are up to as many pixels off, as after a capture in which somebody moved."""
+def draw(random, subjects, count, lights, height, width, shifts=0, with_olats=False):
+    """A batch of `count` crops. shifts: OLATs are up to as many pixels off, as after a capture in which somebody moved;
+    with_olats: with the 3-OLAT input, too."""
     parts = []
     for _ in range(count):
         s = subjects[int(random.integers(len(subjects)))]
@@ -74,7 +78,7 @@ def draw(random, subjects, count, lights, height, width, shifts=0, inputs="gradi
             columns = np.clip(np.arange(x, x + width) - dx, 0, full_w - 1)
             olats.append(s.olats[i][:, rows][:, :, columns] if shifts else s.olats[i][(slice(None), *area)])
         wide = None
-        if inputs != "gradients":
+        if with_olats:
             wide = np.stack([s.olats[i][(slice(None), *area)] for i in corpus.wide_baseline(s.directions)]).astype(np.float32)
         olats, directions = np.stack(olats).astype(np.float32), s.directions[chosen].copy()
         a, b = (g[(slice(None), *area)] for g in s.gradients)
@@ -89,7 +93,7 @@ def draw(random, subjects, count, lights, height, width, shifts=0, inputs="gradi
         a, b = camera(a * gain, b * gain, random)
         parts.append((a, b, olats * gain, directions, alpha, wide if wide is None else wide * gain))
     a, b, olats, directions, alpha, wide = zip(*parts)
-    return Batch(np.stack(a), np.stack(b), np.stack(olats), np.stack(directions), np.stack(alpha), inputs,
+    return Batch(np.stack(a), np.stack(b), np.stack(olats), np.stack(directions), np.stack(alpha),
                  None if wide[0] is None else np.stack(wide))
 
 
