@@ -36,6 +36,7 @@ def arguments():
     p.add_argument("--resume", action="store_true")
     p.add_argument("--fusion", choices=("late", "early"), default="late")
     p.add_argument("--input", choices=("gradients", "olats"), default="gradients", help="olats: the wide-baseline 3-OLAT input")
+    p.add_argument("--width", type=float, default=1, help="of the U-Net's layers, against the standard ones")
     p.add_argument("--no-perceptual", action="store_true", help="ablation: without the perceptual loss")
     p.add_argument("--shifts", type=int, default=0, help="OLATs of the corpus are up to as many pixels off")
     p.add_argument("--alignment", action="store_true", help="with the alignment loss, which makes up for such shifts")
@@ -73,7 +74,7 @@ def main():
     args.out.mkdir(parents=True, exist_ok=True)
     folder = args.corpus or args.out / "corpus"
     subjects, held_back = load_subjects(folder / "train"), load_subjects(folder / "validation")
-    variant = {"fusion": args.fusion, "input": args.input}
+    variant = {"fusion": args.fusion, "input": args.input, "width": args.width}
     judge, net = DirectionNet().to(args.device), network(variant).to(args.device)
     judge_optimizer, optimizer = (torch.optim.Adam(n.parameters(), lr=RATE) for n in (judge, net))
     average = teaching.Average(net)
@@ -81,7 +82,8 @@ def main():
     path = args.out / "checkpoint.pt"
     if args.resume:
         saved = torch.load(path, map_location=args.device)
-        assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
+        was = {"width": 1, **saved["variant"]}
+        assert was == variant, f"{path} holds another variant: {was}"
         for part, name in ((judge, "judge"), (net, "network"), (judge_optimizer, "judge_optimizer"), (optimizer, "optimizer")):
             part.load_state_dict(saved[name])
         average.state, average.steps = saved["average"], saved["batches"]

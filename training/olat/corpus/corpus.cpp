@@ -37,25 +37,34 @@ extern "C" {
 const char* olat_error() { return last_error.c_str(); }
 
 /// A head model, or none where `vertices` is 0. `deltas`: identities, then expressions. `faces`:
-/// three indices each; `kinds`: 0 skin, 1 eye at x < 0, 2 eye at x > 0, 3 teeth, 4 mouth; -1: left out.
-OlatCorpus* olat_open(int vertices, const float* neutral, int identities, int expressions, const float* deltas,
-                      int faces, const std::int32_t* indices, const std::int32_t* kinds) {
+/// three indices each; `kinds`: 0 skin, 1 eye at x < 0, 2 eye at x > 0, 3 teeth, 4 mouth; -1: left
+/// out.
+OlatCorpus* olat_open(int vertices, const float* neutral, int identities, int expressions,
+                      const float* deltas, int faces, const std::int32_t* indices,
+                      const std::int32_t* kinds) {
   auto* corpus = new OlatCorpus;
   const auto shape = [&](const float* from) {
     std::vector<Vec> out(static_cast<std::size_t>(vertices));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
     return out;
   };
   if (!vertices) return corpus;
   HeadModel& m = corpus->model;
   m.neutral = shape(neutral);
   for (int i = 0; i < identities + expressions; ++i)
-    (i < identities ? m.identities : m.expressions).push_back(shape(deltas + 3 * std::size_t(vertices) * std::size_t(i)));
-  m.groups = {{Part::skin, 0, {}}, {Part::eye, 1, {}}, {Part::eye, 2, {}}, {Part::teeth, 0, {}}, {Part::mouth, 0, {}}};
+    (i < identities ? m.identities : m.expressions)
+        .push_back(shape(deltas + 3 * std::size_t(vertices) * std::size_t(i)));
+  m.groups = {{Part::skin, 0, {}},
+              {Part::eye, 1, {}},
+              {Part::eye, 2, {}},
+              {Part::teeth, 0, {}},
+              {Part::mouth, 0, {}}};
   for (int f = 0; f < faces; ++f)
     if (kinds[f] >= 0)
-      m.groups[std::size_t(kinds[f])].triangles.push_back(
-          {std::uint32_t(indices[3 * f]), std::uint32_t(indices[3 * f + 1]), std::uint32_t(indices[3 * f + 2])});
+      m.groups[std::size_t(kinds[f])].triangles.push_back({std::uint32_t(indices[3 * f]),
+                                                           std::uint32_t(indices[3 * f + 1]),
+                                                           std::uint32_t(indices[3 * f + 2])});
   return corpus;
 }
 
@@ -63,20 +72,24 @@ void olat_close(OlatCorpus* corpus) { delete corpus; }
 
 int olat_is_held_out(float trait) { return held_out(trait); }
 
-/// Sample `index` of `seed` under `lights` directions (x right, y up, z to the camera). Flags: 1 test
-/// split, 2 bust only, 4 a white Lambertian sphere, 8 frontal and whole in the picture.
-/// olats: 3 × height × width for each light whose `keep` is set, one after another, scaled by 1/share.
+/// Sample `index` of `seed` under `lights` directions (x right, y up, z to the camera). Flags: 1
+/// test split, 2 bust only, 4 a white Lambertian sphere, 8 frontal and whole in the picture. olats:
+/// 3 × height × width for each light whose `keep` is set, one after another, scaled by 1/share.
 /// gradients: A, then B, each 3 × height × width: Σ shares · olat · (1 ± t)/2 · … of all lights.
-/// `share`: what part of the sphere each light stands for. alpha: height × width; normals: 3 × height × width.
-/// parameters: trait, family, exposure, yaw, pitch, pixel. Returns 0, or −1 on failure.
-int olat_render(const OlatCorpus* corpus, std::uint64_t seed, std::uint64_t index, int width, int height, int samples,
-                int flags, int lights, const float* directions, float share, const std::int32_t* keep, float* olats,
-                float* gradients, float* alpha, float* normals, float* parameters) try {
+/// `share`: what part of the sphere each light stands for. alpha: height × width; normals: 3 ×
+/// height × width. parameters: trait, family, exposure, yaw, pitch, pixel. Returns 0, or −1 on
+/// failure.
+int olat_render(const OlatCorpus* corpus, std::uint64_t seed, std::uint64_t index, int width,
+                int height, int samples, int flags, int lights, const float* directions,
+                float share, const std::int32_t* keep, float* olats, float* gradients, float* alpha,
+                float* normals, float* parameters) try {
   const bool test = flags & 1, sphere = flags & 4, calm = flags & 8;
   Random random(seed, index, test ? 1 : 0);
   const float trait = draw_trait(random, test);
   const bool ict = !(flags & 2) && !corpus->model.neutral.empty() && random.chance(0.6f);
-  Subject subject = sphere ? sphere_subject() : ict ? head_of(corpus->model, random, trait) : bust(random, trait);
+  Subject subject = sphere ? sphere_subject()
+                    : ict  ? head_of(corpus->model, random, trait)
+                           : bust(random, trait);
   const Skin skin(random, subject.marks);
   if (!sphere) grow_hair(subject, random);
   View view;
@@ -86,7 +99,8 @@ int olat_render(const OlatCorpus* corpus, std::uint64_t seed, std::uint64_t inde
   view.distance = random.log_uniform(70, 250);
   float filling = random.uniform(0.5f, 0.95f);  // height of the head over the picture's
   if (random.chance(0.3f)) filling = random.uniform(0.9f, 1.7f);
-  view.shift_x = 0.08f * float(width) * random.normal(), view.shift_y = 0.06f * float(height) * random.normal();
+  view.shift_x = 0.08f * float(width) * random.normal(),
+  view.shift_y = 0.06f * float(height) * random.normal();
   view.light_radius = random.uniform(0.01f, 0.04f);
   if (sphere) view.yaw = view.pitch = view.roll = view.light_radius = 0, view.plain = true;
   if (sphere) view.distance = 1e4f;

@@ -35,7 +35,9 @@ class Roots {
     float u = random.uniform(), v = random.uniform();
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const float w = 1 - u - v;
-    const auto blend = [&](const std::vector<Vec>& a) { return w * a[tri.a] + u * a[tri.b] + v * a[tri.c]; };
+    const auto blend = [&](const std::vector<Vec>& a) {
+      return w * a[tri.a] + u * a[tri.b] + v * a[tri.c];
+    };
     return {blend(mesh.positions), normalize(blend(mesh.normals)), blend(mesh.rest)};
   }
 
@@ -67,9 +69,10 @@ Strand grow(const Root& root, const Style& style, Random& random) {
   strand.points.push_back(at);
   for (int i = 0; i < kSegments; ++i) {
     const Vec p = 0.5f * at;
-    direction = normalize(direction + Vec{0, -style.fall / kSegments, 0} +
-                          style.curl * Vec{noise(p, style.salt + 3) - 0.5f, noise(p, style.salt + 4) - 0.5f,
-                                           noise(p, style.salt + 5) - 0.5f});
+    direction =
+        normalize(direction + Vec{0, -style.fall / kSegments, 0} +
+                  style.curl * Vec{noise(p, style.salt + 3) - 0.5f, noise(p, style.salt + 4) - 0.5f,
+                                   noise(p, style.salt + 5) - 0.5f});
     // Hair lies on the head rather than in it.
     const float inward = dot(direction, root.normal);
     if (inward < 0.05f && i < 4) direction = normalize(direction + (0.05f - inward) * root.normal);
@@ -97,36 +100,50 @@ void grow_hair(Subject& subject, Random& random) {
     style.stand = random.uniform(0.3f, 1.2f), style.fall = random.uniform(0, 2.2f);
     style.curl = random.chance(0.4f) ? random.uniform(0.4f, 1.6f) : 0.2f;
     style.clump = random.uniform(0.2f, 1.5f);
-    style.comb = random.uniform(0, 0.9f) * normalize({random.normal(), random.uniform(-1, 0.3f), random.normal()});
+    style.comb = random.uniform(0, 0.9f) *
+                 normalize({random.normal(), random.uniform(-1, 0.3f), random.normal()});
     style.salt = salt;
     const int wanted = random.below(5000) + 5000;
     const float recede = random.uniform(-1.5f, 2.5f);
     int grown = 0;
     for (int i = 0; i < 12 * wanted && grown < wanted; ++i) {
       const Root root = roots.draw(random);
-      const float edge = hairline(root.rest) + recede + 1.5f * (noise(0.5f * root.rest, salt + 9) - 0.5f);
+      const float edge =
+          hairline(root.rest) + recede + 1.5f * (noise(0.5f * root.rest, salt + 9) - 0.5f);
       if (root.rest.y < edge) continue;
       subject.strands.push_back(grow(root, style, random));
       ++grown;
     }
   }
   if (random.chance(0.25f)) {  // beard
-    Style style{random.log_uniform(0.4f, 4), 0.06f, 0.03f, 0.6f, 1.5f, 0.6f, 0.6f, {0, -0.5f, 0.2f}, salt + 50};
+    Style style{random.log_uniform(0.4f, 4),
+                0.06f,
+                0.03f,
+                0.6f,
+                1.5f,
+                0.6f,
+                0.6f,
+                {0, -0.5f, 0.2f},
+                salt + 50};
     const int wanted = random.below(2500) + 1500;
     const bool mustache = random.chance(0.6f);
     int grown = 0;
     for (int i = 0; i < 25 * wanted && grown < wanted; ++i) {
       const Root root = roots.draw(random);
       const Vec p = root.rest;
-      const bool lips = std::abs(p.x) < 1.1f * m.mouth_width && std::abs(p.y - m.mouth.y) < 1.1f * m.mouth_height;
-      const float top = m.mouth.y + (mustache && std::abs(p.x) < 1.3f * m.mouth_width ? 1.5f * m.mouth_height + 0.3f : 0.3f);
+      const bool lips =
+          std::abs(p.x) < 1.1f * m.mouth_width && std::abs(p.y - m.mouth.y) < 1.1f * m.mouth_height;
+      const float top =
+          m.mouth.y +
+          (mustache && std::abs(p.x) < 1.3f * m.mouth_width ? 1.5f * m.mouth_height + 0.3f : 0.3f);
       if (p.z < m.jaw_back || p.y > top || p.y < m.chin - 1.5f || lips) continue;
       subject.strands.push_back(grow(root, style, random));
       ++grown;
     }
   }
   if (random.chance(0.85f)) {  // brows
-    Style style{random.uniform(0.7f, 1.2f), 0.05f, 0.03f, 0.3f, 0.2f, 0.2f, 0.2f, {0, 0.1f, 0}, salt + 70};
+    Style style{
+        random.uniform(0.7f, 1.2f), 0.05f, 0.03f, 0.3f, 0.2f, 0.2f, 0.2f, {0, 0.1f, 0}, salt + 70};
     const int wanted = random.below(250) + 150;
     int grown = 0;
     for (int i = 0; i < 60000 && grown < wanted; ++i) {

@@ -15,7 +15,7 @@ struct Renderer::Hit {
   int pixel;
   Vec at, normal, geometric, tangent, view;
   Material material;
-  float shadow_start;  ///< where shadow rays begin
+  float shadow_start;    ///< where shadow rays begin
   float disc_x, disc_y;  ///< its point of the lights' disc, the same for every light
 };
 
@@ -56,9 +56,10 @@ struct Renderer::State {
   unsigned curves = RTC_INVALID_GEOMETRY_ID;
   std::vector<Hit> hits;
   std::vector<Bounce> bounces;
-  std::vector<Vec> place, albedo_sum;  ///< of a pixel's scattering hits: mean place, Σ albedo / samples
-  std::vector<int> scattering;         ///< how many of a pixel's hits scatter
-  std::vector<Vec> body_sum;           ///< of all solid hits: Σ albedo / samples
+  std::vector<Vec> place,
+      albedo_sum;               ///< of a pixel's scattering hits: mean place, Σ albedo / samples
+  std::vector<int> scattering;  ///< how many of a pixel's hits scatter
+  std::vector<Vec> body_sum;    ///< of all solid hits: Σ albedo / samples
   std::vector<int> bodies;
   Taps skin, smooth;
   std::vector<char> dark;
@@ -74,7 +75,8 @@ struct Renderer::State {
 namespace {
 
 Rotation pose(const View& v) {
-  const float cy = std::cos(v.yaw), sy = std::sin(v.yaw), cp = std::cos(v.pitch), sp = std::sin(v.pitch);
+  const float cy = std::cos(v.yaw), sy = std::sin(v.yaw), cp = std::cos(v.pitch),
+              sp = std::sin(v.pitch);
   const float cr = std::cos(v.roll), sr = std::sin(v.roll);
   const Rotation yaw{{Vec{cy, 0, sy}, Vec{0, 1, 0}, Vec{-sy, 0, cy}}};
   const Rotation pitch{{Vec{1, 0, 0}, Vec{0, cp, -sp}, Vec{0, sp, cp}}};
@@ -96,7 +98,8 @@ float ggx(float alpha, float nh, float nl, float nv) {
   const float a2 = alpha * alpha, d = nh * nh * (a2 - 1) + 1;
   const float density = a2 / (kPi * d * d);
   // Smith's height-correlated masking over 4 n·l n·v (Heitz 2014).
-  const float masking = 0.5f / (nl * std::sqrt(a2 + (1 - a2) * nv * nv) + nv * std::sqrt(a2 + (1 - a2) * nl * nl));
+  const float masking =
+      0.5f / (nl * std::sqrt(a2 + (1 - a2) * nv * nv) + nv * std::sqrt(a2 + (1 - a2) * nl * nl));
   return density * masking;
 }
 
@@ -118,7 +121,9 @@ Vec fiber(const Material& m, Vec tangent, Vec v, Vec l) {
   const float tl = dot(tangent, l), tv = dot(tangent, v);
   const float sin_l = std::sqrt(std::max(1 - tl * tl, 0.f));
   const float theta = std::asin(std::clamp(tl, -1.f, 1.f)) + std::asin(std::clamp(tv, -1.f, 1.f));
-  const auto lobe = [](float x, float width) { return std::exp(-x * x / (2 * width * width)) / (2.5066f * width); };
+  const auto lobe = [](float x, float width) {
+    return std::exp(-x * x / (2 * width * width)) / (2.5066f * width);
+  };
   // Light from behind passes in part.
   const Vec across_l = normalize(l - tl * tangent), across_v = normalize(v - tv * tangent);
   const float around = dot(across_l, across_v);
@@ -153,11 +158,11 @@ Renderer::Renderer(Subject subject, const Skin& skin, const View& view, Random r
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   for (const Mesh& mesh : s.subject.meshes) {
     RTCGeometry g = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                          mesh.positions.size()));
+    auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.positions.size()));
     std::memcpy(v, mesh.positions.data(), 12 * mesh.positions.size());
-    auto* t = static_cast<std::uint32_t*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size()));
+    auto* t = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangles.size()));
     std::memcpy(t, mesh.triangles.data(), 12 * mesh.triangles.size());
     rtcCommitGeometry(g);
     rtcAttachGeometry(s.scene, g);
@@ -180,10 +185,12 @@ Renderer::Renderer(Subject subject, const Skin& skin, const View& view, Random r
       }
     }
     RTCGeometry g = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
-    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, points.size()),
-                points.data(), 16 * points.size());
-    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, segments.size()),
-                segments.data(), 4 * segments.size());
+    std::memcpy(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, points.size()),
+        points.data(), 16 * points.size());
+    std::memcpy(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, segments.size()),
+        segments.data(), 4 * segments.size());
     rtcCommitGeometry(g);
     s.curves = rtcAttachGeometry(s.scene, g);
     rtcReleaseGeometry(g);
@@ -212,14 +219,16 @@ void Renderer::trace(const Skin& skin, Random& random) {
   rtcInitIntersectContext(&context);
 
   const auto cast = [&](Vec o, Vec d, float start, RTCRayHit& ray) {
-    ray.ray = {o.x, o.y, o.z, start, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+    ray.ray = {o.x, o.y, o.z, start, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
+               ~0u, 0,   0};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(s.scene, &context, &ray);
     return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   };
   const auto surface = [&](const RTCRayHit& ray, Vec o, Vec d) {
     Hit hit{};
-    const float radius = view_.light_radius * std::sqrt(random.uniform()), turn = 2 * kPi * random.uniform();
+    const float radius = view_.light_radius * std::sqrt(random.uniform()),
+                turn = 2 * kPi * random.uniform();
     hit.disc_x = radius * std::cos(turn), hit.disc_y = radius * std::sin(turn);
     hit.at = o + ray.ray.tfar * d;
     hit.view = -1.f * d;
@@ -251,10 +260,17 @@ void Renderer::trace(const Skin& skin, Random& random) {
         hit.material = skin.eye(mesh.axis, out, std::atan2(dot(out, a), dot(out, b)));
         break;
       }
-      case Part::cloth: hit.material = skin.cloth(rest); break;
-      case Part::teeth: hit.material = skin.teeth(); break;
-      case Part::mouth: hit.material = skin.mouth(); break;
-      default: hit.material = skin.skin(rest);
+      case Part::cloth:
+        hit.material = skin.cloth(rest);
+        break;
+      case Part::teeth:
+        hit.material = skin.teeth();
+        break;
+      case Part::mouth:
+        hit.material = skin.mouth();
+        break;
+      default:
+        hit.material = skin.skin(rest);
     }
     if (view_.plain) hit.material = {Part::cloth, {1, 1, 1}, 0, 1, 1, 0};
     hit.shadow_start = 0.01f;
@@ -269,7 +285,8 @@ void Renderer::trace(const Skin& skin, Random& random) {
       const auto pixel = std::size_t(y * w + x);
       for (int k = 0; k < view_.samples; ++k) {
         const float jx = (float(k % grid) + random.uniform()) / float(grid);
-        const float jy = (float(k / grid) + random.uniform()) * float(grid) / (float(grid) * std::ceil(float(view_.samples) / float(grid)));
+        const float jy = (float(k / grid) + random.uniform()) * float(grid) /
+                         (float(grid) * std::ceil(float(view_.samples) / float(grid)));
         const Vec d = normalize({float(x) + jx - 0.5f * float(w) - view_.shift_x,
                                  0.5f * float(h) + view_.shift_y - float(y) - jy, -focal});
         RTCRayHit ray;
@@ -293,13 +310,16 @@ void Renderer::trace(const Skin& skin, Random& random) {
         if (!solid || view_.plain) continue;
         const auto [a, b] = frame(hit.normal);
         const float r2 = random.uniform(), phi = 2 * kPi * random.uniform(), r = std::sqrt(r2);
-        const Vec way = (r * std::cos(phi)) * a + (r * std::sin(phi)) * b + std::sqrt(1 - r2) * hit.normal;
+        const Vec way =
+            (r * std::cos(phi)) * a + (r * std::sin(phi)) * b + std::sqrt(1 - r2) * hit.normal;
         if (dot(way, hit.geometric) <= 0) continue;
         const Vec start = hit.at + 0.01f * hit.geometric;
         if (!cast(start, way, 0.01f, ray)) continue;
         const Hit other = surface(ray, start, way);
-        s.bounces.push_back({int(pixel), other.at, other.material.part == Part::hair ? Vec{} : other.normal,
-                             other.geometric, other.material.albedo, other.shadow_start, other.disc_x, other.disc_y});
+        s.bounces.push_back({int(pixel), other.at,
+                             other.material.part == Part::hair ? Vec{} : other.normal,
+                             other.geometric, other.material.albedo, other.shadow_start,
+                             other.disc_x, other.disc_y});
       }
       if (s.bodies[pixel]) s.place[pixel] = (1 / float(s.bodies[pixel])) * s.place[pixel];
     }
@@ -328,7 +348,8 @@ void Renderer::find_taps(float scatter) {
             if (!counts[other]) continue;
             const Vec apart = s.place[other] - s.place[pixel];
             const float d2 = dot(apart, apart), n = float(counts[other]);
-            const Vec weight{n * std::exp(-d2 / (2 * width.x * width.x)), n * std::exp(-d2 / (2 * width.y * width.y)),
+            const Vec weight{n * std::exp(-d2 / (2 * width.x * width.x)),
+                             n * std::exp(-d2 / (2 * width.y * width.y)),
                              n * std::exp(-d2 / (2 * width.z * width.z))};
             if (weight.x < 2e-3f) continue;
             taps.pixel.push_back(std::uint32_t(other));

@@ -26,8 +26,7 @@ float noise(Vec p, std::uint32_t salt, int octaves) {
       return hash(x + i, y + j, z + k, salt + std::uint32_t(octave));
     };
     const auto mix = [](float t, float a, float b) { return a + t * (b - a); };
-    sum += size * mix(w,
-                      mix(v, mix(u, at(0, 0, 0), at(1, 0, 0)), mix(u, at(0, 1, 0), at(1, 1, 0))),
+    sum += size * mix(w, mix(v, mix(u, at(0, 0, 0), at(1, 0, 0)), mix(u, at(0, 1, 0), at(1, 1, 0))),
                       mix(v, mix(u, at(0, 0, 1), at(1, 0, 1)), mix(u, at(0, 1, 1), at(1, 1, 1))));
     total += size;
     size *= 0.5f;
@@ -75,7 +74,8 @@ Skin::Skin(Random& random, const Landmarks& marks) : marks_(marks) {
   blotch_ = base_ * Vec{1 - 0.2f * redness, 1 - redness, 1 - 1.1f * redness};
   if (paint_ > 0) blotch_ = any_color(random, 0.03f, 0.8f);
   blotch_size_ = random.log_uniform(0.8f, 6);
-  lips_ = mix(base_, base_ * Vec{0.9f, 0.45f, 0.45f} + Vec{0.03f, 0, 0}, random.uniform(0.5f, 1.3f));
+  lips_ =
+      mix(base_, base_ * Vec{0.9f, 0.45f, 0.45f} + Vec{0.03f, 0, 0}, random.uniform(0.5f, 1.3f));
   lip_strength_ = random.uniform(0.4f, 1);
   freckle_ = base_ * (random.uniform(0.45f, 0.75f) * Vec{1, 0.85f, 0.75f});
   freckles_ = random.chance(0.5f) ? random.uniform(0.03f, 0.35f) : 0.f;
@@ -119,8 +119,9 @@ Material Skin::skin(Vec rest) const {
     }
   }
   if (stubble_ > 0 && rest.y < marks_.mouth.y + 1.5f && rest.z > marks_.jaw_back)
-    c = mix(c, hair_, stubble_ * (0.5f + 0.5f * noise(5.f * rest, salt_ + 21)) *
-                          step(marks_.mouth.y + 1.5f, marks_.mouth.y, rest.y));
+    c = mix(c, hair_,
+            stubble_ * (0.5f + 0.5f * noise(5.f * rest, salt_ + 21)) *
+                step(marks_.mouth.y + 1.5f, marks_.mouth.y, rest.y));
   const Vec m = rest - marks_.mouth;
   const float lips = std::sqrt(m.x * m.x / (marks_.mouth_width * marks_.mouth_width) +
                                m.y * m.y / (marks_.mouth_height * marks_.mouth_height));
@@ -130,9 +131,11 @@ Material Skin::skin(Vec rest) const {
   out.part = Part::skin;
   out.albedo = {std::clamp(c.x, 0.01f, 0.9f), std::clamp(c.y, 0.01f, 0.9f),
                 std::clamp(c.z, 0.01f, 0.9f)};
-  const float shine = oily_ * std::exp(-(rest.x * rest.x) / 8) + 0.4f * lip;  // nose, forehead, lips
-  out.rough = std::max(0.12f, rough_ * (1 + rough_noise_ * (2 * noise(2.f * rest, salt_ + 31, 2) - 1)) *
-                                  (1 - 0.5f * shine));
+  const float shine =
+      oily_ * std::exp(-(rest.x * rest.x) / 8) + 0.4f * lip;  // nose, forehead, lips
+  out.rough =
+      std::max(0.12f, rough_ * (1 + rough_noise_ * (2 * noise(2.f * rest, salt_ + 31, 2) - 1)) *
+                          (1 - 0.5f * shine));
   out.rough2 = std::max(0.08f, rough2_);
   out.second = second_;
   out.f0 = f0_;

@@ -21,10 +21,12 @@ float bell(float x, float width) { return std::exp(-x * x / (2 * width * width))
 
 Mesh eyeball(Vec center, float radius, Vec axis) {
   // The pole, where the grid is finest, is turned to where it looks.
-  const Vec up = normalize(axis), side = normalize(cross(Vec{0, 1, 0.01f}, up)), third = cross(up, side);
+  const Vec up = normalize(axis), side = normalize(cross(Vec{0, 1, 0.01f}, up)),
+            third = cross(up, side);
   Mesh mesh = Mesh::sphere(Part::eye, 32, 48, [&](Vec d) {
     // The cornea bulges.
-    const float bulge = 1 + 0.05f * std::exp(-std::pow(std::acos(std::clamp(d.y, -1.f, 1.f)) / 0.4f, 4.f));
+    const float bulge =
+        1 + 0.05f * std::exp(-std::pow(std::acos(std::clamp(d.y, -1.f, 1.f)) / 0.4f, 4.f));
     return center + radius * bulge * (d.x * third + d.y * up + d.z * side);
   });
   mesh.center = center;
@@ -50,7 +52,8 @@ Subject head_of(const HeadModel& model, Random& random, float trait) {
   for (std::size_t i = 0; i < model.identities.size(); ++i)
     add(model.identities[i], i == 0 ? 4 * trait - 2 : std::clamp(random.normal(), -2.f, 2.f));
   for (const auto& expression : model.expressions)
-    if (random.chance(0.25f)) add(expression, random.uniform(0.1f, random.chance(0.5f) ? 0.4f : 0.9f));
+    if (random.chance(0.25f))
+      add(expression, random.uniform(0.1f, random.chance(0.5f) ? 0.4f : 0.9f));
   const float gaze_x = 0.25f * random.normal(), gaze_y = 0.12f * random.normal();
   for (const auto& group : model.groups) {
     Mesh mesh;
@@ -64,7 +67,8 @@ Subject head_of(const HeadModel& model, Random& random, float trait) {
       }
       return std::uint32_t(index[v]);
     };
-    for (const Triangle& t : group.triangles) mesh.triangles.push_back({use(t.a), use(t.b), use(t.c)});
+    for (const Triangle& t : group.triangles)
+      mesh.triangles.push_back({use(t.a), use(t.b), use(t.c)});
     if (group.part == Part::eye) {
       Vec sum;
       float far = 0;
@@ -94,14 +98,16 @@ Subject bust(Random& random, float trait) {
   const float nose_low = random.uniform(-2.8f, -1.2f), brow = random.uniform(0.2f, 1);
   const float socket = random.uniform(0.5f, 1.3f), chin = random.uniform(0, 1.2f);
   const float cheek = random.uniform(0, 0.6f), lip = random.uniform(0.15f, 0.5f);
-  const float rough = random.uniform(0.1f, abstract ? 2.5f : 0.6f), rough_size = random.uniform(3, 9);
+  const float rough = random.uniform(0.1f, abstract ? 2.5f : 0.6f),
+              rough_size = random.uniform(3, 9);
   const float mouth_y = random.uniform(-6.2f, -4.8f), eye_y = random.uniform(0.8f, 2);
   const float eye_x = 0.4f * x, eye_radius = random.uniform(1.15f, abstract ? 2.2f : 1.5f);
   const auto salt = std::uint32_t(random.bits());
   const auto surface = [&](Vec d) {
-    const float r = std::pow(std::pow(std::abs(d.x) / x, power) + std::pow(std::abs(d.y) / y, power) +
-                                 std::pow(std::abs(d.z) / z, power),
-                             -1 / power);
+    const float r =
+        std::pow(std::pow(std::abs(d.x) / x, power) + std::pow(std::abs(d.y) / y, power) +
+                     std::pow(std::abs(d.z) / z, power),
+                 -1 / power);
     Vec p = r * d;
     const float low = std::clamp(-p.y / y, 0.f, 1.f);
     p.x *= 1 - jaw * low * low;
@@ -113,7 +119,8 @@ Subject bust(Random& random, float trait) {
       p.z -= front * socket * bell(ax - eye_x, 1.5f) * bell(p.y - eye_y, 1.0f);
       p.z += front * brow * bell(ax - eye_x, 2) * bell(p.y - eye_y - 1.9f, 0.6f);
       p.z += front * cheek * bell(ax - 1.2f * eye_x, 1.6f) * bell(p.y - nose_low, 1.6f);
-      p.z += front * lip * bell(p.x, 1.7f) * (bell(p.y - mouth_y - 0.45f, 0.3f) + bell(p.y - mouth_y + 0.5f, 0.35f));
+      p.z += front * lip * bell(p.x, 1.7f) *
+             (bell(p.y - mouth_y - 0.45f, 0.3f) + bell(p.y - mouth_y + 0.5f, 0.35f));
       p.z -= front * 0.35f * bell(p.x, 2) * bell(p.y - mouth_y, 0.18f);
       p.z += front * chin * bell(p.x, 1.8f) * bell(p.y - mouth_y + 3, 1.1f);
     }
@@ -127,10 +134,12 @@ Subject bust(Random& random, float trait) {
   if (!abstract || random.chance(0.6f)) {
     const Vec gaze{0.25f * random.normal(), 0.12f * random.normal(), 1};
     for (float s : {-1.f, 1.f})
-      subject.meshes.push_back(eyeball({s * eye_x, eye_y, face_z(eye_x, eye_y) - socket - 0.35f * eye_radius},
-                                       eye_radius, gaze));
+      subject.meshes.push_back(
+          eyeball({s * eye_x, eye_y, face_z(eye_x, eye_y) - socket - 0.35f * eye_radius},
+                  eye_radius, gaze));
   }
-  const float ear = random.uniform(abstract ? 1.5f : 2.2f, abstract ? 5 : 3.2f), lean = random.uniform(0.2f, 0.9f);
+  const float ear = random.uniform(abstract ? 1.5f : 2.2f, abstract ? 5 : 3.2f),
+              lean = random.uniform(0.2f, 0.9f);
   for (float s : {-1.f, 1.f}) {  // a bowl that opens to the front and the side
     const Vec out = normalize({s * std::cos(lean), 0, std::sin(lean)});
     const Vec along = cross(Vec{0, 1, 0}, out), at{s * 0.97f * x, 0.3f, -0.5f};

@@ -68,8 +68,8 @@ Mesh Mesh::sphere(Part part, int rows, int columns, Place place) {
   for (int i = 0; i <= rows; ++i)
     for (int j = 0; j < columns; ++j) {
       const float theta = kPi * float(i) / float(rows), phi = 2 * kPi * float(j) / float(columns);
-      mesh.positions.push_back(place(Vec{std::sin(theta) * std::sin(phi), std::cos(theta),
-                                         std::sin(theta) * std::cos(phi)}));
+      mesh.positions.push_back(place(
+          Vec{std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)}));
     }
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {

@@ -65,12 +65,17 @@ def compose(base, y):
     return base * y[:, :, :3] + base.mean(2, keepdim=True) * y[:, :, 3:]
 
 
+def scaled(widths, by):
+    """Channels of another network size, multiples of four."""
+    return tuple(4 * max(1, round(w * by / 4)) for w in widths)
+
+
 class Late(nn.Module):
     """Features of the frame once; of each pixel HIDDEN planes m·ω + b over light directions, then LightHead for each light."""
 
-    def __init__(self, inputs=6):
+    def __init__(self, inputs=6, width=1):
         super().__init__()
-        self.features = UNet(inputs, 4 * HIDDEN)
+        self.features = UNet(inputs, 4 * HIDDEN, scaled(WIDTHS, width), scaled(DECODER, width))
         self.light = LightHead()
 
     def forward(self, x, directions):
@@ -90,9 +95,9 @@ class Late(nn.Module):
 class Early(nn.Module):
     """As in the thesis: the direction is concatenated to every pixel of the input, and the whole network runs for each light."""
 
-    def __init__(self, inputs=6):
+    def __init__(self, inputs=6, width=1):
         super().__init__()
-        self.network = UNet(inputs + 3, 4)
+        self.network = UNet(inputs + 3, 4, scaled(WIDTHS, width), scaled(DECODER, width))
 
     def forward(self, x, directions):
         n, c, h, w = x.shape
@@ -123,9 +128,9 @@ class DirectionNet(nn.Module):
 
 
 def network(variant):
-    """variant: {"fusion": "late" | "early", "input": "gradients" | "olats"}."""
+    """variant: {"fusion": "late" | "early", "input": "gradients" | "olats", "width": of the U-Net against the standard one}."""
     inputs = 6 if variant["input"] == "gradients" else 12
-    return Late(inputs) if variant["fusion"] == "late" else Early(inputs)
+    return (Late if variant["fusion"] == "late" else Early)(inputs, variant.get("width", 1))
 
 
 def load_checkpoint(path):
