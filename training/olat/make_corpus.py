@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Renders subjects to disk: make_corpus.py --subjects 300 [--threads 2]. Goes on where it was stopped.
 
-OUT/corpus/train: subjects under stages of 96 to 331 lights, whose gradients are of all lights, with --keep of
-their OLATs: those of the wide-baseline input, and random ones. OUT/corpus/validation and OUT/corpus/test: held-out shapes under the geodesic stage of 331 lights, of which all
-OLATs are kept. Sample i of a seed is the same on any machine.
+OUT/corpus/train: subjects under stages of 96 to 331 lights, whose gradients are of all lights, with --keep of their OLATs:
+those of the wide-baseline input, and random ones. OUT/corpus/validation and OUT/corpus/test: held-out shapes under the geodesic
+stage of 331 lights; all OLATs of a test subject are kept. Sample i of a seed is the same on any machine.
 """
 import argparse
 import concurrent.futures
