@@ -109,4 +109,5 @@ def main():
     (args.report or args.out / "ablations.md").write_text(text)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -138,4 +138,5 @@ def main():
     check_models(args.models)
 
 
-main()
+if __name__ == "__main__":
+    main()

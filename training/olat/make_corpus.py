@@ -81,4 +81,5 @@ def main():
                 print(f"{n} of {len(jobs)} subjects, {(time.monotonic() - started) / n:.1f} s each", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -157,4 +157,5 @@ def main():
     save()
 
 
-main()
+if __name__ == "__main__":
+    main()
