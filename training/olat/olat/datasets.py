@@ -75,17 +75,19 @@ def shares_of(directions, reach=15, count=20000):
 
 def yale(folder):
     """Real faces under lights in front and at the sides (Extended Yale B): gray, 8 bits, taken as linear. Gradient images are
-    sums over those lights by the part of the sphere that each stands for; nothing comes from behind."""
+    sums over those lights by the part of the sphere that each stands for; nothing comes from behind. The picture without
+    any of them is taken off."""
     items = []
     for path in sorted(p for p in folder.iterdir() if p.is_dir()):
         pictures, directions = [], []
+        ambient = read(next(path.glob("*_Ambient.pgm"))).astype(np.float32) / 255
         for file in sorted(path.glob("*_P00A*E*.pgm")):
             azimuth, elevation = file.stem.split("P00A")[1].split("E")
             a, e = np.radians(float(azimuth)), np.radians(float(elevation))
             picture = read(file).astype(np.float32) / 255
             if picture.shape != (192, 168):
                 continue
-            pictures.append(picture[:, 4:164])
+            pictures.append(np.maximum(picture - ambient, 0)[:, 4:164])
             directions.append((-np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)))
         directions = np.array(directions, np.float32)
         shares = shares_of(directions)
