@@ -337,20 +337,27 @@ class RelightElement final : public Filter {
     }
   }
 
-  /// Has the device build all kernels.
+  /// Has the device build all kernels, on a small frame: the network would take long for all
+  /// lights.
   void warm_up(const std::shared_ptr<gpu::Device>& device) {
-    gpu::Commands commands(device);
-    const PlanePtr black = planes_->acquire(), target = planes_->acquire();
+    constexpr Extent kSmall{64, 64};
     Params params;
     params.model = parameters_.snapshot().model;
+    const bool network = params.model == Relighting::Model::network;
+    Relighting method(device, kSmall, stage_, network ? &*models_ : nullptr);
+    method.set_environment(map_);
+    PlanePool planes(device, kSmall);
+    const PlanePtr black = planes.acquire(), target = planes.acquire(), tiles = planes.acquire();
+    gpu::Commands commands(device);
     commands.begin();
     commands.fill(black->buffer);
-    method_->record_pair(commands, {*black, *black}, params, 0, false, true);
-    params.show = RelightShow::mosaic;
-    draw(commands, params, *target);
+    method.record_pair(commands, {*black, *black}, params, 0, false, true);
+    method.record_relit(commands, params, *target);
+    method.record_olat(commands, params, {0, 0, 1}, *target);
+    method.lobes().record_directions(commands, params.lobe, *target);
+    mosaic_->record(commands, {{{target.get()}, {}, {}, {}}}, *tiles);
     commands.submit();
     commands.wait();
-    method_->forget();
   }
 
   Parameters<Params> parameters_{table()};

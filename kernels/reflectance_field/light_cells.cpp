@@ -8,7 +8,8 @@ namespace inverse {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kReach = 1.5;  // spacings
+constexpr double kReach = 1.5;        // spacings
+constexpr double kLeastReach = 0.05;  // radian: of lights in one place, some patches
 constexpr uint32_t kRows = LightCells::kRows, kColumns = 2 * kRows;
 
 double dot(const Direction& a, const Direction& b) {
@@ -56,7 +57,7 @@ double light_spacing(std::span<const Direction> lights) {
 
 LightCells::LightCells(std::vector<Direction> lights)
     : lights_(std::move(lights)), owner_(size_t{kRows} * kColumns, kNobody) {
-  const double reach = std::cos(std::min(kPi, kReach * light_spacing(lights_)));
+  const double reach = std::cos(std::clamp(kReach * light_spacing(lights_), kLeastReach, kPi));
   // From the top down, so that a row needs to look only at lights that its directions reach.
   std::vector<uint16_t> order(lights_.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<uint16_t>(i);

@@ -47,6 +47,13 @@ TEST(LightCells, CellsCoverTheSphereButTheFloor) {
   EXPECT_LT(floor, 1.2);
 }
 
+TEST(LightCells, LightsInOnePlaceAreLightsToo) {
+  const LightCells cells({{0, 0, 1}, {0, 0, 1}, {0, 0, 1}});
+  EXPECT_GT(cells.covered(), 0);
+  const auto weights = cells.weights(LightCells::map(Environment::uniform({1, 1, 1})));
+  EXPECT_NEAR(total(weights)[0], 3, 1e-3);
+}
+
 TEST(LightCells, EachDirectionGoesToTheNearestLight) {
   const auto lights = geodesic_directions(331);
   const LightCells cells(lights);

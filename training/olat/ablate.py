@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""What each part gives, as thesis Table 7.1: ablate.py [--steps 800]. Prints Markdown and writes OUT/ablations.md.
+
+Networks anew, side by side on the very same batches: whole; without the perceptual loss; without the alignment loss; without the
+relighting loss; from three OLATs of wide baseline in place of gradient images; and with the direction fused early. --variants
+chooses others, among them narrower ones. The OLATs of the batches are up to --shifts pixels off, as after a capture in which
+somebody moved a little, which is what the alignment loss is for; scores are on OLATs in place. The DirectionNet of the
+perceptual loss is the checkpoint's.
+"""
+import argparse
+import os
+import pathlib
+import time
+
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import numpy as np  # noqa: E402
+import torch  # noqa: E402
+
+from evaluate import table  # noqa: E402
+from olat import corpus, datasets, samples, scores, teaching  # noqa: E402
+from olat.networks import DirectionNet, network  # noqa: E402
+
+RATE, CROPS, LIGHTS, SIZE = 2e-3, 3, 4, 96
+GRADIENTS = {"fusion": "late", "input": "gradients"}
+# Of each: the network, and what teaching.terms_of is called with.
+VARIANTS = {"whole": (GRADIENTS, {}), "no perceptual loss": (GRADIENTS, {"perceptual": False}),
+            "no alignment loss": (GRADIENTS, {"alignment": False}), "no relighting loss": (GRADIENTS, {"relighting": False}),
+            "3-OLAT input": ({"fusion": "late", "input": "olats"}, {"inputs": "olats"}),
+            "early fusion": ({"fusion": "early", "input": "gradients"}, {}),
+            "early, half as wide": ({"fusion": "early", "input": "gradients", "width": 0.5}, {}),
+            "half as wide": ({**GRADIENTS, "width": 0.5}, {}), "quarter as wide": ({**GRADIENTS, "width": 0.25}, {})}
+TABLE = ("whole", "no perceptual loss", "no alignment loss", "no relighting loss", "3-OLAT input", "early fusion")
+
+
+class Variant:
+    def __init__(self, variant, options):
+        self.variant, self.options = variant, {"alignment": True, **options}
+        self.net = network(variant)
+        self.optimizer = torch.optim.Adam(self.net.parameters(), lr=RATE)
+        self.average, self.seconds = teaching.Average(self.net, 0.99), 0.0
+        self.random = np.random.default_rng(4)
+
+    def step(self, judge, batch, rate):
+        started = time.process_time()
+        terms = teaching.terms_of(self.net, judge, batch, self.random, **self.options)
+        teaching.step(self.net, self.optimizer, sum(terms.values()), rate)
+        self.average.update(self.net)
+        self.seconds += time.process_time() - started
+
+    def finished(self):
+        self.net.load_state_dict(self.average.state)
+        return self.variant["input"], self.net.eval()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/olat")
+    parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
+    parser.add_argument("--steps", type=int, default=800)
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop there, all after as many steps as were made")
+    parser.add_argument("--variants", nargs="+", choices=list(VARIANTS), default=TABLE)
+    parser.add_argument("--report", type=pathlib.Path, help="OUT/ablations.md")
+    parser.add_argument("--shifts", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+    torch.set_num_threads(args.threads)
+    judge = DirectionNet()
+    judge.load_state_dict(torch.load(args.out / "checkpoint.pt", map_location="cpu")["judge"])
+    judge.requires_grad_(False)
+    subjects = [corpus.Subject(p) for p in corpus.stored(args.out / "corpus/train")]
+    variants = {}
+    for name in args.variants:
+        variant, options = VARIANTS[name]
+        torch.manual_seed(args.seed)
+        variants[name] = Variant(variant, options)
+
+    def make(number):
+        random = np.random.default_rng((args.seed, number))
+        return samples.draw(random, subjects, CROPS, LIGHTS, SIZE, SIZE, args.shifts, True)
+
+    stream, started, made = samples.Stream(make), time.monotonic(), 0
+    for made in range(1, args.steps + 1):
+        progress = max(made / args.steps, (time.monotonic() - started) / (60 * args.minutes))
+        batch = next(stream)
+        for v in variants.values():
+            v.step(judge, batch, teaching.rate_of(RATE, progress, made))
+        if made % 50 == 0:
+            print(f"step {made}, {(time.monotonic() - started) / 60:.1f} minutes", flush=True)
+        if progress >= 1:
+            break
+    stream.close()
+
+    models = {"cosine lobe": "cosine-lobe", **{name: v.finished() for name, v in variants.items()}}
+    sets = {"Held-out subjects of the corpus": datasets.held_out(args.out / "corpus/test")}
+    if (args.data / "olat_head").is_dir():
+        sets["`olat_head`"] = datasets.olat_head(args.data / "olat_head")
+    parts = [f"{made} steps of {CROPS} crops of {SIZE} × {SIZE} under {LIGHTS} lights each, {len(subjects)} subjects. CPU "
+             "seconds of training: " + ", ".join(f"{name} {v.seconds:.0f}" for name, v in variants.items()) + "."]
+    for title, items in sets.items():
+        rows = {}
+        for name, model in models.items():
+            scored = [scores.score(item, scores.predict(model, item)) for item in items]
+            rows[name] = {k: float(np.mean([s[k] for s in scored])) for k in scored[0]}
+        parts.append(f"### {title}: {len(items)}\n\n" + table(rows))
+    text = "\n\n".join(parts) + "\n"
+    print(text)
+    (args.report or args.out / "ablations.md").write_text(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Writes the late-fusion network of a checkpoint as ONNX files: export.py [--checkpoint …] [--models models/olat].
+
+features.onnx is the U-Net, batch normalization folded into its convolutions; light.onnx the two layers that every light goes
+through. Each file is checked: only operators of the project's engine, and the same output from OpenCV's dnn; and both together
+against the network itself.
+"""
+import argparse
+import copy
+import pathlib
+
+import cv2
+import numpy as np
+import onnx
+import torch
+from torch import nn
+from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+from olat import corpus, encoding
+from olat.networks import HARMONICS, HIDDEN, Late, count_flops, load_checkpoint
+
+OPERATORS = {"Conv", "Relu", "Resize", "Concat"}
+SHAPES = {"features": (1, 6, corpus.HEIGHT, corpus.WIDTH), "light": (1, HIDDEN + HARMONICS, 32, 32)}
+
+
+def fold(module):
+    """Convolution + batch normalization → convolution with bias, throughout."""
+    for name, child in module.named_children():
+        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
+            setattr(module, name, nn.Sequential(fuse_conv_bn_eval(child[0], child[1]), *child[2:]))
+        else:
+            fold(child)
+    return module
+
+
+def tidy(path):
+    """Turns constant nodes (the scales of Resize) into initializers, which is where an importer looks for numbers."""
+    model = onnx.load(str(path))
+    graph = model.graph
+    for node in [n for n in graph.node if n.op_type == "Constant"]:
+        value = node.attribute[0].t
+        value.name = node.output[0]
+        graph.initializer.append(value)
+        graph.node.remove(node)
+    onnx.checker.check_model(model)
+    onnx.save(model, str(path))
+
+
+def check(path, net, shape):
+    unknown = {node.op_type for node in onnx.load(str(path)).graph.node} - OPERATORS
+    assert not unknown, f"{path}: the engine does not run {unknown}"
+    x = torch.rand(shape) * 2 - 0.5
+    with torch.no_grad():
+        expected = net(x).numpy()
+    other = cv2.dnn.readNetFromONNX(str(path))
+    other.setInput(x.numpy())
+    error = np.abs(other.forward() - expected).max() / max(1, np.abs(expected).max())
+    assert error < 1e-3, f"{path}: OpenCV's dnn differs by {error}"
+    return error
+
+
+def relight(models, a, b, directions):
+    """P̂ for directions n × 3, from the two files alone, as README.md's equations say it; numpy and OpenCV, no PyTorch.
+    a, b: 3 × h × w."""
+    features, light = (cv2.dnn.readNetFromONNX(str(pathlib.Path(models) / f"{n}.onnx")) for n in ("features", "light"))
+    full = np.maximum(a + b, 0)
+    base = np.sqrt(full)
+    features.setInput(np.concatenate([base, (a - b) / (full + encoding.FLOOR)])[None].astype(np.float32))
+    f = features.forward()[0]
+    out = []
+    for d in np.asarray(directions, np.float32):
+        hidden = np.maximum(np.tensordot(f.reshape(-1, 4, *f.shape[1:]), np.append(d, 1), (1, 0)), 0)
+        x, y, z = d
+        phi = np.array([x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1], np.float32)
+        light.setInput(np.concatenate([hidden, np.broadcast_to(phi[:, None, None], (8, *f.shape[1:]))])[None].astype(np.float32))
+        y = light.forward()[0]
+        out.append(np.maximum(base * y[:3] + base.mean(0) * y[3], 0) ** 2)
+    return np.stack(out)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/olat/checkpoint.pt")
+    parser.add_argument("--models", type=pathlib.Path, default=corpus.ROOT / "models/olat")
+    args = parser.parse_args()
+    net = load_checkpoint(args.checkpoint)
+    if not isinstance(net, Late) or net.features.down[0][0].in_channels != 6:
+        raise SystemExit(f"{args.checkpoint} is not a late-fusion network on gradient images")
+    args.models.mkdir(parents=True, exist_ok=True)
+    for name, shape in SHAPES.items():
+        part = fold(copy.deepcopy(getattr(net, name))).eval()
+        path = args.models / f"{name}.onnx"
+        torch.onnx.export(part, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
+                          output_names=["output"], do_constant_folding=True)
+        tidy(path)
+        error = check(path, part, shape)
+        print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, *shape) / 1e9:.3f} GFLOP for {shape}, "
+              f"OpenCV dnn within {error:.1e}")
+    random = np.random.default_rng(1)
+    a, b = (random.random((3, corpus.HEIGHT, corpus.WIDTH), np.float32) * 0.5 for _ in range(2))
+    directions = corpus.fibonacci(5)
+    with torch.no_grad():
+        x = encoding.inputs_of(torch.from_numpy(a)[None], torch.from_numpy(b)[None])
+        expected = encoding.decode(net(x, torch.from_numpy(directions)[None])[0]).numpy()
+    got = relight(args.models, a, b, directions)
+    error = np.abs(got - expected).max() / expected.max()
+    assert error < 1e-3, f"the two files together differ from the network by {error}"
+    print(f"both files together: within {error:.1e} of the network")
+
+
+if __name__ == "__main__":
+    main()

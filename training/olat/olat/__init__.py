@@ -1,0 +1,1 @@
+"""Deep reflectance fields (thesis chapter 7): corpus, networks, losses and scores."""
