@@ -1,137 +1,14 @@
 // olatrelight.
-#include <ImfRgbaFile.h>
 #include <gst/controller/controller.h>
 #include <gst/video/navigation.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
-#include "../kernels/relight_models.hpp"
 #include "base/inverse_layers_meta.h"
-#include "element_test.hpp"
-#include "environment/environment.hpp"
 #include "image/layers.hpp"
-#include "light_stage/light_program.hpp"
+#include "relight_fixture.hpp"
 
 namespace inverse::testing {
-namespace {
-
-constexpr int kSide = 64;
-
-float encoded(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return static_cast<float>(v <= .0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - .055);
-}
-
-/// A white sphere under the gradients of a stage of 331 lights, linear RGBA.
-struct Sphere {
-  std::vector<float> a, b;
-  explicit Sphere(int side = kSide) {
-    const auto lights = geodesic_directions(331);
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) {
-        const double px = 2 * (x + .5) / side - 1, py = 1 - 2 * (y + .5) / side;
-        const double r2 = px * px + py * py;
-        std::array<double, 3> first{}, second{};
-        if (r2 < .9) {
-          const double pz = std::sqrt(1 - r2);
-          for (const auto& w : lights) {
-            const double l = std::max(0.0, px * w[0] + py * w[1] + pz * w[2]) * .007;
-            for (size_t c = 0; c < 3; ++c) {
-              first[c] += l * (1 + w[c]) / 2;
-              second[c] += l * (1 - w[c]) / 2;
-            }
-          }
-        }
-        for (size_t c = 0; c < 3; ++c) {
-          a.push_back(static_cast<float>(first[c]));
-          b.push_back(static_cast<float>(second[c]));
-        }
-        a.push_back(1);
-        b.push_back(1);
-      }
-  }
-  /// A left, B right, 8 bits sRGB.
-  std::vector<uint8_t> side_by_side(int side = kSide) const {
-    std::vector<uint8_t> bytes;
-    const auto row = static_cast<size_t>(side) * 4;
-    for (size_t y = 0; y < static_cast<size_t>(side); ++y)
-      for (const auto* half : {&a, &b})
-        for (size_t i = 0; i < row; ++i)
-          bytes.push_back(static_cast<uint8_t>(std::lround(255 * encoded((*half)[y * row + i]))));
-    return bytes;
-  }
-};
-
-class RelightTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder = "/tmp/inverse-relight-" + std::to_string(getpid());
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
-  static std::string caps(int width = 2 * kSide, int height = kSide, const char* format = "RGBA") {
-    return VideoHarness::caps(format, width, height);
-  }
-  static const uint8_t* at(const std::vector<uint8_t>& frame, int x, int y, int width = kSide) {
-    return &frame[4 *
-                  (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
-  }
-  std::string white(float radiance = 1) const {
-    const std::string path = folder + "/white.hdr";
-    Environment::uniform({radiance, radiance, radiance}).save(path);
-    return path;
-  }
-  /// Light from the right, as the camera sees it, alone.
-  std::string lamp(float red, float green, float blue) const {
-    std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
-    for (size_t y = 14; y < 18; ++y)
-      for (size_t x = 46; x < 50; ++x) {
-        float* c = &rgb[3 * (y * 64 + x)];
-        c[0] = red;
-        c[1] = green;
-        c[2] = blue;
-      }
-    const std::string path = folder + "/lamp.hdr";
-    Environment({64, 32}, rgb).save(path);
-    return path;
-  }
-  /// `odd` in one pixel of an otherwise even OpenEXR map.
-  std::string exr(float odd, int width = 64) const {
-    std::vector<Imf::Rgba> pixels(static_cast<size_t>(width) * 32, Imf::Rgba(1, 1, 1));
-    pixels[100].g = odd;
-    const std::string path = folder + "/map.exr";
-    Imf::RgbaOutputFile file(path.c_str(), width, 32, Imf::WRITE_RGB);
-    file.setFrameBuffer(pixels.data(), 1, static_cast<size_t>(width));
-    file.writePixels(32);
-    return path;
-  }
-  /// The folder of a network of random weights.
-  std::string models() const {
-    write_graph(random_features(1), folder + "/models/olat/features.net");
-    write_graph(random_light(2), folder + "/models/olat/light.net");
-    return folder + "/models";
-  }
-  static std::vector<std::string> warnings_of(const std::string& line, std::string* error) {
-    const auto result = run_line(line);
-    *error = result.first_error();
-    return result.warnings;
-  }
-  static std::string line(const std::string& properties, int width = 128) {
-    return "videotestsrc num-buffers=2 ! video/x-raw,width=" + std::to_string(width) +
-           ",height=32 ! olatrelight " + properties + " ! fakesink";
-  }
-
-  const Sphere sphere;
-  std::string folder;
-};
-
-}  // namespace
 
 TEST_F(RelightTest, UnderWhiteLightTheSubjectIsAsUnderAllLights) {
   VideoHarness harness("olatrelight environment=" + white(), caps(), caps(kSide));
@@ -432,48 +309,6 @@ TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
   EXPECT_TRUE(harness.errors().empty());
   g_object_set(relight, "environment", white(3).c_str(), nullptr);
   EXPECT_NE(harness.process(sphere.side_by_side()), before);
-}
-
-TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
-  VideoHarness harness("olatrelight model=network max-error=0.05 models=" + models(), caps());
-  GstElement* relight = harness.find("olatrelight");
-  auto frame = sphere.side_by_side();
-  auto out = harness.process(frame);
-  ASSERT_EQ(out.size(), size_t{kSide} * kSide * 4);
-  const auto lit = stat<guint64>(relight, "lit", G_TYPE_UINT64);
-  EXPECT_EQ(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit);
-  for (int i = 0; i < 4; ++i) {
-    frame[0] ^= 1;  // another picture
-    out = harness.process(frame);
-  }
-  EXPECT_LT(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit / 3);
-  EXPECT_LE(stat<gdouble>(relight, "expected-error", G_TYPE_DOUBLE), .05);
-  g_object_set(relight, "rotation", 30.0F, nullptr);
-  out = harness.process(frame);
-  EXPECT_FALSE(stat<gboolean>(relight, "fitted", G_TYPE_BOOLEAN));
-  g_object_set(relight, "adaptive", FALSE, nullptr);
-  const auto all = harness.process(frame);
-  EXPECT_EQ(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit);
-  double off = 0;
-  for (size_t i = 0; i < all.size(); ++i) off += std::abs(all[i] - out[i]);
-  EXPECT_LT(off / static_cast<double>(all.size()), 6);
-  for (const char* show : {"olat", "mosaic", "normal", "albedo"}) {
-    gst_util_set_object_arg(G_OBJECT(relight), "show", show);
-    EXPECT_FALSE(harness.process(frame).empty()) << show;
-  }
-  harness.set_src_caps(caps(42, 9));
-  EXPECT_EQ(harness.process(random_frame(caps(42, 9), 1)).size(), size_t{21} * 9 * 4);
-  EXPECT_TRUE(harness.errors().empty());
-}
-
-TEST_F(RelightTest, WithoutItsNetworkTheElementDoesNotStart) {
-  std::string error;
-  warnings_of(line("model=network models=" + folder), &error);
-  EXPECT_NE(error.find("features.net"), std::string::npos) << error;
-  const std::string good = models();
-  std::filesystem::resize_file(good + "/olat/light.net", 300);
-  warnings_of(line("model=network models=" + good), &error);
-  EXPECT_NE(error.find("light.net"), std::string::npos) << error;
 }
 
 TEST_F(RelightTest, LargeFramesWorkOrSayWhatDoesNotFit) {

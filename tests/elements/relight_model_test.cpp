@@ -1,0 +1,68 @@
+// olatrelight with its network.
+#include "relight_fixture.hpp"
+
+namespace inverse::testing {
+
+TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
+  VideoHarness harness("olatrelight model=network max-error=0.05 models=" + models(), caps());
+  GstElement* relight = harness.find("olatrelight");
+  auto frame = sphere.side_by_side();
+  auto out = harness.process(frame);
+  ASSERT_EQ(out.size(), size_t{kSide} * kSide * 4);
+  const auto lit = stat<guint64>(relight, "lit", G_TYPE_UINT64);
+  EXPECT_EQ(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit);
+  for (int i = 0; i < 4; ++i) {
+    frame[0] ^= 1;  // another picture
+    out = harness.process(frame);
+  }
+  EXPECT_LT(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit / 3);
+  EXPECT_LE(stat<gdouble>(relight, "expected-error", G_TYPE_DOUBLE), .05);
+  g_object_set(relight, "rotation", 30.0F, nullptr);
+  out = harness.process(frame);
+  EXPECT_FALSE(stat<gboolean>(relight, "fitted", G_TYPE_BOOLEAN));
+  g_object_set(relight, "adaptive", FALSE, nullptr);
+  const auto all = harness.process(frame);
+  EXPECT_EQ(stat<guint64>(relight, "evaluated", G_TYPE_UINT64), lit);
+  double off = 0;
+  for (size_t i = 0; i < all.size(); ++i) off += std::abs(all[i] - out[i]);
+  EXPECT_LT(off / static_cast<double>(all.size()), 6);
+  for (const char* show : {"olat", "mosaic", "normal", "albedo"}) {
+    gst_util_set_object_arg(G_OBJECT(relight), "show", show);
+    EXPECT_FALSE(harness.process(frame).empty()) << show;
+  }
+  harness.set_src_caps(caps(42, 9));
+  EXPECT_EQ(harness.process(random_frame(caps(42, 9), 1)).size(), size_t{21} * 9 * 4);
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(RelightTest, TheNetworkThatComesAlongKeepsTheLight) {
+  const char* installed = g_getenv("INVERSE_MODELS");
+  if (!installed || !std::filesystem::exists(std::string(installed) + "/olat/features.net"))
+    GTEST_SKIP() << "built without libonnx-dev";
+  VideoHarness harness("olatrelight model=network environment=" + white(), caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  const auto sum = [](const std::vector<uint8_t>& frame) {
+    double total = 0;
+    for (size_t i = 0; i < frame.size(); i += 4) total += std::pow(frame[i] / 255., 2.2);
+    return total;
+  };
+  const double relit = sum(harness.process(sphere.side_by_side()));
+  gst_util_set_object_arg(G_OBJECT(relight), "show", "albedo");
+  const double full = sum(harness.process(sphere.side_by_side()));
+  EXPECT_NEAR(relit / full, 1, .2) << "a sphere is no head, but light is light";
+  g_object_set(relight, "show", 1, "light-direction", "1,0,0.3", nullptr);
+  const auto out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 50, 32)[0], at(out, 14, 32)[0] + 60);
+}
+
+TEST_F(RelightTest, WithoutItsNetworkTheElementDoesNotStart) {
+  std::string error;
+  warnings_of(line("model=network models=" + folder), &error);
+  EXPECT_NE(error.find("features.net"), std::string::npos) << error;
+  const std::string good = models();
+  std::filesystem::resize_file(good + "/olat/light.net", 300);
+  warnings_of(line("model=network models=" + good), &error);
+  EXPECT_NE(error.find("light.net"), std::string::npos) << error;
+}
+
+}  // namespace inverse::testing
