@@ -89,9 +89,9 @@ std::array<float, 3> HeadView::eye() const {
 
 HeadView view_of_camera(uint32_t camera) {
   constexpr float kApart = .35F;  // 20 degrees
-  const auto steps = static_cast<float>((camera + 1) / 2);
+  const uint32_t steps = (camera + 1) / 2;
   HeadView view;
-  view.turn = (camera % 2 ? 1 : -1) * kApart * steps;
+  view.turn = (camera % 2 ? kApart : -kApart) * static_cast<float>(steps);
   return view;
 }
 

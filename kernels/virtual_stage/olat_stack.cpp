@@ -104,7 +104,7 @@ PlanePtr OlatStack::record(gpu::Commands& commands, std::span<const LightColor> 
     }
     ++made_;
   }
-  const PlanePtr plane = planes_.acquire();
+  PlanePtr plane = planes_.acquire();
   const auto table = gpu::Buffer::create(device_, gpu::Element::vec4,
                                          std::max<size_t>(list.size(), 1), gpu::Memory::upload);
   if (!list.empty()) memcpy(table->map(), list.data(), list.size() * sizeof list[0]);
