@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "../../gst/base/inverse_light_stage_meta.h"
-#include "../../gst/stage/motion.hpp"
+#include "../../gst/stage/sync/motion.hpp"
 #include "command_line.hpp"
 #include "light_stage/light_program.hpp"
 

@@ -8,7 +8,7 @@
 #include "aravis_fixture.hpp"
 #include "error.hpp"
 #include "light_stage/triggered_capture.hpp"
-#include "stage/camera_trigger.hpp"
+#include "stage/sync/camera_trigger.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -28,7 +28,21 @@ TEST_F(Stage, StaticCaptureToAFile) {
   EXPECT_LT(b.mean(0, .5), b.mean(0, 0, 0, .5) - 2);
 }
 
+TEST_F(Stage, APerformanceIsRelit) {
+  // A frame pair in two: 60 frames a second make 30.
+  ASSERT_EQ(run("relight", {"", file("out.mkv"), "96", "64"}, {{"FRAMES", "23"}, {"LIGHTS", "42"}}),
+            0)
+      << output_;
+  const Media movie = read_media(file("out.mkv"));
+  EXPECT_TRUE(movie.errors.empty());
+  ASSERT_EQ(movie.frames.size(), 10U);  // behind the marker
+  EXPECT_EQ(movie.frames[0].width, 96);
+  EXPECT_GT(brightness(movie.frames[5]), 10);
+}
+
 TEST_F(Stage, SaysWhatIsMissing) {
+  EXPECT_EQ(run("relight", {"/no/such/map.hdr"}), 1);
+  EXPECT_NE(output_.find("there is no environment map"), std::string::npos) << output_;
   EXPECT_EQ(run("virtual-stage", {"/no/such/program.json", file("out.mkv")}), 1);
   EXPECT_NE(output_.find("there is no light program"), std::string::npos) << output_;
   EXPECT_EQ(run("virtual-stage", {"static:4", "/no/such/folder/out.mkv"}), 1);

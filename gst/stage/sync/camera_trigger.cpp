@@ -1,6 +1,6 @@
 #include "camera_trigger.hpp"
 
-#include "aravis_camera.hpp"
+#include "../camera/aravis_camera.hpp"
 
 namespace inverse {
 namespace {
