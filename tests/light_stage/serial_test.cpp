@@ -227,6 +227,14 @@ std::string upload_error(Controller& controller) {
   return error;
 }
 
+class SerialDriver : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+      GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
+  }
+};
+
 TEST(SerialProtocol, ChecksumIsTheUsualOne) {
   EXPECT_EQ(serial::crc32("123456789"), 0xcbf43926U);  // the check value of CRC-32
   EXPECT_EQ(serial::crc32(""), 0U);
@@ -268,7 +276,7 @@ TEST(SerialProtocol, Replies) {
     EXPECT_EQ(serial::parse_reply(text).kind, Kind::other) << text;
 }
 
-TEST(SerialDriver, UploadsOnceAndSteps) {
+TEST_F(SerialDriver, UploadsOnceAndSteps) {
   for (const auto marker :
        {LightProgram::Marker::start, LightProgram::Marker::pass, LightProgram::Marker::none}) {
     Rig rig;
@@ -297,7 +305,7 @@ TEST(SerialDriver, UploadsOnceAndSteps) {
   }
 }
 
-TEST(SerialDriver, UploadsBigPrograms) {
+TEST_F(SerialDriver, UploadsBigPrograms) {
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   LightProgram program = static_capture(stage_lights(geodesic_directions(331)), 60);
@@ -310,7 +318,7 @@ TEST(SerialDriver, UploadsBigPrograms) {
   EXPECT_EQ(lights[329][1], 0);
 }
 
-TEST(SerialDriver, LeavesSteppingToTheRig) {
+TEST_F(SerialDriver, LeavesSteppingToTheRig) {
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   auto settings = settings_for(controller.path());
@@ -323,7 +331,7 @@ TEST(SerialDriver, LeavesSteppingToTheRig) {
   EXPECT_EQ(lines[lines.size() - 2], "go trigger");
 }
 
-TEST(SerialDriver, WaitsForControllersThatWakeUp) {
+TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
   Rig rig;
   int greetings = 0;
   Controller controller([&](const std::string& line) -> std::string {
@@ -337,7 +345,7 @@ TEST(SerialDriver, WaitsForControllersThatWakeUp) {
   EXPECT_EQ(greetings, 3);
 }
 
-TEST(SerialDriver, SaysThatNobodyAnswers) {
+TEST_F(SerialDriver, SaysThatNobodyAnswers) {
   Controller silent([](const std::string&) { return ""; });
   EXPECT_NE(upload_error(silent).find("does not answer; check its cable"), std::string::npos);
   Rig rig;
@@ -346,7 +354,7 @@ TEST(SerialDriver, SaysThatNobodyAnswers) {
   EXPECT_NE(upload_error(half).find("does not answer \"set\""), std::string::npos);
 }
 
-TEST(SerialDriver, SaysThatItIsRubbish) {
+TEST_F(SerialDriver, SaysThatItIsRubbish) {
   Controller rubbish([](const std::string&) { return "\x80\xffU*U*\x01\n"; });
   EXPECT_NE(upload_error(rubbish).find("is not our protocol; check the baud rate"),
             std::string::npos);
@@ -360,7 +368,7 @@ TEST(SerialDriver, SaysThatItIsRubbish) {
   EXPECT_NE(upload_error(newer).find("speaks version 2"), std::string::npos);
 }
 
-TEST(SerialDriver, SaysWhatTheControllerSays) {
+TEST_F(SerialDriver, SaysWhatTheControllerSays) {
   Rig rig;
   Controller small([&](const std::string& line) {
     return line.starts_with("begin") ? "error no memory for 2 lights\n" : rig(line);
@@ -383,7 +391,7 @@ TEST(SerialDriver, SaysWhatTheControllerSays) {
   EXPECT_NE(error.find("says: lamp 1 is dead"), std::string::npos) << error;
 }
 
-TEST(SerialDriver, SaysThatItHungUp) {
+TEST_F(SerialDriver, SaysThatItHungUp) {
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   const auto driver = make_light_driver(settings_for(controller.path()));
@@ -394,7 +402,7 @@ TEST(SerialDriver, SaysThatItHungUp) {
   EXPECT_NE(error_of([&] { driver->black(); }).find("has hung up"), std::string::npos);
 }
 
-TEST(SerialDriver, ControllersThatStopTakingPulses) {
+TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
   Rig rig;
   std::atomic<bool> stuck{false};
   Controller controller([&](const std::string& line) {
@@ -414,7 +422,7 @@ TEST(SerialDriver, ControllersThatStopTakingPulses) {
   driver.reset();
 }
 
-TEST(SerialDriver, CanBeCancelled) {
+TEST_F(SerialDriver, CanBeCancelled) {
   Controller silent([](const std::string&) { return ""; });
   auto settings = settings_for(silent.path());
   settings.serial.patience = 60;
@@ -429,7 +437,7 @@ TEST(SerialDriver, CanBeCancelled) {
   other.join();
 }
 
-TEST(SerialDriver, PortsThatAreNone) {
+TEST_F(SerialDriver, PortsThatAreNone) {
   const auto upload = [](LightDriverSettings settings) {
     return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
   };
