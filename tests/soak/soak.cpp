@@ -3,7 +3,8 @@
 //
 // Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
 // seeks among them, caps changes, start-stop cycles, extreme changes of scene. Without --decomposer
-// and --quick some hundred frames of each of the thesis' elements follow. Exit status 1 where
+// and --quick some hundred frames of each of the thesis' elements, of limematerial with
+// materialclone, and of olatrelight follow. Exit status 1 where
 // memory, open files or threads grow, where an element complains, or where nothing moves for a
 // minute.
 #include <gst/app/gstappsrc.h>
@@ -28,21 +29,23 @@
 namespace inverse::soak {
 namespace {
 
+constexpr const char* kChain =
+    " name=decomposer ! intrinsicrecolor cluster=0 ! intrinsicrecolor key=0xffff0000 ! "
+    "intrinsiccompose";
+constexpr const char* kEnd = " ! video/x-raw ! fakesink name=sink sync=false signal-handoffs=true";
+
 /// A phase of which there are none is left out.
 struct Plan {
   std::string decomposer = "intrinsicdecomp";
+  std::string chain = kChain;  ///< the element's name, properties, and what follows it
   unsigned frames = 10000, caps_changes = 200, cycles = 50, scenes = 1000;
   /// Pools get a plane (0.1 MiB) whenever frames in flight first ask for one more at once, which is
   /// a matter of timing; what leaks with frames, seeks or scenes comes to far more.
   Slack slack{.device_mib = 0.5};
 };
 
-constexpr const char* kChain =
-    " name=decomposer ! intrinsicrecolor cluster=0 ! intrinsicrecolor key=0xffff0000 ! "
-    "intrinsiccompose ! video/x-raw ! fakesink name=sink sync=false signal-handoffs=true";
-
 std::string line_of(const Plan& plan, const std::string& source) {
-  return source + " ! " + plan.decomposer + kChain;
+  return source + " ! " + plan.decomposer + plan.chain + kEnd;
 }
 
 void progress(const char* phase, unsigned done, unsigned all, const Holding& now) {
@@ -150,6 +153,30 @@ Plan of_thesis(const char* decomposer) {
   return plan;
 }
 
+/// Objects come and go with the scenes; their light and their clone with them.
+Plan of_materials() {
+  Plan plan;
+  plan.decomposer = "limematerial";
+  plan.chain = " name=decomposer show=input light=true ! materialclone";
+  plan.frames = 600;
+  plan.caps_changes = 24;
+  plan.cycles = 8;
+  plan.scenes = 200;
+  return plan;
+}
+
+/// Halves of a picture as pairs; odd widths are refused, so that sizes stay, and what comes out is
+/// not the input.
+Plan of_relighting(const char* model) {
+  Plan plan;
+  plan.decomposer = "olatrelight";
+  plan.chain = std::string(" name=decomposer model=") + model;
+  plan.frames = 600;
+  plan.cycles = 8;
+  plan.caps_changes = plan.scenes = 0;
+  return plan;
+}
+
 std::vector<Plan> parse(int count, char** words) {
   Plan plan;
   bool others = true;
@@ -164,7 +191,13 @@ std::vector<Plan> parse(int count, char** words) {
       plan.scenes = 120;
       others = false;
     } else if (word == "--decomposer" && more) {
-      plan.decomposer = words[++i];
+      const std::string name = words[++i];
+      if (name == "limematerial")
+        plan = of_materials();
+      else if (name == "olatrelight")
+        plan = of_relighting("network");
+      else
+        plan.decomposer = name;
       others = false;
     } else if (word == "--device-slack" && more) {
       plan.slack.device_mib = number(words[++i]);
@@ -186,6 +219,10 @@ std::vector<Plan> parse(int count, char** words) {
   if (others)
     for (const char* name : {"intrinsicdecompthesis", "globalintrinsicthesis"})
       plans.push_back(of_thesis(name));
+  if (others) {
+    plans.push_back(of_materials());
+    for (const char* model : {"cosine-lobe", "network"}) plans.push_back(of_relighting(model));
+  }
   return plans;
 }
 
