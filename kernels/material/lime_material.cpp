@@ -226,12 +226,9 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
 
 void LimeMaterial::compare(const Slot& slot) {
   const std::span image(slot.image->map_as<float>() + 4, size_t{4} * side_ * side_);
-  if (slot.report.estimated) {
-    change_.keep(image, side_);
-    changed_ = 0;
-  } else if (slot.square == estimated_in_) {
-    changed_ = change_.since(image, tracker_.mask(), side_);
-  }
+  // What has just been found anew was another picture: the next one may be, too.
+  if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side_);
+  if (slot.report.estimated) change_.keep(image, side_);
 }
 
 void LimeMaterial::done(uint64_t number) {
