@@ -41,7 +41,38 @@ const GstMetaInfo* meta_info() {
   return info;
 }
 
+GstLightStageKind kind_of(StepKind kind) {
+  switch (kind) {
+    case StepKind::olat:
+      return GST_LIGHT_STAGE_OLAT;
+    case StepKind::gradient_a:
+      return GST_LIGHT_STAGE_GRADIENT_A;
+    case StepKind::gradient_b:
+      return GST_LIGHT_STAGE_GRADIENT_B;
+    case StepKind::tracking:
+      return GST_LIGHT_STAGE_TRACKING;
+    case StepKind::black:
+      return GST_LIGHT_STAGE_BLACK;
+    case StepKind::custom:
+      break;
+  }
+  return GST_LIGHT_STAGE_CUSTOM;
+}
+
 }  // namespace
+
+void set_position(GstLightStageMeta* meta, const LightProgram& program,
+                  const LightProgram::Position& at) {
+  meta->pass = at.pass;
+  meta->kind = kind_of(program.kind(at));
+  if (at.part != LightProgram::Position::Part::step) return;
+  meta->step = static_cast<gint>(at.index);
+  const LightStep& step = program.steps[at.index];
+  if (step.kind != StepKind::olat) return;
+  meta->light = static_cast<gint>(step.light);
+  const Direction& direction = program.lights[step.light].direction;
+  for (size_t c = 0; c < 3; ++c) meta->direction[c] = static_cast<gfloat>(direction[c]);
+}
 
 void register_light_stage_meta() { meta_info(); }
 

@@ -54,15 +54,6 @@ LightDriverSettings settings_for(const std::string& destination) {
   return settings;
 }
 
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(SacnDriver, SendsEveryUniverseAtEveryStep) {
   Port port;
   auto settings = settings_for(port.address());

@@ -208,15 +208,6 @@ LightDriverSettings settings_for(const std::string& port) {
   return settings;
 }
 
-std::string error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 /// What `upload` throws where a controller answers like this, which must not take much longer than
 /// its patience.
 std::string upload_error(Controller& controller) {

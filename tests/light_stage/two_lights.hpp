@@ -1,4 +1,8 @@
 #pragma once
+#include <functional>
+#include <string>
+
+#include "error.hpp"
 #include "light_stage/light_program.hpp"
 
 namespace inverse::testing {
@@ -17,6 +21,16 @@ inline LightProgram two_lights() {
   program.repeat = 2;
   program.check();
   return program;
+}
+
+/// What it complains of; empty where it does not.
+inline std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace inverse::testing

@@ -6,11 +6,15 @@ soft-max. Every file is checked: only operators of the project's engine, and the
 """
 import argparse
 import pathlib
+import sys
 
 from torch import nn
 
-from lime import corpus, onnx_file
+from lime import corpus
 from lime.networks import count_flops, load_checkpoint
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import onnx_file  # noqa: E402
 
 OUTPUTS = {"segmentation": nn.Sigmoid(), "specular": nn.ReLU(), "mirror": nn.ReLU(), "albedo": nn.Sigmoid(),
            "exponent": nn.Softmax(1)}
@@ -24,9 +28,9 @@ def main():
     networks = load_checkpoint(args.checkpoint)
     args.models.mkdir(parents=True, exist_ok=True)
     for name, (part, shape) in networks.parts().items():
-        last = nn.Identity() if name == "exponent" and networks.regress else OUTPUTS[name]
+        last = None if name == "exponent" and networks.regress else OUTPUTS[name]
         path = args.models / f"{name}.onnx"
-        error = onnx_file.write(part, last, shape, path)
+        error = onnx_file.write(part, shape, path, last)
         print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
               f"OpenCV dnn within {error:.1e}")
 

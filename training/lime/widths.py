@@ -10,6 +10,7 @@ import math
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -17,9 +18,12 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 from torch import nn  # noqa: E402
 
-from lime import corpus, losses, onnx_file  # noqa: E402
+from lime import corpus, losses  # noqa: E402
 from lime.networks import SIZES, UNet, count_flops  # noqa: E402
 from sizes import milliseconds  # noqa: E402
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import onnx_file  # noqa: E402
 
 FACTORS = (0.33, 0.5, 0.75, 1, 1.5)
 PIXELS, BATCH, RATE = 64, 32, 2e-3
@@ -37,7 +41,7 @@ def error_of(network, batch):
 def time_of(network, build, bench):
     with tempfile.TemporaryDirectory() as folder:
         onnx, flat = pathlib.Path(folder) / "specular.onnx", pathlib.Path(folder) / "specular.net"
-        onnx_file.write(network, nn.ReLU(), (1, 4, 128, 128), onnx)
+        onnx_file.write(network, (1, 4, 128, 128), onnx, nn.ReLU())
         subprocess.run([build / "tools/onnx/inverse-onnx-import", onnx, flat], check=True, capture_output=True)
         return milliseconds(bench, str(flat), 128)
 

@@ -6,57 +6,20 @@ through. Each file is checked: only operators of the project's engine, and the s
 against the network itself.
 """
 import argparse
-import copy
 import pathlib
+import sys
 
 import cv2
 import numpy as np
-import onnx
 import torch
-from torch import nn
-from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 from olat import corpus, encoding
 from olat.networks import HARMONICS, HIDDEN, Late, count_flops, load_checkpoint
 
-OPERATORS = {"Conv", "Relu", "Resize", "Concat"}
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import onnx_file  # noqa: E402
+
 SHAPES = {"features": (1, 6, corpus.HEIGHT, corpus.WIDTH), "light": (1, HIDDEN + HARMONICS, 32, 32)}
-
-
-def fold(module):
-    """Convolution + batch normalization → convolution with bias, throughout."""
-    for name, child in module.named_children():
-        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
-            setattr(module, name, nn.Sequential(fuse_conv_bn_eval(child[0], child[1]), *child[2:]))
-        else:
-            fold(child)
-    return module
-
-
-def tidy(path):
-    """Turns constant nodes (the scales of Resize) into initializers, which is where an importer looks for numbers."""
-    model = onnx.load(str(path))
-    graph = model.graph
-    for node in [n for n in graph.node if n.op_type == "Constant"]:
-        value = node.attribute[0].t
-        value.name = node.output[0]
-        graph.initializer.append(value)
-        graph.node.remove(node)
-    onnx.checker.check_model(model)
-    onnx.save(model, str(path))
-
-
-def check(path, net, shape):
-    unknown = {node.op_type for node in onnx.load(str(path)).graph.node} - OPERATORS
-    assert not unknown, f"{path}: the engine does not run {unknown}"
-    x = torch.rand(shape) * 2 - 0.5
-    with torch.no_grad():
-        expected = net(x).numpy()
-    other = cv2.dnn.readNetFromONNX(str(path))
-    other.setInput(x.numpy())
-    error = np.abs(other.forward() - expected).max() / max(1, np.abs(expected).max())
-    assert error < 1e-3, f"{path}: OpenCV's dnn differs by {error}"
-    return error
 
 
 def relight(models, a, b, directions):
@@ -88,12 +51,8 @@ def main():
         raise SystemExit(f"{args.checkpoint} is not a late-fusion network on gradient images")
     args.models.mkdir(parents=True, exist_ok=True)
     for name, shape in SHAPES.items():
-        part = fold(copy.deepcopy(getattr(net, name))).eval()
-        path = args.models / f"{name}.onnx"
-        torch.onnx.export(part, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
-                          output_names=["output"], do_constant_folding=True)
-        tidy(path)
-        error = check(path, part, shape)
+        part, path = getattr(net, name), args.models / f"{name}.onnx"
+        error = onnx_file.write(part, shape, path)
         print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, *shape) / 1e9:.3f} GFLOP for {shape}, "
               f"OpenCV dnn within {error:.1e}")
     random = np.random.default_rng(1)

@@ -42,24 +42,6 @@ void check_agreement(const LightProgram& program, const OlatFolder& folder) {
                                          remedy);
 }
 
-GstLightStageKind kind_of(StepKind kind) {
-  switch (kind) {
-    case StepKind::olat:
-      return GST_LIGHT_STAGE_OLAT;
-    case StepKind::gradient_a:
-      return GST_LIGHT_STAGE_GRADIENT_A;
-    case StepKind::gradient_b:
-      return GST_LIGHT_STAGE_GRADIENT_B;
-    case StepKind::tracking:
-      return GST_LIGHT_STAGE_TRACKING;
-    case StepKind::black:
-      return GST_LIGHT_STAGE_BLACK;
-    case StepKind::custom:
-      break;
-  }
-  return GST_LIGHT_STAGE_CUSTOM;
-}
-
 }  // namespace
 
 TestSource::~TestSource() {
@@ -262,7 +244,6 @@ void TestSource::draw(const Exposure& exposure, GstBuffer* buffer) {
 
 void TestSource::label(const Exposure& exposure, const std::vector<LightColor>& colors,
                        GstBuffer* buffer) const {
-  using Part = LightProgram::Position::Part;
   GstLightStageMeta* meta = add_light_stage_meta(buffer);
   meta->program = program_id_;
   meta->trigger = exposure.trigger.value_or(0);
@@ -274,15 +255,7 @@ void TestSource::label(const Exposure& exposure, const std::vector<LightColor>& 
     return;
   }
   if (!exposure.trigger) return;
-  const auto position = program_.at(*exposure.trigger);
-  meta->pass = position.pass;
-  meta->kind = kind_of(program_.kind(position));
-  if (position.part != Part::step) return;
-  meta->step = static_cast<gint>(position.index);
-  if (meta->kind != GST_LIGHT_STAGE_OLAT) return;
-  meta->light = static_cast<gint>(program_.steps[position.index].light);
-  const Direction& direction = program_.lights[program_.steps[position.index].light].direction;
-  for (size_t c = 0; c < 3; ++c) meta->direction[c] = static_cast<gfloat>(direction[c]);
+  set_position(meta, program_, program_.at(*exposure.trigger));
 }
 
 void TestSource::publish(const Exposure& exposure, double wall_ms) {

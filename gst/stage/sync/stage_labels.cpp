@@ -5,27 +5,6 @@
 #include "base/light_stage_meta.hpp"
 
 namespace inverse {
-namespace {
-
-GstLightStageKind kind_of(StepKind kind) {
-  switch (kind) {
-    case StepKind::olat:
-      return GST_LIGHT_STAGE_OLAT;
-    case StepKind::gradient_a:
-      return GST_LIGHT_STAGE_GRADIENT_A;
-    case StepKind::gradient_b:
-      return GST_LIGHT_STAGE_GRADIENT_B;
-    case StepKind::tracking:
-      return GST_LIGHT_STAGE_TRACKING;
-    case StepKind::black:
-      return GST_LIGHT_STAGE_BLACK;
-    case StepKind::custom:
-      return GST_LIGHT_STAGE_CUSTOM;
-  }
-  return GST_LIGHT_STAGE_BLACK;
-}
-
-}  // namespace
 
 StageLabels::StageLabels(LightProgram program) : program_(std::move(program)), id_(program_.id()) {}
 
@@ -57,16 +36,9 @@ void StageLabels::attach(GstBuffer* buffer, const FrameLabel& label) const {
   const LightProgram::Position& at = label.position;
   meta->program = id_;
   meta->trigger = label.trigger;
-  meta->pass = at.pass;
-  meta->kind = kind_of(program_.kind(at));
+  set_position(meta, program_, at);
   meta->lights = static_cast<guint>(program_.lights.size());
   meta->colors = colors(at);
-  if (at.part != LightProgram::Position::Part::step) return;
-  meta->step = static_cast<gint>(at.index);
-  if (program_.steps[at.index].kind != StepKind::olat) return;
-  meta->light = static_cast<gint>(program_.steps[at.index].light);
-  const Direction& direction = program_.lights[program_.steps[at.index].light].direction;
-  for (size_t c = 0; c < 3; ++c) meta->direction[c] = static_cast<gfloat>(direction[c]);
 }
 
 }  // namespace inverse
