@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/filter.hpp"
+#include "base/inverse_light_stage_meta.h"
 #include "environment_file.hpp"
 #include "image/mosaic.hpp"
 #include "light_stage/light_program.hpp"
@@ -120,9 +121,9 @@ const PropertyTable<Params>& table() {
           "more, "
           "directions are not trusted and light is taken to be given back from everywhere"),
       number<P>("max-error", &P::max_error, 0, 1,
-                "How far a relit picture may be from the sum over all lights of the stage: mean "
-                "absolute difference over the mean. The network evaluates the fewest lights that "
-                "stay within it; 0 = all"),
+                "How far a relit picture may be from the sum over all lights of the stage, mean "
+                "absolute difference over the mean, as far as 1600 of its pixels tell. The network "
+                "evaluates few lights, chosen to stay within it; 0 = all"),
       flag<P>("adaptive", &P::adaptive,
               "Leave out what cannot be seen: most lights (max-error), and all that was done "
               "before where a picture comes again. false: all lights, one by one, at every pixel"),
@@ -148,8 +149,10 @@ class RelightElement final : public Filter {
       std::vector<Direction> lights;
       for (const StageLight& light : program.lights) lights.push_back(light.direction);
       stage_ = std::make_shared<const RelightStage>(std::move(lights));
+      gradient_ = program.colors(LightStep{StepKind::gradient_a, 0, {}, {}, {}});
       program_ = params.program;
     }
+    told_of_stage_ = false;
     const std::string folder = models_folder(params.models);
     if (params.model == Relighting::Model::network && (!models_ || folder != folder_)) {
       models_ = RelightModels::load(folder);
@@ -206,6 +209,7 @@ class RelightElement final : public Filter {
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     take_environment(frame, params);
+    check_label(frame);
     take_pair(frame, params);
     const bool same = params.adaptive && picture_ && shown_ && alike(*shown_, params) &&
                       method_->version() == version_;
@@ -271,6 +275,34 @@ class RelightElement final : public Filter {
         frame.warnings.push_back(std::string(error.what()) + "; the light before stays");
       }
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
+  }
+
+  /// What lightstagesync says of the frame has to be what it is taken for.
+  void check_label(FrameWork& frame) {
+    const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
+    if (!meta) return;
+    if (meta->kind != GST_LIGHT_STAGE_GRADIENTS)
+      throw Error(ErrorKind::unsupported,
+                  "frames show one step of a light program each, not the two gradients; set "
+                  "assemble=pairs on lightstagesync");
+    if (told_of_stage_ || lit_by_this_stage(*meta)) return;
+    told_of_stage_ = true;
+    frame.warnings.push_back("frames were lit by " + std::to_string(meta->lights) +
+                             " lights that are not where the " + std::to_string(gradient_.size()) +
+                             " of \"" + program_ +
+                             "\" are; set program to the one that lightstagesync has");
+  }
+
+  /// Gradients tell where lights are.
+  bool lit_by_this_stage(const GstLightStageMeta& meta) const {
+    if (meta.lights != gradient_.size() || !meta.colors) return false;
+    gsize size = 0;
+    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta.colors, &size));
+    if (size != gradient_.size() * sizeof(LightColor)) return false;
+    const float* ours = gradient_.front().data();
+    for (size_t i = 0; i < 3 * gradient_.size(); ++i)
+      if (std::abs(colors[i] - ours[i]) > 1e-3F) return false;
+    return true;
   }
 
   void take_pair(FrameWork& frame, const Params& params) {
@@ -362,6 +394,8 @@ class RelightElement final : public Filter {
 
   Parameters<Params> parameters_{table()};
   std::string program_;
+  std::vector<LightColor> gradient_;  // of the program's lights
+  bool told_of_stage_ = false;
   std::shared_ptr<const RelightStage> stage_;
   std::string folder_;
   std::optional<RelightModels> models_;

@@ -1,10 +1,14 @@
 // Light programs over streaming ACN.
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <random>
+#include <thread>
 
 #include "../error.hpp"
 #include "dmx_levels.hpp"
@@ -16,6 +20,11 @@ namespace inverse {
 namespace {
 
 constexpr int kTerminations = 3;  // packets that say so (6.2.6)
+// Receivers take a source that is silent for 2.5 s (E131_NETWORK_DATA_LOSS_TIMEOUT) for gone: what
+// lasts is repeated.
+constexpr std::chrono::milliseconds kRepeat{800};
+
+using Clock = std::chrono::steady_clock;
 
 sacn::Cid random_cid() {
   std::random_device random;
@@ -57,15 +66,25 @@ class SacnDriver final : public LightDriver {
     open();
     patch_.emplace(std::move(patch));
     program_ = program;
-    send({});
+    show_colors({});
+    keeper_ = std::thread([this] { keep(); });
   }
 
   void show(uint64_t trigger) override {
     if (!patch_) throw Error(ErrorKind::internal, "lights are shown before a program is uploaded");
-    send(program_.colors(program_.at(trigger)));
+    show_colors(program_.colors(program_.at(trigger)));
   }
 
   void black() override {
+    if (keeper_.joinable()) {
+      {
+        std::lock_guard lock(mutex_);
+        stopping_ = true;
+      }
+      woken_.notify_all();
+      keeper_.join();
+      stopping_ = false;
+    }
     if (!patch_) return;
     send({});
     if (settings_.terminate)
@@ -74,6 +93,28 @@ class SacnDriver final : public LightDriver {
   }
 
  private:
+  void show_colors(std::vector<LightColor> colors) {
+    std::lock_guard lock(mutex_);
+    shown_ = std::move(colors);
+    sent_ = Clock::now();
+    send(shown_);
+  }
+
+  /// The keeper's thread: says again what lasts.
+  void keep() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+      if (woken_.wait_until(lock, sent_ + kRepeat, [this] { return stopping_; })) return;
+      if (Clock::now() < sent_ + kRepeat) continue;
+      sent_ = Clock::now();
+      try {
+        send(shown_);
+      } catch (const Error&) {
+        // The next show() tells.
+      }
+    }
+  }
+
   void open() {
     if (socket_) return;
     std::optional<udp::Address> receiver;
@@ -135,6 +176,13 @@ class SacnDriver final : public LightDriver {
   std::optional<udp::Address> receiver_;
   std::map<uint16_t, uint8_t> sequence_;  // of every universe, across programs
   uint8_t sync_sequence_ = 0;
+
+  std::thread keeper_;  // between upload() and black()
+  std::mutex mutex_;    // of all that sends
+  std::condition_variable woken_;
+  std::vector<LightColor> shown_;
+  Clock::time_point sent_;
+  bool stopping_ = false;
 };
 
 }  // namespace

@@ -57,6 +57,25 @@ TEST_F(RelightTest, DirectionsAreTheNormalsOfASphere) {
   EXPECT_EQ(at(out, 1, 1)[0], 0) << "where there is no light there is no direction";
 }
 
+TEST_F(RelightTest, WhatLitTheFramesHasToBeWhatTheyAreTakenFor) {
+  const std::string camera =
+      "lightstagetestsrc is-live=false num-buffers=24 program=performance:42 ! "
+      "video/x-raw,format=RGBA,width=64,height=32 ! ";
+  const std::string sync = "lightstagesync program=performance:42 ";
+  const auto alone = run_line(camera + sync + "! olatrelight program=performance:42 ! fakesink");
+  EXPECT_NE(alone.first_error().find("assemble=pairs"), std::string::npos) << alone.first_error();
+  const auto run = [&](const std::string& program) {
+    return run_line(camera + sync + "assemble=pairs ! olatrelight program=" + program +
+                    " ! fakesink");
+  };
+  const auto same = run("performance:42"), as_good = run("static:42"), other = run("performance");
+  for (const auto& result : {same, as_good, other}) EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_TRUE(same.warnings.empty());
+  EXPECT_TRUE(as_good.warnings.empty());
+  ASSERT_EQ(other.warnings.size(), 1u) << "once, not with every frame";
+  EXPECT_NE(other.warnings[0].find("42 lights"), std::string::npos) << other.warnings[0];
+}
+
 TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
   const std::string layers =
       "video/x-raw(meta:InverseLayers), format=RGBA, layers=gradients, width=64, height=64, "

@@ -299,6 +299,61 @@ TEST_F(StageCapture, ACaptureThatIsCutShortGoesOutAsFarAsItCame) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
+TEST_F(StageCapture, ACaptureWhoseLastFrameIsLostGoesOutWithTheFirstOneAfterIt) {
+  start();
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  for (int64_t n = -20; n < triggers + 3; ++n)
+    if (n != triggers - 1) {
+      ASSERT_EQ(push(n), GST_FLOW_OK);
+    }
+  const auto frames = pull(static_cast<size_t>(triggers) - 1);
+  ASSERT_EQ(frames.size(), static_cast<size_t>(triggers) - 1);
+  EXPECT_EQ(frames.back().trigger, triggers - 2);
+  EXPECT_EQ(frames.back().kind, GST_LIGHT_STAGE_GRADIENT_A);
+}
+
+TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
+  char* made = g_dir_make_tmp("capture-XXXXXX", nullptr);
+  const std::string location = made;
+  g_free(made);
+  const std::string folder = location + "/camera_0";
+  g_object_set(element_, "location", location.c_str(), nullptr);
+  std::filesystem::create_directories(folder + "/olat");
+  for (const char* name : {"/olat/003.exr", "/olat/999.exr", "/olat/notes.exr", "/tracking.exr"})
+    std::ofstream(folder + name) << "of an earlier one";
+  start();
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  const auto shows_light_3 = [&](int64_t n) {
+    const auto at = program_.at(static_cast<uint64_t>(std::max<int64_t>(n, 0)));
+    return program_.kind(at) == StepKind::olat && program_.steps[at.index].light == 3;
+  };
+  for (int64_t n = -20; n < triggers; ++n)
+    if (!shows_light_3(n)) {
+      ASSERT_EQ(push(n), GST_FLOW_OK);
+    }
+  pull(static_cast<size_t>(triggers) - 1);
+  for (int i = 0; i < 500 && count("passes") == 0; ++i) g_usleep(10000);  // the list comes last
+  EXPECT_FALSE(std::filesystem::exists(folder + "/olat/003.exr"));
+  EXPECT_FALSE(std::filesystem::exists(folder + "/olat/999.exr"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/olat/notes.exr"));
+  EXPECT_GT(std::filesystem::file_size(folder + "/tracking.exr"), 100u);
+  const auto list = nlohmann::json::parse(std::ifstream(folder + "/lights.json"));
+  EXPECT_FALSE(list["lights"][3].contains("file"));
+  EXPECT_TRUE(list["lights"][4].contains("file"));
+
+  // The test source plays it, without the light that is not there.
+  const LineResult played = run_line(
+      "lightstagetestsrc is-live=false num-buffers=8 program=static "
+      "location=" +
+          folder + " ! appsink name=out sync=false",
+      60);
+  EXPECT_EQ(played.frames.size(), 8u) << played.first_error();
+  ASSERT_EQ(played.warnings.size(), 1u);
+  EXPECT_NE(played.warnings[0].find("no picture of light 3"), std::string::npos)
+      << played.warnings[0];
+  std::filesystem::remove_all(location);
+}
+
 TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {
   g_object_set(element_, "max-frames", 8u, nullptr);
   start();

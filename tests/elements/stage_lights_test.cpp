@@ -1,9 +1,9 @@
 // lightstagesync as the one that drives the lights.
 #include <set>
 
-#include "element_test.hpp"
 #include "light_stage/dmx_levels.hpp"
 #include "light_stage/sacn_receiver.hpp"
+#include "stage_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -70,6 +70,29 @@ TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
     line.set(GST_STATE_PAUSED);
     EXPECT_TRUE(shows(receiver, program, StepKind::black));
   }
+}
+
+TEST_F(StageSync, ProgramsThatStartAnewAfterAPauseAreLabeledAnew) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "backend", "sacn");
+  const std::vector<uint32_t> universes = {1};
+  sacn::Receiver receiver("127.0.0.1:0", universes);
+  g_object_set(element_, "host", ("127.0.0.1:" + std::to_string(receiver.port())).c_str(), nullptr);
+  start();
+  const BallOnStage ball(program_, kWidth, kHeight);
+  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  pull(20);
+  gst_element_set_state(element_, GST_STATE_PAUSED);
+  gst_element_set_state(element_, GST_STATE_PLAYING);
+  for (int64_t n = -10; n < 20; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n), static_cast<double>(n + 51))),
+              GST_FLOW_OK);
+  const auto again = pull(20);
+  ASSERT_EQ(again.size(), 20u);
+  EXPECT_EQ(again.front().trigger, 0);
+  EXPECT_EQ(again.back().trigger, 19);
+  EXPECT_EQ(count("contradicted"), 0u);
+  EXPECT_EQ(count("before-marker"), 20u);
 }
 
 TEST(StageLights, WhatCannotBeReachedIsAnErrorBeforeTheStart) {

@@ -122,6 +122,43 @@ TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   EXPECT_EQ(gst_harness_buffers_in_queue(camera()), 0u);
 }
 
+TEST_F(StageSync, WhoWaitsForTheEndHasHeardOfTheMarkerThatDidNotCome) {
+  use_performance();
+  start();
+  for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  std::string told;
+  gst_pad_add_probe(
+      camera()->sinkpad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM,
+      [](GstPad*, GstPadProbeInfo* info, gpointer data) {
+        auto& [bus, text] = *static_cast<std::pair<GstBus*, std::string*>*>(data);
+        if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) != GST_EVENT_EOS)
+          return GST_PAD_PROBE_OK;
+        while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
+          GError* error = nullptr;
+          gst_message_parse_warning(message, &error, nullptr);
+          *text += error->message;
+          g_error_free(error);
+          gst_message_unref(message);
+        }
+        *text += " END";
+        return GST_PAD_PROBE_OK;
+      },
+      new std::pair(bus_, &told),
+      [](gpointer data) { delete static_cast<std::pair<GstBus*, std::string*>*>(data); });
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  bool ended = false;
+  for (int i = 0; i < 500 && !ended; ++i) {
+    while (GstEvent* event = gst_harness_try_pull_event(camera())) {
+      ended |= GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+      gst_event_unref(event);
+    }
+    g_usleep(10000);
+  }
+  ASSERT_TRUE(ended);
+  EXPECT_NE(told.find("none of its frames has a label"), std::string::npos) << told;
+  EXPECT_LT(told.find("none of its frames"), told.find("END"));
+}
+
 TEST_F(StageSync, UnlabeledFramesMayPass) {
   use_performance();
   g_object_set(element_, "drop-unlabeled", FALSE, nullptr);
@@ -245,6 +282,17 @@ TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
   gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
   gst_harness_set_upstream_latency(camera(1), 30 * GST_MSECOND);
   EXPECT_EQ(gst_harness_query_latency(camera(0)), 330 * GST_MSECOND);
+}
+
+TEST_F(StageSync, LatencyHasThePeriodThatSingleLightsWaitForTheNextFrame) {
+  use(static_capture(stage_lights(geodesic_directions(42))));
+  start(0);
+  gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
+  EXPECT_EQ(gst_harness_query_latency(camera(0)), 20 * GST_MSECOND + GST_SECOND / 60 + 1);
+  gst_util_set_object_arg(G_OBJECT(element_), "frame-id", "offset");
+  gst_element_set_state(element_, GST_STATE_NULL);
+  gst_element_set_state(element_, GST_STATE_PLAYING);
+  EXPECT_EQ(gst_harness_query_latency(camera(0)), 20 * GST_MSECOND);
 }
 
 TEST_F(StageSync, PadsComeAndGo) {

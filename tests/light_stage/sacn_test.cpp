@@ -54,6 +54,30 @@ LightDriverSettings settings_for(const std::string& destination) {
   return settings;
 }
 
+TEST(SacnDriver, RepeatsWhatLasts) {
+  Port port;
+  const LightProgram program = two_lights();
+  const auto driver = make_light_driver(settings_for(port.address()));
+  driver->upload(program);
+  driver->show(4);
+  std::vector<DataPacket> packets;
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1900))
+    if (const auto packet = sacn::parse(port.next()).data; packet && packet->universe == 40)
+      packets.push_back(*packet);
+  // Black, the step, and the step again, so that no receiver takes the source for gone.
+  ASSERT_GE(packets.size(), 4U);
+  for (size_t i = 2; i < packets.size(); ++i) {
+    EXPECT_EQ(packets[i].slots, packets[1].slots);
+    EXPECT_EQ(packets[i].sequence, i);
+  }
+  driver->black();
+  while (!port.next().empty()) {
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_TRUE(port.next().empty()) << "what is black and gone is not repeated";
+}
+
 TEST(SacnDriver, SendsEveryUniverseAtEveryStep) {
   Port port;
   auto settings = settings_for(port.address());

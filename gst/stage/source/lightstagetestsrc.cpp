@@ -88,7 +88,10 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
 
 gboolean start(GstBaseSrc* base) {
   auto& self = self_of(base);
-  if (!inverse::guarded(GST_ELEMENT(base), [&] { self.source->start(); })) return FALSE;
+  std::string trouble;
+  if (!inverse::guarded(GST_ELEMENT(base), [&] { trouble = self.source->start(); })) return FALSE;
+  if (!trouble.empty())
+    GST_ELEMENT_WARNING(base, RESOURCE, NOT_FOUND, ("%s", trouble.c_str()), (nullptr));
   self.running = false;
   self.last_time = 0;
   return TRUE;

@@ -3,6 +3,7 @@
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -30,10 +31,24 @@ nlohmann::json read_json(const std::string& path) {
   return json;
 }
 
-/// Lists of three numbers under "directions", or objects with a "direction" under "lights".
-std::vector<Direction> read_directions(const std::string& path) {
-  const nlohmann::json json = read_json(path);
+/// olat/NNN.exr
+std::string usual_name(size_t light) {
+  std::string number = std::to_string(light);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  return "olat/" + number + ".exr";
+}
+
+struct Lights {
   std::vector<Direction> directions;
+  std::vector<std::string> files;  // empty: no picture
+};
+
+/// Lists of three numbers under "directions", or objects with a "direction" under "lights", whose
+/// "file" is left out where there is no picture.
+Lights read_lights(const std::string& path) {
+  const nlohmann::json json = read_json(path);
+  Lights lights;
+  auto& [directions, files] = lights;
   const bool plain = json.is_object() && json.contains("directions");
   const auto list =
       plain ? json["directions"]
@@ -55,8 +70,14 @@ std::vector<Direction> read_directions(const std::string& path) {
              std::to_string(length));
     for (double& c : direction) c /= length;
     directions.push_back(direction);
+    const auto file = item.is_object() ? item.value("file", nlohmann::json()) : nlohmann::json();
+    if (!file.is_null() && !file.is_string()) refuse(where + ": its \"file\" is no text");
+    files.push_back(file.is_string() ? file.get<std::string>() : "");
   }
-  return directions;
+  // A list that names none has the usual ones.
+  if (std::ranges::all_of(files, [](const std::string& file) { return file.empty(); }))
+    for (size_t i = 0; i < files.size(); ++i) files[i] = usual_name(i);
+  return lights;
 }
 
 /// Runs `read(file, size)` on an image's file.
@@ -81,19 +102,30 @@ void with_image(const std::string& path, Read read) {
 
 }  // namespace
 
-OlatFolder::OlatFolder(const std::string& path)
-    : path_(path), directions_(read_directions(path + "/lights.json")) {
-  with_image(file(0), [&](Imf::RgbaInputFile&, Extent extent) { extent_ = extent; });
+OlatFolder::OlatFolder(const std::string& path) : path_(path) {
+  auto [directions, files] = read_lights(path + "/lights.json");
+  directions_ = std::move(directions);
+  files_ = std::move(files);
+  const auto first = std::ranges::find_if(files_, [](const auto& file) { return !file.empty(); });
+  with_image(file(static_cast<uint32_t>(first - files_.begin())),
+             [&](Imf::RgbaInputFile&, Extent extent) { extent_ = extent; });
 }
 
-std::string OlatFolder::file(uint32_t light) const {
-  std::string number = std::to_string(light);
-  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
-  return path_ + "/olat/" + number + ".exr";
+std::vector<uint32_t> OlatFolder::missing() const {
+  std::vector<uint32_t> missing;
+  for (uint32_t i = 0; i < files_.size(); ++i)
+    if (files_[i].empty()) missing.push_back(i);
+  return missing;
 }
+
+std::string OlatFolder::file(uint32_t light) const { return path_ + "/" + files_[light]; }
 
 std::vector<float> OlatFolder::image(uint32_t light) const {
   std::vector<float> rgb;
+  if (files_[light].empty()) {
+    rgb.resize(3 * extent_.pixels());
+    return rgb;
+  }
   with_image(file(light), [&](Imf::RgbaInputFile& file, Extent extent) {
     if (extent != extent_)
       refuse(this->file(light) + " is " + std::to_string(extent.width) + "x" +

@@ -12,7 +12,8 @@ namespace inverse {
 
 /// A folder of images under one light at a time: lights.json with the lights' "directions" (unit
 /// vectors from the subject to the light: x right, y up, z to the camera), and olat/NNN.exr, linear
-/// RGB. Everything throws Error(file), saying what is missing or wrong.
+/// RGB; or with "lights", objects with a "direction" and a "file", as lightstagesync writes it.
+/// Everything throws Error(file), saying what is missing or wrong.
 class OlatFolder {
  public:
   static constexpr uint32_t kMostPixels = 16384;  ///< along a side
@@ -22,13 +23,16 @@ class OlatFolder {
   const std::string& path() const { return path_; }
   const std::vector<Direction>& directions() const { return directions_; }
   Extent extent() const { return extent_; }
-  /// Reads an image: width × height RGB.
+  /// Lights that the list has no file for: their frames were lost.
+  std::vector<uint32_t> missing() const;
+  /// Reads an image: width × height RGB; black where it is missing.
   std::vector<float> image(uint32_t light) const;
 
  private:
   std::string file(uint32_t light) const;
   std::string path_;
   std::vector<Direction> directions_;
+  std::vector<std::string> files_;
   Extent extent_;
 };
 

@@ -42,6 +42,17 @@ void check_agreement(const LightProgram& program, const OlatFolder& folder) {
                                          remedy);
 }
 
+/// Says which lights have no picture.
+std::string lacking(const OlatFolder& folder) {
+  const auto missing = folder.missing();
+  if (missing.empty()) return "";
+  std::string text = folder.path() + " has no picture of light ";
+  for (size_t i = 0; i < std::min<size_t>(missing.size(), 8); ++i)
+    text += (i ? ", " : "") + std::to_string(missing[i]);
+  if (missing.size() > 8) text += " and " + std::to_string(missing.size() - 8) + " more";
+  return text + ": dark here; capture the subject again where that matters";
+}
+
 }  // namespace
 
 TestSource::~TestSource() {
@@ -58,7 +69,7 @@ void TestSource::set_device_name(const char* name) {
   device_name_ = name ? name : "";
 }
 
-void TestSource::start() {
+std::string TestSource::start() {
   context_.renew(device_name());
   started_ = parameters_.snapshot();
   folder_.reset();
@@ -73,6 +84,7 @@ void TestSource::start() {
     receiver_.emplace(started_.listen, universes, started_.sync_universe);
   }
   frames_ = dropped_ = duplicated_ = overruns_ = 0;
+  return folder_ ? lacking(*folder_) : "";
 }
 
 void TestSource::stop() {

@@ -35,8 +35,9 @@ class TestSource {
   std::string device_name() const;
   void set_device_name(const char* name);
 
-  /// READY → PAUSED: reads program and folder, opens the port. Throws.
-  void start();
+  /// READY → PAUSED: reads program and folder, opens the port. Returns what is amiss in words,
+  /// empty where nothing is. Throws.
+  std::string start();
   void stop();
 
   /// Video of the program's rate, and of the folder's size; before `start` of any. New reference.

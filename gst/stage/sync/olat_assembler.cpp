@@ -127,6 +127,7 @@ void OlatAssembler::forget() {
 }
 
 GstFlowReturn OlatAssembler::assemble() {
+  if (!location_.empty()) clear_folder();
   std::map<uint64_t, cv::Mat> tracking;
   double clipped = 0;
   for (const Held& held : held_) {
@@ -191,6 +192,23 @@ GstFlowReturn OlatAssembler::send(Held& held, const cv::Mat& displacement) {
     ++(displacement.empty() ? still_ : moved_);
   }
   return FrameAssembler::take(buffer, &held.label);
+}
+
+/// Takes the pictures of an earlier capture away: one whose frame is lost now would be among the
+/// new ones.
+void OlatAssembler::clear_folder() {
+  olat_files_.clear();
+  files_.clear();
+  std::error_code none;
+  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
+    std::filesystem::remove(folder() + "/" + kind + ".exr", none);
+  std::filesystem::remove(folder() + "/lights.json", none);
+  for (const auto& entry : std::filesystem::directory_iterator(folder() + "/olat", none)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() == ".exr" &&
+        name.find_first_not_of("0123456789") == std::string::npos)
+      std::filesystem::remove(entry.path(), none);
+  }
 }
 
 /// A folder for each camera.

@@ -37,6 +37,7 @@ class OlatAssembler final : public FrameAssembler {
   GstFlowReturn send(Held& held, const cv::Mat& displacement);
   void save(const Held& held, const cv::Mat& light);
   void save_list();
+  void clear_folder();
   std::string folder() const;
 
   const std::string location_;

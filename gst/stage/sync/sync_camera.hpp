@@ -81,9 +81,10 @@ struct SyncCamera {
   std::string stream_id;
   bool live = false, live_known = false;
   bool flushing = true, ended = false, released = false;
-  bool blocked = false;     // its frames are not taken because there is no room
-  bool left_alone = false;  // sets do not wait for it any more
-  bool silent = false;      // and that was told
+  bool program_ended = false;  // and that is on its way to the assembler
+  bool blocked = false;        // its frames are not taken because there is no room
+  bool left_alone = false;     // sets do not wait for it any more
+  bool silent = false;         // and that was told
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
   FrameLabeler::Counts triggered;    // in place of the labeler's where we trigger

@@ -9,6 +9,8 @@
 namespace inverse {
 namespace {
 
+/// Tells a camera's assembler, in the order of frames, that the program has ended.
+constexpr const char* kProgramEnded = "lightstage-program-ended";
 constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
@@ -58,7 +60,7 @@ void SyncElement::stop() {
     camera->last_trigger.reset();
     camera->stream_id.clear();
     camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
-        camera->live_known = false;
+        camera->live_known = camera->program_ended = false;
     camera->flow = GST_FLOW_OK;
     camera->told = camera->triggered = {};
     camera->run = camera->incomplete = camera->sent = 0;
@@ -77,7 +79,15 @@ bool SyncElement::set_playing(bool playing) {
     trigger = trigger_;
     playing_ = playing;
     lacking_since_ = Clock::now();
-    for (auto& [number, camera] : cameras_) camera->last_arrival = lacking_since_;
+    for (auto& [number, camera] : cameras_) {
+      camera->last_arrival = lacking_since_;
+      // The program starts anew, which no camera has seen yet.
+      if (playing && lights_ && camera->labeler) {
+        labeled(*camera, camera->labeler->drain());
+        camera->labeler->reset();
+      }
+    }
+    advance();
   }
   if (trigger) trigger->set_playing(playing);
   if (!lights_) return true;
@@ -278,10 +288,16 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
   for (const FrameLabeler::Labeled& frame : frames) {
     SyncCamera::Item* item = camera.find(frame.token);
     if (!item) continue;  // flushed meanwhile
+    if (frame.fate == FrameLabeler::Fate::ended && !camera.program_ended) {
+      camera.program_ended = true;
+      camera.append(gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM,
+                                         gst_structure_new_empty(kProgramEnded)));
+    }
     if (frame.fate != FrameLabeler::Fate::labeled) {
       item->state = params_.drop_unlabeled ? State::dropped : State::leaves;
       continue;
     }
+    camera.program_ended = false;
     item->label = FrameLabel{frame.trigger, frame.position};
     join_run(camera, frame.trigger);
     camera.last_trigger = frame.trigger;
@@ -345,6 +361,11 @@ GstFlowReturn SyncElement::send(SyncCamera& camera, SyncCamera::Item& item) {
       flow = GST_FLOW_ERROR;
     else if (!good)
       flow = GST_FLOW_NOT_NEGOTIATED;
+    gst_event_unref(event);
+    return flow;
+  }
+  if (gst_event_has_name(event, kProgramEnded)) {
+    if (!guarded(element_, [&] { flow = camera.assembler->finish(); })) flow = GST_FLOW_ERROR;
     gst_event_unref(event);
     return flow;
   }

@@ -1,4 +1,5 @@
 // Events and queries of lightstagesync's pads.
+#include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
@@ -114,6 +115,7 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
       warn("camera " + camera->name() +
            " has ended without the marker of the light program "
            "(black, full on, black): none of its frames has a label");
+    speak(lock);  // before an application that waits for the end hears of it
   }
   camera->append(event);
   advance();
@@ -149,12 +151,18 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
   }
 }
 
-/// How long a frame may stay here: for the others of its set, and for the other of its pair.
+/// How long a frame may stay here: for the others of its set, for the other of its pair, and, where
+/// time alone tells single lights apart, for the next frame, which might claim its trigger.
 GstClockTime SyncElement::own_latency() const {
   std::lock_guard lock(mutex_);
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
   if (labels_ && params_.assemble == SyncParams::Assemble::pairs) latency += labels_->period();
+  if (labels_ && params_.frame_id == SyncParams::FrameId::none &&
+      std::ranges::any_of(labels_->program().steps, [](const LightStep& step) {
+        return step.kind == StepKind::olat || step.kind == StepKind::custom;
+      }))
+    latency += labels_->period();
   return latency;
 }
 
