@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace inverse {
 namespace {
@@ -9,8 +10,9 @@ namespace {
 using Position = LightProgram::Position;
 using Counted = TriggerCounter::Counted;
 
-constexpr uint32_t kContradicted = 2, kAgreed = 1, kTooMuch = 6;  // contradictions against labels
-constexpr double kVisible = 0.2;                                  // of what a light adds on average
+// Contradictions against labels; more where frames wait for a picture that confirms them.
+constexpr uint32_t kContradicted = 2, kNotConfirmed = 3, kAgreed = 1, kTooMuch = 6;
+constexpr double kVisible = 0.2;  // of what a light adds on average
 
 TriggerCounter::Params counter_params(const FrameLabeler::Params& params) {
   return {params.jitter, params.drift, params.id_bits, params.hold};
@@ -43,8 +45,8 @@ void FrameLabeler::reset() {
   counter_.restart();
   lose_anchor();
   seen_.clear();
-  doubted_.reset();
   waiting_.clear();
+  confirmed_until_.reset();
   origin_.reset();
   waiting_since_.reset();
   epoch_ = counter_.epoch();
@@ -54,7 +56,11 @@ void FrameLabeler::flush() {
   counter_.flush();
   waiting_.clear();
   seen_.clear();
-  doubted_.reset();
+  unconfirmed_.clear();
+  confirmed_ = 0;
+  doubted_ = false;
+  suspected_.reset();
+  confirmed_until_.reset();
   last_.reset();
   dropped_since_last_ = 0;
   if (counter_.epoch() == epoch_) return;
@@ -64,6 +70,10 @@ void FrameLabeler::flush() {
 
 void FrameLabeler::lose_anchor() {
   anchor_.reset();
+  unconfirmed_.clear();
+  confirmed_ = 0;
+  doubted_ = false;
+  suspected_.reset();
   last_.reset();
   dropped_since_last_ = contradicted_lately_ = 0;
   overdue_told_ = false;
@@ -83,11 +93,15 @@ bool FrameLabeler::take_overdue() {
   return overdue_told_;
 }
 
-void FrameLabeler::tell(uint64_t token, Fate fate, std::vector<Labeled>& out) {
+uint64_t& FrameLabeler::count_of(Fate fate) {
   uint64_t* const counts[] = {&counts_.labeled,   &counts_.duplicates,   &counts_.late,
                               &counts_.ambiguous, &counts_.contradicted, &counts_.before_marker,
                               &counts_.ended,     &counts_.untimed};
-  ++*counts[static_cast<size_t>(fate)];
+  return *counts[static_cast<size_t>(fate)];
+}
+
+void FrameLabeler::tell(uint64_t token, Fate fate, std::vector<Labeled>& out) {
+  ++count_of(fate);
   out.push_back({token, fate, 0, {}});
 }
 
@@ -131,7 +145,7 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
 
 std::vector<FrameLabeler::Labeled> FrameLabeler::drain() {
   auto out = settle(counter_.drain());
-  release_doubted(out);
+  release(unconfirmed_.size(), out);
   for (Seen& seen : seen_)
     if (!seen.told) {
       tell(seen.token, Fate::before_marker, out);
@@ -151,6 +165,8 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
   }
   if (counter_.epoch() != epoch_) {
     epoch_ = counter_.epoch();
+    release(unconfirmed_.size(), out);
+    confirmed_until_.reset();
     for (Seen& seen : seen_)
       if (!seen.told) tell(seen.token, Fate::before_marker, out);
     seen_.clear();
@@ -162,17 +178,19 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
 
 void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
                            std::vector<Labeled>& out) {
-  if (doubted_ && frame.fate == Counted::Fate::off && frame.conflict) {
+  const bool doubted = std::exchange(doubted_, false);
+  if (doubted && frame.fate == Counted::Fate::off && frame.conflict) {
     // Two frames for one trigger: one of them has a wrong time, and nothing tells which.
-    const uint64_t token = doubted_->token;
-    doubted_.reset();
+    const uint64_t token = unconfirmed_.back().token;
+    unconfirmed_.pop_back();
+    mark_told(token, true);
     --counts_.labeled;
     tell(token, Fate::ambiguous, out);
     tell(frame.token, Fate::ambiguous, out);
     if (counts_.missing) --counts_.missing;
     return;
   }
-  release_doubted(out);
+  if (!confirmable()) release(unconfirmed_.size(), out);
   if (frame.fate == Counted::Fate::off || frame.fate == Counted::Fate::ambiguous) {
     const Fate fate = frame.late ? Fate::late : Fate::ambiguous;
     tell(frame.token, anchor_ ? fate : Fate::before_marker, out);
@@ -196,29 +214,37 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
   seen_.back().told = true;
   if (frame.fate == Counted::Fate::trigger) {
     label(frame.token, frame.trigger, image, out);
-    if (ended_) end();
-    return;
+    if (ended_) return end();
+    return look_at_suspicion(out);
   }
   const bool again = image.content && image.content == before_.content &&
                      frame.trigger > last_.value_or(frame.trigger);
-  tell(frame.token, again ? Fate::duplicate : Fate::contradicted, out);
-  if (again) return;
+  if (again) return tell(frame.token, Fate::duplicate, out);
+  const bool labels_wait = std::ranges::any_of(
+      unconfirmed_, [](const Labeled& one) { return one.fate == Fate::labeled; });
+  contradicted_lately_ += labels_wait ? kNotConfirmed : kContradicted;
   ++dropped_since_last_;
-  contradicted_lately_ += kContradicted;
-  if (contradicted_lately_ < kTooMuch) return;
-  ++counts_.resynchronizations;
-  lose_anchor();
-  look_for_marker(out);
+  ++counts_.contradicted;
+  wait({frame.token, Fate::contradicted, 0, {}}, out);
+  if (contradicted_lately_ >= kTooMuch) {
+    ++counts_.resynchronizations;
+    revoke();
+    lose_anchor();
+    return look_for_marker(out);
+  }
+  if (!confirmable()) release(unconfirmed_.size(), out);
+  if (!suspected_ && evidence_.bright(image)) suspected_ = frame.trigger - 1;
+  look_at_suspicion(out);
 }
 
 void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& image,
                          std::vector<Labeled>& out) {
-  release_doubted(out);
   const int64_t at = trigger - *anchor_;
   if (at < 0) return tell(token, Fate::before_marker, out);
   const Position position = program_.at(static_cast<uint64_t>(at));
   if (position.part == Position::Part::ended) {
     ended_ = true;
+    release(unconfirmed_.size(), out);
     return tell(token, Fate::ended, out);
   }
   if (last_ && trigger == *last_) return tell(token, Fate::duplicate, out);
@@ -226,38 +252,43 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
     if (counts_.missing) --counts_.missing;  // it was taken for lost
     return tell(token, Fate::late, out);
   }
+  if (unconfirmed_.empty()) missing_before_ = counts_.missing;
   if (last_) {
     const auto between = static_cast<uint64_t>(trigger - *last_ - 1);
     counts_.missing += between - std::min(between, dropped_since_last_);
   }
   dropped_since_last_ = 0;
   last_ = trigger;
-  contradicted_lately_ -= std::min(contradicted_lately_, kAgreed);
+  const bool confirms = evidence_.confirms(position, image);
+  if (confirms || !confirmable()) contradicted_lately_ -= std::min(contradicted_lately_, kAgreed);
   if (position.part == Position::Part::marker && position.index == 1 && position.pass > 0)
     ++counts_.markers;
   evidence_.learn(position, image);
-  tell(token, Fate::labeled, out);
-  out.back().trigger = static_cast<uint64_t>(at);
-  out.back().position = position;
-  if (params_.id_bits || checked_by_picture(position)) return;
-  doubted_ = out.back();
-  out.pop_back();
+  ++counts_.labeled;
+  const bool told = told_by_neighbors(position);
+  wait({token, Fate::labeled, static_cast<uint64_t>(at), position}, out);
+  const bool alone = unconfirmed_.size() == 1;
+  if (confirms || (confirmable() ? alone && !is_weak(position) : told || params_.id_bits))
+    confirmed_ = unconfirmed_.size();
+  doubted_ = !told && !params_.id_bits;
+  if (suspected_) return;
+  if (confirms) confirmed_until_ = trigger;
+  release_confirmed(out);
 }
 
-/// Whether a frame of the step before would be told by its picture.
-bool FrameLabeler::checked_by_picture(Position position) const {
-  if (position.part != Position::Part::step) return true;
+/// Whether pictures of this step tell nothing.
+bool FrameLabeler::is_weak(Position position) const {
   const StepKind kind = program_.kind(position);
-  const auto weak = [](StepKind one) { return one == StepKind::olat || one == StepKind::custom; };
-  if (!weak(kind)) return true;
-  const auto count = static_cast<uint32_t>(program_.steps.size());
-  return !weak(program_.steps[(position.index + count - 1) % count].kind);
+  return position.part == Position::Part::step &&
+         (kind == StepKind::olat || kind == StepKind::custom);
 }
 
-void FrameLabeler::release_doubted(std::vector<Labeled>& out) {
-  if (!doubted_) return;
-  out.push_back(*doubted_);
-  doubted_.reset();
+/// Whether a picture of the step before would not be taken for one of this step.
+bool FrameLabeler::told_by_neighbors(Position position) const {
+  if (!is_weak(position)) return true;
+  const auto count = static_cast<uint32_t>(program_.steps.size());
+  position.index = (position.index + count - 1) % count;
+  return !is_weak(position);
 }
 
 }  // namespace inverse

@@ -15,7 +15,8 @@ namespace inverse {
 /// Triggers are counted by TriggerCounter. Where the program began is read from the pictures: its
 /// marker is black, full on, black, each a frame long. From then on pictures only check: who
 /// contradicts the label that times give is dropped, and where that goes on all labels are off
-/// until the next marker.
+/// until the next marker. Pictures of single lights tell nothing, so these frames wait until the
+/// next one comes that does: a tracking frame, or one of a gradient.
 class FrameLabeler {
  public:
   struct Params {
@@ -69,6 +70,8 @@ class FrameLabeler {
   /// Starts as new, but counts go on.
   void reset();
 
+  /// How many periods a frame of the program may wait for the one that confirms it.
+  static uint32_t longest_wait(const LightProgram& program, const Params& params);
   bool anchored() const { return anchor_.has_value(); }
   /// Whether the marker has not come within `Params::marker_within`; once for each time that it is
   /// waited for.
@@ -102,12 +105,23 @@ class FrameLabeler {
   void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
   void lose_anchor();
   void end();
-  void release_doubted(std::vector<Labeled>& out);
-  bool checked_by_picture(LightProgram::Position position) const;
+  bool is_weak(LightProgram::Position position) const;
+  bool told_by_neighbors(LightProgram::Position position) const;
+  // Frames that wait to be confirmed: frame_labeler_waiting.cpp.
+  bool confirmable() const;
+  void wait(const Labeled& frame, std::vector<Labeled>& out);
+  void release(size_t count, std::vector<Labeled>& out);
+  void release_confirmed(std::vector<Labeled>& out);
+  void revoke();
+  void mark_told(uint64_t token, bool told);
+  uint64_t& count_of(Fate fate);
+  bool late_tracking_frame(int64_t trigger) const;
+  void look_at_suspicion(std::vector<Labeled>& out);
   const Seen* seen_at(int64_t trigger) const;
   enum class Match : uint8_t { no, wait, yes };
   Match matches(int64_t start, Anchor& anchor) const;
   std::optional<Anchor> without_full_frame(int64_t start) const;
+  Match told_by_tracking(int64_t start, Anchor& anchor) const;
   Match follows(const Anchor& anchor, uint32_t wanted) const;
 
   const LightProgram& program_;
@@ -125,7 +139,12 @@ class FrameLabeler {
   std::optional<int64_t> last_;      // the counter's trigger of the last labeled frame
   uint64_t dropped_since_last_ = 0;  // which took a trigger's place and were not labeled
   ImageEvidence before_;             // of the frame that came before
-  std::optional<Labeled> doubted_;   // labeled, unless the next frame claims the same trigger
+  std::deque<Labeled> unconfirmed_;  // oldest first; not told yet
+  size_t confirmed_ = 0;  // of these, from the oldest on: they wait for `suspected_` only
+  std::optional<int64_t> confirmed_until_;  // the counter's trigger: no marker was before it
+  uint64_t missing_before_ = 0;             // counts_.missing before the first of them
+  bool doubted_ = false;  // the last of them was labeled just now; the next may claim its trigger
+  std::optional<int64_t> suspected_;  // (the counter's) first trigger of what may be a new marker
   uint32_t contradicted_lately_ = 0;
   std::optional<int64_t> waiting_since_, now_;  // ns
   bool overdue_told_ = false;

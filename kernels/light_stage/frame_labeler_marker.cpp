@@ -13,10 +13,37 @@ constexpr double kLeastContrast = 0.004;     // of full scale: what one code val
 constexpr double kContrastOfAmbient = 0.05;  // of the light that is there without the stage
 constexpr double kBlacksAlike = 0.15;        // of the contrast
 constexpr int64_t kFull = 1, kBlack = 2;     // triggers from the marker's first
-constexpr uint32_t kGradientsWanted = 2, kWithoutFull = 6;
+constexpr double kDark = 0.25;               // of the contrast: no tracking frame
+constexpr size_t kManyLights = 16;           // of which one alone is not bright
+constexpr uint32_t kGradientsWanted = 2, kWithoutFull = 6, kTrackingWanted = 2;
 
 bool is_gradient(StepKind kind) {
   return kind == StepKind::gradient_a || kind == StepKind::gradient_b;
+}
+
+/// Triggers of the first two tracking frames.
+std::optional<std::pair<int64_t, int64_t>> first_tracking(const LightProgram& program) {
+  std::optional<int64_t> first;
+  for (uint32_t i = 0; i < program.steps.size(); ++i) {
+    if (program.steps[i].kind != StepKind::tracking) continue;
+    const int64_t trigger = int64_t{LightProgram::kMarkerSteps} + i;
+    if (first) return std::pair{*first, trigger};
+    first = trigger;
+  }
+  return std::nullopt;
+}
+
+/// How far tracking frames of a program that runs are apart.
+std::vector<int64_t> tracking_distances(const LightProgram& program) {
+  std::vector<int64_t> at, distances;
+  for (uint32_t i = 0; i < program.steps.size(); ++i)
+    if (program.steps[i].kind == StepKind::tracking) at.push_back(i);
+  for (size_t i = 1; i < at.size(); ++i) distances.push_back(at[i] - at[i - 1]);
+  if (!at.empty() && program.repeat != 1 && program.marker != LightProgram::Marker::pass)
+    distances.push_back(static_cast<int64_t>(program.steps.size()) - at.back() + at.front());
+  std::ranges::sort(distances);
+  distances.erase(std::ranges::unique(distances).begin(), distances.end());
+  return distances;
 }
 
 /// What has to be seen after a marker to believe in it: frames that would not be so bright
@@ -47,6 +74,9 @@ FrameLabeler::Match FrameLabeler::follows(const Anchor& anchor, uint32_t wanted)
     if (seen.trigger < anchor.trigger) continue;
     const Position position = program_.at(static_cast<uint64_t>(seen.trigger - anchor.trigger));
     if (evidence.contradicts(position, seen.image)) return Match::no;
+    // Nothing is darker than without light.
+    if (seen.image.luminance() < anchor.black - kBlacksAlike * (anchor.full - anchor.black))
+      return Match::no;
     if (seen.trigger <= anchor.trigger + kBlack) continue;
     if (position.part != Position::Part::step) continue;
     ++frames;
@@ -58,7 +88,7 @@ FrameLabeler::Match FrameLabeler::follows(const Anchor& anchor, uint32_t wanted)
 }
 
 /// Where the full frame is the one that was lost: between two black ones, one trigger apart, and
-/// gradients right after. Programs that begin with single lights are too dark to tell.
+/// gradients right after.
 std::optional<FrameLabeler::Anchor> FrameLabeler::without_full_frame(int64_t start) const {
   if (program_.steps.size() < 2 || !is_gradient(program_.steps[0].kind) ||
       !is_gradient(program_.steps[1].kind) || program_.steps[0].kind == program_.steps[1].kind)
@@ -82,11 +112,41 @@ std::optional<FrameLabeler::Anchor> FrameLabeler::without_full_frame(int64_t sta
   return std::nullopt;
 }
 
+/// The same of a program that begins with single lights: darkness, and the first two tracking
+/// frames. Such frames of a program that runs would have come before, too.
+FrameLabeler::Match FrameLabeler::told_by_tracking(int64_t start, Anchor& anchor) const {
+  const auto tracking = first_tracking(program_);
+  if (!tracking || program_.lights.size() < kManyLights) return Match::no;
+  const auto [first, second] = *tracking;
+  const int64_t newest = seen_.back().trigger;
+  const Seen *black1 = seen_at(start), *black2 = seen_at(start + kBlack);
+  if (!black1 || (!black2 && newest >= start + kBlack)) return Match::no;
+  if (second >= int64_t{params_.hold} + kBlack + 1) return Match::no;  // nobody waits for so long
+  if (newest < start + first) return Match::wait;
+  const Seen* bright = seen_at(start + first);
+  if (!bright) return Match::no;
+  const LightStep& step = program_.steps[static_cast<size_t>(first - kBlack - 1)];
+  const double exposure =
+      program_.exposure > 0 ? step.exposure.value_or(program_.exposure) / program_.exposure : 1;
+  const double a = black1->image.luminance(), b = black2->image.luminance(), black = (a + b) / 2;
+  const double added = (bright->image.luminance() - black) / std::max(exposure, 1e-6);
+  anchor = {start, black, black + added, bright->image.clipped > 0.02};
+  if (std::abs(a - b) > kBlacksAlike * added) return Match::no;
+  for (const int64_t distance : tracking_distances(program_)) {
+    const Seen* before = seen_at(start + first - distance);
+    if (!before || before->image.luminance() - black > kDark * added) return Match::no;
+  }
+  if (newest >= start + second && !seen_at(start + second)) return Match::no;
+  return newest >= start + second ? Match::yes : Match::wait;
+}
+
 FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
   const Seen *full = seen_at(start + kFull), *black1 = seen_at(start),
              *black2 = seen_at(start + kBlack);
   const int64_t newest = seen_.back().trigger;
   uint32_t wanted = wanted_after(program_, params_.hold);
+  // What was taken for a tracking frame may be the full one of a new marker, or just that.
+  if (confirmed_until_ == start + kFull) ++wanted;
   if (full) {
     if (!black1 && newest < start + kBlack) return Match::wait;
     if (!black1 && !black2) return Match::no;
@@ -97,14 +157,17 @@ FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
     if (std::abs(a - b) > kBlacksAlike * (anchor.full - anchor.black)) return Match::no;
   } else {
     if (newest < start + kFull) return Match::no;
-    const auto found = without_full_frame(start);
-    if (!found) {
+    if (is_gradient(program_.steps.front().kind)) {
+      const auto found = without_full_frame(start);
       // Black, a gap of one: what follows may tell.
-      const bool may = black1 && newest <= start + kBlack + 2;
-      return may && is_gradient(program_.steps.front().kind) ? Match::wait : Match::no;
+      if (!found) return black1 && newest <= start + kBlack + 2 ? Match::wait : Match::no;
+      anchor = *found;
+      wanted = kWithoutFull;
+    } else {
+      const Match told = told_by_tracking(start, anchor);
+      if (told != Match::yes) return told;
+      wanted = kTrackingWanted;
     }
-    anchor = *found;
-    wanted = kWithoutFull;
   }
   if (anchor.full - anchor.black < std::max(kLeastContrast, kContrastOfAmbient * anchor.black))
     return Match::no;
@@ -118,6 +181,7 @@ void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
   for (const Seen& seen : seen_) {
     // The frame may be the marker's first, or its second or third after lost ones.
     for (int64_t start = seen.trigger - kBlack; start <= seen.trigger; ++start) {
+      if (confirmed_until_ && start + kFull < *confirmed_until_) continue;
       Anchor anchor;
       const Match match = matches(start, anchor);
       if (match == Match::yes) return take_anchor(anchor, out);

@@ -40,6 +40,15 @@ double LightEvidence::relative(LightProgram::Position position, const ImageEvide
   return (image.luminance() - black_) / ((full_ - black_) * exposure);
 }
 
+bool LightEvidence::confirms(LightProgram::Position position, const ImageEvidence& image) const {
+  if (!started() || position.part == LightProgram::Position::Part::ended) return false;
+  const StepKind kind = program_.kind(position);
+  const double y = relative(position, image);
+  if (kind == StepKind::tracking)
+    return y >= kFullAtLeast || (clipped_ && image.clipped > kMuchClipped);
+  return is_gradient(kind) && y >= kGradientAtLeast;
+}
+
 bool LightEvidence::bright(const ImageEvidence& image) const {
   return started() && image.luminance() - black_ > 0.5 * (full_ - black_);
 }

@@ -33,6 +33,8 @@ class LightEvidence {
   void learn(LightProgram::Position position, const ImageEvidence& image);
   /// Whether a picture cannot be of this step.
   bool contradicts(LightProgram::Position position, const ImageEvidence& image) const;
+  /// Whether a picture tells that it is of this step, and not of a single light or of none.
+  bool confirms(LightProgram::Position position, const ImageEvidence& image) const;
   /// Whether a picture is so bright that a step in which no light was on cannot explain it.
   bool bright(const ImageEvidence& image) const;
   /// By how far the means of gradient frames lie apart, in how far one lies from its mean; 0 where

@@ -100,11 +100,26 @@ TEST(Labeling, OneProgramWhoseFullFrameIsLost) {
   EXPECT_GE(found, 18U);  // the blacks beside it may be lost, too
 }
 
+TEST(Labeling, SingleLightsWhoseFullFrameIsLost) {
+  const LightProgram lights = static_capture(some_lights(331));
+  uint64_t found = 0;
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    CameraSimulation camera;
+    camera.seed = seed;
+    camera.frames = *lights.triggers();
+    camera.full_frame_lost = true;
+    const auto result = simulate(lights, camera, {});
+    EXPECT_EQ(result.mislabeled, 0U) << seed;
+    EXPECT_LE(result.ambiguous, result.counts.markers ? 3U : camera.frames) << seed;
+    found += result.counts.markers;
+  }
+  EXPECT_GE(found, 34U);  // one of the frames that tell may be lost, too
+}
+
 /// Pushes frames by hand: pictures of a program, times in periods.
-class ByHand : public ::testing::Test {
- protected:
+struct HandCamera {
   using Labels = std::vector<FrameLabeler::Labeled>;
-  explicit ByHand(LightProgram program = performance(some_lights()), uint32_t id_bits = 0)
+  explicit HandCamera(LightProgram program, uint32_t id_bits = 0)
       : program_(std::move(program)), labeler_(program_, params(id_bits)) {}
   static FrameLabeler::Params params(uint32_t id_bits) {
     FrameLabeler::Params params;
@@ -142,6 +157,12 @@ class ByHand : public ::testing::Test {
   FrameLabeler labeler_;
   std::vector<FrameLabeler::Labeled> told_;
   uint64_t content_ = 0, tokens_ = 0;
+};
+
+class ByHand : public ::testing::Test, protected HandCamera {
+ protected:
+  explicit ByHand(LightProgram program = performance(some_lights()), uint32_t id_bits = 0)
+      : HandCamera(std::move(program), id_bits) {}
 };
 
 TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
@@ -277,6 +298,78 @@ TEST_F(SingleLights, TwoFramesThatClaimOneTriggerAreBothDropped) {
     }
   EXPECT_EQ(labeler_.counts().missing, 0U);
   EXPECT_EQ(labeler_.counts().labeled, 98U);
+}
+
+TEST_F(SingleLights, LeaveWithTheTrackingFrameThatConfirmsThem) {
+  play(-20, 36);
+  EXPECT_EQ(told_.size(), 20U + 27);  // 26 is the second tracking frame
+  play(36, 39);
+  EXPECT_EQ(told_.size(), 20U + 39);
+  EXPECT_EQ(FrameLabeler::longest_wait(program_, params(0)), 11U);
+  EXPECT_EQ(FrameLabeler::longest_wait(performance(some_lights()), params(0)), 0U);
+}
+
+TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
+  for (int64_t stop = 60; stop < 100; ++stop)
+    for (const int64_t pause : {0, 1, 5, 40}) {
+      HandCamera again(program_);
+      again.play(-20, stop);
+      // The lights are stopped, and start with the marker after a pause.
+      const auto begin = static_cast<double>(stop + pause);
+      for (int64_t n = 0; n < pause; ++n)
+        again.push(static_cast<double>(stop + n), again.picture(-1));
+      for (int64_t n = 0; n < 60; ++n) again.push(begin + static_cast<double>(n), again.picture(n));
+      again.hear(again.labeler_.drain());
+      const auto first = static_cast<uint64_t>(20 + stop);
+      const auto marker = first + static_cast<uint64_t>(pause);
+      // Where the marker's full frame comes as the next tracking frame would have, nothing tells.
+      const bool unlucky =
+          pause < 12 && program_.kind(program_.at(marker - 20 + 1)) == StepKind::tracking;
+      for (uint64_t token = 20; token < again.tokens_; ++token) {
+        if (again.fate(token) != Fate::labeled) continue;
+        if (unlucky && token >= first && token < marker + 2) continue;
+        ASSERT_TRUE(token < first || token >= marker)
+            << stop << " " << pause << " " << token - first;
+        ASSERT_EQ(again.told_[token].trigger, token < first ? token - 20 : token - marker)
+            << stop << " " << pause << " " << token;
+      }
+      EXPECT_TRUE(again.labeler_.anchored()) << stop << " " << pause;
+      EXPECT_EQ(again.fate(again.tokens_ - 1), Fate::labeled) << stop << " " << pause;
+    }
+}
+
+TEST_F(SingleLights, LightsThatStopAreNoSingleLights) {
+  play(-20, 100);
+  const uint64_t first = tokens_;
+  for (int64_t n = 100; n < 200; ++n) push(static_cast<double>(n), picture(-1));
+  hear(labeler_.drain());
+  for (uint64_t token = first; token < tokens_; ++token)
+    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  EXPECT_FALSE(labeler_.anchored());
+}
+
+TEST_F(SingleLights, AFlashIsOneFrame) {
+  play(-20, 60);
+  ImageEvidence flash = picture(1);
+  const uint64_t lit = push(60, flash);
+  play(61, 200);
+  EXPECT_EQ(fate(lit), Fate::contradicted);
+  EXPECT_EQ(labeler_.counts().contradicted, 1U);
+  EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
+  EXPECT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(labeler_.counts().missing, 0U);
+}
+
+TEST_F(SingleLights, ATrackingFrameThatIsStampedLateIsOneFrame) {
+  play(-20, 62);  // 62 is a tracking frame
+  ASSERT_EQ(program_.kind(program_.at(62)), StepKind::tracking);
+  const uint64_t late = push(63, picture(62));
+  play(64, 200);
+  EXPECT_EQ(fate(late), Fate::contradicted);
+  EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
+  EXPECT_EQ(labeler_.counts().missing, 1U);
+  for (uint64_t token = late + 1; token < told_.size(); ++token)
+    EXPECT_EQ(told_[token].trigger, token - late + 63);
 }
 
 class ShortProgram : public ByHand {

@@ -40,7 +40,7 @@ bool SyncElement::start() {
     sets_ = FrameSets(params_.sets == SyncParams::Sets::complete);
     for (auto& [number, camera] : cameras_) {
       sets_.add_camera(number);
-      camera->labeler = make_labeler();
+      camera->labeler = std::make_unique<FrameLabeler>(labels_->program(), labeler_params());
       make_assembler(*camera);
     }
   });
@@ -94,14 +94,14 @@ bool SyncElement::set_playing(bool playing) {
   return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
 }
 
-std::unique_ptr<FrameLabeler> SyncElement::make_labeler() const {
+FrameLabeler::Params SyncElement::labeler_params() const {
   FrameLabeler::Params params;
   params.jitter = params_.jitter;
   params.id_bits = params_.frame_id == SyncParams::FrameId::none
                        ? 0
                        : static_cast<uint32_t>(params_.frame_id_bits);
   params.marker_within = params_.marker_timeout;
-  return std::make_unique<FrameLabeler>(labels_->program(), params);
+  return params;
 }
 
 void SyncElement::make_assembler(SyncCamera& camera) {
@@ -126,7 +126,7 @@ SyncElement::CameraPtr SyncElement::add(uint32_t number, GstPad* sink, GstPad* s
   cameras_[number] = camera;
   if (labels_) {
     sets_.add_camera(number);
-    camera->labeler = make_labeler();
+    camera->labeler = std::make_unique<FrameLabeler>(labels_->program(), labeler_params());
     make_assembler(*camera);
     camera->last_arrival = Clock::now();
   }

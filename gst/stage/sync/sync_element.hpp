@@ -60,7 +60,7 @@ class SyncElement {
   bool take_out(SyncCamera& camera, SyncCamera::Item& item);
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
-  std::unique_ptr<FrameLabeler> make_labeler() const;
+  FrameLabeler::Params labeler_params() const;
   std::shared_ptr<StageTrigger> make_trigger(SyncParams& params,
                                              std::shared_ptr<const StageLabels> labels) const;
   std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,

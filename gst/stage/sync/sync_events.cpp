@@ -1,5 +1,4 @@
 // Events and queries of lightstagesync's pads.
-#include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
@@ -151,18 +150,15 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
   }
 }
 
-/// How long a frame may stay here: for the others of its set, for the other of its pair, and, where
-/// time alone tells single lights apart, for the next frame, which might claim its trigger.
+/// How long a frame may stay here: for the others of its set, for the other of its pair, and for
+/// the picture that confirms its label.
 GstClockTime SyncElement::own_latency() const {
   std::lock_guard lock(mutex_);
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
   if (labels_ && params_.assemble == SyncParams::Assemble::pairs) latency += labels_->period();
-  if (labels_ && params_.frame_id == SyncParams::FrameId::none &&
-      std::ranges::any_of(labels_->program().steps, [](const LightStep& step) {
-        return step.kind == StepKind::olat || step.kind == StepKind::custom;
-      }))
-    latency += labels_->period();
+  if (labels_ && !trigger_)
+    latency += FrameLabeler::longest_wait(labels_->program(), labeler_params()) * labels_->period();
   return latency;
 }
 
