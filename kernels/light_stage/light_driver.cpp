@@ -1,5 +1,6 @@
 #include "light_driver.hpp"
 
+#include "../error.hpp"
 #include "light_drivers.hpp"
 
 namespace inverse {
@@ -18,7 +19,15 @@ std::unique_ptr<LightDriver> make_light_driver(const LightDriverSettings& settin
   using Backend = LightDriverSettings::Backend;
   switch (settings.backend) {
     case Backend::sacn:
-      return make_sacn_driver(settings.sacn);
+      return make_sacn_driver(settings);
+    case Backend::ola:
+#if INVERSE_HAVE_OLA
+      return make_ola_driver(settings);
+#else
+      throw Error(ErrorKind::unsupported,
+                  "this was built without OLA's client library; build it with libola-dev, or take "
+                  "backend=sacn with an input of olad");
+#endif
     case Backend::serial:
       return make_serial_driver(settings.serial);
     case Backend::none:

@@ -6,7 +6,8 @@
 // The backends behind make_light_driver, each in a file of its own.
 namespace inverse {
 
-std::unique_ptr<LightDriver> make_sacn_driver(const LightDriverSettings::Sacn& settings);
+std::unique_ptr<LightDriver> make_sacn_driver(const LightDriverSettings& settings);
+std::unique_ptr<LightDriver> make_ola_driver(const LightDriverSettings& settings);
 std::unique_ptr<LightDriver> make_serial_driver(const LightDriverSettings::Serial& settings);
 
 }  // namespace inverse

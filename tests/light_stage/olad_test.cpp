@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <thread>
@@ -75,7 +77,8 @@ class Olad {
       fs::permissions(file, fs::perms::all & ~fs::perms::owner_exec);
     const auto seed = static_cast<uint16_t>(getpid() % 10000);
     http_ = static_cast<uint16_t>(21000 + seed);
-    const std::string web = std::to_string(http_), rpc = std::to_string(32000 + seed);
+    rpc_ = static_cast<uint16_t>(32000 + seed);
+    const std::string web = std::to_string(http_), rpc = std::to_string(rpc_);
     const std::string log = (folder_ / "log").string();
     pid_ = fork();
     if (pid_ == 0) {
@@ -130,6 +133,7 @@ class Olad {
     while (std::getline(list, number, ',')) result.push_back(std::stoi(number));
     return result;
   }
+  uint16_t rpc_port() const { return rpc_; }
   std::string log() const {
     std::ifstream file(folder_ / "log");
     return {std::istreambuf_iterator<char>(file), {}};
@@ -137,22 +141,12 @@ class Olad {
 
  private:
   fs::path folder_;
-  uint16_t http_ = 0;
+  uint16_t http_ = 0, rpc_ = 0;
   pid_t pid_ = -1;
 };
 
-TEST(Olad, ReadsOurLevels) {
-  if (system("command -v olad >/dev/null") != 0) GTEST_SKIP() << "olad is missing: install ola";
-  try {
-    sacn::Receiver(":5568", std::vector<uint32_t>{});
-  } catch (const Error& error) {
-    GTEST_SKIP() << "olad needs this port: " << error.what();
-  }
-  Olad olad;
-  ASSERT_TRUE(olad.listen(1)) << olad.log();
-  ASSERT_TRUE(olad.listen(2)) << olad.log();
-
-  // 331 lights fill one universe and most of a second one.
+/// A stage that fills one universe and most of a second one.
+LightProgram large_stage() {
   LightProgram program = static_capture(stage_lights(geodesic_directions(331)), 60);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> level(0, 1);
@@ -166,28 +160,90 @@ TEST(Olad, ReadsOurLevels) {
                    {StepKind::tracking}};
   program.marker = LightProgram::Marker::none;
   program.check();
+  return program;
+}
 
-  LightDriverSettings settings;
-  settings.backend = LightDriverSettings::Backend::sacn;
-  settings.sacn.destination = "127.0.0.1";
-  const auto driver = make_light_driver(settings);
-  driver->upload(program);
-  const DmxPatch patch(program, 1);
-  const auto expect_shown = [&](uint64_t trigger) {
-    for (const auto& [universe, levels] : patch.levels(program.colors(program.at(trigger)))) {
+class OladTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (system("command -v olad >/dev/null") != 0) GTEST_SKIP() << "olad is missing: install ola";
+    try {
+      sacn::Receiver(":5568", std::vector<uint32_t>{});
+    } catch (const Error& error) {
+      GTEST_SKIP() << "olad needs this port: " << error.what();
+    }
+    olad_.emplace();
+    ASSERT_TRUE(olad_->listen(1)) << olad_->log();
+    ASSERT_TRUE(olad_->listen(2)) << olad_->log();
+  }
+
+  void expect_levels(const std::map<uint32_t, DmxUniverse>& wanted, const std::string& when) {
+    for (const auto& [universe, levels] : wanted) {
       const std::vector<int> expected(levels.begin(), levels.end());
       std::vector<int> heard;
       for (int i = 0; i < 50 && heard != expected; ++i) {
         std::this_thread::sleep_for(milliseconds(20));
-        heard = olad.levels(universe);
+        heard = olad_->levels(universe);
       }
-      EXPECT_EQ(heard, expected) << "trigger " << trigger << " universe " << universe << "\n"
-                                 << olad.log();
+      EXPECT_EQ(heard, expected) << when << " universe " << universe << "\n" << olad_->log();
     }
-  };
-  for (uint64_t t = 0; t <= program.steps.size(); ++t) {
-    driver->show(t);
-    expect_shown(t);
+  }
+
+  void expect_all_steps(const LightDriverSettings& settings) {
+    const auto driver = make_light_driver(settings);
+    driver->upload(program_);
+    for (uint64_t t = 0; t <= program_.steps.size(); ++t) {
+      driver->show(t);
+      expect_levels(DmxPatch(program_, 1).levels(program_.colors(program_.at(t))),
+                    "trigger " + std::to_string(t));
+    }
+  }
+
+  const LightProgram program_ = large_stage();
+  std::optional<Olad> olad_;
+};
+
+TEST_F(OladTest, ReadsOurPackets) {
+  LightDriverSettings settings;
+  settings.backend = LightDriverSettings::Backend::sacn;
+  settings.sacn.destination = "127.0.0.1";
+  expect_all_steps(settings);
+}
+
+TEST_F(OladTest, IsDrivenByItsClient) {
+  LightDriverSettings settings;
+  settings.backend = LightDriverSettings::Backend::ola;
+  settings.ola.port = olad_->rpc_port();
+  if (!INVERSE_HAVE_OLA) GTEST_SKIP() << "built without libola-dev";
+  expect_all_steps(settings);
+  // Another sender of its own, for its end.
+  const auto driver = make_light_driver(settings);
+  driver->upload(program_);
+  driver->show(4);
+  std::this_thread::sleep_for(milliseconds(3000));  // longer than olad believes in who is silent
+  expect_levels(DmxPatch(program_, 1).levels(program_.colors(program_.at(4))), "after 3 s");
+  olad_.reset();
+  std::string told;
+  for (int i = 0; i < 100 && told.empty(); ++i) try {
+      driver->show(static_cast<uint64_t>(i));
+      std::this_thread::sleep_for(milliseconds(20));
+    } catch (const Error& error) {
+      told = error.what();
+    }
+  EXPECT_NE(told.find("closed the connection"), std::string::npos) << told;
+}
+
+TEST(Ola, IsMissedInWords) {
+  LightDriverSettings settings;
+  settings.backend = LightDriverSettings::Backend::ola;
+  settings.ola.port = 1;  // nobody answers there
+  try {
+    make_light_driver(settings)->upload(large_stage());
+    FAIL() << "there is an olad on port 1?";
+  } catch (const Error& error) {
+    const std::string told = error.what();
+    EXPECT_NE(told.find(INVERSE_HAVE_OLA ? "olad on port 1" : "libola-dev"), std::string::npos)
+        << told;
   }
 }
 

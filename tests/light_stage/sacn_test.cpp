@@ -50,7 +50,7 @@ LightDriverSettings settings_for(const std::string& destination) {
   LightDriverSettings settings;
   settings.backend = LightDriverSettings::Backend::sacn;
   settings.sacn.destination = destination;
-  settings.sacn.universe = 40;
+  settings.dmx.universe = 40;
   return settings;
 }
 
@@ -82,7 +82,7 @@ TEST(SacnDriver, SendsEveryUniverseAtEveryStep) {
   Port port;
   auto settings = settings_for(port.address());
   settings.sacn.sync_universe = 99;
-  settings.sacn.priority = 150;
+  settings.dmx.priority = 150;
   settings.sacn.source_name = "my stage";
   const LightProgram program = two_lights();
   const auto driver = make_light_driver(settings);
@@ -164,12 +164,12 @@ TEST(SacnDriver, SaysWhatIsWrong) {
   settings.sacn.interface_address = "eth0";
   EXPECT_NE(multicast().find("is no IPv4 address"), std::string::npos);
   settings = settings_for("");
-  settings.sacn.universe = 64000;
+  settings.dmx.universe = 64000;
   EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("1 to 63999"), std::string::npos);
-  settings.sacn.universe = 0;
+  settings.dmx.universe = 0;
   EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("1 to 63999"), std::string::npos);
   settings = settings_for("");
-  settings.sacn.priority = 201;
+  settings.dmx.priority = 201;
   EXPECT_NE(error_of([&] { make_light_driver(settings); }).find("0 to 200"), std::string::npos);
   LightProgram deaf = two_lights();
   for (auto& light : deaf.lights) light.channels.clear();

@@ -92,6 +92,9 @@ const PropertyTable<SyncParams>& sync_properties() {
           {{value(Backend::none), "none", "The rig has the program, and its own trigger steps it"},
            {value(Backend::sacn), "sacn",
             "Streaming ACN (E1.31) over UDP, stepped by the pipeline's clock"},
+           {value(Backend::ola), "ola",
+            "olad of the Open Lighting Architecture, on this machine, which has the hardware; "
+            "stepped by the pipeline's clock"},
            {value(Backend::serial), "serial",
             "A controller on a serial line that is given the program before the start, and a "
             "pulse for each step"}},
@@ -112,16 +115,19 @@ const PropertyTable<SyncParams>& sync_properties() {
           "system's choice",
           Mutable::ready),
       number<P>(
-          "universe", [](P & p) -> auto& { return p.lights.sacn.universe; }, 1u, 63999u,
-          "backend=sacn: the universe in which the program's channel 1 is", Mutable::ready),
+          "universe", [](P & p) -> auto& { return p.lights.dmx.universe; }, 1u, 63999u,
+          "backend=sacn, ola: the universe in which the program's channel 1 is", Mutable::ready),
       number<P>(
           "sync-universe", [](P & p) -> auto& { return p.lights.sacn.sync_universe; }, 0u, 63999u,
           "backend=sacn: universe of the packets that make all receivers change at once; 0: "
           "none",
           Mutable::ready),
       number<P>(
-          "priority", [](P & p) -> auto& { return p.lights.sacn.priority; }, 0u, 200u,
-          "backend=sacn: priority over other senders", Mutable::ready),
+          "priority", [](P & p) -> auto& { return p.lights.dmx.priority; }, 0u, 200u,
+          "backend=sacn, ola: priority over other senders", Mutable::ready),
+      number<P>(
+          "ola-port", [](P & p) -> auto& { return p.lights.ola.port; }, 1u, 65535u,
+          "backend=ola: the port on which olad answers", Mutable::ready),
       text<P>(
           "serial-port", [](P & p) -> auto& { return p.lights.serial.port; },
           "backend=serial: the port, such as /dev/ttyUSB0", Mutable::ready),
