@@ -16,158 +16,14 @@
 #include <optional>
 
 #include "environment/environment.hpp"
-#include "reflectance_field/relighting.hpp"
 #include "tests/bench/command_line.hpp"
 #include "tests/bench/light_choices.hpp"
 #include "tests/bench/olat_set.hpp"
 #include "tests/bench/png_file.hpp"
-#include "tests/bench/timing.hpp"
+#include "tests/bench/relight_subject.hpp"
 
 namespace inverse::bench {
 namespace {
-
-struct Named {
-  std::string name;
-  LightCells::Map map;
-};
-
-/// One subject on the device, by one method.
-class Subject {
- public:
-  Subject(const std::shared_ptr<gpu::Device>& device, const OlatSet& set, Extent extent,
-          const RelightModels* models)
-      : device_(device),
-        stage_(std::make_shared<const RelightStage>(set.directions)),
-        extent_(extent),
-        lobe_(device, extent, stage_->moments, stage_->lights()),
-        a_(uploaded(set.a)),
-        b_(uploaded(set.b)),
-        target_(PlanePool(device, extent).acquire()),
-        commands_(device) {
-    if (models) network_ = std::make_unique<RelightNetwork>(device, extent, *models);
-    run([&] {
-      find_lobes();
-      if (network_) network_->record_features(commands_, {*a_, *b_});
-    });
-  }
-
-  /// What this many of all lights with these weights give, light by light.
-  Image sum(std::span<const WeightedLight> lights) {
-    run([&] { record_sum(lights); });
-    return picture();
-  }
-  void record_sum(std::span<const WeightedLight> lights) {
-    if (network_)
-      network_->record_sum(commands_, *lobe_.full(), lights, stage_->share, *target_);
-    else
-      lobe_.record_sum(commands_, lights, *target_);
-  }
-  Image relit_by_table(std::span<const WeightedLight> lights) {
-    run([&] {
-      lobe_.record_lights(commands_, lights);
-      lobe_.record_relit(commands_, *target_);
-    });
-    return picture();
-  }
-  /// What every light gives these pixels.
-  std::vector<float> responses(const std::vector<uint32_t>& pixels) {
-    const auto words =
-        gpu::Buffer::create(device_, gpu::Element::word, pixels.size(), gpu::Memory::upload);
-    std::copy(pixels.begin(), pixels.end(), words->map_as<uint32_t>());
-    const auto out =
-        gpu::Buffer::create(device_, gpu::Element::vec4, pixels.size() * stage_->lights().size(),
-                            gpu::Memory::readback);
-    run([&] {
-      if (network_)
-        network_->record_responses(commands_, *lobe_.full(), stage_->lights(), stage_->share, words,
-                                   out);
-      else
-        lobe_.record_responses(commands_, words, out);
-    });
-    return {out->map_as<float>(), out->map_as<float>() + 4 * out->count()};
-  }
-  template <typename Record>
-  double time(int runs, Record record) {
-    std::vector<double> times;
-    for (int i = 0; i <= runs; ++i) {
-      const auto start = Clock::now();
-      run(record);
-      if (i > 0) times.push_back(milliseconds(Clock::now() - start));
-    }
-    return median(times);
-  }
-  template <typename Record>
-  void run(Record record) {
-    commands_.begin();
-    record();
-    commands_.submit();
-    commands_.wait();
-  }
-  void find_lobes() { lobe_.record_lobes(commands_, {*a_, *b_}, {}); }
-  void find_features() { network_->record_features(commands_, {*a_, *b_}); }
-  void make_table(std::span<const WeightedLight> lights) { lobe_.record_lights(commands_, lights); }
-  void look_up() { lobe_.record_relit(commands_, *target_); }
-  const RelightStage& stage() const { return *stage_; }
-
- private:
-  /// Frames of other sizes are made by repeating pixels: what they cost does not depend on them.
-  PlanePtr uploaded(const Image& image) {
-    const auto buffer =
-        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::upload);
-    auto* to = buffer->map_as<float>();
-    for (uint32_t y = 0; y < extent_.height; ++y)
-      for (uint32_t x = 0; x < extent_.width; ++x, to += 4) {
-        for (int c = 0; c < 3; ++c)
-          to[c] =
-              image.at(static_cast<int>(x) * image.width / static_cast<int>(extent_.width),
-                       static_cast<int>(y) * image.height / static_cast<int>(extent_.height), c);
-        to[3] = 1;
-      }
-    return std::make_shared<Plane>(Plane{extent_, buffer});
-  }
-  Image picture() {
-    const auto host =
-        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::readback);
-    run([&] { commands_.copy(target_->buffer, host, host->bytes()); });
-    Image image(static_cast<int>(extent_.width), static_cast<int>(extent_.height), 3);
-    for (size_t i = 0; i < image.data.size(); ++i)
-      image.data[i] = host->map_as<float>()[i / 3 * 4 + i % 3];
-    return image;
-  }
-
-  std::shared_ptr<gpu::Device> device_;
-  std::shared_ptr<const RelightStage> stage_;
-  Extent extent_;
-  CosineLobe lobe_;
-  std::unique_ptr<RelightNetwork> network_;
-  PlanePtr a_, b_, target_;
-  gpu::Commands commands_;
-};
-
-std::vector<WeightedLight> weighted(const RelightStage& stage, std::span<const Rgb> weights) {
-  std::vector<WeightedLight> lights;
-  for (size_t i = 0; i < weights.size(); ++i) lights.push_back({stage.lights()[i], weights[i]});
-  return lights;
-}
-
-Image true_sum(const OlatSet& set, std::span<const Rgb> weights) {
-  Image sum(set.a.width, set.a.height, 3);
-  for (size_t i = 0; i < weights.size(); ++i)
-    for (size_t n = 0; n < sum.data.size(); ++n)
-      sum.data[n] += weights[i][n % 3] * set.lights[i].data[n];
-  return sum;
-}
-
-/// Mean absolute difference over the subject, in parts of the mean of `truth`.
-double relative(const Image& got, const Image& truth, const Image& mask) {
-  double off = 0, total = 0;
-  for (size_t n = 0; n < truth.data.size(); ++n) {
-    if (mask.data[n / 3] < .5F) continue;
-    off += std::fabs(double{got.data[n]} - truth.data[n]);
-    total += truth.data[n];
-  }
-  return off / total;
-}
 
 /// The gain that makes the median over the subject of its brightest light 0.7.
 double display_gain(const OlatSet& set) {
@@ -221,10 +77,10 @@ struct Method {
 };
 
 void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
-            const std::vector<Named>& environments, const std::vector<Method>& methods,
+            const std::vector<NamedEnvironment>& environments, const std::vector<Method>& methods,
             const std::string& pictures) {
   std::printf("\n| subject | method | one light, l1 of 255 |");
-  for (const Named& e : environments) std::printf(" %s |", e.name.c_str());
+  for (const NamedEnvironment& e : environments) std::printf(" %s |", e.name.c_str());
   std::printf("\n|---|---|---|");
   for (size_t i = 0; i < environments.size(); ++i) std::printf("---|");
   std::printf("\n");
@@ -268,7 +124,8 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
 }
 
 void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
-             const std::vector<Named>& environments, const std::vector<Method>& methods) {
+             const std::vector<NamedEnvironment>& environments,
+             const std::vector<Method>& methods) {
   std::printf(
       "\n| subject | method | environment | error at most | fitted | its error | clusters | "
       "brightest |\n|---|---|---|---|---|---|---|---|\n");
@@ -284,7 +141,7 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       LightReduction reduction(set.directions), judge(set.directions);
       reduction.set_responses(subject.responses(few));
       judge.set_responses(subject.responses(all));
-      for (const Named& e : environments) {
+      for (const NamedEnvironment& e : environments) {
         const auto weights = subject.stage().cells.weights(e.map);
         for (const double most : {.05, .02, .01}) {
           const auto fitted = reduction.choose(weights, most);
@@ -299,8 +156,8 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
     }
 }
 
-void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set, const Named& environment,
-           const RelightModels* models, int runs) {
+void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set,
+           const NamedEnvironment& environment, const RelightModels* models, int runs) {
   std::printf(
       "\n| size | lobes | table of %zu lights | look-up | sum of 1 | of 8 | of 32 | of all |",
       set.lights.size());
@@ -335,7 +192,7 @@ void run(const Arguments& arguments) {
     std::printf("no sets were named: nothing is measured (import-olat makes them)\n");
     return;
   }
-  std::vector<Named> environments;
+  std::vector<NamedEnvironment> environments;
   for (const std::string& path : arguments.environments)
     environments.push_back(
         {std::filesystem::path(path).stem().string(), LightCells::map(Environment::load(path))});

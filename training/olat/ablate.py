@@ -3,7 +3,7 @@
 
 Networks anew, side by side on the very same batches: whole; without the perceptual loss; without the alignment loss; without the
 relighting loss; from three OLATs of wide baseline in place of gradient images; and with the direction fused early. --variants
-chooses others, among them narrower ones. The OLATs of the batches are up to --shifts pixels off, as after a capture in which
+chooses others, among them narrower ones; --keep writes networks for relight-curves. The OLATs of the batches are up to --shifts pixels off, as after a capture in which
 somebody moved a little, which is what the alignment loss is for; scores are on OLATs in place. The DirectionNet of the
 perceptual loss is the checkpoint's.
 """
@@ -17,6 +17,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
+import export  # noqa: E402
 from evaluate import table  # noqa: E402
 from olat import corpus, datasets, samples, scores, teaching  # noqa: E402
 from olat.networks import DirectionNet, network  # noqa: E402
@@ -61,6 +62,7 @@ def main():
     parser.add_argument("--minutes", type=float, default=1e9, help="stop there, all after as many steps as were made")
     parser.add_argument("--variants", nargs="+", choices=list(VARIANTS), default=TABLE)
     parser.add_argument("--report", type=pathlib.Path, help="OUT/ablations.md")
+    parser.add_argument("--keep", type=pathlib.Path, help="folder for the late variants' ONNX files, a folder each")
     parser.add_argument("--shifts", type=int, default=3)
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
@@ -92,6 +94,10 @@ def main():
             break
     stream.close()
 
+    if args.keep:
+        for name, v in variants.items():
+            if v.variant.items() >= GRADIENTS.items():
+                export.write(v.finished()[1], args.keep / name.replace(" ", "-"))
     models = {"cosine lobe": "cosine-lobe", **{name: v.finished() for name, v in variants.items()}}
     sets = {"Held-out subjects of the corpus": datasets.held_out(args.out / "corpus/test")}
     if (args.data / "olat_head").is_dir():

@@ -41,6 +41,16 @@ def relight(models, a, b, directions):
     return np.stack(out)
 
 
+def write(net, folder):
+    """Writes both files of a Late network on gradient images."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, shape in SHAPES.items():
+        part, path = getattr(net, name), folder / f"{name}.onnx"
+        error = onnx_file.write(part, shape, path)
+        print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, *shape) / 1e9:.3f} GFLOP for {shape}, "
+              f"OpenCV dnn within {error:.1e}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/olat/checkpoint.pt")
@@ -49,12 +59,7 @@ def main():
     net = load_checkpoint(args.checkpoint)
     if not isinstance(net, Late) or net.features.down[0][0].in_channels != 6:
         raise SystemExit(f"{args.checkpoint} is not a late-fusion network on gradient images")
-    args.models.mkdir(parents=True, exist_ok=True)
-    for name, shape in SHAPES.items():
-        part, path = getattr(net, name), args.models / f"{name}.onnx"
-        error = onnx_file.write(part, shape, path)
-        print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, *shape) / 1e9:.3f} GFLOP for {shape}, "
-              f"OpenCV dnn within {error:.1e}")
+    write(net, args.models)
     random = np.random.default_rng(1)
     a, b = (random.random((3, corpus.HEIGHT, corpus.WIDTH), np.float32) * 0.5 for _ in range(2))
     directions = corpus.fibonacci(5)

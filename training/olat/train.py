@@ -18,7 +18,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
-from olat import corpus, curves, encoding, samples, teaching  # noqa: E402
+from olat import corpus, curves, encoding, samples, start, teaching  # noqa: E402
 from olat.networks import DirectionNet, network  # noqa: E402
 
 RATE = 2e-3
@@ -34,6 +34,8 @@ def arguments():
     p.add_argument("--threads", type=int, default=2)
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     p.add_argument("--resume", action="store_true")
+    p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/olat")
+    p.add_argument("--rate", type=float, default=RATE, help="largest learning rate")
     p.add_argument("--fusion", choices=("late", "early"), default="late")
     p.add_argument("--input", choices=("gradients", "olats"), default="gradients", help="olats: the wide-baseline 3-OLAT input")
     p.add_argument("--width", type=float, default=1, help="of the U-Net's layers, against the standard ones")
@@ -105,6 +107,9 @@ def main():
         random = np.random.default_rng((args.seed, number))
         return samples.draw(random, subjects, *samples.shape_of(random), args.shifts, args.input == "olats")
 
+    if args.start and not args.resume:
+        start.load(net, args.start, [make(i).to(args.device).x["gradients"] for i in range(12)])
+        average = teaching.Average(net)
     write(event="start", subjects=len(subjects), arguments={k: str(v) for k, v in vars(args).items()})
     judge_budget = 60 * min(0.1 * args.minutes, 4)
     if args.resume and state["batches"]:
@@ -134,7 +139,7 @@ def main():
         started = time.monotonic()
         batch = next(stream).to(args.device)
         terms = teaching.terms_of(net, judge, batch, random, args.input, not args.no_perceptual, args.alignment)
-        teaching.step(net, optimizer, sum(terms.values()), teaching.rate_of(RATE, state["seconds"] / budget, count))
+        teaching.step(net, optimizer, sum(terms.values()), teaching.rate_of(args.rate, state["seconds"] / budget, count))
         average.update(net)
         count += 1
         state["batches"] += 1
