@@ -76,7 +76,7 @@ class Controller {
           partial += bytes[static_cast<size_t>(i)];
           continue;
         }
-        const std::string reply = answer_(partial);
+        const std::string reply = answer(partial);
         {
           std::lock_guard lock(mutex_);
           lines_.push_back(partial);
@@ -86,6 +86,13 @@ class Controller {
         if (!reply.empty()) say(reply);
       }
     }
+  }
+
+  /// One at a time: controllers of a test may share a rig.
+  std::string answer(const std::string& line) {
+    static std::mutex answering;
+    std::lock_guard lock(answering);
+    return answer_(line);
   }
 
   Answer answer_;
@@ -324,7 +331,7 @@ TEST_F(SerialDriver, LeavesSteppingToTheRig) {
 
 TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
   Rig rig;
-  int greetings = 0;
+  std::atomic<int> greetings = 0;
   Controller controller([&](const std::string& line) -> std::string {
     if (line.starts_with("hello") && ++greetings < 3) return greetings == 1 ? "" : "booting...\n";
     return rig(line);

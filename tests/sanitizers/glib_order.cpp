@@ -81,6 +81,27 @@ void g_object_unref(gpointer object) {
   next_function(object);
 }
 
+// Through which harnesses hand over what elements send.
+void g_async_queue_push(GAsyncQueue* queue, gpointer data) {
+  NEXT(g_async_queue_push);
+  __tsan_release(queue);
+  next_function(queue, data);
+}
+
+gpointer g_async_queue_try_pop(GAsyncQueue* queue) {
+  NEXT(g_async_queue_try_pop);
+  const gpointer data = next_function(queue);
+  __tsan_acquire(queue);
+  return data;
+}
+
+gpointer g_async_queue_timeout_pop(GAsyncQueue* queue, guint64 timeout) {
+  NEXT(g_async_queue_timeout_pop);
+  const gpointer data = next_function(queue, timeout);
+  __tsan_acquire(queue);
+  return data;
+}
+
 gboolean(g_once_init_enter)(volatile void* location) {
   NEXT(g_once_init_enter);
   const gboolean first = next_function(location);
