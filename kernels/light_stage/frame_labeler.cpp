@@ -181,7 +181,7 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
   const bool doubted = std::exchange(doubted_, false);
   if (doubted && frame.fate == Counted::Fate::off && frame.conflict) {
     // Two frames for one trigger: one of them has a wrong time, and nothing tells which.
-    const uint64_t token = unconfirmed_.back().token;
+    const uint64_t token = unconfirmed_.back().frame.token;
     unconfirmed_.pop_back();
     mark_told(token, true);
     --counts_.labeled;
@@ -221,11 +221,11 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
                      frame.trigger > last_.value_or(frame.trigger);
   if (again) return tell(frame.token, Fate::duplicate, out);
   const bool labels_wait = std::ranges::any_of(
-      unconfirmed_, [](const Labeled& one) { return one.fate == Fate::labeled; });
+      unconfirmed_, [](const Unconfirmed& one) { return one.frame.fate == Fate::labeled; });
   contradicted_lately_ += labels_wait ? kNotConfirmed : kContradicted;
   ++dropped_since_last_;
   ++counts_.contradicted;
-  wait({frame.token, Fate::contradicted, 0, {}}, out);
+  wait({{frame.token, Fate::contradicted, 0, {}}, counts_.missing}, out);
   if (contradicted_lately_ >= kTooMuch) {
     ++counts_.resynchronizations;
     revoke();
@@ -252,7 +252,7 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
     if (counts_.missing) --counts_.missing;  // it was taken for lost
     return tell(token, Fate::late, out);
   }
-  if (unconfirmed_.empty()) missing_before_ = counts_.missing;
+  const uint64_t missing = counts_.missing;
   if (last_) {
     const auto between = static_cast<uint64_t>(trigger - *last_ - 1);
     counts_.missing += between - std::min(between, dropped_since_last_);
@@ -266,7 +266,7 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   evidence_.learn(position, image);
   ++counts_.labeled;
   const bool told = told_by_neighbors(position);
-  wait({token, Fate::labeled, static_cast<uint64_t>(at), position}, out);
+  wait({{token, Fate::labeled, static_cast<uint64_t>(at), position}, missing}, out);
   const bool alone = unconfirmed_.size() == 1;
   if (confirms || (confirmable() ? alone && !is_weak(position) : told || params_.id_bits))
     confirmed_ = unconfirmed_.size();

@@ -89,6 +89,11 @@ class FrameLabeler {
     ImageEvidence image;
     bool told;
   };
+  /// A frame that waits to be told.
+  struct Unconfirmed {
+    Labeled frame;
+    uint64_t missing = 0;  ///< counts_.missing before it
+  };
   struct Anchor {
     int64_t trigger = 0;  ///< of the counter's: the program's 0
     double black = 0, full = 0;
@@ -109,7 +114,7 @@ class FrameLabeler {
   bool told_by_neighbors(LightProgram::Position position) const;
   // Frames that wait to be confirmed: frame_labeler_waiting.cpp.
   bool confirmable() const;
-  void wait(const Labeled& frame, std::vector<Labeled>& out);
+  void wait(const Unconfirmed& one, std::vector<Labeled>& out);
   void release(size_t count, std::vector<Labeled>& out);
   void release_confirmed(std::vector<Labeled>& out);
   void revoke();
@@ -136,13 +141,12 @@ class FrameLabeler {
   uint64_t epoch_ = 0;
   bool ended_ = false;
   std::deque<Seen> seen_;
-  std::optional<int64_t> last_;      // the counter's trigger of the last labeled frame
-  uint64_t dropped_since_last_ = 0;  // which took a trigger's place and were not labeled
-  ImageEvidence before_;             // of the frame that came before
-  std::deque<Labeled> unconfirmed_;  // oldest first; not told yet
+  std::optional<int64_t> last_;          // the counter's trigger of the last labeled frame
+  uint64_t dropped_since_last_ = 0;      // which took a trigger's place and were not labeled
+  ImageEvidence before_;                 // of the frame that came before
+  std::deque<Unconfirmed> unconfirmed_;  // oldest first
   size_t confirmed_ = 0;  // of these, from the oldest on: they wait for `suspected_` only
   std::optional<int64_t> confirmed_until_;  // the counter's trigger: no marker was before it
-  uint64_t missing_before_ = 0;             // counts_.missing before the first of them
   bool doubted_ = false;  // the last of them was labeled just now; the next may claim its trigger
   std::optional<int64_t> suspected_;  // (the counter's) first trigger of what may be a new marker
   uint32_t contradicted_lately_ = 0;

@@ -48,17 +48,17 @@ void FrameLabeler::mark_told(uint64_t token, bool told) {
   if (at != seen_.rend()) at->told = told;
 }
 
-void FrameLabeler::wait(const Labeled& frame, std::vector<Labeled>& out) {
-  unconfirmed_.push_back(frame);
-  mark_told(frame.token, false);
+void FrameLabeler::wait(const Unconfirmed& one, std::vector<Labeled>& out) {
+  unconfirmed_.push_back(one);
+  mark_told(one.frame.token, false);
   if (unconfirmed_.size() > params_.hold) release(1, out);
 }
 
 /// Tells the oldest of those that wait.
 void FrameLabeler::release(size_t count, std::vector<Labeled>& out) {
   for (size_t i = 0; i < count; ++i) {
-    mark_told(unconfirmed_.front().token, true);
-    out.push_back(unconfirmed_.front());
+    mark_told(unconfirmed_.front().frame.token, true);
+    out.push_back(unconfirmed_.front().frame);
     unconfirmed_.pop_front();
   }
   confirmed_ -= std::min(confirmed_, count);
@@ -69,11 +69,8 @@ void FrameLabeler::release_confirmed(std::vector<Labeled>& out) { release(confir
 /// Nothing has been said of those that wait, and they are looked at again.
 void FrameLabeler::revoke() {
   if (unconfirmed_.empty()) return;
-  for (const Labeled& one : unconfirmed_) {
-    --count_of(one.fate);
-    mark_told(one.token, false);
-  }
-  counts_.missing = missing_before_;
+  for (const Unconfirmed& one : unconfirmed_) --count_of(one.frame.fate);
+  counts_.missing = unconfirmed_.front().missing;
   unconfirmed_.clear();
   confirmed_ = 0;
 }
