@@ -18,7 +18,6 @@ import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
 import export  # noqa: E402
-from evaluate import table  # noqa: E402
 from olat import corpus, datasets, samples, scores, teaching  # noqa: E402
 from olat.networks import DirectionNet, network  # noqa: E402
 
@@ -98,21 +97,27 @@ def main():
         for name, v in variants.items():
             if v.variant.items() >= GRADIENTS.items():
                 export.write(v.finished()[1], args.keep / name.replace(" ", "-"))
-    models = {"cosine lobe": "cosine-lobe", **{name: v.finished() for name, v in variants.items()}}
-    sets = {"Held-out subjects of the corpus": datasets.held_out(args.out / "corpus/test")}
-    if (args.data / "olat_head").is_dir():
-        sets["`olat_head`"] = datasets.olat_head(args.data / "olat_head")
-    parts = [f"{made} steps of {CROPS} crops of {SIZE} × {SIZE} under {LIGHTS} lights each, {len(subjects)} subjects. CPU "
-             "seconds of training: " + ", ".join(f"{name} {v.seconds:.0f}" for name, v in variants.items()) + "."]
-    for title, items in sets.items():
-        rows = {}
-        for name, model in models.items():
-            scored = [scores.score(item, scores.predict(model, item)) for item in items]
-            rows[name] = {k: float(np.mean([s[k] for s in scored])) for k in scored[0]}
-        parts.append(f"### {title}: {len(items)}\n\n" + table(rows))
-    text = "\n\n".join(parts) + "\n"
+    text = (f"{made} steps of {CROPS} crops of {SIZE} × {SIZE} under {LIGHTS} lights each, {len(subjects)} subjects. CPU seconds of "
+            "training: " + ", ".join(f"{name} {v.seconds:.0f}" for name, v in variants.items()) + ".\n\n" +
+            compared({"cosine lobe": "cosine-lobe", **{name: v.finished() for name, v in variants.items()}}, args))
     print(text)
     (args.report or args.out / "ablations.md").write_text(text)
+
+
+def compared(models, args):
+    """One table: every model on every set that is there, linear ℓ1 and MS-SSIM."""
+    sets = {"held-out, 331 lights": datasets.held_out(args.out / "corpus/test")}
+    for title, load, name in (("`olat_head`", datasets.olat_head, "olat_head"), ("`yale_faces`", datasets.yale, "yale_faces")):
+        if (args.data / name).is_dir():
+            sets[title] = load(args.data / name)
+    lines = ["| | " + " | ".join(f"{title}: ℓ1 | MS-SSIM" for title in sets) + " |", "|---" * (2 * len(sets) + 1) + "|"]
+    for name, model in models.items():
+        cells = []
+        for items in sets.values():
+            scored = [scores.score(item, scores.predict(model, item)) for item in items]
+            cells += [f"{np.mean([s['l1'] for s in scored]):.2f}", f"{np.mean([s['ms_ssim'] for s in scored]):.4f}"]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":
