@@ -11,7 +11,7 @@ using Position = LightProgram::Position;
 using Counted = TriggerCounter::Counted;
 
 // Contradictions against labels; more where frames wait for a picture that confirms them.
-constexpr uint32_t kContradicted = 2, kNotConfirmed = 3, kAgreed = 1, kTooMuch = 6;
+constexpr uint32_t kContradicted = 2, kNotConfirmed = 3, kAgreed = 1, kConfirmed = 3, kTooMuch = 6;
 constexpr double kVisible = 0.2;  // of what a light adds on average
 
 TriggerCounter::Params counter_params(const FrameLabeler::Params& params) {
@@ -47,6 +47,8 @@ void FrameLabeler::reset() {
   seen_.clear();
   waiting_.clear();
   confirmed_until_.reset();
+  trouble_.reset();
+  over_ = false;
   origin_.reset();
   waiting_since_.reset();
   epoch_ = counter_.epoch();
@@ -56,11 +58,9 @@ void FrameLabeler::flush() {
   counter_.flush();
   waiting_.clear();
   seen_.clear();
-  unconfirmed_.clear();
-  confirmed_ = 0;
-  doubted_ = false;
-  suspected_.reset();
+  unsettled_ = {};
   confirmed_until_.reset();
+  trouble_.reset();
   last_.reset();
   dropped_since_last_ = 0;
   if (counter_.epoch() == epoch_) return;
@@ -70,10 +70,7 @@ void FrameLabeler::flush() {
 
 void FrameLabeler::lose_anchor() {
   anchor_.reset();
-  unconfirmed_.clear();
-  confirmed_ = 0;
-  doubted_ = false;
-  suspected_.reset();
+  unsettled_ = {};
   last_.reset();
   dropped_since_last_ = contradicted_lately_ = 0;
   overdue_told_ = false;
@@ -84,6 +81,7 @@ void FrameLabeler::lose_anchor() {
 void FrameLabeler::end() {
   lose_anchor();
   ended_ = false;
+  over_ = true;
   overdue_told_ = true;
 }
 
@@ -145,10 +143,10 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
 
 std::vector<FrameLabeler::Labeled> FrameLabeler::drain() {
   auto out = settle(counter_.drain());
-  release(unconfirmed_.size(), out);
+  end_of_evidence(out);
   for (Seen& seen : seen_)
     if (!seen.told) {
-      tell(seen.token, Fate::before_marker, out);
+      tell(seen.token, outside(), out);
       seen.told = true;
     }
   return out;
@@ -165,10 +163,11 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
   }
   if (counter_.epoch() != epoch_) {
     epoch_ = counter_.epoch();
-    release(unconfirmed_.size(), out);
+    end_of_evidence(out);
     confirmed_until_.reset();
+    trouble_.reset();
     for (Seen& seen : seen_)
-      if (!seen.told) tell(seen.token, Fate::before_marker, out);
+      if (!seen.told) tell(seen.token, outside(), out);
     seen_.clear();
     if (anchor_) ++counts_.resynchronizations;
     lose_anchor();
@@ -178,33 +177,37 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
 
 void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
                            std::vector<Labeled>& out) {
-  const bool doubted = std::exchange(doubted_, false);
-  if (doubted && frame.fate == Counted::Fate::off && frame.conflict) {
+  const bool doubted = std::exchange(unsettled_.doubted, false);
+  if (doubted && !unsettled_.frames.empty() && frame.fate == Counted::Fate::off && frame.conflict) {
     // Two frames for one trigger: one of them has a wrong time, and nothing tells which.
-    const uint64_t token = unconfirmed_.back().frame.token;
-    unconfirmed_.pop_back();
+    const uint64_t token = unsettled_.frames.back().frame.token;
+    unsettled_.frames.pop_back();
     mark_told(token, true);
     --counts_.labeled;
     tell(token, Fate::ambiguous, out);
     tell(frame.token, Fate::ambiguous, out);
+    trouble_ = seen_.back().trigger;
     if (counts_.missing) --counts_.missing;
     return;
   }
-  if (!confirmable()) release(unconfirmed_.size(), out);
+  if (!confirmable()) release(unsettled_.frames.size(), out);
   if (frame.fate == Counted::Fate::off || frame.fate == Counted::Fate::ambiguous) {
     const Fate fate = frame.late ? Fate::late : Fate::ambiguous;
-    tell(frame.token, anchor_ ? fate : Fate::before_marker, out);
+    tell(frame.token, anchor_ ? fate : outside(), out);
     ++dropped_since_last_;
+    if (!seen_.empty()) trouble_ = seen_.back().trigger;
     return;
   }
   if (program_.marker == LightProgram::Marker::none && !anchor_) {
     anchor_ = frame.trigger;
     last_ = frame.trigger - 1;
   }
+  if (anchor_ && frame.fate == Counted::Fate::trigger && frame.trigger == last_)
+    return tell(frame.token, Fate::duplicate, out);
   const size_t history = 2 * static_cast<size_t>(params_.hold) + 16;
   seen_.push_back({frame.token, frame.trigger, image, false});
-  if (seen_.size() > history) {
-    if (!seen_.front().told) tell(seen_.front().token, Fate::before_marker, out);
+  if (seen_.size() > history && (seen_.front().told || !anchor_)) {
+    if (!seen_.front().told) tell(seen_.front().token, outside(), out);
     seen_.pop_front();
   }
   if (!anchor_) {
@@ -220,9 +223,11 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
   const bool again = image.content && image.content == before_.content &&
                      frame.trigger > last_.value_or(frame.trigger);
   if (again) return tell(frame.token, Fate::duplicate, out);
-  const bool labels_wait = std::ranges::any_of(
-      unconfirmed_, [](const Unconfirmed& one) { return one.frame.fate == Fate::labeled; });
-  contradicted_lately_ += labels_wait ? kNotConfirmed : kContradicted;
+  const bool unconfirmed =
+      is_check(program_.kind(program_.at(static_cast<uint64_t>(frame.trigger - *anchor_)))) &&
+      std::ranges::any_of(unsettled_.frames,
+                          [](const Unconfirmed& one) { return one.frame.fate == Fate::labeled; });
+  contradicted_lately_ += unconfirmed ? kNotConfirmed : kContradicted;
   ++dropped_since_last_;
   ++counts_.contradicted;
   wait({{frame.token, Fate::contradicted, 0, {}}, counts_.missing}, out);
@@ -232,8 +237,8 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
     lose_anchor();
     return look_for_marker(out);
   }
-  if (!confirmable()) release(unconfirmed_.size(), out);
-  if (!suspected_ && evidence_.bright(image)) suspected_ = frame.trigger - 1;
+  if (!confirmable()) release(unsettled_.frames.size(), out);
+  if (!unsettled_.suspected && evidence_.bright(image)) unsettled_.suspected = frame.trigger - 1;
   look_at_suspicion(out);
 }
 
@@ -244,7 +249,7 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   const Position position = program_.at(static_cast<uint64_t>(at));
   if (position.part == Position::Part::ended) {
     ended_ = true;
-    release(unconfirmed_.size(), out);
+    release(unsettled_.frames.size(), out);
     return tell(token, Fate::ended, out);
   }
   if (last_ && trigger == *last_) return tell(token, Fate::duplicate, out);
@@ -260,18 +265,19 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   dropped_since_last_ = 0;
   last_ = trigger;
   const bool confirms = evidence_.confirms(position, image);
-  if (confirms || !confirmable()) contradicted_lately_ -= std::min(contradicted_lately_, kAgreed);
+  const uint32_t agreed = confirms ? kConfirmed : confirmable() ? 0 : kAgreed;
+  contradicted_lately_ -= std::min(contradicted_lately_, agreed);
   if (position.part == Position::Part::marker && position.index == 1 && position.pass > 0)
     ++counts_.markers;
   evidence_.learn(position, image);
   ++counts_.labeled;
   const bool told = told_by_neighbors(position);
   wait({{token, Fate::labeled, static_cast<uint64_t>(at), position}, missing}, out);
-  const bool alone = unconfirmed_.size() == 1;
+  const bool alone = unsettled_.frames.size() == 1;
   if (confirms || (confirmable() ? alone && !is_weak(position) : told || params_.id_bits))
-    confirmed_ = unconfirmed_.size();
-  doubted_ = !told && !params_.id_bits;
-  if (suspected_) return;
+    unsettled_.confirmed = unsettled_.frames.size();
+  unsettled_.doubted = !told && !params_.id_bits;
+  if (unsettled_.suspected) return;
   if (confirms) confirmed_until_ = trigger;
   release_confirmed(out);
 }

@@ -70,8 +70,11 @@ class FrameLabeler {
   /// Starts as new, but counts go on.
   void reset();
 
-  /// How many periods a frame of the program may wait for the one that confirms it.
+  /// How many periods a frame of the program may wait for the one that confirms it, where one of
+  /// these is lost, too.
   static uint32_t longest_wait(const LightProgram& program, const Params& params);
+  /// Whether single lights wait long enough to be confirmed by pictures.
+  static bool all_confirmed(const LightProgram& program, const Params& params);
   bool anchored() const { return anchor_.has_value(); }
   /// Whether the marker has not come within `Params::marker_within`; once for each time that it is
   /// waited for.
@@ -94,6 +97,13 @@ class FrameLabeler {
     Labeled frame;
     uint64_t missing = 0;  ///< counts_.missing before it
   };
+  struct Unsettled {
+    std::deque<Unconfirmed> frames;  ///< oldest first
+    size_t confirmed = 0;  ///< of these, from the oldest on: they wait for `suspected` only
+    bool doubted = false;  ///< the last was labeled just now; the next frame may claim its trigger
+    std::optional<int64_t>
+        suspected;  ///< (the counter's) first trigger of what may be a new marker
+  };
   struct Anchor {
     int64_t trigger = 0;  ///< of the counter's: the program's 0
     double black = 0, full = 0;
@@ -105,6 +115,7 @@ class FrameLabeler {
   void label(uint64_t token, int64_t trigger, const ImageEvidence& image,
              std::vector<Labeled>& out);
   void tell(uint64_t token, Fate fate, std::vector<Labeled>& out);
+  Fate outside() const { return over_ ? Fate::ended : Fate::before_marker; }
   bool contradicts(int64_t trigger, const ImageEvidence& image) const;
   void look_for_marker(std::vector<Labeled>& out);
   void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
@@ -118,8 +129,12 @@ class FrameLabeler {
   void release(size_t count, std::vector<Labeled>& out);
   void release_confirmed(std::vector<Labeled>& out);
   void revoke();
+  void end_of_evidence(std::vector<Labeled>& out);
+  bool check_follows(LightProgram::Position position) const;
   void mark_told(uint64_t token, bool told);
   uint64_t& count_of(Fate fate);
+  /// Triggers that a marker and what has to follow it may take to be found.
+  int64_t longest_search() const { return int64_t{params_.hold} + LightProgram::kMarkerSteps; }
   bool late_tracking_frame(int64_t trigger) const;
   void look_at_suspicion(std::vector<Labeled>& out);
   const Seen* seen_at(int64_t trigger) const;
@@ -127,6 +142,7 @@ class FrameLabeler {
   Match matches(int64_t start, Anchor& anchor) const;
   std::optional<Anchor> without_full_frame(int64_t start) const;
   Match told_by_tracking(int64_t start, Anchor& anchor) const;
+  bool may_be_tracking(const Seen& full, const Anchor& anchor) const;
   Match follows(const Anchor& anchor, uint32_t wanted) const;
 
   const LightProgram& program_;
@@ -139,16 +155,15 @@ class FrameLabeler {
   std::optional<int64_t> origin_;                           // ns
   std::optional<int64_t> anchor_;
   uint64_t epoch_ = 0;
-  bool ended_ = false;
+  bool ended_ = false;  // just now
+  bool over_ = false;   // it has ended, and no marker was seen since
   std::deque<Seen> seen_;
-  std::optional<int64_t> last_;          // the counter's trigger of the last labeled frame
-  uint64_t dropped_since_last_ = 0;      // which took a trigger's place and were not labeled
-  ImageEvidence before_;                 // of the frame that came before
-  std::deque<Unconfirmed> unconfirmed_;  // oldest first
-  size_t confirmed_ = 0;  // of these, from the oldest on: they wait for `suspected_` only
+  std::optional<int64_t> last_;      // the counter's trigger of the last labeled frame
+  uint64_t dropped_since_last_ = 0;  // which took a trigger's place and were not labeled
+  ImageEvidence before_;             // of the frame that came before
+  Unsettled unsettled_;
+  std::optional<int64_t> trouble_;          // the counter's: where a frame of no trigger was last
   std::optional<int64_t> confirmed_until_;  // the counter's trigger: no marker was before it
-  bool doubted_ = false;  // the last of them was labeled just now; the next may claim its trigger
-  std::optional<int64_t> suspected_;  // (the counter's) first trigger of what may be a new marker
   uint32_t contradicted_lately_ = 0;
   std::optional<int64_t> waiting_since_, now_;  // ns
   bool overdue_told_ = false;

@@ -46,8 +46,16 @@ std::vector<int64_t> tracking_distances(const LightProgram& program) {
   return distances;
 }
 
-/// What has to be seen after a marker to believe in it: frames that would not be so bright
-/// elsewhere. Programs that begin with single lights have the first tracking frame for that.
+/// Frames after a marker that would not be so bright elsewhere.
+uint32_t told_within(const LightProgram& program, uint32_t within) {
+  const auto count = std::min<size_t>(within, program.steps.size());
+  return static_cast<uint32_t>(
+      std::count_if(program.steps.begin(), program.steps.begin() + static_cast<ptrdiff_t>(count),
+                    [](const LightStep& step) { return is_check(step.kind); }));
+}
+
+/// What has to be seen of these to believe in a marker. Programs that begin with single lights have
+/// the first tracking frame for that.
 uint32_t wanted_after(const LightProgram& program, uint32_t within) {
   uint32_t gradients = 0;
   for (uint32_t i = 0; i < std::min<size_t>(within, program.steps.size()); ++i) {
@@ -133,6 +141,8 @@ FrameLabeler::Match FrameLabeler::told_by_tracking(int64_t start, Anchor& anchor
   anchor = {start, black, black + added, bright->image.clipped > 0.02};
   if (std::abs(a - b) > kBlacksAlike * added) return Match::no;
   for (const int64_t distance : tracking_distances(program_)) {
+    // A frame of no trigger may have been that tracking frame.
+    if (trouble_ && *trouble_ + 2 >= std::min(start, start + first - distance)) return Match::no;
     const Seen* before = seen_at(start + first - distance);
     if (!before || before->image.luminance() - black > kDark * added) return Match::no;
   }
@@ -140,13 +150,21 @@ FrameLabeler::Match FrameLabeler::told_by_tracking(int64_t start, Anchor& anchor
   return newest >= start + second ? Match::yes : Match::wait;
 }
 
+/// Whether a full frame may be a tracking frame of a program that runs: there was one before it.
+bool FrameLabeler::may_be_tracking(const Seen& full, const Anchor& anchor) const {
+  const double bright = anchor.black + (1 - kDark) * (anchor.full - anchor.black);
+  return std::ranges::any_of(tracking_distances(program_), [&](int64_t distance) {
+    const Seen* before = seen_at(full.trigger - distance);
+    return before && before->image.luminance() > bright;
+  });
+}
+
 FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
   const Seen *full = seen_at(start + kFull), *black1 = seen_at(start),
              *black2 = seen_at(start + kBlack);
   const int64_t newest = seen_.back().trigger;
   uint32_t wanted = wanted_after(program_, params_.hold);
-  // What was taken for a tracking frame may be the full one of a new marker, or just that.
-  if (confirmed_until_ == start + kFull) ++wanted;
+  bool careful = confirmed_until_ && !anchor_;  // labels were lost
   if (full) {
     if (!black1 && newest < start + kBlack) return Match::wait;
     if (!black1 && !black2) return Match::no;
@@ -155,6 +173,7 @@ FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
     const double b = (black2 ? black2 : black1)->image.luminance();
     anchor.black = (a + b) / 2;
     if (std::abs(a - b) > kBlacksAlike * (anchor.full - anchor.black)) return Match::no;
+    careful |= may_be_tracking(*full, anchor);
   } else {
     if (newest < start + kFull) return Match::no;
     if (is_gradient(program_.steps.front().kind)) {
@@ -171,6 +190,8 @@ FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
   }
   if (anchor.full - anchor.black < std::max(kLeastContrast, kContrastOfAmbient * anchor.black))
     return Match::no;
+  // More of the program has to fit, where it has more.
+  if (careful) wanted = std::max(wanted, std::min(wanted + 1, told_within(program_, params_.hold)));
   return follows(anchor, wanted);
 }
 
@@ -188,16 +209,17 @@ void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
       if (match == Match::wait) keep_from = std::min(keep_from, start);
     }
   }
-  keep_from = std::max(keep_from, newest - static_cast<int64_t>(params_.hold));
+  keep_from = std::max(keep_from, newest - longest_search());
   for (Seen& seen : seen_)
     if (seen.trigger < keep_from && !seen.told) {
-      tell(seen.token, Fate::before_marker, out);
+      tell(seen.token, outside(), out);
       seen.told = true;
     }
 }
 
 void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) {
   ++counts_.markers;
+  over_ = false;
   anchor_ = anchor.trigger;
   last_ = anchor.trigger - 1;
   dropped_since_last_ = 0;

@@ -16,6 +16,11 @@ struct ImageEvidence {
   double luminance() const { return (level[0] + level[1] + level[2]) / 3; }
 };
 
+/// Whether the picture of such a step tells that it is none of a single light, or of no light.
+inline bool is_check(StepKind kind) {
+  return kind == StepKind::tracking || kind == StepKind::gradient_a || kind == StepKind::gradient_b;
+}
+
 /// How bright a camera's pictures are in each kind of step: learned while labels are certain, and
 /// said only where it is clear. Light adds up: whatever a step does, it lies between the pictures
 /// under no light and under all.

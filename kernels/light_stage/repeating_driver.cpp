@@ -7,7 +7,9 @@
 namespace inverse {
 namespace {
 
-constexpr std::chrono::milliseconds kRepeat{800};
+// What is new is said three times (E1.31 6.6.2), what lasts less often.
+constexpr std::chrono::milliseconds kSoon{30}, kRepeat{800};
+constexpr int kNew = 3;
 
 using Clock = std::chrono::steady_clock;
 
@@ -31,23 +33,33 @@ void RepeatingDriver::show(uint64_t trigger) {
 void RepeatingDriver::black() {
   stop_repeating();
   if (!patch_) return;
-  const DmxPatch patch = *std::exchange(patch_, {});
-  send(patch.levels({}));
-  end(patch.levels({}));
+  const Levels black = std::exchange(patch_, {})->levels({});
+  try {
+    send(black);
+  } catch (const Error&) {
+    end(black);
+    throw;
+  }
+  end(black);
 }
 
 void RepeatingDriver::send_colors(std::vector<LightColor> colors) {
   std::lock_guard lock(mutex_);
   shown_ = std::move(colors);
-  sent_ = Clock::now();
+  said_ = 1;
+  next_ = Clock::now() + kSoon;
   send(patch_->levels(shown_));
+  woken_.notify_all();
 }
 
 void RepeatingDriver::repeat() {
   std::unique_lock lock(mutex_);
-  while (!woken_.wait_until(lock, sent_ + kRepeat, [this] { return stopping_; })) {
-    if (Clock::now() < sent_ + kRepeat) continue;
-    sent_ = Clock::now();
+  while (!stopping_) {
+    if (Clock::now() < next_) {
+      woken_.wait_until(lock, next_);
+      continue;
+    }
+    next_ = Clock::now() + (++said_ < kNew ? kSoon : kRepeat);
     try {
       send(patch_->levels(shown_));
     } catch (const Error&) {

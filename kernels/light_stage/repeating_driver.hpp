@@ -43,7 +43,8 @@ class RepeatingDriver : public LightDriver {
   std::mutex mutex_;      // of all that sends
   std::condition_variable woken_;
   std::vector<LightColor> shown_;
-  std::chrono::steady_clock::time_point sent_;
+  int said_ = 0;  // how often
+  std::chrono::steady_clock::time_point next_;
   bool stopping_ = false;
 };
 

@@ -83,6 +83,27 @@ TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
   EXPECT_EQ(pull(39, 1).back().trigger, 39);
 }
 
+TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedForAndNotLeftAlone) {
+  use(static_capture(stage_lights(geodesic_directions(42)), 60));
+  g_object_set(element_, "timeout", 0.1, nullptr);
+  start(0);
+  start(1);
+  for (GstHarness* one : {camera(0), camera(1)}) gst_harness_set_live(one, TRUE);
+  // At the rate of cameras: the labels of one wait for 23 frames, which take longer than `timeout`.
+  for (int64_t n = -5; n < 52; ++n) {
+    for (const unsigned number : {0u, 1u})
+      if (number == 0 || n != 26) {
+        ASSERT_EQ(push(n, number), GST_FLOW_OK);
+      }
+    g_usleep(1000000 / 60);
+  }
+  EXPECT_EQ(pull(50, 0).back().trigger, 50);  // a tracking frame
+  EXPECT_EQ(count("incomplete"), 1u);         // that of the other camera
+  EXPECT_EQ(count("sets-complete"), 50u);
+  for (const std::string& text : texts(GST_MESSAGE_WARNING))
+    EXPECT_EQ(text.find("have waited"), std::string::npos) << text;
+}
+
 TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
   use_performance();
   g_object_set(element_, "timeout", 0.1, nullptr);
@@ -157,6 +178,15 @@ TEST_F(StageSync, WhoWaitsForTheEndHasHeardOfTheMarkerThatDidNotCome) {
   ASSERT_TRUE(ended);
   EXPECT_NE(told.find("none of its frames has a label"), std::string::npos) << told;
   EXPECT_LT(told.find("none of its frames"), told.find("END"));
+}
+
+TEST_F(StageSync, SingleLightsThatNothingConfirmsAreAWarning) {
+  LightProgram alone = static_capture(stage_lights(geodesic_directions(42)));
+  std::erase_if(alone.steps, [](const LightStep& step) { return step.kind == StepKind::tracking; });
+  use(alone);
+  start();
+  for (int64_t n = -5; n < 5; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_TRUE(warned_of("no tracking frame"));
 }
 
 TEST_F(StageSync, UnlabeledFramesMayPass) {
@@ -289,7 +319,7 @@ TEST_F(StageSync, LatencyHasTheTimeThatSingleLightsWaitToBeConfirmed) {
   start(0);
   gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
   const GstClockTime period = GST_SECOND / 60 + 1;
-  EXPECT_EQ(gst_harness_query_latency(camera(0)), 20 * GST_MSECOND + 11 * period);
+  EXPECT_EQ(gst_harness_query_latency(camera(0)), 20 * GST_MSECOND + 23 * period);
 }
 
 TEST_F(StageSync, PadsComeAndGo) {

@@ -80,7 +80,9 @@ TEST_P(Programs, TenThousandFramesByIds) {
     params.id_bits = camera.id_bits;
     const auto result = simulate(lights, camera, params);
     expect_all_right(result, "seed " + std::to_string(seed));
-    EXPECT_EQ(result.labeled, result.sent) << seed;
+    // Single lights behind the last tracking frame are not confirmed.
+    const uint64_t open = GetParam() == 1 ? 12 : 0;
+    EXPECT_GE(result.labeled + open, result.sent) << seed;
   }
 }
 
@@ -305,7 +307,7 @@ TEST_F(SingleLights, LeaveWithTheTrackingFrameThatConfirmsThem) {
   EXPECT_EQ(told_.size(), 20U + 27);  // 26 is the second tracking frame
   play(36, 39);
   EXPECT_EQ(told_.size(), 20U + 39);
-  EXPECT_EQ(FrameLabeler::longest_wait(program_, params(0)), 11U);
+  EXPECT_EQ(FrameLabeler::longest_wait(program_, params(0)), 23U);
   EXPECT_EQ(FrameLabeler::longest_wait(performance(some_lights()), params(0)), 0U);
 }
 
@@ -334,7 +336,7 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
             << stop << " " << pause << " " << token;
       }
       EXPECT_TRUE(again.labeler_.anchored()) << stop << " " << pause;
-      EXPECT_EQ(again.fate(again.tokens_ - 1), Fate::labeled) << stop << " " << pause;
+      EXPECT_EQ(again.fate(marker + 50), Fate::labeled) << stop << " " << pause;
     }
 }
 
@@ -346,6 +348,76 @@ TEST_F(SingleLights, LightsThatStopAreNoSingleLights) {
   for (uint64_t token = first; token < tokens_; ++token)
     EXPECT_NE(fate(token), Fate::labeled) << token - first;
   EXPECT_FALSE(labeler_.anchored());
+}
+
+TEST_F(SingleLights, WhatNothingConfirmsIsNotLabeledAtTheEnd) {
+  play(-20, 60);
+  for (int64_t n = 60; n < 68; ++n) push(static_cast<double>(n), picture(-1));
+  hear(labeler_.drain());
+  EXPECT_EQ(fate(20 + 50), Fate::labeled);  // a tracking frame
+  for (uint64_t token = 20 + 51; token < tokens_; ++token)
+    EXPECT_EQ(fate(token), token == 20 + 62 ? Fate::contradicted : Fate::ambiguous) << token;
+  EXPECT_EQ(labeler_.counts().labeled, 51U);
+  EXPECT_EQ(labeler_.counts().ambiguous, 16U);
+  // Nothing is left of it that the next stream could stumble over.
+  const uint64_t next = push(67, picture(70));
+  hear(labeler_.drain());
+  EXPECT_NE(fate(next), Fate::labeled);
+}
+
+TEST_F(SingleLights, FlashesNowAndThenAreForgiven) {
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  for (int64_t n = -20; n < triggers; ++n)
+    push(static_cast<double>(n), picture(n > 20 && n % 12 == 7 ? 1 : n));
+  EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
+  EXPECT_GT(labeler_.counts().labeled, static_cast<uint64_t>(triggers) * 9 / 10);
+}
+
+TEST_F(SingleLights, EachFrameIsToldOnceAlsoWhereAllComeThrice) {
+  std::vector<int> told;
+  const auto count = [&](const Labels& labels) {
+    for (const auto& one : labels) {
+      if (told.size() <= one.token) told.resize(one.token + 1);
+      ++told[one.token];
+    }
+  };
+  for (int64_t n = -20; n < 200; ++n) {
+    const ImageEvidence image = picture(n);
+    for (int i = 0; i < 3; ++i)
+      count(labeler_.push({tokens_++, (n + 100) * 1000000000 / 60, std::nullopt, image}));
+  }
+  count(labeler_.drain());
+  ASSERT_EQ(told.size(), tokens_);
+  for (const int times : told) EXPECT_EQ(times, 1);
+}
+
+TEST_F(SingleLights, FramesThatAreStampedLateDoNotSpoilACapture) {
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  uint64_t wrong = 0, labeled = 0, all = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    HandCamera camera(program_);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    std::vector<int64_t> truth;
+    for (int64_t n = -20; n < triggers; ++n) {
+      if (n != 1 && unit(random) < 0.02) continue;
+      const bool late = unit(random) < 0.01;
+      const double off = late ? 0.5 + 0.25 * unit(random) : 0.2 * unit(random) - 0.1;
+      truth.push_back(late ? -1 : n);
+      camera.push(static_cast<double>(n) + off, camera.picture(n));
+    }
+    camera.hear(camera.labeler_.drain());
+    for (uint64_t token = 0; token < truth.size(); ++token) {
+      if (camera.fate(token) != Fate::labeled || truth[token] < 0) continue;
+      ++labeled;
+      wrong += camera.told_[token].trigger != static_cast<uint64_t>(truth[token]) ? 1 : 0;
+    }
+    all += static_cast<uint64_t>(triggers);
+  }
+  EXPECT_EQ(wrong, 0U);
+  printf("static captures, 1 %% stamped late, 2 %% lost: %.1f %% labeled\n",
+         100.0 * static_cast<double>(labeled) / static_cast<double>(all));
+  EXPECT_GT(labeled, all * 8 / 10);
 }
 
 TEST_F(SingleLights, AFlashIsOneFrame) {
@@ -388,6 +460,7 @@ TEST_F(ShortProgram, EndsAndMayComeAgain) {
   const uint64_t after = push(23, picture(-1));
   EXPECT_EQ(fate(after), Fate::ended);
   for (int n = 24; n < 600; ++n) push(n, picture(-1));
+  EXPECT_GT(labeler_.counts().ended, 570U);
   EXPECT_FALSE(labeler_.take_overdue());
   for (int64_t n = 0; n < 23; ++n) push(static_cast<double>(600 + n), picture(n));
   EXPECT_EQ(labeler_.counts().labeled, 46U);

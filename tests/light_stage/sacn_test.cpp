@@ -65,8 +65,9 @@ TEST(SacnDriver, RepeatsWhatLasts) {
   while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1900))
     if (const auto packet = sacn::parse(port.next()).data; packet && packet->universe == 40)
       packets.push_back(*packet);
-  // Black, the step, and the step again, so that no receiver takes the source for gone.
-  ASSERT_GE(packets.size(), 4U);
+  // Black, the step, twice again as it is new, and then so that no receiver takes the source for
+  // gone.
+  ASSERT_GE(packets.size(), 6U);
   for (size_t i = 2; i < packets.size(); ++i) {
     EXPECT_EQ(packets[i].slots, packets[1].slots);
     EXPECT_EQ(packets[i].sequence, i);

@@ -1,6 +1,7 @@
 #pragma once
 #include <gst/video/video.h>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -53,6 +54,12 @@ struct SyncCamera {
     for (Item& item : line)
       if (item.token == token) return &item;
     return nullptr;
+  }
+  /// Whether frames are here that have no label yet, and may get one.
+  bool waits_for_labels() const {
+    return !silent && std::ranges::any_of(line, [](const Item& item) {
+      return item.state == Item::State::waiting && !item.label;
+    });
   }
   void clear() {
     for (auto* queue : {&line, &out}) {

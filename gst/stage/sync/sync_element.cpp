@@ -14,6 +14,7 @@ constexpr const char* kProgramEnded = "lightstage-program-ended";
 constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
+constexpr uint32_t kMarkerPeriods = 40;             // the same, in slow programs
 
 }  // namespace
 
@@ -37,6 +38,12 @@ bool SyncElement::start() {
     trigger_ = std::move(trigger);
     params_ = params;
     labels_ = std::move(labels);
+    if (params_.camera_trigger == SyncParams::CameraTrigger::none &&
+        !FrameLabeler::all_confirmed(labels_->program(), labeler_params()))
+      warn(
+          "single lights of \"" + labels_->program().name +
+          "\" have no tracking frame (full on) after every 24 of them at most: that the lights are "
+          "in step with the count is not confirmed by pictures there");
     sets_ = FrameSets(params_.sets == SyncParams::Sets::complete);
     for (auto& [number, camera] : cameras_) {
       sets_.add_camera(number);
@@ -92,6 +99,11 @@ bool SyncElement::set_playing(bool playing) {
   if (trigger) trigger->set_playing(playing);
   if (!lights_) return true;
   return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
+}
+
+SyncElement::Clock::duration SyncElement::periods(uint32_t count) const {
+  return std::chrono::duration_cast<Clock::duration>(
+      std::chrono::nanoseconds(labels_ ? count * labels_->period() : 0));
 }
 
 FrameLabeler::Params SyncElement::labeler_params() const {
@@ -276,7 +288,9 @@ void SyncElement::join_run(SyncCamera& camera, uint64_t trigger) {
   const bool anew = camera.run == 0 || (camera.last_trigger && trigger <= *camera.last_trigger);
   if (!anew) return;
   const auto now = Clock::now();
-  if (run_ == camera.run || (camera.live && now - run_since_ > kSameRun)) {
+  if (run_ == camera.run ||
+      (camera.live &&
+       now - run_since_ > std::max<Clock::duration>(kSameRun, periods(kMarkerPeriods)))) {
     ++run_;
     run_since_ = now;
   }

@@ -61,6 +61,7 @@ class SyncElement {
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
   FrameLabeler::Params labeler_params() const;
+  Clock::duration periods(uint32_t count) const;  // of the program
   std::shared_ptr<StageTrigger> make_trigger(SyncParams& params,
                                              std::shared_ptr<const StageLabels> labels) const;
   std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,

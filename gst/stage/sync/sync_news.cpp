@@ -7,6 +7,8 @@ namespace inverse {
 namespace {
 
 constexpr auto kSilent = std::chrono::seconds(2);  // without a frame
+constexpr uint32_t kFewPeriods = 4;                // the same, in slow programs
+constexpr uint32_t kLongestWait = 30;              // periods
 constexpr auto kBetweenWarnings = std::chrono::seconds(1);
 
 double seconds(SyncCamera::Clock::duration time) {
@@ -54,8 +56,8 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    const auto wait =
-        std::max<Clock::duration>(kSilent, std::chrono::duration_cast<Clock::duration>(timeout));
+    const auto wait = std::max<Clock::duration>(
+        {kSilent, std::chrono::duration_cast<Clock::duration>(timeout), periods(kFewPeriods)});
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
         camera->in_sets >= params_.max_frames || now - camera->last_arrival < wait)
       continue;
@@ -76,7 +78,10 @@ void SyncElement::look_for_silence() {
     lacking_since_ = now;
     return;
   }
-  if (now - lacking_since_ < timeout) return;
+  // Frames that are here may wait for the one that confirms their labels.
+  const bool unsure = std::ranges::any_of(
+      lacking, [&](uint32_t number) { return cameras_.at(number)->waits_for_labels(); });
+  if (now - lacking_since_ < timeout + (unsure ? periods(kLongestWait) : Clock::duration{})) return;
   for (const uint32_t number : lacking) {
     SyncCamera& camera = *cameras_.at(number);
     camera.left_alone = true;
