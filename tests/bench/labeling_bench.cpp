@@ -1,6 +1,7 @@
 // Frames of a light stage that are labeled while some are lost, doubled and stamped unevenly: what
 // became of them. Options: --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE,
-// --doubled SHARE, --full-frame-lost 1: of the marker, which otherwise is never lost.
+// --doubled SHARE, --late SHARE: stamped by 0.5 to 0.75 periods too late, --full-frame-lost 1: of
+// the marker, which otherwise is never lost.
 #include <cstdio>
 #include <exception>
 
@@ -14,7 +15,7 @@ using testing::CameraSimulation;
 
 struct Row {
   uint64_t runs = 0, sent = 0, labeled = 0, mislabeled = 0, ambiguous = 0, uncounted = 0;
-  uint64_t unlabeled_runs = 0;
+  uint64_t unlabeled_runs = 0, late = 0, late_mislabeled = 0;
   uint64_t lost = 0, missing = 0, doubled = 0, duplicates = 0;
   double held = 0, worst = 0;
 
@@ -22,6 +23,8 @@ struct Row {
     ++runs;
     sent += result.sent;
     labeled += result.labeled;
+    late += result.late;
+    late_mislabeled += result.late_mislabeled;
     unlabeled_runs += result.counts.markers == 0 ? 1 : 0;
     mislabeled += result.mislabeled;
     ambiguous += result.ambiguous;
@@ -60,13 +63,11 @@ uint64_t false_sets(const testing::SimulationResult& a, const testing::Simulatio
 int main(int argc, char** argv) try {
   CameraSimulation camera;
   int frames = 10000, seeds = 50, full_lost = 0;
-  const bench::Options known{{"--frames", bench::integer(frames)},
-                             {"--seeds", bench::integer(seeds)},
-                             {"--jitter", bench::number(camera.jitter)},
-                             {"--drift", bench::number(camera.drift)},
-                             {"--lost", bench::number(camera.lost)},
-                             {"--doubled", bench::number(camera.doubled)},
-                             {"--full-frame-lost", bench::integer(full_lost)}};
+  const bench::Options known{
+      {"--frames", bench::integer(frames)},       {"--seeds", bench::integer(seeds)},
+      {"--jitter", bench::number(camera.jitter)}, {"--drift", bench::number(camera.drift)},
+      {"--lost", bench::number(camera.lost)},     {"--doubled", bench::number(camera.doubled)},
+      {"--late", bench::number(camera.late)},     {"--full-frame-lost", bench::integer(full_lost)}};
   if (!bench::read(known, argc, argv, "labeling_bench.cpp") || frames < 1 || seeds < 1) return 2;
   camera.frames = static_cast<uint64_t>(frames);
   camera.full_frame_lost = full_lost != 0;
@@ -82,8 +83,8 @@ int main(int argc, char** argv) try {
   std::printf(
       "| program | jitter | told by | good frames | mislabeled | not labeled (worst run) | "
       "lost: true / counted | doubled: true / counted | runs miscounted | held, frames at "
-      "most | two cameras: false sets | runs without labels "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "most | two cameras: false sets | runs without labels | "
+      "late: mislabeled / all |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, program] : programs)
     for (const auto distribution :
          {CameraSimulation::Jitter::uniform, CameraSimulation::Jitter::normal})
@@ -110,7 +111,7 @@ int main(int argc, char** argv) try {
         }
         std::printf(
             "| %s | %s | %s | %llu | %llu | %.4f %% (%.3f %%) | %llu / %llu | %llu / %llu | "
-            "%llu | %.0f | %llu | %llu |\n",
+            "%llu | %.0f | %llu | %llu | %llu / %llu |\n",
             name, distribution == CameraSimulation::Jitter::uniform ? "uniform" : "normal, cut",
             bits == 0    ? "times"
             : bits == 16 ? "ids of 16 bits"
@@ -124,7 +125,9 @@ int main(int argc, char** argv) try {
             static_cast<unsigned long long>(row.duplicates),
             static_cast<unsigned long long>(row.uncounted), row.held,
             static_cast<unsigned long long>(wrong_sets),
-            static_cast<unsigned long long>(row.unlabeled_runs));
+            static_cast<unsigned long long>(row.unlabeled_runs),
+            static_cast<unsigned long long>(row.late_mislabeled),
+            static_cast<unsigned long long>(row.late));
       }
   return 0;
 } catch (const std::exception& error) {

@@ -18,6 +18,7 @@ struct CameraSimulation {
   double lost = 0.02, doubled = 0.01;
   double jitter = 1.0 / 3;                ///< periods, the most either way
   Jitter distribution = Jitter::uniform;  ///< or normal, sigma half of that, cut there
+  double late = 0;                        ///< share of frames stamped 0.5 to 0.75 periods late
   double drift = 80;                      ///< ppm
   uint32_t id_bits = 0;
   uint64_t first_id = 65400;
@@ -30,9 +31,10 @@ struct CameraSimulation {
 struct SimulationResult {
   uint64_t sent = 0;  ///< frames of the program that were delivered, doubles apart
   uint64_t mislabeled = 0, labeled = 0;
-  uint64_t ambiguous = 0;  ///< good frames that were not labeled
-  uint64_t lost = 0;       ///< truly, before the last that was delivered
-  uint64_t doubled = 0;    ///< truly
+  uint64_t late = 0, late_mislabeled = 0;  ///< frames that were stamped late; wrong ones of these
+  uint64_t ambiguous = 0;                  ///< good frames that were not labeled
+  uint64_t lost = 0;                       ///< truly, before the last that was delivered
+  uint64_t doubled = 0;                    ///< truly
   FrameLabeler::Counts counts;
   double held = 0;                        ///< frames that the slowest decision waited for
   std::vector<int64_t> trigger_of_token;  ///< of each that was delivered; what was said of it
@@ -90,6 +92,8 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
 
   SimulationResult result;
   FrameLabeler labeler(program, params);
+  std::vector<bool> late_tokens;
+  uint64_t none = 0;
   const auto hear = [&](const std::vector<FrameLabeler::Labeled>& told) {
     for (const auto& one : told) {
       const int64_t truth = result.trigger_of_token[one.token];
@@ -98,10 +102,12 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
       if (one.fate != FrameLabeler::Fate::labeled) continue;
       ++result.labeled;
       result.label_of_token[one.token] = static_cast<int64_t>(one.trigger);
-      if (static_cast<int64_t>(one.trigger) != truth) ++result.mislabeled;
+      const bool wrong = static_cast<int64_t>(one.trigger) != truth;
+      ++(!wrong ? none : late_tokens[one.token] ? result.late_mislabeled : result.mislabeled);
     }
   };
-  const auto send = [&](int64_t truth, int64_t time, const ImageEvidence& image) {
+  const auto send = [&](int64_t truth, int64_t time, const ImageEvidence& image, bool late) {
+    late_tokens.push_back(late);
     result.trigger_of_token.push_back(truth);
     result.label_of_token.push_back(-1);
     FrameLabeler::Frame frame{result.trigger_of_token.size() - 1, time, std::nullopt, image};
@@ -125,17 +131,24 @@ inline SimulationResult simulate(const LightProgram& program, const CameraSimula
                             : picture_of(program.at(static_cast<uint64_t>(truth)));
     for (double& level : image.level) level *= 1 + camera.noise * normal(random);
     image.content = random() | 1;
-    const int64_t time = stamp(n);
+    const bool late = camera.late > 0 && unit(random) < camera.late;
+    result.late += late ? 1 : 0;
+    const double off = late ? 0.5 + 0.25 * unit(random) : 0;
+    const int64_t time =
+        late
+            ? static_cast<int64_t>(std::llround(
+                  phase + period * ((1 + camera.drift * 1e-6) * static_cast<double>(n) + off + 10)))
+            : stamp(n);
     if (truth >= 0) {
       ++result.sent;
       result.lost += lost_since;
       lost_since = 0;
     }
-    send(truth, time, image);
+    send(truth, time, image, late);
     if (unit(random) < camera.doubled) {
       result.doubled += truth >= 0 ? 1 : 0;
       // As drivers have it: the same time again, or a later one of its own.
-      send(truth, unit(random) < 0.5 ? time : std::max(time, stamp(n)), image);
+      send(truth, unit(random) < 0.5 ? time : std::max(time, stamp(n)), image, late);
     }
   }
   hear(labeler.drain());
