@@ -42,7 +42,7 @@ std::vector<int64_t> tracking_distances(const LightProgram& program) {
   if (!at.empty() && program.repeat != 1 && program.marker != LightProgram::Marker::pass)
     distances.push_back(static_cast<int64_t>(program.steps.size()) - at.back() + at.front());
   std::ranges::sort(distances);
-  distances.erase(std::ranges::unique(distances).begin(), distances.end());
+  distances.erase(std::unique(distances.begin(), distances.end()), distances.end());
   return distances;
 }
 
