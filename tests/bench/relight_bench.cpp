@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "environment/environment.hpp"
 #include "tests/bench/command_line.hpp"
 #include "tests/bench/light_choices.hpp"
 #include "tests/bench/olat_set.hpp"
@@ -186,18 +185,9 @@ void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set,
 }
 
 void run(const Arguments& arguments) {
-  std::vector<OlatSet> sets;
-  for (const std::string& path : arguments.sets) sets.push_back(read_olat_set(path));
-  if (sets.empty()) {
-    std::printf("no sets were named: nothing is measured (import-olat makes them)\n");
-    return;
-  }
-  std::vector<NamedEnvironment> environments;
-  for (const std::string& path : arguments.environments)
-    environments.push_back(
-        {std::filesystem::path(path).stem().string(), LightCells::map(Environment::load(path))});
-  if (environments.empty())
-    environments.push_back({"studio", LightCells::map(Environment::studio())});
+  const auto sets = read_sets(arguments.sets);
+  if (sets.empty()) return;
+  const auto environments = read_environments(arguments.environments);
   std::optional<RelightModels> models;
   if (!arguments.models.empty()) models = RelightModels::load(arguments.models);
   std::vector<Method> methods{{"cosine-lobe", nullptr}};

@@ -9,9 +9,7 @@
 // Frames are scaled, relit and scaled back; errors are against the sum of true pictures at the
 // set's own size, over the subject, in per cent of its mean.
 #include <cstdio>
-#include <filesystem>
 
-#include "environment/environment.hpp"
 #include "tests/bench/command_line.hpp"
 #include "tests/bench/relight_subject.hpp"
 
@@ -123,18 +121,9 @@ void network(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
 }
 
 void run(const Arguments& arguments) {
-  std::vector<OlatSet> sets;
-  for (const std::string& path : arguments.sets) sets.push_back(read_olat_set(path));
-  if (sets.empty()) {
-    std::printf("no sets were named: nothing is measured (import-olat makes them)\n");
-    return;
-  }
-  std::vector<NamedEnvironment> environments;
-  for (const std::string& path : arguments.environments)
-    environments.push_back(
-        {std::filesystem::path(path).stem().string(), LightCells::map(Environment::load(path))});
-  if (environments.empty())
-    environments.push_back({"studio", LightCells::map(Environment::studio())});
+  const auto sets = read_sets(arguments.sets);
+  if (sets.empty()) return;
+  const auto environments = read_environments(arguments.environments);
   std::vector<Network> networks;
   for (const std::string& one : arguments.networks) {
     const size_t at = one.find('=');

@@ -1,6 +1,10 @@
 #include "tests/bench/relight_subject.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "environment/environment.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -30,6 +34,24 @@ std::vector<Taps> taps(int from, int to) {
 }
 
 }  // namespace
+
+std::vector<OlatSet> read_sets(const std::vector<std::string>& paths) {
+  std::vector<OlatSet> sets;
+  for (const std::string& path : paths) sets.push_back(read_olat_set(path));
+  if (sets.empty())
+    std::printf("no sets were named: nothing is measured (import-olat makes them)\n");
+  return sets;
+}
+
+std::vector<NamedEnvironment> read_environments(const std::vector<std::string>& paths) {
+  std::vector<NamedEnvironment> environments;
+  for (const std::string& path : paths)
+    environments.push_back(
+        {std::filesystem::path(path).stem().string(), LightCells::map(Environment::load(path))});
+  if (environments.empty())
+    environments.push_back({"studio", LightCells::map(Environment::studio())});
+  return environments;
+}
 
 std::vector<WeightedLight> weighted(const RelightStage& stage, std::span<const Rgb> weights) {
   std::vector<WeightedLight> lights;

@@ -131,6 +131,10 @@ class Subject {
   gpu::Commands commands_;
 };
 
+/// Says so where none are named.
+std::vector<OlatSet> read_sets(const std::vector<std::string>& paths);
+/// The studio where none are named.
+std::vector<NamedEnvironment> read_environments(const std::vector<std::string>& paths);
 /// All lights of a stage with their weights.
 std::vector<WeightedLight> weighted(const RelightStage& stage, std::span<const Rgb> weights);
 /// The subject under all lights of the set, weighted.

@@ -166,6 +166,18 @@ class StageSync : public ::testing::Test {
     }
     return false;
   }
+  /// Waits for the end of the stream to come out.
+  bool ends() {
+    for (int i = 0; i < 500; ++i) {
+      while (GstEvent* event = gst_harness_try_pull_event(camera())) {
+        const bool end = GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+        gst_event_unref(event);
+        if (end) return true;
+      }
+      g_usleep(10000);
+    }
+    return false;
+  }
   guint64 count(const char* field) {
     GstStructure* stats = nullptr;
     g_object_get(element_, "stats", &stats, nullptr);

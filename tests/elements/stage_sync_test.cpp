@@ -167,15 +167,7 @@ TEST_F(StageSync, WhoWaitsForTheEndHasHeardOfTheMarkerThatDidNotCome) {
       new std::pair(bus_, &told),
       [](gpointer data) { delete static_cast<std::pair<GstBus*, std::string*>*>(data); });
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
-  bool ended = false;
-  for (int i = 0; i < 500 && !ended; ++i) {
-    while (GstEvent* event = gst_harness_try_pull_event(camera())) {
-      ended |= GST_EVENT_TYPE(event) == GST_EVENT_EOS;
-      gst_event_unref(event);
-    }
-    g_usleep(10000);
-  }
-  ASSERT_TRUE(ended);
+  ASSERT_TRUE(ends());
   EXPECT_NE(told.find("none of its frames has a label"), std::string::npos) << told;
   EXPECT_LT(told.find("none of its frames"), told.find("END"));
 }
@@ -236,15 +228,7 @@ TEST_F(StageSync, FlushSeekAndEos) {
   EXPECT_EQ(again.front().trigger, 5);
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
   EXPECT_EQ(push(16), GST_FLOW_EOS);
-  bool ended = false;
-  for (int i = 0; i < 500 && !ended; ++i) {
-    while (GstEvent* event = gst_harness_try_pull_event(camera())) {
-      ended |= GST_EVENT_TYPE(event) == GST_EVENT_EOS;
-      gst_event_unref(event);
-    }
-    g_usleep(10000);
-  }
-  EXPECT_TRUE(ended);
+  EXPECT_TRUE(ends());
 }
 
 TEST_F(StageSync, FrameIdsCount) {
