@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pictures of the corpus to look at, and its statistics beside those of the evaluation set: contact_sheet.py.
 
-Rows of image, mask, D, specular layer and mirror image, written to OUT/contact-{train,painted,whole,test,materials}.png.
+Rows of image, mask, D, specular layer and mirror image, written to OUT/contact-{train,painted,everyday,whole,test,materials}.png.
 """
 import argparse
 import pathlib
@@ -60,7 +60,7 @@ def main():
     args = parser.parse_args()
     samples = corpus.Corpus(args.hdri)
     sets = {name: datasets.synthetic(samples, 5, args.count, flag) for name, flag in (
-        ("train", 0), ("painted", corpus.MAY_BE_PAINTED), ("whole", corpus.WHOLE_FRAME), ("test", corpus.TEST))}
+        ("train", 0), ("painted", corpus.MAY_BE_PAINTED), ("everyday", corpus.EVERYDAY), ("whole", corpus.WHOLE_FRAME), ("test", corpus.TEST))}
     if (args.data / "materials").is_dir():
         sets["materials"] = datasets.materials(args.data / "materials")
     for name, items in sets.items():

@@ -1,6 +1,7 @@
 #include "background.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "noise.hpp"
@@ -18,15 +19,18 @@ Vec random_color(Random& random) {
 
 Vec mix(Vec a, Vec b, float t) { return (1 - t) * a + t * b; }
 
-/// Ellipses and turned rectangles over each other, some of them shaded across.
-void clutter(Random& random, int size, int count, std::vector<Vec>& pixels) {
+/// Ellipses and turned rectangles over each other, half as wide as from `least` to 0.3 of the
+/// picture, in what `draw_color` gives; a share of them is shaded across.
+template <typename Color>
+void clutter(Random& random, int size, int count, float least, float shaded,
+             const Color& draw_color, std::vector<Vec>& pixels) {
   for (int i = 0; i < count; ++i) {
     const float x = random.uniform(), y = random.uniform(), angle = random.uniform(0.f, kPi);
     const float c = std::cos(angle), s = std::sin(angle);
-    const float a = random.log_uniform(0.03f, 0.3f), b = random.log_uniform(0.03f, 0.3f);
+    const float a = random.log_uniform(least, 0.3f), b = random.log_uniform(least, 0.3f);
     const bool round = random.chance(0.4f);
-    const float shade = random.chance(0.5f) ? random.uniform(-0.8f, 0.8f) : 0.f;
-    const Vec color = random_color(random);
+    const float shade = random.chance(shaded) ? random.uniform(-0.8f, 0.8f) : 0.f;
+    const Vec color = draw_color();
     const float reach = a + b;
     const auto pixel = [&](float t) { return std::clamp(int(t * float(size)), 0, size - 1); };
     for (int row = pixel(y - reach); row <= pixel(y + reach); ++row)
@@ -96,12 +100,28 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
       }
     }
   if (kind == 3 || (kind == 4 && random.chance(0.7f)) || random.chance(0.15f))
-    clutter(random, size, kind == 3 ? 40 : 8, pixels);
+    clutter(
+        random, size, kind == 3 ? 40 : 8, 0.03f, 0.5f, [&] { return random_color(random); },
+        pixels);
   const float level = random.uniform(0.3f, 1.f);
   for (Vec& p : pixels)
     p = {std::clamp(level * p.x, 0.f, 1.f), std::clamp(level * p.y, 0.f, 1.f),
          std::clamp(level * p.z, 0.f, 1.f)};
   return pixels;
+}
+
+void print_marks(Random& random, int size, std::vector<Vec>& pixels) {
+  const std::array<Vec, 3> inks{random_color(random), random_color(random), random_color(random)};
+  const Vec paper = random.uniform(0.5f, 0.95f) * mix({1, 1, 1}, random_color(random), 0.1f);
+  const bool on_paper = random.chance(0.3f);
+  const float white = random.chance(0.6f) && !on_paper ? random.uniform(0.4f, 1.f) : 0.1f;
+  const int count = random.chance(0.5f) ? 1 + random.below(6) : 6 + random.below(60);
+  const int colors = 1 + random.below(3);
+  if (on_paper) std::fill(pixels.begin(), pixels.end(), paper);
+  clutter(
+      random, size, count, 0.01f, 0.f,
+      [&] { return random.chance(white) ? paper : inks[std::size_t(random.below(colors))]; },
+      pixels);
 }
 
 std::vector<Vec> make_plain_background(Random& random, int size) {

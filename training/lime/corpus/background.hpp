@@ -15,4 +15,8 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
 /// A wall, often with a table before it, lit unevenly; every sixth time black.
 std::vector<Vec> make_plain_background(Random& random, int size);
 
+/// Sharp-edged marks over size × size albedos, as letters, labels and stripes are: patches of one
+/// to three inks and of something white; a third of the objects becomes white beneath them.
+void print_marks(Random& random, int size, std::vector<Vec>& pixels);
+
 }  // namespace inverse::lime

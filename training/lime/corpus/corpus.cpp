@@ -51,7 +51,7 @@ int lime_is_held_out_shape(int family, float trait) { return is_held_out(Family(
 int lime_parameters() { return kParameters; }
 
 /// Samples first … first + count − 1, on `threads` threads. Flags: 1 test split, 2 clean, 4 whole
-/// frame, 8 may be painted. Images are as in sample.hpp, one sample after another.
+/// frame, 8 may be painted, 16 everyday. Images are as in sample.hpp, one sample after another.
 void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t first, int count,
                  int size, int flags, int threads, std::uint8_t* image, std::uint8_t* coverage,
                  float* diffuse, float* specular, float* mirror, float* parameters) {
@@ -64,7 +64,8 @@ void lime_render(const LimeCorpus* corpus, std::uint64_t seed, std::uint64_t fir
                       size,
                       (flags & 2) != 0,
                       (flags & 4) != 0,
-                      (flags & 8) != 0};
+                      (flags & 8) != 0,
+                      (flags & 16) != 0};
       const auto plane = std::size_t(size) * std::size_t(size), n = std::size_t(i);
       Parameters p;
       render(request, corpus->maps,

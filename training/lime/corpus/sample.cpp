@@ -14,7 +14,17 @@ namespace inverse::lime {
 namespace {
 
 /// Streams of random numbers, so that a change to one thing leaves the others as they are.
-enum Stream { kShape, kPose, kLight, kMaterial, kBackground, kSensor, kPaint, kSurroundings };
+enum Stream {
+  kShape,
+  kPose,
+  kLight,
+  kMaterial,
+  kBackground,
+  kSensor,
+  kPaint,
+  kSurroundings,
+  kPrint
+};
 
 /// Subpixels along a pixel's side.
 constexpr int kOversampling = 2;
@@ -159,18 +169,13 @@ std::vector<Pixel> shade(const Raster& raster, const Camera& camera, const Envir
   return pixels;
 }
 
-/// Paints the object with a picture of the kind that backgrounds are, more or less of it over its
-/// own color: m_d becomes the mean, and D what makes m_d D the painted one's.
-void paint(Random& random, const Environment& map, int size, std::vector<Pixel>& pixels,
-           Parameters& p) {
-  const std::vector<Vec> picture = make_background(random, size, map);
-  const float share = random.uniform(0.1f, 0.9f);
-  const Vec own{p.diffuse[0], p.diffuse[1], p.diffuse[2]};
-  const auto albedo = [&](std::size_t i) { return own + share * (picture[i] - own); };
+/// The object in as many albedos as it has pixels: m_d becomes their mean, and D what makes m_d D
+/// the painted one's.
+void wear(const std::vector<Vec>& albedo, std::vector<Pixel>& pixels, Parameters& p) {
   Vec mean;
   float area = 0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    mean += pixels[i].coverage * albedo(i);
+    mean += pixels[i].coverage * albedo[i];
     area += pixels[i].coverage;
   }
   if (area == 0) return;
@@ -178,12 +183,20 @@ void paint(Random& random, const Environment& map, int size, std::vector<Pixel>&
   const auto limit = [&](float v) { return std::max(v / area, kLeast); };
   mean = {limit(mean.x), limit(mean.y), limit(mean.z)};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Vec a = albedo(i);
+    const Vec a = albedo[i];
     pixels[i].diffuse = Vec{a.x / mean.x, a.y / mean.y, a.z / mean.z} * pixels[i].diffuse;
   }
   p.diffuse[0] = mean.x;
   p.diffuse[1] = mean.y;
   p.diffuse[2] = mean.z;
+}
+
+/// A picture of the kind that backgrounds are, more or less of it over the object's own color.
+std::vector<Vec> paint(Random& random, const Environment& map, int size, Vec own) {
+  std::vector<Vec> albedo = make_background(random, size, map);
+  const float share = random.uniform(0.1f, 0.9f);
+  for (Vec& a : albedo) a = own + share * (a - own);
+  return albedo;
 }
 
 /// Mean of D at 0.45 … 0.95, but no more than leaves 98 % of the object's values below white; a
@@ -297,7 +310,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
          material = stream(kMaterial);
   Random background = stream(kBackground), sensor = stream(kSensor), brush = stream(kPaint),
-         surroundings = stream(kSurroundings);
+         surroundings = stream(kSurroundings), print = stream(kPrint);
 
   parameters = {};
   const Object object = make_object(shape, held_out);
@@ -316,24 +329,29 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   if (!is_empty)
     for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
   std::vector<Pixel> pixels = shade(raster, view.camera, lighting.map, parameters.shininess);
+  const auto plane = std::size_t(request.size * request.size);
+  const Vec own{parameters.diffuse[0], parameters.diffuse[1], parameters.diffuse[2]};
+  std::vector<Vec> albedo(plane, own);
   if (request.may_be_painted && brush.chance(0.25f))
-    paint(brush, lighting.map, request.size, pixels, parameters);
+    albedo = paint(brush, lighting.map, request.size, own);
+  if (request.everyday && print.chance(0.25f)) print_marks(print, request.size, albedo);
+  wear(albedo, pixels, parameters);
+  if (request.everyday && print.chance(0.12f)) parameters.alpha = parameters.specular = 0;
   const float k = parameters.exposure = draw_exposure(sensor, pixels, parameters);
 
-  const auto plane = std::size_t(request.size * request.size);
   std::vector<Vec> linear = request.whole_frame && surroundings.chance(0.4f)
                                 ? make_plain_background(surroundings, request.size)
                                 : make_background(background, request.size, lighting.map);
   if (request.whole_frame && surroundings.chance(0.4f))
     throw_shadow(surroundings, request.size, pixels, linear);
-  const Vec albedo{parameters.diffuse[0], parameters.diffuse[1], parameters.diffuse[2]};
+  const Vec diffuse{parameters.diffuse[0], parameters.diffuse[1], parameters.diffuse[2]};
   const Vec ambient{parameters.ambient, parameters.ambient, parameters.ambient};
   for (std::size_t i = 0; i < plane; ++i) {
     Pixel& p = pixels[i];
     p.diffuse = k * p.diffuse;
     p.specular = k * p.specular;
     p.mirror = k * p.mirror;
-    const Vec lit = ambient + albedo * p.diffuse + parameters.specular * p.specular;
+    const Vec lit = ambient + diffuse * p.diffuse + parameters.specular * p.specular;
     linear[i] = p.coverage * lit + (1 - p.coverage) * linear[i];
     images.coverage[i] = std::uint8_t(255 * p.coverage + 0.5f);
     const auto put = [&](float* to, Vec v) {

@@ -22,17 +22,20 @@ struct Request {
   /// the camera's exposure and white balance may be off.
   bool whole_frame = false;
   bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
+  /// As many things in use are: every fourth object bears sharp-edged marks, many of them white,
+  /// and every eighth is matte (alpha and m_s are 0, and its shininess says nothing).
+  bool everyday = false;
 };
 
 /// Material and circumstances; the order of these floats is the C interface's.
 struct Parameters {
-  float diffuse[3];     ///< m_d, linear RGB, uniform in YUV; of painted objects the mean.
-  float alpha;          ///< Specular albedo before the lobe's normalization, 0.03 … 0.9.
-  float shininess;      ///< s, log-uniform in its bin.
-  float bin;            ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
-  float ambient;        ///< m_a.
-  float specular;       ///< m_s = alpha · (s + 8) / 16 for s > 8, else alpha.
-  float exposure;       ///< k, already multiplied into D, S and M.
+  float diffuse[3];  ///< m_d, linear RGB, uniform in YUV; of painted objects the mean.
+  float alpha;       ///< Specular albedo before the lobe's normalization, 0.03 … 0.9; 0: matte.
+  float shininess;   ///< s, log-uniform in its bin.
+  float bin;         ///< 0 … 7 of the edges 2^(1 + 9 b / 8).
+  float ambient;     ///< m_a.
+  float specular;    ///< m_s = alpha · (s + 8) / 16 for s > 8, else alpha.
+  float exposure;    ///< k, already multiplied into D, S and M.
   float family, trait;  ///< Of the shape (shapes.hpp).
   float map;            ///< Index into the maps; −1: a room.
   float empty;          ///< 1: no object.

@@ -14,7 +14,8 @@ LIBRARY = ROOT / "out/lime/libcorpus.so"
 HDRI = ROOT.parent / "shared/data/hdri"  # CC0 maps of Poly Haven, where they are at hand
 FIELDS = ("diffuse_r", "diffuse_g", "diffuse_b", "alpha", "shininess", "bin", "ambient", "specular", "exposure", "family",
           "trait", "map", "empty")
-TEST, CLEAN, WHOLE_FRAME, MAY_BE_PAINTED = 1, 2, 4, 8  # sample.hpp's Request
+TEST, CLEAN, WHOLE_FRAME, MAY_BE_PAINTED, EVERYDAY = 1, 2, 4, 8, 16  # sample.hpp's Request
+LATER = 40  # batches until one comes again in a mirror
 
 
 class Corpus:
@@ -75,7 +76,8 @@ class Batch:
 
     image: sRGB 0 … 1; mask: 1 where the object covers at least half of the pixel; shading: D, linear RGB;
     layer: the specular layer m_s S, gray, linear; tint: its color, mean 1; mirror: alpha M, gray, linear;
-    diffuse, alpha, shininess, bin, ambient: the material, n × 3 and n.
+    diffuse, alpha, shininess, bin, ambient: the material, n × 3 and n; shiny: 1, or 0 of matte objects (alpha 0), whose
+    shininess and bin say nothing.
     """
 
     def __init__(self, arrays, device="cpu"):
@@ -85,6 +87,7 @@ class Batch:
         parameters = dict(zip(FIELDS, tensor(arrays["parameters"]).unbind(1)))
         self.diffuse = torch.stack([parameters["diffuse_" + c] for c in "rgb"], 1)
         self.alpha, self.shininess = parameters["alpha"], parameters["shininess"]
+        self.shiny = (self.alpha > 0).float()
         self.bin, self.ambient = parameters["bin"].long(), parameters["ambient"]
         self.image = (tensor(arrays["image"]).float() / 255).contiguous(memory_format=torch.channels_last)
         self.mask = (tensor(arrays["coverage"]) >= 128).float()
@@ -98,24 +101,36 @@ class Batch:
         self.mirror_code = encoding.encode(self.mirror) * self.mask
 
 
-class Stream:
-    """Batches of one seed from sample `first` on, rendered ahead by a thread."""
+def mirrored(arrays):
+    """The same objects seen in a mirror: as true as they are themselves."""
+    return {name: a if name == "parameters" else a[..., ::-1] for name, a in arrays.items()}
 
-    def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4):
+
+class Stream:
+    """Batches of one seed from sample `first` on, rendered ahead by a thread. `twice`: each comes a second time, in a mirror,
+    some batches later, which halves what rendering costs."""
+
+    def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4, twice=False):
         self.queue = queue.Queue(ahead)
         self.stopped = False
         self.device = device
 
+        def put(arrays):
+            while not self.stopped:
+                try:
+                    return self.queue.put(arrays, timeout=0.5)
+                except queue.Full:
+                    pass
+
         def work():
-            index = first
+            index, seen = first, []
             while not self.stopped:
                 arrays = corpus.render(seed, index, batch, size, flags, threads)
-                while not self.stopped:
-                    try:
-                        self.queue.put(arrays, timeout=0.5)
-                        break
-                    except queue.Full:
-                        pass
+                put(arrays)
+                if twice:
+                    seen.append(arrays)
+                    if len(seen) > LATER:
+                        put(mirrored(seen.pop(0)))
                 index += batch
 
         self.thread = threading.Thread(target=work, daemon=True)
