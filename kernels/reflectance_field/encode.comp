@@ -9,6 +9,7 @@
 PLANE_IN(0, a);
 PLANE_IN(1, b);
 PLANE_OUT(2, image);
+PLANE_OUT(3, difference);  // A - B, of the frame
 layout(push_constant) uniform Push {
   uvec2 size;    // of the frame
   uvec2 padded;  // of the image
@@ -22,6 +23,7 @@ void main() {
   uint from = at.y * push.stride + at.x;
   vec3 first = finite(FETCH(a, int(from))).rgb, second = finite(FETCH(b, int(from + push.second))).rgb;
   vec3 sum = first + second, root = sqrt(sum), m = (first - second) / (sum + 0.004);
+  if (all(lessThan(to, push.size))) STORE(difference, to.y * push.size.x + to.x, vec4(first - second, 0.0));
   STORE(image, 1u + i, vec4(root, m.x));
   STORE(image, 1u + pixels + i, vec4(m.yz, 0.0, 0.0));
 }

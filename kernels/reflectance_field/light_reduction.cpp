@@ -23,18 +23,18 @@ float dot(const float* a, const float* b, size_t count) {
   return sum;
 }
 
-/// Non-negative least squares on the normal equations, a coordinate at a time.
+/// Least squares on the normal equations, a coordinate at a time, each of which keeps its sign.
 void fit(const std::vector<std::vector<float>>& gram, const std::vector<float>& right,
-         std::vector<float>& x) {
+         const std::vector<float>& signs, std::vector<float>& x) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     float most = 0, moved = 0;
     for (size_t i = 0; i < x.size(); ++i) {
       if (gram[i][i] <= 0) continue;
       float rest = right[i];
       for (size_t k = 0; k < x.size(); ++k) rest -= gram[std::max(i, k)][std::min(i, k)] * x[k];
-      const float to = std::max(0.0F, x[i] + rest / gram[i][i]);
+      const float to = signs[i] * std::max(0.0F, signs[i] * (x[i] + rest / gram[i][i]));
       moved = std::max(moved, std::fabs(to - x[i]));
-      most = std::max(most, to);
+      most = std::max(most, std::fabs(to));
       x[i] = to;
     }
     if (moved <= 1e-4F * most) return;
@@ -72,7 +72,7 @@ std::vector<float> LightReduction::sum(std::span<const Rgb> weights) const {
   std::vector<float> result(3 * samples());
   for (size_t i = 0; i < lights_.size(); ++i)
     for (size_t c = 0; c < 3; ++c) {
-      if (weights[i][c] <= 0) continue;
+      if (weights[i][c] == 0) continue;
       const float* from = response(i, c);
       float* to = &result[c * samples()];
       for (size_t s = 0; s < samples(); ++s) to[s] += weights[i][c] * from[s];
@@ -83,44 +83,50 @@ std::vector<float> LightReduction::sum(std::span<const Rgb> weights) const {
 LightReduction::Choice LightReduction::all(std::span<const Rgb> weights) const {
   Choice choice;
   for (size_t i = 0; i < lights_.size(); ++i) {
-    if (weights[i][0] + weights[i][1] + weights[i][2] <= 0) continue;
+    if (weights[i] == Rgb{}) continue;
     choice.lights.push_back({lights_[i], weights[i]});
     choice.indices.push_back(static_cast<uint32_t>(i));
   }
   return choice;
 }
 
-double LightReduction::error(const Choice& choice, std::span<const Rgb> weights) const {
+double LightReduction::error(const Choice& choice, std::span<const Rgb> weights,
+                             std::span<const Rgb> whole) const {
   if (samples() == 0) return 0;
   std::vector<Rgb> chosen(lights_.size());
   for (size_t k = 0; k < choice.lights.size(); ++k)
     chosen[choice.indices[k]] = choice.lights[k].weight;
-  const auto whole = sum(weights), part = sum(chosen);
+  const auto target = sum(weights), part = sum(chosen), picture = sum(whole);
   double difference = 0, total = 0;
-  for (size_t i = 0; i < whole.size(); ++i) {
-    difference += std::fabs(whole[i] - part[i]);
-    total += whole[i];
+  for (size_t i = 0; i < target.size(); ++i) {
+    difference += std::fabs(target[i] - part[i]);
+    total += picture[i];
   }
   return total > 0 ? difference / total : 0;
 }
 
 LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
-                                              double max_error) const {
+                                              std::span<const Rgb> whole, double max_error) const {
   const Choice everything = all(weights);
   if (!ready() || max_error <= 0) return everything;
   const size_t count = lights_.size(), lit = everything.lights.size();
   const size_t most = std::min(2 * lit / 3, std::max(kCheap, lit / 3));
-  const std::vector<float> target = sum(weights);
-  double total = 0;  // of the samples that are tested on
+  const std::vector<float> target = sum(weights), picture = sum(whole);
+  double total = 0, off = 0;  // of the samples that are tested on
   for (size_t c = 0; c < 3; ++c)
-    for (size_t s = fitted_; s < samples(); ++s) total += target[c * samples() + s];
+    for (size_t s = fitted_; s < samples(); ++s) {
+      total += picture[c * samples() + s];
+      off += std::fabs(target[c * samples() + s]);
+    }
   Choice choice;
   if (total <= 0) return choice;
+  choice.error = off / total;
+  if (choice.error <= kMargin * max_error) return choice;
   std::vector<float> rest = target;
   std::vector<char> taken(count);
   // By channel: products of the lights that were taken with each other and with the target.
   std::array<std::vector<std::vector<float>>, 3> gram;
-  std::array<std::vector<float>, 3> right, x;
+  std::array<std::vector<float>, 3> right, signs, x;
   while (choice.lights.size() < most) {
     size_t best = count;
     double explains = 0;
@@ -130,7 +136,7 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
       for (size_t c = 0; c < 3; ++c) {
         const float* own = response(i, c);
         const float along = dot(own, &rest[c * samples()], fitted_), size = dot(own, own, fitted_);
-        if (along > 0 && size > 0) gain += double{along} * along / size;
+        if (size > 0) gain += double{along} * along / size;
       }
       if (gain > explains) {
         explains = gain;
@@ -141,6 +147,8 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
     taken[best] = 1;
     choice.indices.push_back(static_cast<uint32_t>(best));
     choice.lights.push_back({lights_[best], {}});
+    for (size_t c = 0; c < 3; ++c)
+      signs[c].push_back(dot(response(best, c), &rest[c * samples()], fitted_) < 0 ? -1.0F : 1.0F);
     rest = target;
     for (size_t c = 0; c < 3; ++c) {
       std::vector<float> row;
@@ -149,7 +157,7 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
       gram[c].push_back(std::move(row));
       right[c].push_back(dot(response(best, c), &target[c * samples()], fitted_));
       x[c].push_back(0);
-      fit(gram[c], right[c], x[c]);
+      fit(gram[c], right[c], signs[c], x[c]);
       for (size_t k = 0; k < x[c].size(); ++k) {
         choice.lights[k].weight[c] = x[c][k];
         const float* from = response(choice.indices[k], c);
@@ -157,7 +165,7 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
         for (size_t s = 0; s < samples(); ++s) to[s] -= x[c][k] * from[s];
       }
     }
-    double off = 0;
+    off = 0;
     for (size_t c = 0; c < 3; ++c)
       for (size_t s = fitted_; s < samples(); ++s) off += std::fabs(rest[c * samples() + s]);
     choice.error = off / total;

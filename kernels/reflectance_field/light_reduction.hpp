@@ -10,8 +10,8 @@ namespace inverse {
 /// Finds few lights that light a subject as all lights of a stage do, from what each of them gives
 /// some pixels of it: lights are taken one by one, each time the one that explains most of what is
 /// still missing, and the brightness of all that were taken is fitted anew (orthogonal matching
-/// pursuit with non-negative weights, each color channel by itself). Half of the samples are fitted
-/// to, on the other half the error is measured.
+/// pursuit, each color channel by itself; weights keep the sign that they were taken with). Half of
+/// the samples are fitted to, on the other half the error is measured.
 class LightReduction {
  public:
   explicit LightReduction(std::vector<Direction> lights) : lights_(std::move(lights)) {}
@@ -28,12 +28,14 @@ class LightReduction {
     std::vector<uint32_t> indices;  ///< of these, in the stage
     double error = 0;               ///< that is expected
   };
-  /// The fewest lights that stay within `max_error`: the mean absolute difference from the sum over
-  /// all lights with these weights, over its mean. All lights that are lit, with error 0, where too
-  /// many of them would be needed or where there are no samples.
-  Choice choose(std::span<const Rgb> weights, double max_error) const;
+  /// The fewest lights that stay within `max_error` when they stand for all lights with these
+  /// weights, which may be negative: the mean absolute difference, over the mean under all lights
+  /// with the weights `whole`, of which `weights` are what is not known otherwise. All lights that
+  /// are lit, with error 0, where too many of them would be needed or where there are no samples.
+  Choice choose(std::span<const Rgb> weights, std::span<const Rgb> whole, double max_error) const;
   /// The error of a choice for samples that came since.
-  double error(const Choice& choice, std::span<const Rgb> weights) const;
+  double error(const Choice& choice, std::span<const Rgb> weights,
+               std::span<const Rgb> whole) const;
 
   static constexpr size_t kFewest = 16;  ///< samples of each half
 

@@ -58,14 +58,15 @@ RelightNetwork::RelightNetwork(const std::shared_ptr<gpu::Device>& device, Exten
       encode_(device->kernel(shaders::reflectance_field_encode)),
       sum_(device->kernel(shaders::reflectance_field_head_sum)),
       respond_(device->kernel(shaders::reflectance_field_head_respond)),
-      weights_(uploaded_weights(device, models)) {}
+      weights_(uploaded_weights(device, models)),
+      difference_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())) {}
 
 void RelightNetwork::record_features(gpu::Commands& commands, const GradientPair& pair) {
   const struct {
     uint32_t width, height, padded_width, padded_height, stride, second;
   } push{extent_.width,  extent_.height,      padded_.width,
          padded_.height, pair.a.extent.width, pair.second};
-  commands.dispatch(encode_, {pair.a.buffer, pair.b.buffer, network_.input(0)}, push,
+  commands.dispatch(encode_, {pair.a.buffer, pair.b.buffer, network_.input(0), difference_}, push,
                     {padded_.width, padded_.height});
   network_.record(commands);
 }
@@ -91,15 +92,24 @@ gpu::BufferPtr RelightNetwork::uploaded(std::span<const WeightedLight> lights, d
 
 void RelightNetwork::record_sum(gpu::Commands& commands, const Plane& full,
                                 std::span<const WeightedLight> lights, double share,
-                                const Plane& target) const {
+                                const Plane& target, const MeasuredLight& measured,
+                                float noise) const {
   const gpu::BufferPtr list = uploaded(lights, share);
+  const auto four = [](const Rgb& v, float w) { return std::array{v[0], v[1], v[2], w}; };
   const struct {
+    std::array<float, 4> even;
+    std::array<std::array<float, 4>, 3> along;
     uint32_t width, height, padded_width, padded_height;
     int lights;
-  } push{extent_.width, extent_.height, padded_.width, padded_.height,
+  } push{four(measured.even, std::max(noise * noise, 1e-12F)),
+         {four(measured.along[0], 0), four(measured.along[1], 0), four(measured.along[2], 0)},
+         extent_.width,
+         extent_.height,
+         padded_.width,
+         padded_.height,
          static_cast<int>(list->count() / kLightSize)};
-  commands.dispatch(sum_, {full.buffer, features(), weights_, list, target.buffer}, push,
-                    {extent_.width, extent_.height});
+  commands.dispatch(sum_, {full.buffer, features(), weights_, list, difference_, target.buffer},
+                    push, {extent_.width, extent_.height});
 }
 
 void RelightNetwork::record_responses(gpu::Commands& commands, const Plane& full,

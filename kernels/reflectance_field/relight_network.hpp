@@ -4,6 +4,7 @@
 
 #include "../network/network.hpp"
 #include "cosine_lobe.hpp"
+#include "measured_light.hpp"
 #include "relight_models.hpp"
 
 namespace inverse {
@@ -17,11 +18,13 @@ class RelightNetwork {
 
   /// Finds the features of a frame.
   void record_features(gpu::Commands& commands, const GradientPair& pair);
-  /// Draws the subject under lights, linear RGB; w as in `full` (CosineLobe::full of the same
-  /// frame). `share`: what a light of weight 1 is of the light that the whole sphere gives with
-  /// radiance 1 (1/N for N lights all around).
+  /// Draws the subject under lights, and under what was measured where that is not dark, linear
+  /// RGB; w as in `full` (CosineLobe::full of the same frame). `share`: what a light of weight 1 is
+  /// of the light that the whole sphere gives with radiance 1 (1/N for N lights all around);
+  /// `noise`: CosineLobe::Params.
   void record_sum(gpu::Commands& commands, const Plane& full, std::span<const WeightedLight> lights,
-                  double share, const Plane& target) const;
+                  double share, const Plane& target, const MeasuredLight& measured = {},
+                  float noise = CosineLobe::Params{}.noise) const;
   /// As CosineLobe::record_responses.
   void record_responses(gpu::Commands& commands, const Plane& full,
                         std::span<const Direction> lights, double share,
@@ -31,7 +34,9 @@ class RelightNetwork {
   const gpu::BufferPtr& features() const { return network_.output(0); }
   Extent padded() const { return padded_; }
   /// Device memory of weights and images.
-  uint64_t bytes() const { return network_.weight_bytes() + network_.plan().bytes(); }
+  uint64_t bytes() const {
+    return network_.weight_bytes() + network_.plan().bytes() + difference_->bytes();
+  }
 
  private:
   gpu::BufferPtr uploaded(std::span<const WeightedLight> lights, double share) const;
@@ -41,7 +46,7 @@ class RelightNetwork {
   RelightModels head_;  // its layers for the lights
   network::Network network_;
   gpu::KernelPtr encode_, sum_, respond_;
-  gpu::BufferPtr weights_;
+  gpu::BufferPtr weights_, difference_;
 };
 
 }  // namespace inverse

@@ -41,6 +41,10 @@ gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
   return buffer;
 }
 
+void brighten(Rgb& light, float gain) {
+  for (float& channel : light) channel *= gain;
+}
+
 }  // namespace
 
 Relighting::Relighting(const std::shared_ptr<gpu::Device>& device, Extent extent,
@@ -111,7 +115,7 @@ void Relighting::take_responses(const Params& params, uint64_t number) {
   reduction_.set_responses({responses_->map_as<float>(), 4 * responses_->count()});
   if (!choice_ || !chosen_) return;
   // A choice that is still good, and not much better than it has to be, stays: no flicker.
-  const double error = reduction_.error(*choice_, weights_);
+  const double error = reduction_.error(*choice_, split_.rest, weights_);
   choice_->error = error;
   if (error > params.max_error || error < 0.3 * params.max_error) chosen_.reset();
 }
@@ -119,38 +123,37 @@ void Relighting::take_responses(const Params& params, uint64_t number) {
 void Relighting::choose(const Params& params) {
   if (!weighed_ || weighed_->rotation != params.rotation) {
     weights_ = stage_->cells.weights(map_, double{params.rotation} * std::numbers::pi / 180);
+    split_ = SplitLight::of(stage_->lights(), weights_);
     weighed_ = params;
     chosen_.reset();
   }
-  const bool few = params.adaptive && params.model == Model::network;
+  const bool network = params.model == Model::network, few = params.adaptive && network;
   if (chosen_ && chosen_->model == params.model && chosen_->adaptive == params.adaptive &&
       chosen_->max_error == params.max_error)
     return;
-  choice_ = reduction_.choose(weights_, few ? double{params.max_error} : 0);
+  choice_ = reduction_.choose(network ? split_.rest : weights_, weights_,
+                              few ? double{params.max_error} : 0);
   chosen_ = params;
   table_is_old_ = true;
   ++version_;
 }
 
-std::vector<WeightedLight> Relighting::exposed(const std::vector<WeightedLight>& lights,
-                                               const Params& params) const {
-  std::vector<WeightedLight> result = lights;
-  const float gain = std::exp2(params.exposure);
-  for (WeightedLight& light : result)
-    for (float& w : light.weight) w *= gain;
-  return result;
-}
-
 void Relighting::record_relit(gpu::Commands& commands, const Params& params, const Plane& target) {
   choose(params);
-  const auto lights = exposed(choice_->lights, params);
+  auto lights = choice_->lights;
+  MeasuredLight measured = split_.measured;
+  const float gain = std::exp2(params.exposure);
+  for (WeightedLight& light : lights) brighten(light.weight, gain);
+  brighten(measured.even, gain);
+  for (Rgb& along : measured.along) brighten(along, gain);
   stats_.evaluated = lights.size();
   stats_.expected_error = choice_->error;
   stats_.lit = static_cast<uint64_t>(std::count_if(
       weights_.begin(), weights_.end(), [](const Rgb& w) { return w[0] + w[1] + w[2] > 0; }));
   stats_.shown = LightCells::shown(map_, weights_, stage_->cells.covered());
   if (params.model == Model::network) {
-    network().record_sum(commands, *lobe_.full(), lights, stage_->share, target);
+    network().record_sum(commands, *lobe_.full(), lights, stage_->share, target, measured,
+                         params.lobe.noise);
   } else if (!params.adaptive) {
     lobe_.record_sum(commands, lights, target);
   } else {

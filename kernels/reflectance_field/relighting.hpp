@@ -5,6 +5,7 @@
 
 #include "cosine_lobe.hpp"
 #include "light_reduction.hpp"
+#include "measured_light.hpp"
 #include "relight_network.hpp"
 
 namespace inverse {
@@ -78,8 +79,6 @@ class Relighting {
  private:
   void take_responses(const Params& params, uint64_t number);
   void choose(const Params& params);
-  std::vector<WeightedLight> exposed(const std::vector<WeightedLight>& lights,
-                                     const Params& params) const;
   RelightNetwork& network() const;
 
   std::shared_ptr<gpu::Device> device_;
@@ -90,6 +89,7 @@ class Relighting {
 
   std::optional<Params> weighed_;  // parameters that weights_ are of
   std::vector<Rgb> weights_;
+  SplitLight split_;  // these, for the network
   std::optional<LightReduction::Choice> choice_;
   std::optional<Params> chosen_;  // parameters that choice_ is of
   bool table_is_old_ = true;

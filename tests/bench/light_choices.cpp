@@ -86,13 +86,13 @@ size_t fewest(const LightReduction& judge, const std::vector<Direction>& lights,
   // Errors do not fall with every light: by a quarter more each time, and then one by one.
   size_t below = 0, count = 1;
   while (count < lights.size() &&
-         judge.error(choose(lights, weights, count), weights) > max_error) {
+         judge.error(choose(lights, weights, count), weights, weights) > max_error) {
     below = count;
     count = std::max(count + 1, count * 5 / 4);
   }
   count = std::min(count, lights.size());
   for (size_t k = below + 1; k < count; ++k)
-    if (judge.error(choose(lights, weights, k), weights) <= max_error) return k;
+    if (judge.error(choose(lights, weights, k), weights, weights) <= max_error) return k;
   return count;
 }
 

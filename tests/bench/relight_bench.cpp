@@ -73,6 +73,12 @@ struct Arguments {
 struct Method {
   const char* name;
   const RelightModels* models;
+  bool measured = false;  // with the part of the light that the stage has shown
+
+  SplitLight split(std::span<const Direction> lights, std::span<const Rgb> weights) const {
+    return measured ? SplitLight::of(lights, weights)
+                    : SplitLight{{}, {weights.begin(), weights.end()}};
+  }
 };
 
 void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
@@ -104,7 +110,8 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
       for (size_t e = 0; e < environments.size(); ++e) {
         const auto weights = subject.stage().cells.weights(environments[e].map);
         const Image truth = true_sum(set, weights);
-        const Image got = subject.sum(weighted(subject.stage(), weights));
+        const SplitLight split = method.split(set.directions, weights);
+        const Image got = subject.sum(weighted(subject.stage(), split.rest), split.measured);
         if (relit[e].empty()) relit[e].push_back(truth);
         relit[e].push_back(got);
         std::printf(" %.1f %% |", 100 * relative(got, truth, set.mask));
@@ -135,7 +142,7 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       std::vector<uint32_t> all, few;
       for (uint32_t i = 0; i < extent.pixels(); ++i)
         if (set.mask.data[i] >= .5F) all.push_back(i);
-      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 600))
+      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 800))
         few.push_back(all[i]);
       LightReduction reduction(set.directions), judge(set.directions);
       reduction.set_responses(subject.responses(few));
@@ -143,10 +150,11 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       for (const NamedEnvironment& e : environments) {
         const auto weights = subject.stage().cells.weights(e.map);
         for (const double most : {.05, .02, .01}) {
-          const auto fitted = reduction.choose(weights, most);
+          const SplitLight split = method.split(set.directions, weights);
+          const auto fitted = reduction.choose(split.rest, weights, most);
           std::printf("| %s | %s | %s | %.1f %% | %zu | %.2f %% | %zu | %zu |\n", set.name.c_str(),
                       method.name, e.name.c_str(), 100 * most, fitted.lights.size(),
-                      100 * judge.error(fitted, weights),
+                      100 * judge.error(fitted, split.rest, weights),
                       fewest(judge, set.directions, weights, most, by_clusters),
                       fewest(judge, set.directions, weights, most, brightest));
           std::fflush(stdout);
@@ -191,7 +199,10 @@ void run(const Arguments& arguments) {
   std::optional<RelightModels> models;
   if (!arguments.models.empty()) models = RelightModels::load(arguments.models);
   std::vector<Method> methods{{"cosine-lobe", nullptr}};
-  if (models) methods.push_back({"network", &*models});
+  if (models) {
+    methods.push_back({"network alone", &*models});
+    methods.push_back({"network", &*models, true});
+  }
   const auto device = gpu::Device::open();
   std::printf("%s\n", device->name().c_str());
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);

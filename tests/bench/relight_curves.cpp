@@ -106,11 +106,14 @@ void network(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       if (features_ms == 0) features_ms = subject.time(runs, [&] { subject.find_features(); });
       for (const NamedEnvironment& e : environments) {
         const auto weights = subject.stage().cells.weights(e.map);
-        const auto choice = reduction.choose(weights, most);
+        const SplitLight split = SplitLight::of(set.directions, weights);
+        const auto choice = reduction.choose(split.rest, weights, most);
         lights.add(static_cast<double>(choice.lights.size()));
-        error.add(error_of(subject.sum(choice.lights), true_sum(set, weights), set));
+        error.add(
+            error_of(subject.sum(choice.lights, split.measured), true_sum(set, weights), set));
         if (&set == &sets[0])
-          light_ms.add(subject.time(runs, [&] { subject.record_sum(choice.lights); }));
+          light_ms.add(
+              subject.time(runs, [&] { subject.record_sum(choice.lights, split.measured); }));
       }
     }
     char limit[16];

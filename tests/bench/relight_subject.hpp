@@ -39,14 +39,14 @@ class Subject {
     });
   }
 
-  /// What this many of all lights with these weights give, light by light.
-  Image sum(std::span<const WeightedLight> lights) {
-    run([&] { record_sum(lights); });
+  /// What lights give, light by light, and by the network what was measured, too.
+  Image sum(std::span<const WeightedLight> lights, const MeasuredLight& measured = {}) {
+    run([&] { record_sum(lights, measured); });
     return picture();
   }
-  void record_sum(std::span<const WeightedLight> lights) {
+  void record_sum(std::span<const WeightedLight> lights, const MeasuredLight& measured = {}) {
     if (network_)
-      network_->record_sum(commands_, *lobe_.full(), lights, stage_->share, *target_);
+      network_->record_sum(commands_, *lobe_.full(), lights, stage_->share, *target_, measured);
     else
       lobe_.record_sum(commands_, lights, *target_);
   }

@@ -7,6 +7,7 @@
 
 #include "error.hpp"
 #include "reflectance_field/light_reduction.hpp"
+#include "reflectance_field/measured_light.hpp"
 #include "reflectance_field/relighting.hpp"
 #include "reflectance_field_fixture.hpp"
 #include "relight_models.hpp"
@@ -80,6 +81,118 @@ TEST_F(RelightNetworkTest, EveryLightFollowsTheEquations) {
       ASSERT_EQ(got[4 * i + 3], f.a[4 * i + 3]);
     }
   }
+}
+
+TEST_F(RelightNetworkTest, WhatWasMeasuredComesOnTop) {
+  const RelightModels models = random_models(31);
+  const Frame f = frame({40, 32}, 33);
+  CosineLobe lobes = lobe_method(f.extent);
+  RelightNetwork network(device, f.extent, models);
+  const Plane a = plane(f.extent, f.a), b = plane(f.extent, f.b), target = plane(f.extent);
+  const MeasuredLight light{{.5F, -.25F, 1}, {Rgb{1, .5F, 0}, Rgb{0, -1, .25F}, Rgb{.125F, 0, -2}}};
+  reference::Measured expected{{.5, -.25, 1}, {{1, .5, 0}, {0, -1, .25}, {.125, 0, -2}}};
+  const WeightedLight lamp{{0, 0, 1}, {1, 1, 1}};
+  for (const size_t lamps : {0u, 1u}) {
+    Pixels alone(4 * f.extent.pixels());
+    if (lamps > 0) {
+      run([&](gpu::Commands& commands) {
+        lobes.record_lobes(commands, {a, b}, {});
+        network.record_features(commands, {a, b});
+        network.record_sum(commands, *lobes.full(), std::span(&lamp, 1), .25, target);
+      });
+      alone = download(target.buffer);
+    }
+    run([&](gpu::Commands& commands) {
+      lobes.record_lobes(commands, {a, b}, {});
+      network.record_features(commands, {a, b});
+      network.record_sum(commands, *lobes.full(), std::span(&lamp, lamps), .25, target, light,
+                         .02F);
+    });
+    const Pixels got = download(target.buffer);
+    for (size_t i = 0; i < f.extent.pixels(); ++i) {
+      const Vec3 one{f.a[4 * i], f.a[4 * i + 1], f.a[4 * i + 2]},
+          two{f.b[4 * i], f.b[4 * i + 1], f.b[4 * i + 2]};
+      const Vec3 measured = reference::measured_picture(expected, one, two, .02);
+      for (size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(got[4 * i + c], std::max(0.0, alone[4 * i + c] + measured[c]), 1e-5);
+    }
+  }
+}
+
+TEST_F(RelightNetworkTest, TheStagesOwnLightComesBackAsItWasSeen) {
+  // Whatever the network predicts: under gradient A nothing is left for it.
+  const Frame f = frame({32, 32}, 41);
+  CosineLobe lobes = lobe_method(f.extent);
+  RelightNetwork network(device, f.extent, random_models(43));
+  const Plane a = plane(f.extent, f.a), b = plane(f.extent, f.b), target = plane(f.extent);
+  for (const double sign : {1., -1.}) {
+    std::vector<Rgb> weights;
+    std::vector<WeightedLight> rest;
+    for (const Vec3& w : directions) {
+      weights.emplace_back();
+      for (size_t c = 0; c < 3; ++c) weights.back()[c] = static_cast<float>((1 + sign * w[c]) / 2);
+    }
+    const SplitLight split = SplitLight::of(directions, weights);
+    for (size_t i = 0; i < directions.size(); ++i) {
+      for (const float r : split.rest[i]) ASSERT_NEAR(r, 0, 1e-5);
+      rest.push_back({directions[i], split.rest[i]});
+    }
+    run([&](gpu::Commands& commands) {
+      lobes.record_lobes(commands, {a, b}, {});
+      network.record_features(commands, {a, b});
+      network.record_sum(commands, *lobes.full(), rest, 1. / 42, target, split.measured, 1e-4F);
+    });
+    const Pixels got = download(target.buffer);
+    for (size_t i = 0; i < got.size(); ++i)
+      if (i % 4 != 3) {
+        ASSERT_NEAR(got[i], sign > 0 ? f.a[i] : f.b[i], 1e-3);
+      }
+  }
+}
+
+TEST(SplitLight, IsAsSpecified) {
+  std::mt19937 random(47);
+  std::normal_distribution<float> normal;
+  const float huge = 1e12F;
+  for (const size_t count : {1u, 3u, 42u, 331u})
+    for (const float spread : {0.F, .5F, 2.F, 5.F})
+      for (const float scale : {1e-12F, 1.F, huge}) {
+        const auto lights = geodesic_directions(std::max<size_t>(count, 12));
+        const std::vector<Vec3> few(lights.begin(), lights.begin() + static_cast<long>(count));
+        std::vector<Rgb> weights;
+        std::vector<reference::Lamp> lamps;
+        for (const Vec3& w : few) {
+          weights.push_back({});
+          for (float& v : weights.back()) v = scale * std::exp(spread * normal(random));
+          lamps.push_back({w, {weights.back()[0], weights.back()[1], weights.back()[2]}});
+        }
+        const SplitLight got = SplitLight::of(few, weights);
+        const auto expected = reference::measured_light(lamps);
+        for (size_t c = 0; c < 3; ++c) {
+          double mean = 0;
+          for (const Rgb& w : weights) mean += double{w[c]} / static_cast<double>(count);
+          if (count >= 4) {  // fewer leave directions open
+            EXPECT_NEAR(got.measured.even[c] / mean, expected.even[c] / mean, 1e-4);
+            for (size_t k = 0; k < 3; ++k)
+              EXPECT_NEAR(got.measured.along[k][c] / mean, expected.along[k][c] / mean, 1e-4);
+          }
+          for (size_t i = 0; i < count; ++i) {
+            double sum = double{got.measured.even[c]} + got.rest[i][c];
+            for (size_t k = 0; k < 3; ++k) sum += got.measured.along[k][c] * few[i][k];
+            EXPECT_NEAR(sum / mean, weights[i][c] / mean, 1e-4 * (1 + weights[i][c] / mean));
+          }
+        }
+      }
+}
+
+TEST(SplitLight, LeavesAFewBrightLightsToTheNetwork) {
+  const auto lights = geodesic_directions(331);
+  std::vector<Rgb> weights(331);
+  weights[17] = {300, 200, 100};
+  const SplitLight split = SplitLight::of(lights, weights);
+  EXPECT_EQ(split.rest, weights) << "dark lights stay dark";
+  EXPECT_EQ(split.measured.even, Rgb{});
+  EXPECT_EQ(SplitLight::of(lights, std::vector<Rgb>(331)).rest, std::vector<Rgb>(331));
 }
 
 TEST_F(RelightNetworkTest, FramesOfAnySizeAreAsPartsOfLargerOnes) {
@@ -270,7 +383,7 @@ TEST(LightReduction, WithoutSamplesItTakesAllLights) {
   LightReduction reduction(lights);
   std::vector<Rgb> weights(42, Rgb{1, 2, 3});
   weights[7] = {0, 0, 0};
-  EXPECT_EQ(reduction.choose(weights, .5).lights.size(), 41u);
+  EXPECT_EQ(reduction.choose(weights, weights, .5).lights.size(), 41u);
   reduction.set_responses(std::vector<float>(4 * 42 * 100, 0.0F));
   EXPECT_FALSE(reduction.ready()) << "black samples say nothing";
   reduction.set_responses(
@@ -278,12 +391,13 @@ TEST(LightReduction, WithoutSamplesItTakesAllLights) {
   EXPECT_FALSE(reduction.ready());
   reduction.set_responses(std::vector<float>(4 * 42 * 100, 1.0F));
   EXPECT_TRUE(reduction.ready());
-  const auto choice = reduction.choose(weights, .01);
+  const auto choice = reduction.choose(weights, weights, .01);
   EXPECT_EQ(choice.lights.size(), 1u) << "all lights do the same";
   EXPECT_NEAR(choice.lights[0].weight[1], 2 * 41, 1e-2);
-  EXPECT_LT(reduction.error(choice, weights), 1e-4);
-  EXPECT_EQ(reduction.choose(weights, 0).lights.size(), 41u);
-  EXPECT_TRUE(reduction.choose(std::vector<Rgb>(42), .01).lights.empty()) << "it is dark";
+  EXPECT_LT(reduction.error(choice, weights, weights), 1e-4);
+  EXPECT_EQ(reduction.choose(weights, weights, 0).lights.size(), 41u);
+  EXPECT_TRUE(reduction.choose(std::vector<Rgb>(42), std::vector<Rgb>(42), .01).lights.empty())
+      << "it is dark";
 }
 
 }  // namespace inverse::testing

@@ -85,6 +85,62 @@ Vec3 relit(const CosineLobe& lobe, const std::vector<Lamp>& lamps, const Stage& 
   return result;
 }
 
+Measured measured_light(const std::vector<Lamp>& lamps) {
+  Measured result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double mean = 0;
+    for (const Lamp& lamp : lamps)
+      mean += std::abs(lamp.weight[c]) / static_cast<double>(lamps.size());
+    if (mean == 0) continue;
+    std::array<double, 4> plane{};
+    for (int step = 0; step < 20; ++step) {
+      std::array<std::array<double, 5>, 4> rows{};
+      for (const Lamp& lamp : lamps) {
+        const std::array<double, 4> x{1, lamp.direction[0], lamp.direction[1], lamp.direction[2]};
+        double away = lamp.weight[c];
+        for (std::size_t k = 0; k < 4; ++k) away -= plane[k] * x[k];
+        const double trust =
+            step == 0 ? 1 : std::pow(std::max(std::abs(away) / mean, 0.02), 1.4 - 2);
+        for (std::size_t k = 0; k < 4; ++k) {
+          for (std::size_t l = 0; l < 4; ++l) rows[k][l] += trust * x[k] * x[l];
+          rows[k][4] += trust * x[k] * lamp.weight[c];
+        }
+      }
+      double trace = 0;
+      for (std::size_t k = 0; k < 4; ++k) trace += rows[k][k];
+      for (std::size_t k = 0; k < 4; ++k) rows[k][k] += 1e-9 * trace;
+      // Gauss and Jordan; the matrix is positive definite.
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t l = 0; l < 4; ++l) {
+          if (l == k) continue;
+          const double factor = rows[l][k] / rows[k][k];
+          for (std::size_t n = 0; n < 5; ++n) rows[l][n] -= factor * rows[k][n];
+        }
+      for (std::size_t k = 0; k < 4; ++k) plane[k] = rows[k][4] / rows[k][k];
+    }
+    double most = 0;
+    for (const double p : plane) most = std::max(most, std::abs(p));
+    if (most < 1e-2 * mean) continue;
+    result.even[c] = plane[0];
+    for (std::size_t k = 0; k < 3; ++k) result.along[k][c] = (k == c ? 1 : 0.7) * plane[k + 1];
+  }
+  return result;
+}
+
+Vec3 measured_picture(const Measured& light, const Vec3& a, const Vec3& b, double noise) {
+  Vec3 m{}, result{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double full = a[k] + b[k];
+    m[k] = (a[k] - b[k]) * full / (full * full + noise * noise);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = light.even[c];
+    for (std::size_t k = 0; k < 3; ++k) sum += light.along[k][c] * m[k];
+    result[c] = (a[c] + b[c]) * sum;
+  }
+  return result;
+}
+
 Plane network_light(const RelightModels& models, const Plane& a, const Plane& b,
                     const Vec3& light) {
   const auto width = static_cast<uint32_t>(a.width), height = static_cast<uint32_t>(a.height);

@@ -42,6 +42,18 @@ double lobe_sum(const Vec3& u, double p, const Stage& stage);
 /// F ((1 − s) Σ weight / N + s Σ weight max(0, u·w)^p / S(u, p)).
 Vec3 relit(const CosineLobe& lobe, const std::vector<Lamp>& lamps, const Stage& stage);
 
+/// The even part and the one along each component of the directions, by channel, that lights'
+/// weights have in common with what gradients measure: Σ |w − e − a·ω|^1.4 is the least (by
+/// reweighting, distances below 2 % of the mean weight counting as that); components other than the
+/// channel's own by 0.7.
+struct Measured {
+  Vec3 even{};
+  std::vector<Vec3> along = std::vector<Vec3>(3);  ///< by component
+};
+Measured measured_light(const std::vector<Lamp>& lamps);
+/// F (even + Σ along_k m_k), m = (A − B) F / (F² + noise²).
+Vec3 measured_picture(const Measured& light, const Vec3& a, const Vec3& b, double noise);
+
 /// P of a light for every pixel (training/olat/README.md, "What is computed"): as bright as if the
 /// light had the energy of the whole sphere. `a` and `b` hold RGB; their size is a multiple of 32.
 Plane network_light(const RelightModels& models, const Plane& a, const Plane& b, const Vec3& light);
