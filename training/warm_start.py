@@ -52,7 +52,7 @@ def load(files, run):
     """Gives networks ({network: ONNX file}) the files' weights. run(): runs pictures through all of them, on which
     normalization is measured, so that they do the same in training as in use. They are in evaluation mode then.
 
-    Raises KeyError for a weight that a file lacks, RuntimeError for one of another shape."""
+    Raises KeyError for a weight that a file lacks, ValueError for one of another shape."""
     folded = []
     for network, path in files.items():
         stored, names = weights_of(path), {module: name for name, module in network.named_modules()}
@@ -60,10 +60,12 @@ def load(files, run):
         for convolution, normalization in pairs:
             normalization.reset_running_stats()
             normalization.weight.fill_((1 + normalization.eps) ** 0.5)
-            normalization.bias.copy_(stored.pop(f"{names[convolution]}.bias"))
+            normalization.bias.copy_(stored[f"{names[convolution]}.bias"])
         of_normalization = {p for _, normalization in pairs for p in normalization.parameters()}
         for name, parameter in network.named_parameters():
             if parameter not in of_normalization:
+                if stored[name].shape != parameter.shape:
+                    raise ValueError(f"{path}: {name} is {list(stored[name].shape)}, not {list(parameter.shape)}")
                 parameter.copy_(stored[name])
         network.eval()
         folded += pairs

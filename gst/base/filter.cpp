@@ -216,27 +216,34 @@ int pixel_of(gdouble coordinate) {
   return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
 }
 
-/// Hands the mouse's doings on to a filter that follows it.
-void point(inverse::Filter& filter, GstEvent* event) {
+/// Hands the mouse's doings on to a filter that follows it, and sets what does.
+void point(GstBaseTransform* transform, GstEvent* event) {
   using Mouse = inverse::Filter::Mouse;
+  inverse::Filter& filter = element_of(transform).filter();
+  std::vector<inverse::Filter::Setting> settings;
   gint button = 0;
   gdouble x = 0, y = 0;
   switch (gst_navigation_event_get_type(event)) {
     case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
       if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-        filter.point(Mouse::press, x, y);
+        settings = filter.point(Mouse::press, x, y);
       break;
     case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
       if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-        filter.point(Mouse::release, x, y);
+        settings = filter.point(Mouse::release, x, y);
       break;
     case GST_NAVIGATION_EVENT_MOUSE_MOVE:
       if (gst_navigation_event_parse_mouse_move_event(event, &x, &y))
-        filter.point(Mouse::move, x, y);
+        settings = filter.point(Mouse::move, x, y);
       break;
     default:
       break;
   }
+  if (settings.empty()) return;
+  // All are set before anybody is told of one.
+  g_object_freeze_notify(G_OBJECT(transform));
+  for (const auto& [property, value] : settings) g_object_set(transform, property, value, nullptr);
+  g_object_thaw_notify(G_OBJECT(transform));
 }
 
 gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
@@ -249,7 +256,7 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
       element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).points)
-    point(element_of(transform).filter(), event);
+    point(transform, event);
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).marks) {
     gint button = 0;
     gdouble x = 0, y = 0;

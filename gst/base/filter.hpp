@@ -84,9 +84,15 @@ class Filter {
   virtual void mark(int /*x*/, int /*y*/) {}
   virtual void click(int /*x*/, int /*y*/) {}
   /// The mouse over the picture (ElementInfo::points), in pixels of the frame: its first button
-  /// goes down, it moves, the button goes up. From any thread.
+  /// goes down, it moves, the button goes up. From any thread. Gives the properties (floats) that
+  /// follow it, within their ranges: the base sets them as an application does, so that whatever is
+  /// bound to them hears of it.
   enum class Mouse { press, move, release };
-  virtual void point(Mouse, double /*x*/, double /*y*/) {}
+  struct Setting {
+    const char* property;
+    double value;
+  };
+  virtual std::vector<Setting> point(Mouse, double /*x*/, double /*y*/) { return {}; }
   virtual void unmark(int /*region*/) {}
   virtual void refine() {}
   /// What was marked and not seen to yet was in another scene: a flush, a new stream, a

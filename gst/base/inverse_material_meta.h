@@ -15,9 +15,9 @@ G_BEGIN_DECLS
 /**
  * GstMaterialMeta:
  *
- * It comes with every frame of limematerial, and stays where frames are converted (videoconvert) or
- * scaled (videoscale: the box is, too). Elements that crop, pad or turn frames (videocrop,
- * videobox, videoflip) drop it, as box and light would be wrong.
+ * It comes with every frame of limematerial (of several in a line: the last one's), and stays where
+ * frames are converted (videoconvert) or scaled (videoscale: the box is, too). Elements that crop,
+ * pad or turn frames (videocrop, videobox, videoflip) drop it, as box and light would be wrong.
  *
  * @found: whether there is an object; nothing else but the light means anything where there is none
  * @diffuse: diffuse albedo, linear RGB, 0...1

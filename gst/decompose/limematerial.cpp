@@ -69,7 +69,8 @@ const PropertyTable<Params>& table() {
       number<P>(
           "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
           "A diffuse albedo that is so far from the average (largest channel, linear) for "
-          "five frames is of another object: averaging starts anew"),
+          "five frames is of another object: averaging starts anew; so it does for a specular "
+          "albedo twice as far, and a sixth of log2 of the shininess three times as far"),
       flag<P>(
           "adaptive", &P::adaptive,
           "Leave out what cannot matter: all networks but the one that looks for the object while "
@@ -130,28 +131,31 @@ class LimeElement final : public Filter {
   PropertyStore& parameters() override { return parameters_; }
   bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
 
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    const std::string folder = models_folder(parameters_.snapshot().models);
+  void start() override {
+    const Params params = parameters_.snapshot();
+    const std::string folder = models_folder(params.models);
     if (!models_ || folder != folder_) {
       models_ = LimeModels::load(folder);
       folder_ = folder;
     }
+    normal_map_ = params.normal_map.empty()
+                      ? nullptr
+                      : std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     extent_ = extent;
     device_ = device;
     {
       std::lock_guard lock(light_mutex_);
       light_ = nullptr;
     }
-    const Params params = parameters_.snapshot();
-    std::shared_ptr<const NormalMap> normals;
-    if (!params.normal_map.empty())
-      normals = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
     method_.emplace(device, extent, *models_);
-    method_->set_normal_map(std::move(normals));
+    method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
     if (device->first_warm_up("limematerial")) method_->warm_up();
-    if (params.show == LimeShow::preview) warm_up_preview(device);
+    if (parameters_.snapshot().show == LimeShow::preview) warm_up_preview(device);
     publish();
   }
   void release() override {
@@ -290,6 +294,8 @@ class LimeElement final : public Filter {
   }
 
   static void attach(GstBuffer* buffer, const LimeMaterial::Object& object, GBytes* light) {
+    if (GstMaterialMeta* old = gst_buffer_get_material_meta(buffer))
+      gst_buffer_remove_meta(buffer, &old->meta);  // of a limematerial before this one
     GstMaterialMeta* meta = add_material_meta(buffer);
     meta->found = object.found;
     if (light) {
@@ -348,6 +354,7 @@ class LimeElement final : public Filter {
   MaterialProperties<Params> parameters_{table()};
   std::optional<LimeModels> models_;
   std::string folder_;
+  std::shared_ptr<const NormalMap> normal_map_;
   Extent extent_;
   std::optional<LimeMaterial> method_;
   std::optional<Mosaic> mosaic_;

@@ -126,14 +126,11 @@ class CloneElement final : public Filter {
   void start() override {
     const Params params = parameters_.snapshot();
     looked_ = false;
-    if (!mesh_ || params.mesh != mesh_name_) {
-      mesh_.reset();
-      mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
-      mesh_name_ = params.mesh;
-    }
+    mesh_.reset();  // files may be others than at the last start
+    mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
     given_.reset();
     if (!params.environment_location.empty())
-      given_ = Environment::load(params.environment_location);
+      given_.emplace(Environment::load(params.environment_location));
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
@@ -163,18 +160,15 @@ class CloneElement final : public Filter {
     warned_ = false;
   }
 
-  void point(Mouse mouse, double x, double y) override {
+  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+    std::vector<Setting> place;
     std::lock_guard lock(mouse_mutex_);
-    if (!parameters_.snapshot().drag || extent_.pixels() == 0) {
-      held_ = false;
-      return;
-    }
-    if (mouse == Mouse::press) held_ = true;
-    if (held_) {
-      set("x", x / extent_.width);
-      set("y", y / extent_.height);
-    }
+    held_ = parameters_.snapshot().drag && extent_.pixels() > 0 && (held_ || mouse == Mouse::press);
+    if (held_ && std::isfinite(x) && std::isfinite(y))
+      place = {{"x", std::clamp(x / extent_.width, -1.0, 2.0)},
+               {"y", std::clamp(y / extent_.height, -1.0, 2.0)}};
     if (mouse == Mouse::release) held_ = false;
+    return place;
   }
 
   void process(FrameWork& frame) override {
@@ -227,19 +221,6 @@ class CloneElement final : public Filter {
   }
 
  private:
-  /// Sets a property of the object's place, within its range.
-  void set(const char* name, double value) {
-    if (!std::isfinite(value)) return;
-    for (size_t i = 0; i < table().size(); ++i) {
-      if (table()[i].name != name) continue;
-      GValue to = G_VALUE_INIT;
-      g_value_init(&to, G_TYPE_FLOAT);
-      g_value_set_float(&to, static_cast<float>(std::clamp(value, -1.0, 2.0)));
-      parameters_.set(i, &to);
-      g_value_unset(&to);
-    }
-  }
-
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
     if (params.source == MaterialFrom::stream) {
@@ -262,7 +243,10 @@ class CloneElement final : public Filter {
   /// Lights the object by the file, else by what the stream tells, else as in a studio.
   void take_light(const GstMaterialMeta* meta) {
     if (given_) {
-      if (!light_) light(*given_, "file");
+      if (!sphere_->has_light()) {
+        sphere_->set_light(*given_);
+        light_from_ = "file";
+      }
       return;
     }
     if (meta && meta->environment && meta->environment != estimate_.get()) {
@@ -295,14 +279,13 @@ class CloneElement final : public Filter {
 
   Parameters<Params> parameters_{table()};
   std::optional<Mesh> mesh_;
-  std::string mesh_name_;
   const Environment studio_ = Environment::studio();
-  std::optional<Environment> given_;      // by a file
-  BytesPtr estimate_;                     // as the stream told it
-  std::optional<Environment> estimated_;  // the same
-  std::optional<Environment> light_;      // that the object is lit by
-  bool news_of_light_ = true;             // estimated_ may be another since light_ was chosen
-  std::optional<Surface> seen_;           // what the stream told last
+  std::optional<PrefilteredLight> given_;  // by a file, which may be large: what is needed of it
+  BytesPtr estimate_;                      // as the stream told it
+  std::optional<Environment> estimated_;   // the same
+  std::optional<Environment> light_;       // that the object is lit by where no file gives it
+  bool news_of_light_ = true;              // estimated_ may be another since light_ was chosen
+  std::optional<Surface> seen_;            // what the stream told last
   std::optional<Surface> shown_;
   bool warned_ = false;  // of light that is none
   bool looked_ = false;  // whether the stream brings a material, once

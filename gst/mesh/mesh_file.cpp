@@ -152,6 +152,33 @@ void sanitize(aiScene& scene) {
   if (scene.mRootNode) renumber(*scene.mRootNode, place);
 }
 
+/// How many triangles will be made of each mesh. Throws where one has a polygon of too many
+/// corners.
+std::vector<size_t> triangles_of(const aiScene& scene, const std::string& path) {
+  std::vector<size_t> triangles(scene.mNumMeshes, 0);
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& part = *scene.mMeshes[i];
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const unsigned corners = part.mFaces[f].mNumIndices;
+      if (corners > kMaxCorners)
+        fail(path, "has a polygon of " + std::to_string(corners) + " corners; at most " +
+                       std::to_string(kMaxCorners) +
+                       " are taken: triangulate it, with Blender's Triangulate for example");
+      triangles[i] += corners > 2 ? corners - 2 : 0;
+    }
+  }
+  return triangles;
+}
+
+/// The same of a node and those below it, which may show one mesh many times.
+size_t triangles_below(const aiNode& node, const std::vector<size_t>& triangles) {
+  size_t sum = 0;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) sum += triangles[node.mMeshes[i]];
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    sum += triangles_below(*node.mChildren[i], triangles);
+  return sum;
+}
+
 void append(Mesh& mesh, const aiMesh& part) {
   const auto first = static_cast<uint32_t>(mesh.positions.size());
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
@@ -185,13 +212,13 @@ Mesh read(const std::string& path) {
   if (importer.GetScene()->mNumMeshes == 0)
     fail(path, "has no triangle with an area; nothing can be drawn");
   // Before work is put into it.
-  size_t faces = 0;
-  for (unsigned i = 0; i < importer.GetScene()->mNumMeshes; ++i)
-    faces += importer.GetScene()->mMeshes[i]->mNumFaces;
-  if (faces > Mesh::kMaxTriangles)
-    fail(path, "has " + std::to_string(faces) + " faces; at most " +
+  const std::vector<size_t> of_each = triangles_of(*importer.GetScene(), path);
+  const aiNode* root = importer.GetScene()->mRootNode;
+  const size_t triangles = root ? triangles_below(*root, of_each) : 0;
+  if (triangles > Mesh::kMaxTriangles)
+    fail(path, "has " + std::to_string(triangles) + " triangles; at most " +
                    std::to_string(Mesh::kMaxTriangles) +
-                   " triangles can be drawn: simplify it, with Blender's Decimate for example");
+                   " can be drawn: simplify it, with Blender's Decimate for example");
   const aiScene* scene = importer.ApplyPostProcessing(
       aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices |
       aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);

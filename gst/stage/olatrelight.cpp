@@ -187,7 +187,8 @@ class RelightElement final : public Filter {
     method_->forget();
   }
 
-  void point(Mouse mouse, double x, double y) override {
+  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+    std::vector<Setting> light;
     std::lock_guard lock(mouse_mutex_);
     if (mouse == Mouse::press) held_ = parameters_.snapshot().show == RelightShow::olat;
     if (held_ && extent_.pixels() > 0 && std::isfinite(x) && std::isfinite(y)) {
@@ -199,11 +200,12 @@ class RelightElement final : public Filter {
         across /= r;
         up /= r;
       }
-      set("light-x", across);
-      set("light-y", up);
-      set("light-z", std::sqrt(std::max(0.0, 1 - across * across - up * up)));
+      light = {{"light-x", across},
+               {"light-y", up},
+               {"light-z", std::sqrt(std::max(0.0, 1 - across * across - up * up))}};
     }
     if (mouse == Mouse::release) held_ = false;
+    return light;
   }
 
   void process(FrameWork& frame) override {
@@ -354,18 +356,6 @@ class RelightElement final : public Filter {
                         target);
         return;
       }
-    }
-  }
-
-  /// Sets a property as if from outside.
-  void set(const char* name, double value) {
-    for (size_t i = 0; i < table().size(); ++i) {
-      if (table()[i].name != name) continue;
-      GValue to = G_VALUE_INIT;
-      g_value_init(&to, G_TYPE_FLOAT);
-      g_value_set_float(&to, static_cast<float>(value));
-      parameters_.set(i, &to);
-      g_value_unset(&to);
     }
   }
 

@@ -56,9 +56,13 @@ Environment::Environment(Extent extent, std::vector<float> rgb, const std::strin
 Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                                  const std::string& name) {
   changed = 0;
+  const auto sound = [](float value) { return value >= 0 && value <= kMaxRadiance; };
+  float most = 0;
+  for (const float value : rgb)
+    if (sound(value)) most = std::max(most, value);
   for (float& value : rgb) {
-    if (value >= 0 && value <= kMaxRadiance) continue;
-    value = value > 0 ? kMaxRadiance : 0;  // NaN: 0
+    if (sound(value)) continue;
+    value = value > 0 ? most : 0;  // NaN: 0
     ++changed;
   }
   return {extent, std::move(rgb), name};

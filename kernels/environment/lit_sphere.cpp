@@ -8,7 +8,6 @@
 #include "../error.hpp"
 #include "../gpu/shaders.hpp"
 #include "../material/material.hpp"
-#include "prefiltered_light.hpp"
 
 INVERSE_SHADER(environment_lit_sphere);
 
@@ -87,8 +86,7 @@ LitSphere::LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side)
     : table_{{side, side}, gpu::Buffer::create(device, gpu::Element::vec4, uint64_t{side} * side)},
       kernel_(device->kernel(shaders::environment_lit_sphere)) {}
 
-void LitSphere::set_light(const Environment& environment) {
-  const PrefilteredLight light(environment);
+void LitSphere::set_light(const PrefilteredLight& light) {
   const auto& device = table_.buffer->device();
   light_ = std::make_shared<const Light>(
       Light{uploaded(device, light.cells), uploaded(device, light.texels),

@@ -5,6 +5,7 @@
 
 #include "../gpu/commands.hpp"
 #include "environment.hpp"
+#include "prefiltered_light.hpp"
 
 namespace inverse {
 
@@ -35,8 +36,10 @@ class LitSphere {
   /// `side`: of the table. Normals are 2.3 / side apart, the same everywhere.
   explicit LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side = 160);
 
-  /// Takes this light from the next `record` on. Costs some milliseconds of the caller's.
-  void set_light(const Environment& environment);
+  /// Takes this light from the next `record` on. Costs some milliseconds of the caller's, of large
+  /// maps seconds; nearly nothing where the light was made ready before.
+  void set_light(const Environment& environment) { set_light(PrefilteredLight(environment)); }
+  void set_light(const PrefilteredLight& light);
   bool has_light() const { return light_ != nullptr; }
 
   struct View {

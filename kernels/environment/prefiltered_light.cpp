@@ -30,14 +30,19 @@ std::vector<PrefilteredLight::Vec4> make_cells(const Environment& map) {
   // Pixels of coarse maps count as the areas that they are, not as points.
   const uint32_t split = std::max(1U, 128 / extent.height);
   const uint32_t rows = extent.height * split, columns = extent.width * split;
+  // Sines and cosines of all columns once: maps have up to 134 million pixels.
+  std::vector<Rgb> around(columns);
+  for (uint32_t column = 0; column < columns; ++column)
+    around[column] = map.direction((column + 0.5) / split, extent.height / 2.0);
   for (uint32_t row = 0; row < rows; ++row) {
+    const double polar = kPi * (row + 0.5) / rows, out = std::sin(polar), up = std::cos(polar);
     const double area =
         2 * kPi / columns * (std::cos(kPi * row / rows) - std::cos(kPi * (row + 1) / rows));
     for (uint32_t column = 0; column < columns; ++column) {
       const float* rgb = &map.rgb()[3 * (size_t{row / split} * extent.width + column / split)];
       const Rgb flux{area * rgb[0], area * rgb[1], area * rgb[2]};
       Cell& cell = cells[size_t{row * kRows / rows} * kColumns + column * kColumns / columns];
-      const auto w = map.direction((column + 0.5) / split, (row + 0.5) / split);
+      const Rgb w{out * around[column][0], up, out * around[column][2]};
       const double weight = luminance(flux);
       for (size_t c = 0; c < 3; ++c) {
         cell.flux[c] += flux[c];
@@ -73,17 +78,17 @@ Level resampled(const Environment& map, uint32_t rows) {
   const double scale = static_cast<double>(from.height) / rows;
   // First along rows, then along columns.
   std::vector<Rgb> narrow(size_t{from.height} * level.columns());
-  for (uint32_t column = 0; column < level.columns(); ++column) {
-    const double left = column * scale, right = (column + 1) * scale;
-    const auto last = std::min(from.width, static_cast<uint32_t>(std::ceil(right)));
-    for (auto x = static_cast<uint32_t>(left); x < last; ++x) {
-      const double share = (std::min(right, x + 1.0) - std::max<double>(left, x)) / scale;
-      for (uint32_t y = 0; y < from.height; ++y)
+  for (uint32_t y = 0; y < from.height; ++y)
+    for (uint32_t column = 0; column < level.columns(); ++column) {
+      const double left = column * scale, right = (column + 1) * scale;
+      const auto last = std::min(from.width, static_cast<uint32_t>(std::ceil(right)));
+      for (auto x = static_cast<uint32_t>(left); x < last; ++x) {
+        const double share = (std::min(right, x + 1.0) - std::max<double>(left, x)) / scale;
         for (size_t c = 0; c < 3; ++c)
           narrow[size_t{y} * level.columns() + column][c] +=
               share * map.rgb()[3 * (size_t{y} * from.width + x) + c];
+      }
     }
-  }
   for (uint32_t row = 0; row < rows; ++row) {
     const double top = row * scale, bottom = (row + 1) * scale;
     const auto area = [&](double from_row, double to_row) {

@@ -11,6 +11,7 @@ INVERSE_SHADER(material_crop);
 INVERSE_SHADER(material_layers);
 INVERSE_SHADER(material_masked);
 INVERSE_SHADER(material_mirror_out);
+INVERSE_SHADER(material_own);
 INVERSE_SHADER(material_specular_out);
 
 namespace inverse {
@@ -57,6 +58,7 @@ LimeMaterial::LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent ex
       albedo_(make(device, models.albedo, side_)),
       exponent_(make(device, models.exponent, side_)),
       crop_(device->kernel(shaders::material_crop)),
+      own_(device->kernel(shaders::material_own)),
       masked_(device->kernel(shaders::material_masked)),
       specular_out_(device->kernel(shaders::material_specular_out)),
       mirror_out_(device->kernel(shaders::material_mirror_out)),
@@ -110,6 +112,15 @@ void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& fra
   segmentation_.record(commands);
   commands.stage("segmentation");
   commands.copy(segmentation_.output(0), slot.probability, slot.probability->bytes());
+  // Layers and material are the followed object's alone.
+  const std::vector<uint8_t> foreign = tracker_.foreign(slot.square, side_);
+  if (foreign.empty()) return;
+  if (!slot.foreign)
+    slot.foreign =
+        gpu::Buffer::create(device_, gpu::Element::word, foreign.size(), gpu::Memory::upload);
+  std::copy(foreign.begin(), foreign.end(), slot.foreign->map_as<uint32_t>());
+  commands.dispatch(own_, {segmentation_.output(0), slot.foreign},
+                    static_cast<int32_t>(side_ * side_), {side_ * side_});
 }
 
 void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
@@ -242,7 +253,8 @@ void LimeMaterial::done(uint64_t number) {
     have_layers_ = false;
   }
   if (slot.report.compared) compare(slot);
-  if (tracker_.found() && !tracker_.misled() && slot.report.estimated) {
+  const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty();
+  if (seen && slot.report.estimated) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;
     Material estimate;
@@ -252,7 +264,7 @@ void LimeMaterial::done(uint64_t number) {
     latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
     if (fusion_.count() <= 1) light_.reset();  // another object, of another material
-    if (slot.report.lit && fusion_.count() && !tracker_.mask().empty()) take_light(slot);
+    if (slot.report.lit && fusion_.count()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.count(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};

@@ -100,6 +100,7 @@ class LimeMaterial {
   struct Slot {
     gpu::BufferPtr probability, albedo, exponent;  // read back
     gpu::BufferPtr image, codes;                   // the same, made when needed
+    gpu::BufferPtr foreign;                        // what the tracker says of it, likewise
     Square square;
     Report report;
     Params params;
@@ -119,7 +120,7 @@ class LimeMaterial {
   Extent extent_;
   uint32_t side_;
   network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
-  gpu::KernelPtr crop_, masked_, specular_out_, mirror_out_;
+  gpu::KernelPtr crop_, own_, masked_, specular_out_, mirror_out_;
   UnderHighlights under_;
   std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
   PlanePool planes_;

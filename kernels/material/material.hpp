@@ -30,8 +30,7 @@ struct Material {
     return best;
   }
   /// The exponent s: the mean of the bins' middles in log2. Often not in `bin()`: the mean has the
-  /// least square error in log s, `bin()` is right more often. Drawn into that bin, its square
-  /// error is 7 % larger (1000 held-out samples).
+  /// least square error in log s, `bin()` is right more often.
   float shininess() const {
     float sum = 0, all = 0;
     for (size_t b = 0; b < kBins; ++b) {

@@ -31,9 +31,23 @@ float diffuse_distance(const Material& a, const Material& b) {
   return largest;
 }
 
+float specular_distance(const Material& a, const Material& b) {
+  return std::fabs(a.specular - b.specular);
+}
+
+/// A sixth of log2 of the shininess: 1.5 from one end to the other.
+float shininess_distance(const Material& a, const Material& b) {
+  return std::fabs(std::log2(a.shininess() / b.shininess())) / 6;
+}
+
+/// Specular albedo and shininess are known less well than the color.
+bool is_other(const Material& a, const Material& b, float limit) {
+  return diffuse_distance(a, b) > limit || specular_distance(a, b) > 2 * limit ||
+         shininess_distance(a, b) > 3 * limit;
+}
+
 float distance(const Material& a, const Material& b) {
-  return std::max({diffuse_distance(a, b), std::fabs(a.specular - b.specular),
-                   std::fabs(std::log2(a.shininess() / b.shininess())) / 6});
+  return std::max({diffuse_distance(a, b), specular_distance(a, b), shininess_distance(a, b)});
 }
 
 /// Number by number; bins are made to add up to 1 again.
@@ -68,7 +82,7 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
   window_.push_back(estimate);
   if (window_.size() > kWindow) window_.pop_front();
   const Material middle = median(window_);
-  others_ = count_ && diffuse_distance(middle, mean_) > params.other ? others_ + 1 : 0;
+  others_ = count_ && is_other(middle, mean_, params.other) ? others_ + 1 : 0;
   if (others_ >= kWindow) {
     reset();
     window_.push_back(estimate);

@@ -15,7 +15,8 @@ class MaterialFusion {
     /// Frames that the mean remembers: alpha is never below 1 over it.
     uint32_t memory = 100;
     /// A median whose diffuse albedo is so far (largest channel) from the mean, five times in a
-    /// row, is of another object.
+    /// row, is of another object; so is one whose specular albedo is twice as far, or a
+    /// sixth of log2 of the shininess three times as far.
     float other = 0.2F;
   };
 

@@ -10,15 +10,33 @@ namespace {
 constexpr float kObject = 0.5F;        // probability
 constexpr float kLeastShare = 0.005F;  // of the square
 constexpr float kFill = 0.66F;         // of the square that the object's longer side takes
-constexpr float kRest = 0.12F;     // of the square's size: less is no reason to move or resize it
-constexpr float kLeastSize = 32;   // pixels
-constexpr float kCloser = 0.9F;    // of the size of the square before: that is a closer look
-constexpr float kSame = 0.65F;     // of the object's area: less is another one
-constexpr uint32_t kPatience = 3;  // frames without the object before it is looked for everywhere
+constexpr float kRest = 0.12F;      // of the square's size: less is no reason to move or resize it
+constexpr float kLeastSize = 32;    // pixels
+constexpr float kCloser = 0.9F;     // of the size of the square before: that is a closer look
+constexpr float kSame = 0.65F;      // of the object's area: less is another one
+constexpr uint32_t kTryAgain = 60;  // looks, before a closer one that failed is tried once more
+constexpr uint32_t kReach = 3;      // points that another object may have moved since the last look
+constexpr uint32_t kPatience = 3;   // frames without the object before it is looked for everywhere
 
 struct Part {
   uint32_t area = 0, left = ~0u, top = ~0u, right = 0, bottom = 0;
 };
+
+/// Whatever is within so many points of what is set, in rows and columns.
+std::vector<uint8_t> widened(const std::vector<uint8_t>& mask, uint32_t side, uint32_t reach) {
+  std::vector<uint8_t> wide = mask;
+  for (const size_t step : {size_t{1}, size_t{side}}) {
+    const std::vector<uint8_t> in = wide;
+    for (uint32_t row = 0; row < side; ++row)
+      for (uint32_t column = 0; column < side; ++column) {
+        const uint32_t at = step == 1 ? column : row;
+        const size_t i = size_t{row} * side + column;
+        const uint32_t back = std::min(at, reach), ahead = std::min(side - 1 - at, reach);
+        for (size_t k = i - back * step; k <= i + ahead * step; k += step) wide[i] |= in[k];
+      }
+  }
+  return wide;
+}
 
 /// The largest part of a mask whose points are neighbors; all others are cleared.
 Part keep_largest(std::vector<uint8_t>& mask, uint32_t side) {
@@ -70,9 +88,36 @@ void ObjectTracker::reset() {
   found_ = misled_ = false;
   missing_ = 0;
   closest_ = 0;
+  patience_ = waited_ = 0;
   share_ = 0;
   moved_ = 1;
   before_.clear();
+  others_.clear();
+}
+
+std::vector<uint8_t> ObjectTracker::foreign(const Square& square, uint32_t side) const {
+  std::vector<uint8_t> foreign;
+  const float scale = square.size / static_cast<float>(side);
+  const auto side_before = static_cast<uint32_t>(std::lround(std::sqrt(others_.size())));
+  for (uint32_t row = 0; row < side; ++row)
+    for (uint32_t column = 0; column < side; ++column) {
+      const float left = square.x + scale * static_cast<float>(column),
+                  top = square.y + scale * static_cast<float>(row);
+      bool is = left + scale <= 0 || left >= static_cast<float>(frame_.width) || top + scale <= 0 ||
+                top >= static_cast<float>(frame_.height);
+      if (!is && side_before > 0) {
+        const float to = static_cast<float>(side_before) / before_square_.size;
+        const float x = (left + scale / 2 - before_square_.x) * to,
+                    y = (top + scale / 2 - before_square_.y) * to;
+        const auto end = static_cast<float>(side_before);
+        is = x >= 0 && y >= 0 && x < end && y < end &&
+             others_[static_cast<size_t>(y) * side_before + static_cast<size_t>(x)];
+      }
+      if (!is) continue;
+      if (foreign.empty()) foreign.resize(size_t{side} * side);
+      foreign[size_t{row} * side + column] = 1;
+    }
+  return foreign;
 }
 
 void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
@@ -90,12 +135,15 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
       mask[i] = within(square.x, column, frame_.width) && within(square.y, row, frame_.height) &&
                 probabilities[i * stride] > kObject;
     }
+  std::vector<uint8_t> others = mask;
   const Part part = keep_largest(mask, side);
   const float area = static_cast<float>(part.area) * scale * scale;
   misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
   if (misled_) {
     square_ = before_square_;
     closest_ = square_.size;
+    patience_ = std::max(2 * patience_, kTryAgain);
+    waited_ = 0;
     moved_ = 1;
     return;
   }
@@ -103,6 +151,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   if (share_ < kLeastShare) {
     moved_ = 1;
     before_.clear();
+    others_.clear();
     if (++missing_ >= kPatience || !found_) reset();
     return;
   }
@@ -115,6 +164,15 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
     for (size_t i = 0; i < mask.size(); ++i) differ += mask[i] != before_[i];
     moved_ = std::min(1.0F, static_cast<float>(differ) / static_cast<float>(part.area));
   }
+  bool alone = true;
+  for (size_t i = 0; i < mask.size(); ++i) alone &= !(others[i] -= mask[i]);
+  others_.clear();
+  if (!alone) {
+    others_ = widened(others, side, kReach);
+    const std::vector<uint8_t> own = widened(mask, side, 1);
+    for (size_t i = 0; i < own.size(); ++i) others_[i] &= !own[i];
+  }
+  if (closest_ > 0 && ++waited_ > patience_) closest_ = 0;
   before_ = std::move(mask);
   before_area_ = area;
   before_square_ = square;

@@ -18,7 +18,8 @@ struct Square {
 /// The largest connected part of a mask within the frame counts. The square is chosen so that the
 /// object fills two thirds of it, and stays where it is while the object moves or grows little, so
 /// that what is estimated from it stays alike. Where a closer look finds much less of it, as it
-/// does with things that have things on them, the square before is as close as it gets.
+/// does with things that have things on them, the square before is as close as it gets, for a while
+/// that grows each time.
 class ObjectTracker {
  public:
   explicit ObjectTracker(Extent frame) : frame_(frame) { reset(); }
@@ -44,6 +45,10 @@ class ObjectTracker {
   const Box& box() const { return box_; }
   /// Its points in the square that was looked at last, a byte each; empty where it was not there.
   std::span<const uint8_t> mask() const { return before_; }
+  /// Of the next look at a square: a byte for each of its points, 1 for what is beyond the frame,
+  /// and where another object than this one was in the last look, or near it. Empty where there is
+  /// no such point.
+  std::vector<uint8_t> foreign(const Square& square, uint32_t side) const;
   /// Share of the object's points that are no longer, or were not before, of the object: 0 where it
   /// rests.
   float moved() const { return moved_; }
@@ -57,9 +62,11 @@ class ObjectTracker {
   bool found_ = false, misled_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
-  float closest_ = 0;            // size of squares that is no less, pixels
-  std::vector<uint8_t> before_;  // the object's points
-  float before_area_ = 0;        // of the frame, pixels
+  float closest_ = 0;                   // size of squares that is no less, pixels
+  uint32_t patience_ = 0, waited_ = 0;  // looks until a closer one is tried again, and since
+  std::vector<uint8_t> before_;         // the object's points
+  std::vector<uint8_t> others_;         // those of others, and next to them; none: empty
+  float before_area_ = 0;               // of the frame, pixels
   Square before_square_;
 };
 

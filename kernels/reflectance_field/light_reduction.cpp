@@ -82,6 +82,7 @@ std::vector<float> LightReduction::sum(std::span<const Rgb> weights) const {
 
 LightReduction::Choice LightReduction::all(std::span<const Rgb> weights) const {
   Choice choice;
+  choice.all = true;
   for (size_t i = 0; i < lights_.size(); ++i) {
     if (weights[i] == Rgb{}) continue;
     choice.lights.push_back({lights_[i], weights[i]});
@@ -124,6 +125,9 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
   if (choice.error <= kMargin * max_error) return choice;
   std::vector<float> rest = target;
   std::vector<char> taken(count);
+  std::vector<std::array<float, 3>> sizes(count);
+  for (const uint32_t i : everything.indices)
+    for (size_t c = 0; c < 3; ++c) sizes[i][c] = dot(response(i, c), response(i, c), fitted_);
   // By channel: products of the lights that were taken with each other and with the target.
   std::array<std::vector<std::vector<float>>, 3> gram;
   std::array<std::vector<float>, 3> right, signs, x;
@@ -134,9 +138,8 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
       if (taken[i]) continue;
       double gain = 0;
       for (size_t c = 0; c < 3; ++c) {
-        const float* own = response(i, c);
-        const float along = dot(own, &rest[c * samples()], fitted_), size = dot(own, own, fitted_);
-        if (size > 0) gain += double{along} * along / size;
+        const float along = dot(response(i, c), &rest[c * samples()], fitted_);
+        if (sizes[i][c] > 0) gain += double{along} * along / sizes[i][c];
       }
       if (gain > explains) {
         explains = gain;

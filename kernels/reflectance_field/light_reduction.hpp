@@ -27,6 +27,7 @@ class LightReduction {
     std::vector<WeightedLight> lights;
     std::vector<uint32_t> indices;  ///< of these, in the stage
     double error = 0;               ///< that is expected
+    bool all = false;               ///< whether these are all that are lit
   };
   /// The fewest lights that stay within `max_error` when they stand for all lights with these
   /// weights, which may be negative: the mean absolute difference, over the mean under all lights

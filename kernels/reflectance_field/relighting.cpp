@@ -77,6 +77,7 @@ void Relighting::forget() {
   has_features_ = false;
   asked_.reset();
   looked_.reset();
+  retry_ = 0;
   reduction_.clear();
   chosen_.reset();
   ++version_;
@@ -100,7 +101,7 @@ void Relighting::record_pair(gpu::Commands& commands, const GradientPair& pair,
   commands.stage("features");
   has_features_ = true;
   const bool due = !asked_ && (!looked_ || number >= *looked_ + kEvery);
-  if (!params.adaptive || !due) return;
+  if (!params.adaptive || params.max_error <= 0 || !due) return;
   network().record_responses(commands, *lobe_.full(), stage_->lights(), stage_->share, samples_,
                              responses_);
   commands.stage("samples");
@@ -114,6 +115,12 @@ void Relighting::take_responses(const Params& params, uint64_t number) {
   asked_.reset();
   reduction_.set_responses({responses_->map_as<float>(), 4 * responses_->count()});
   if (!choice_ || !chosen_) return;
+  if (choice_->all) {
+    if (number < retry_) return;
+    retry_ = number + kRetry;
+    chosen_.reset();
+    return;
+  }
   // A choice that is still good, and not much better than it has to be, stays: no flicker.
   const double error = reduction_.error(*choice_, split_.rest, weights_);
   choice_->error = error;

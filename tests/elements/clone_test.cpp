@@ -219,6 +219,9 @@ TEST_F(CloneTest, FollowsTheMouseWhereItIsAskedTo) {
   send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
   EXPECT_EQ(harness.process(gray()), out) << "not without drag";
   g_object_set(clone, "drag", TRUE, nullptr);
+  int told = 0;
+  g_signal_connect(clone, "notify::x",
+                   G_CALLBACK(+[](GstElement*, GParamSpec*, int* count) { ++*count; }), &told);
   send(gst_navigation_event_new_mouse_button_press(1, 20, 24, GST_NAVIGATION_MODIFIER_NONE));
   out = harness.process(gray());
   EXPECT_LT(at(out, 20, 24)[0], 30);
@@ -227,6 +230,7 @@ TEST_F(CloneTest, FollowsTheMouseWhereItIsAskedTo) {
   out = harness.process(gray());
   EXPECT_LT(at(out, 72, 60)[0], 30);
   EXPECT_NEAR(property<gfloat>(clone, "x"), .75, 1e-6);
+  EXPECT_EQ(told, 2) << "what is bound to x follows";
   send(gst_navigation_event_new_mouse_button_release(1, 70, 60, GST_NAVIGATION_MODIFIER_NONE));
   send(gst_navigation_event_new_mouse_move(10, 10, GST_NAVIGATION_MODIFIER_NONE));
   send(gst_navigation_event_new_mouse_button_press(3, 10, 10, GST_NAVIGATION_MODIFIER_NONE));
@@ -301,6 +305,27 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
   const std::string good = written("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(error("mesh=" + good), "");
   std::filesystem::remove(good);
+}
+
+TEST_F(CloneTest, FilesAreReadAtEveryStartAndNotBetween) {
+  const std::string lamp = lamp_file(8, 8, 2);
+  const std::string mesh = written("changing.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string line = "materialclone mesh=" + mesh + " environment-location=" + lamp;
+  VideoHarness harness(line, frame_caps());
+  harness.process(gray());
+  GstElement* other = gst_parse_launch(line.c_str(), nullptr);
+  EXPECT_EQ(gst_element_set_state(other, GST_STATE_PAUSED), GST_STATE_CHANGE_SUCCESS);
+  gst_element_set_state(other, GST_STATE_READY);
+  written("changing.obj", "");
+  EXPECT_EQ(gst_element_set_state(other, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(other, GST_STATE_NULL);
+  gst_object_unref(other);
+  std::filesystem::remove(mesh);
+  std::filesystem::remove(lamp);
+  harness.set_src_caps(frame_caps(64, 48));
+  ASSERT_FALSE(harness.process(gray(64, 48)).empty()) << "new caps read no file";
+  EXPECT_EQ(text(harness.find("materialclone"), "light"), "file");
+  EXPECT_EQ(stat<guint64>(harness.find("materialclone"), "triangles", G_TYPE_UINT64), 1u);
 }
 
 TEST_F(CloneTest, ClonesFromTheClip) {

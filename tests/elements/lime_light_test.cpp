@@ -1,5 +1,6 @@
 // The light around limematerial's object: who gets it, the file it goes to, normals, the preview.
 #include <algorithm>
+#include <optional>
 
 #include "../kernels/normal_map_file.hpp"
 #include "base/inverse_material_meta.h"
@@ -71,6 +72,28 @@ TEST_F(LimeLight, NormalMapsCount) {
       run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
           .first_error();
   EXPECT_NE(error.find("/nowhere.png"), std::string::npos) << error;
+}
+
+TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
+  GstElement* lime = gst_element_factory_make("limematerial", nullptr);
+  g_object_set(lime, "models", "/nowhere", nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  g_object_set(lime, "models", files.folder().c_str(), "normal-map", "/nowhere.png", nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(lime, GST_STATE_NULL);
+  gst_object_unref(lime);
+
+  std::optional<NormalMapPath> file(std::in_place);
+  file->write(png(1, 1, 3, 8, {128, 218, 218}));
+  VideoHarness harness(line("light=true normals=none normal-map=" + file->path()), caps());
+  file.reset();
+  for (const auto& [width, height] : {std::pair{96, 64}, {64, 96}}) {
+    harness.set_src_caps(caps(width, height));
+    for (int i = 0; i < 8; ++i)
+      ASSERT_FALSE(harness.process(scene(width / 2, height / 2, 20, width, height)).empty());
+    EXPECT_GT(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
+  }
+  EXPECT_TRUE(harness.errors().empty());
 }
 
 TEST_F(LimeLight, GoesToAFileWhenTheStreamEnds) {

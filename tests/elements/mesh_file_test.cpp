@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 
 #include "error.hpp"
@@ -53,25 +55,46 @@ end_header
 3 0 3 4
 )";
 
-/// A binary glTF with two triangles that share an edge, moved by a node.
-std::string glb() {
+/// A polygon of so many corners.
+std::string ring(int corners) {
+  std::string obj, face = "f";
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners;
+    obj += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(i + 1);
+  }
+  return obj + face + "\n";
+}
+
+/// A binary glTF with two triangles that share an edge, moved by a node: `squares` times over each
+/// other, and by so many nodes.
+std::string glb(size_t squares = 1, size_t nodes = 1) {
   const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
   const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
+  std::string shown = "0", list = R"({"mesh":0,"translation":[5,6,7]})", corners;
+  for (size_t i = 1; i < nodes; ++i) {
+    shown += "," + std::to_string(i);
+    list += R"(,{"mesh":0})";
+  }
+  for (size_t i = 0; i < squares; ++i) corners.append(reinterpret_cast<const char*>(indices), 12);
   std::string json =
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
-      R"("nodes":[{"mesh":0,"translation":[5,6,7]}],)"
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + shown + R"(]}],"nodes":[)" +
+      list +
+      R"(],)"
       R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
       R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
       R"("min":[0,0,0],"max":[1,1,0]},)"
-      R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)"
-      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},)"
-      R"({"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60}]})";
+      R"({"bufferView":1,"componentType":5123,"count":)" +
+      std::to_string(6 * squares) +
+      R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":48,"byteLength":)" +
+      std::to_string(corners.size()) + R"(}],"buffers":[{"byteLength":)" +
+      std::to_string(48 + corners.size()) + "}]}";
   while (json.size() % 4) json += ' ';
   const auto word = [](uint32_t value) {
     return std::string(reinterpret_cast<const char*>(&value), 4);
   };
-  const std::string binary = std::string(reinterpret_cast<const char*>(positions), 48) +
-                             std::string(reinterpret_cast<const char*>(indices), 12);
+  const std::string binary = std::string(reinterpret_cast<const char*>(positions), 48) + corners;
   return "glTF" + word(2) + word(static_cast<uint32_t>(28 + json.size() + binary.size())) +
          word(static_cast<uint32_t>(json.size())) + "JSON" + json +
          word(static_cast<uint32_t>(binary.size())) + std::string("BIN\0", 4) + binary;
@@ -173,6 +196,28 @@ TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
   };
   EXPECT_NE(error(written("many.obj", grid(708))).find("at most 1000000"), std::string::npos);
   EXPECT_EQ(load_mesh(written("some.obj", grid(100))).triangles(), 20000u);
+}
+
+TEST_F(MeshFile, TheLimitCountsTrianglesNotFacesAndWhatIsShownTwiceTwice) {
+  std::string faces = ring(1000);
+  const std::string face = faces.substr(faces.find('f'));
+  for (int i = 0; i < 1002; ++i) faces += face;
+  const std::string polygons = error(written("polygons.obj", faces));
+  EXPECT_NE(polygons.find("1000994 triangles; at most 1000000"), std::string::npos) << polygons;
+  const std::string copies = error(written("copies.glb", glb(1000, 501)));
+  EXPECT_NE(copies.find("1002000 triangles; at most 1000000"), std::string::npos) << copies;
+  EXPECT_EQ(load_mesh(written("few.glb", glb(10, 3))).triangles(), 60u);
+}
+
+TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {
+  EXPECT_EQ(load_mesh(written("round.obj", ring(1000))).triangles(), 998u);
+  const std::string more = error(written("rounder.obj", ring(1001)));
+  EXPECT_NE(more.find("a polygon of 1001 corners; at most 1000"), std::string::npos) << more;
+  EXPECT_NE(more.find("triangulate it"), std::string::npos) << more;
+  // Assimp would take half a minute to cut it up.
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(error(written("far.obj", ring(60000))).find("60000 corners"), std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 }  // namespace inverse::testing

@@ -1,4 +1,6 @@
 // Our metas on their way through elements of GStreamer's own.
+#include <filesystem>
+
 #include "base/inverse_light_stage_meta.h"
 #include "base/inverse_material_meta.h"
 #include "element_test.hpp"
@@ -48,6 +50,8 @@ class MetaTest : public ::testing::Test {
     EXPECT_EQ(m->environment_width, 64u);
   }
 
+  GstBuffer* out_ = nullptr;
+
  private:
   static GstBuffer* frame(int number) {
     const auto bytes = random_frame(VideoHarness::caps("RGBA", 64, 48), 1);
@@ -70,8 +74,6 @@ class MetaTest : public ::testing::Test {
       reinterpret_cast<GstLightStageMeta*>(gst_buffer_add_meta(buffer, stage, nullptr))->step = 3;
     return buffer;
   }
-
-  GstBuffer* out_ = nullptr;
 };
 
 TEST_F(MetaTest, MaterialsStayWhereFramesAreConverted) {
@@ -89,6 +91,17 @@ TEST_F(MetaTest, BoxesAreScaledWithTheFrame) {
 TEST_F(MetaTest, MaterialsStayBehindOurOwnElements) {
   send_through("intrinsicdecomp", VideoHarness::caps("RGBA", 64, 48));
   expect_material(10, 12, 30, 36);
+}
+
+TEST_F(MetaTest, OfSeveralLimematerialsTheLastOneCounts) {
+  const gchar* models = g_getenv("INVERSE_MODELS");
+  if (!models || !std::filesystem::exists(std::string(models) + "/lime/albedo.net"))
+    GTEST_SKIP() << "built without inverse-onnx-import";
+  send_through("limematerial show=input", VideoHarness::caps("RGBA", 64, 48));
+  ASSERT_NE(material(), nullptr);
+  EXPECT_EQ(gst_buffer_get_n_meta(out_, g_type_from_name(GST_MATERIAL_META_API_NAME)), 1u);
+  EXPECT_EQ(material()->environment, nullptr) << "not what the frame brought";
+  EXPECT_NE(material()->estimates, 7u);
 }
 
 TEST_F(MetaTest, WhoCropsOrTurnsFramesDropsTheMaterial) {

@@ -1,4 +1,8 @@
 #pragma once
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <ImfRgbaFile.h>
 #include <unistd.h>
 
@@ -102,6 +106,24 @@ class RelightTest : public ::testing::Test {
     Imf::RgbaOutputFile file(path.c_str(), width, 32, Imf::WRITE_RGB);
     file.setFrameBuffer(pixels.data(), 1, static_cast<size_t>(width));
     file.writePixels(32);
+    return path;
+  }
+  /// A map of single floats whose channels have these names, even but for one pixel.
+  std::string float_exr(const std::vector<const char*>& channels, float odd) const {
+    constexpr int kWide = 64, kHigh = 32;
+    std::vector<float> values(size_t{kWide} * kHigh, 1);
+    values[100] = odd;
+    Imf::Header header(kWide, kHigh);
+    Imf::FrameBuffer pixels;
+    for (const char* name : channels) {
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      pixels.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()),
+                                     sizeof(float), sizeof(float) * kWide));
+    }
+    const std::string path = folder + "/float.exr";
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(kHigh);
     return path;
   }
   /// The folder of a network of random weights.

@@ -318,6 +318,17 @@ TEST_F(RelightTest, RadianceThatIsNoneIsClampedWithAWarning) {
   }
 }
 
+TEST_F(RelightTest, MapsOfSingleFloatsAreTakenAsTheyAre) {
+  std::string error;
+  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"R", "G", "B"}, 1e5F)), &error).empty())
+      << "more than a half float holds, but a sun has it";
+  EXPECT_EQ(error, "");
+  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"Y"}, 2)), &error).empty());
+  EXPECT_EQ(error, "");
+  warnings_of(line("environment=" + float_exr({"View.R", "View.G", "View.B"}, 1)), &error);
+  EXPECT_NE(error.find("View.G"), std::string::npos) << error;
+}
+
 TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
   VideoHarness harness("olatrelight", caps(), caps(kSide));
   GstElement* relight = harness.find("olatrelight");

@@ -139,6 +139,21 @@ TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
             std::string::npos);
 }
 
+TEST_F(EnvironmentTest, ValuesThatAreNoRadianceBecomeTheNearestThatIs) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  std::vector<float> rgb(3 * 16 * 8, 1.F);
+  rgb[5] = 70000;
+  rgb[6] = kInf;
+  rgb[7] = -kInf;
+  rgb[8] = std::numeric_limits<float>::quiet_NaN();
+  rgb[9] = -1;
+  size_t changed = 0;
+  const Environment map = Environment::bounded({16, 8}, rgb, changed, "a map");
+  EXPECT_EQ(changed, 4u);
+  EXPECT_EQ(map.rgb()[6], 70000) << "a sun that a half float could not hold, and no brighter one";
+  for (const size_t i : {7u, 8u, 9u}) EXPECT_EQ(map.rgb()[i], 0);
+}
+
 TEST_F(EnvironmentTest, ValuesThatAreNoRadianceAreRefused) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), -1e-3F,
                           std::numeric_limits<float>::infinity(), 2e9F}) {

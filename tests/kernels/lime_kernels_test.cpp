@@ -12,6 +12,7 @@
 INVERSE_SHADER(material_crop);
 INVERSE_SHADER(material_layers);
 INVERSE_SHADER(material_masked);
+INVERSE_SHADER(material_own);
 INVERSE_SHADER(material_mirror_out);
 INVERSE_SHADER(material_preview);
 INVERSE_SHADER(material_specular_out);
@@ -93,6 +94,26 @@ TEST_F(LimeKernels, SquareOfTheFrame) {
                   reference::lime_crop(to_reference(extent, frame), square(place)), 2e-4,
                   "frame of " + std::to_string(extent.width));
     }
+}
+
+TEST_F(LimeKernels, ForeignPointsAreOfNoObject) {
+  const Extent side{33, 31};
+  const Pixels probability = with_extremes(random_pixels(side, 9), 9);
+  std::vector<uint32_t> foreign(side.pixels());
+  std::mt19937 random(9);
+  for (uint32_t& word : foreign) word = random() % 3 ? 0 : random();
+  const gpu::BufferPtr given = points(probability);
+  run([&](gpu::Commands& commands) {
+    commands.dispatch(device->kernel(shaders::material_own),
+                      {given, upload(gpu::Element::word, foreign.data(), foreign.size())},
+                      static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
+  });
+  const Pixels got = download_points(given);
+  const auto expected = reference::lime_own(to_reference(side, probability), foreign);
+  for (size_t i = 0; i < got.size(); ++i) {
+    const auto wanted = static_cast<float>(expected.data[i / 4][i % 4]);
+    ASSERT_TRUE(got[i] == wanted || std::isnan(wanted)) << i;
+  }
 }
 
 TEST_F(LimeKernels, PictureOfTheObject) {

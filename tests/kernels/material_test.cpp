@@ -81,6 +81,16 @@ TEST(MaterialFusion, AnotherObjectIsTakenUpAfterFiveFrames) {
   EXPECT_LE(fusion.count(), 2u);
 }
 
+TEST(MaterialFusion, AGlossyObjectOfTheSameColorIsAnotherOne) {
+  for (const bool shiny : {true, false}) {
+    MaterialFusion fusion;
+    for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .1F, 1), {});
+    for (int i = 0; i < 12; ++i) fusion.add(material(.2F, shiny ? .1F : .8F, shiny ? 7 : 1), {});
+    EXPECT_NEAR(fusion.material().specular, shiny ? .1F : .8F, .01F);
+    EXPECT_EQ(fusion.material().bin(), shiny ? 7u : 1u);
+  }
+}
+
 TEST(MaterialFusion, WhatIsNoNumberIsNotTaken) {
   MaterialFusion fusion;
   fusion.add(material(.3F, .4F, 2), {});
@@ -120,6 +130,44 @@ class LimeTest : public GpuTest {
   }
   LimeMaterial::Params params;
 };
+
+TEST_F(LimeTest, AnotherObjectInTheSquareIsNotMixedIn) {
+  LimeMaterial alone(device, kFrame, HandMadeLime::models()),
+      beside = LimeMaterial(device, kFrame, HandMadeLime::models());
+  const Plane one = scene(60, 30, 20), two = scene(88, 58, 4);
+  Pixels pixels = download(one.buffer);
+  const Pixels other = download(two.buffer);
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (other[i] != kGray) pixels[i] = other[i];
+  const Plane both = plane(kFrame, pixels);
+  LimeMaterial::Layers layers;
+  for (int i = 0; i < 8; ++i) {
+    frame(alone, one);
+    layers = frame(beside, both);
+  }
+  ASSERT_TRUE(beside.object().found);
+  ASSERT_EQ(beside.square(), alone.square());
+  ASSERT_GT(beside.square().x + beside.square().size, 88) << "it is in the square";
+  const Material &m = beside.object().latest, &expected = alone.object().latest;
+  EXPECT_NEAR(m.specular, expected.specular, 1e-5);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(m.diffuse[c], expected.diffuse[c], 1e-5);
+  const Pixels diffuse = download(layers.diffuse->buffer);
+  EXPECT_EQ(diffuse[4 * (58 * kFrame.width + 88) + 3], 0) << "nor in the mask";
+  EXPECT_GT(diffuse[4 * (30 * kFrame.width + 60) + 3], .9);
+}
+
+TEST_F(LimeTest, AnObjectThatIsGoneLeavesNoEstimates) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  const Plane object = scene(60, 30, 20), nothing = scene(60, 30, 0);
+  frame(lime, object);
+  frame(lime, object);
+  const uint64_t estimates = lime.object().estimates;
+  const Material before = lime.object().latest;
+  frame(lime, nothing);
+  ASSERT_TRUE(lime.object().found) << "it may be back in a moment";
+  EXPECT_EQ(lime.object().estimates, estimates);
+  EXPECT_EQ(lime.object().latest.specular, before.specular);
+}
 
 TEST_F(LimeTest, FindsWhatTheNetworksSay) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());

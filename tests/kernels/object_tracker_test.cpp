@@ -89,6 +89,49 @@ TEST(ObjectTracker, TheLargerOfTwoObjectsCounts) {
   EXPECT_NEAR((tracker.box().left + tracker.box().right) / 2, 300, 8);
 }
 
+TEST(ObjectTracker, OtherObjectsAreForeign) {
+  ObjectTracker tracker({400, 300});
+  const Square whole = tracker.square();  // 50 pixels beyond the frame above and below
+  auto both = look(whole, 64, 250, 150, 60);
+  const auto other = look(whole, 64, 100, 150, 30);
+  for (size_t i = 0; i < both.size(); ++i) both[i] = std::max(both[i], other[i]);
+  tracker.update(both, 64, 1, whole);
+  const auto at = [](const std::vector<uint8_t>& points, const Square& square, float x, float y) {
+    const float scale = square.size / 64;
+    return points[static_cast<size_t>((y - square.y) / scale) * 64 +
+                  static_cast<size_t>((x - square.x) / scale)];
+  };
+  // In a look at another square, too.
+  for (const Square& square : {whole, Square{60, 20, 260}}) {
+    const auto foreign = tracker.foreign(square, 64);
+    ASSERT_EQ(foreign.size(), 64u * 64);
+    EXPECT_EQ(at(foreign, square, 100, 150), 1);
+    EXPECT_EQ(at(foreign, square, 100, 190), 1) << "it may have moved";
+    EXPECT_EQ(at(foreign, square, 250, 150), 0);
+    EXPECT_EQ(at(foreign, square, 180, 150), 0) << "the object, too";
+  }
+  EXPECT_EQ(at(tracker.foreign(whole, 64), whole, 250, -30), 1) << "no frame, no object";
+  EXPECT_TRUE(tracker.foreign({200, 100, 100}, 64).empty());
+  tracker.reset();
+  EXPECT_TRUE(tracker.foreign({60, 20, 260}, 64).empty());
+}
+
+TEST(ObjectTracker, AFailedCloserLookIsTriedAgainLater) {
+  ObjectTracker tracker({640, 480});
+  std::vector<int> misled;
+  for (int i = 0; i < 400; ++i) {
+    const Square square = tracker.square();
+    tracker.update(look(square, 64, 250, 200, square.size > 400 ? 150 : 0), 64, 1, square);
+    ASSERT_TRUE(tracker.found()) << i;
+    if (tracker.misled()) misled.push_back(i);
+  }
+  EXPECT_LE(misled.size(), 4u) << "ever more seldom";
+  // What was in the way is gone.
+  for (int i = 0; i < 400; ++i)
+    tracker.update(look(tracker.square(), 64, 250, 200, 100), 64, 1, Square(tracker.square()));
+  EXPECT_NEAR(tracker.square().size, 200 / .66F, 30);
+}
+
 TEST(ObjectTracker, LooksEverywhereAgainWhenItIsGone) {
   ObjectTracker tracker({640, 360});
   for (int i = 0; i < 4; ++i)

@@ -192,15 +192,19 @@ TEST_F(OnnxTest, MatricesMayBeTransposed) {
 }
 
 TEST_F(OnnxTest, WhatOthersReadIsNotFolded) {
-  OnnxBuilder b(1);
-  const std::string image = b.input("image", {1, 3, 8, 8});
-  const std::string plain = b.convolution(image, 3, 4, 1), same = b.op("Identity", {plain});
-  b.output(b.op("Relu", {same}), {1, 4, 8, 8});
-  b.output(plain, {1, 4, 8, 8});
-  const network::Graph graph = import(b);
-  ASSERT_EQ(graph.nodes.size(), 2u);
-  EXPECT_EQ(graph.nodes[0].activation, network::Activation::none);
-  EXPECT_EQ(graph.nodes[1].op, network::Op::activation);
+  for (const char* name : {"Identity", "Concat"}) {  // of one, which is the same
+    OnnxBuilder b(1);
+    const std::string image = b.input("image", {1, 3, 8, 8});
+    const std::string plain = b.convolution(image, 3, 4, 1);
+    onnx::NodeProto* same = b.node(name, {plain});
+    if (name == std::string("Concat")) OnnxBuilder::set(same, "axis", 1);
+    b.output(b.op("Relu", {same->output(0)}), {1, 4, 8, 8});
+    b.output(plain, {1, 4, 8, 8});
+    const network::Graph graph = import(b);
+    ASSERT_EQ(graph.nodes.size(), 2u) << name;
+    EXPECT_EQ(graph.nodes[0].activation, network::Activation::none);
+    EXPECT_EQ(graph.nodes[1].op, network::Op::activation);
+  }
 }
 
 TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {

@@ -97,6 +97,13 @@ Plane lime_crop(const Plane& frame, const LimeSquare& square) {
   return image;
 }
 
+Plane lime_own(const Plane& probability, const std::vector<uint32_t>& foreign) {
+  Plane out = probability;
+  for (size_t i = 0; i < out.size(); ++i)
+    if (foreign[i] != 0) out.data[i] = {};
+  return out;
+}
+
 Plane lime_masked(const Plane& image, const Plane& probability) {
   Plane out(image.width, image.height);
   for (size_t i = 0; i < out.size(); ++i)

@@ -2,6 +2,8 @@
 // square that they look at, what each hands to the next, and the layers of the frame.
 #pragma once
 
+#include <cstdint>
+
 #include "plane.hpp"
 
 namespace inverse::reference {
@@ -15,6 +17,9 @@ struct LimeSquare {
 
 /// sRGB of the mean light on each point: of 12 × 12 places in it at most.
 Plane lime_crop(const Plane& frame, const LimeSquare& square);
+
+/// Probabilities without points that are foreign: of no object, or of another.
+Plane lime_own(const Plane& probability, const std::vector<uint32_t>& foreign);
 
 /// SpecularNet's input: the picture where the object is, w = mask.
 Plane lime_masked(const Plane& image, const Plane& probability);

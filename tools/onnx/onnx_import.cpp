@@ -227,6 +227,7 @@ class Importer {
   void concat(const Operator& op) {
     op.expect(op.integer("axis", 0) == 1, "only channels (axis 1) are taken");
     op.expect(op.inputs() >= 1, "it has no inputs");
+    if (op.inputs() == 1) return pass(op);
     uint32_t all = value(op, 0);
     for (int i = 1; i < op.inputs(); ++i) {
       graph_.nodes.push_back(make(op, Op::concat, {all, value(op, i)}));

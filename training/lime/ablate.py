@@ -70,7 +70,7 @@ def main():
     variants = {name: Variant(trunk, perceptual, **options) for name, (options, perceptual) in VARIANTS.items()}
     for v in variants.values():
         v.train()
-    stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.MAY_BE_PAINTED)
+    stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT)
     steps = args.samples // BATCH
     for step in range(steps):
         batch = next(stream)

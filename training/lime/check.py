@@ -66,7 +66,7 @@ def check_integration(samples):
 def check_samples(samples):
     count = 48
     started = time.monotonic()
-    flags = corpus.CLEAN | corpus.MAY_BE_PAINTED | corpus.EVERYDAY
+    flags = corpus.CLEAN | corpus.TAUGHT
     a = samples.render(7, 100, count, flags=flags, threads=2)
     seconds = time.monotonic() - started
     print(f"      {count / seconds:.0f} samples/s on two threads")

@@ -41,7 +41,7 @@ def arguments():
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
     p.add_argument("--resume", action="store_true")
-    p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime")
+    p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime, on samples of another --seed than theirs (1)")
     p.add_argument("--bfloat16", action="store_true", help="compute in 16 bits: twice as fast on a CPU with AVX512-BF16")
     p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
     p.add_argument("--no-perceptual", action="store_true", help="ablation: without the rendering loss")
@@ -84,14 +84,14 @@ def main():
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
-    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "trained_seconds": 0.0}
+    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0, "trained_seconds": 0.0}
     path, optimizer_state = args.out / "checkpoint.pt", None
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
         networks.load_state_dict(saved.pop("networks"))
         optimizer_state = saved.pop("optimizer")
-        state.update(saved)
+        state.update({"drawn": saved["samples"]}, **saved)
     assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
     if args.stages:
         state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
@@ -105,7 +105,7 @@ def main():
           "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
     pixels = SIZES[size]["input"]
     if args.start:
-        pictures = samples.render(args.seed, 0, 64, pixels, corpus.MAY_BE_PAINTED | corpus.EVERYDAY, args.threads)
+        pictures = samples.render(args.seed, 0, 64, pixels, corpus.TAUGHT, args.threads)
         pictures = [corpus.Batch({k: a[i:i + 16] for k, a in pictures.items()}, args.device).image for i in range(0, 64, 16)]
         warm_start.load({part: args.start / f"{name}.onnx" for name, (part, _) in networks.parts().items()},
                         lambda: [run(networks, image) for image in pictures])
@@ -135,7 +135,7 @@ def main():
         if optimizer_state:
             optimizer.load_state_dict(optimizer_state)
             optimizer_state = None
-        flags = corpus.MAY_BE_PAINTED | corpus.EVERYDAY | (corpus.WHOLE_FRAME if stage.name == "segmentation" else 0)
+        flags = corpus.TAUGHT | (corpus.WHOLE_FRAME if stage.name == "segmentation" else 0)
         stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:
@@ -147,7 +147,7 @@ def main():
                 stream_pixels, batch = pixels >> coarse, stage.batch << 2 * coarse
                 if stream:
                     stream.close()
-                stream = corpus.Stream(samples, args.seed, state["samples"], batch, stream_pixels, flags, args.workers,
+                stream = corpus.Stream(samples, args.seed, state["drawn"], batch, stream_pixels, flags, args.workers,
                                        args.device, twice=True)
             for group in optimizer.param_groups:
                 group["lr"] = stage.rate * warm * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
@@ -160,6 +160,7 @@ def main():
             optimizer.step()
             count += 1
             state["samples"] += batch
+            state["drawn"] = stream.index
             for name, value in terms.items():
                 means[name] = means.get(name, 0) + float(value)
             took = min(time.monotonic() - started, LONGEST_STEP)

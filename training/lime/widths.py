@@ -60,7 +60,7 @@ def main():
     networks = [UNet(4, 1, widths(f)).train().to(memory_format=torch.channels_last) for f in FACTORS]
     optimizers = [torch.optim.Adam(n.parameters(), lr=RATE) for n in networks]
     samples = corpus.Corpus(args.hdri)
-    stream = corpus.Stream(samples, args.seed, 0, BATCH, PIXELS, corpus.MAY_BE_PAINTED)
+    stream = corpus.Stream(samples, args.seed, 0, BATCH, PIXELS, corpus.TAUGHT)
     steps = args.samples // BATCH
     for step in range(steps):
         batch = next(stream)

@@ -72,7 +72,7 @@ def main():
             return
         corpus.store(path.parent, path.stem, corpus.exposed(sample), directions[keep], stage)
 
-    jobs = [("validation", i) for i in range(args.validations)] + [("train", i) for i in range(40)]
+    jobs = [("validation", i) for i in range(args.validations)] + [("train", i) for i in range(min(40, args.subjects))]
     jobs += [("test", i) for i in range(args.tests)] + [("train", i) for i in range(40, args.subjects)]
     started = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(args.threads) as pool:

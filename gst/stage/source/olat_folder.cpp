@@ -1,8 +1,5 @@
 #include "olat_folder.hpp"
 
-#include <ImfArray.h>
-#include <ImfRgbaFile.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -80,26 +77,6 @@ Lights read_lights(const std::string& path) {
   return lights;
 }
 
-/// Runs `read(file, size)` on an image's file.
-template <typename Read>
-void with_image(const std::string& path, Read read) {
-  try {
-    Imf::RgbaInputFile file(path.c_str());
-    const Imath::Box2i window = file.dataWindow();
-    const int64_t width = int64_t{window.max.x} - window.min.x + 1;
-    const int64_t height = int64_t{window.max.y} - window.min.y + 1;
-    if (width < 1 || height < 1 || width > OlatFolder::kMostPixels ||
-        height > OlatFolder::kMostPixels)
-      refuse(path + " is " + std::to_string(width) + "x" + std::to_string(height) +
-             "; images have up to 16384 pixels along a side");
-    read(file, Extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)});
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    refuse(path + " cannot be read as OpenEXR: " + error.what());
-  }
-}
-
 }  // namespace
 
 OlatFolder::OlatFolder(const std::string& path) : path_(path) {
@@ -107,8 +84,7 @@ OlatFolder::OlatFolder(const std::string& path) : path_(path) {
   directions_ = std::move(directions);
   files_ = std::move(files);
   const auto first = std::ranges::find_if(files_, [](const auto& file) { return !file.empty(); });
-  with_image(file(static_cast<uint32_t>(first - files_.begin())),
-             [&](Imf::RgbaInputFile&, Extent extent) { extent_ = extent; });
+  extent_ = open(static_cast<uint32_t>(first - files_.begin())).extent();
 }
 
 std::vector<uint32_t> OlatFolder::missing() const {
@@ -118,32 +94,19 @@ std::vector<uint32_t> OlatFolder::missing() const {
   return missing;
 }
 
-std::string OlatFolder::file(uint32_t light) const { return path_ + "/" + files_[light]; }
+ExrPicture OlatFolder::open(uint32_t light) const {
+  const std::string file = path_ + "/" + files_[light];
+  return {file, file, kMostPixels};
+}
 
 std::vector<float> OlatFolder::image(uint32_t light) const {
-  std::vector<float> rgb;
-  if (files_[light].empty()) {
-    rgb.resize(3 * extent_.pixels());
-    return rgb;
-  }
-  with_image(file(light), [&](Imf::RgbaInputFile& file, Extent extent) {
-    if (extent != extent_)
-      refuse(this->file(light) + " is " + std::to_string(extent.width) + "x" +
-             std::to_string(extent.height) + ", the first image " + std::to_string(extent_.width) +
-             "x" + std::to_string(extent_.height));
-    const Imath::Box2i window = file.dataWindow();
-    Imf::Array2D<Imf::Rgba> pixels(extent.height, extent.width);
-    const auto width = static_cast<std::ptrdiff_t>(extent.width);
-    file.setFrameBuffer(&pixels[0][0] - window.min.x - window.min.y * width, 1, extent.width);
-    file.readPixels(window.min.y, window.max.y);
-    rgb.reserve(3 * extent.pixels());
-    for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < extent.width; ++x) {
-        const Imf::Rgba& p = pixels[y][x];
-        rgb.insert(rgb.end(), {p.r, p.g, p.b});
-      }
-  });
-  return rgb;
+  if (files_[light].empty()) return std::vector<float>(3 * extent_.pixels());
+  const ExrPicture picture = open(light);
+  if (const Extent extent = picture.extent(); extent != extent_)
+    refuse(path_ + "/" + files_[light] + " is " + std::to_string(extent.width) + "x" +
+           std::to_string(extent.height) + ", the first image " + std::to_string(extent_.width) +
+           "x" + std::to_string(extent_.height));
+  return picture.rgb();
 }
 
 }  // namespace inverse

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../exr_picture.hpp"
 #include "image/plane.hpp"
 #include "light_stage/light_program.hpp"
 
@@ -29,7 +30,7 @@ class OlatFolder {
   std::vector<float> image(uint32_t light) const;
 
  private:
-  std::string file(uint32_t light) const;
+  ExrPicture open(uint32_t light) const;
   std::string path_;
   std::vector<Direction> directions_;
   std::vector<std::string> files_;

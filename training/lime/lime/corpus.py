@@ -15,7 +15,8 @@ HDRI = ROOT.parent / "shared/data/hdri"  # CC0 maps of Poly Haven, where they ar
 FIELDS = ("diffuse_r", "diffuse_g", "diffuse_b", "alpha", "shininess", "bin", "ambient", "specular", "exposure", "family",
           "trait", "map", "empty")
 TEST, CLEAN, WHOLE_FRAME, MAY_BE_PAINTED, EVERYDAY = 1, 2, 4, 8, 16  # sample.hpp's Request
-LATER = 40  # batches until one comes again in a mirror
+TAUGHT = MAY_BE_PAINTED | EVERYDAY  # what all training samples may be
+LATER = 16  # batches until one comes again in a mirror
 
 
 class Corpus:
@@ -108,36 +109,43 @@ def mirrored(arrays):
 
 class Stream:
     """Batches of one seed from sample `first` on, rendered ahead by a thread. `twice`: each comes a second time, in a mirror,
-    some batches later, which halves what rendering costs."""
+    some batches later, which halves what rendering costs. `index`: the first sample that was not drawn yet."""
 
     def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4, twice=False):
         self.queue = queue.Queue(ahead)
+        self.index = first
         self.stopped = False
         self.device = device
 
-        def put(arrays):
+        def put(index, arrays):
             while not self.stopped:
                 try:
-                    return self.queue.put(arrays, timeout=0.5)
+                    return self.queue.put((index, arrays), timeout=0.5)
                 except queue.Full:
                     pass
 
         def work():
             index, seen = first, []
             while not self.stopped:
-                arrays = corpus.render(seed, index, batch, size, flags, threads)
-                put(arrays)
+                try:
+                    arrays = corpus.render(seed, index, batch, size, flags, threads)
+                except Exception as error:  # pylint: disable=broad-except
+                    return put(index, error)  # whoever waits for samples hears of it
+                index += batch
+                put(index, arrays)
                 if twice:
                     seen.append(arrays)
                     if len(seen) > LATER:
-                        put(mirrored(seen.pop(0)))
-                index += batch
+                        put(index, mirrored(seen.pop(0)))
 
         self.thread = threading.Thread(target=work, daemon=True)
         self.thread.start()
 
     def __next__(self):
-        return Batch(self.queue.get(), self.device)
+        self.index, arrays = self.queue.get()
+        if isinstance(arrays, Exception):
+            raise arrays
+        return Batch(arrays, self.device)
 
     def close(self):
         self.stopped = True

@@ -55,7 +55,8 @@ def read(path):
 
 
 def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
-    """Corpus samples that show an object; by default held-out shapes under held-out maps."""
+    """Corpus samples that show an object; by default held-out shapes under held-out maps. Where some are matte, whose shininess
+    says nothing, only the layers are told."""
     items = []
     for first in range(0, count, 50):
         n = min(50, count - first)
@@ -69,7 +70,8 @@ def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
                 (arrays["coverage"][i] >= 128).astype(np.float32),
                 p["specular"] * arrays["specular"][i].mean(0, keepdims=True), arrays["diffuse"][i].copy(),
                 p["alpha"] * arrays["mirror"][i].mean(0, keepdims=True),
-                np.array([p["diffuse_" + c] for c in "rgb"]), float(p["alpha"]), float(p["shininess"])))
+                np.array([p["diffuse_" + c] for c in "rgb"]), float(p["alpha"]),
+                None if flags & corpus.EVERYDAY else float(p["shininess"])))
     return items
 
 

@@ -1,0 +1,85 @@
+#include "exr_picture.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+
+#include <array>
+
+#include "error.hpp"
+
+namespace inverse {
+namespace {
+
+/// The channels that are red, green and blue.
+std::array<const char*, 3> channels_of(const Imf::Header& header, const std::string& name) {
+  const Imf::ChannelList& channels = header.channels();
+  if (channels.findChannel("R") && channels.findChannel("G") && channels.findChannel("B"))
+    return {"R", "G", "B"};
+  if (channels.findChannel("Y") && !channels.findChannel("RY")) return {"Y", "Y", "Y"};
+  std::string there;
+  for (auto c = channels.begin(); c != channels.end(); ++c)
+    there += (there.empty() ? "" : ", ") + std::string(c.name());
+  throw Error(ErrorKind::file, name + " has no channels R, G and B but " +
+                                   (there.empty() ? "none" : there) +
+                                   ": store the picture under these names");
+}
+
+/// Runs `act`; what OpenEXR throws becomes an Error.
+template <typename Act>
+auto read(const std::string& name, Act act) {
+  try {
+    return act();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorKind::file, name + " cannot be read as OpenEXR: " + error.what());
+  }
+}
+
+}  // namespace
+
+ExrPicture::ExrPicture(const std::string& path, std::string name, int64_t most)
+    : path_(path), name_(std::move(name)) {
+  read(name_, [&] {
+    const Imf::InputFile file(path_.c_str());
+    const Imath::Box2i window = file.header().dataWindow();
+    const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+    const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+    if (width < 1 || height < 1 || width > most || height > most)
+      throw Error(ErrorKind::file, name_ + " is " + std::to_string(width) + "x" +
+                                       std::to_string(height) + "; pictures have up to " +
+                                       std::to_string(most) + " pixels along a side");
+    channels_of(file.header(), name_);
+    extent_ = {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+  });
+}
+
+std::vector<float> ExrPicture::rgb() const {
+  return read(name_, [&] {
+    Imf::InputFile file(path_.c_str());
+    const Imath::Box2i window = file.header().dataWindow();
+    const size_t width = extent_.width;
+    std::vector<float> rgb(3 * extent_.pixels());
+    Imf::FrameBuffer target;
+    const auto names = channels_of(file.header(), name_);
+    const bool gray = names[0] == names[1];
+    constexpr size_t kPixel = 3 * sizeof(float);
+    for (size_t c = 0; c < (gray ? 1 : 3); ++c) {
+      // Where pixel (0, 0) would be, which need not be in the window.
+      const auto start = reinterpret_cast<intptr_t>(&rgb[c]) -
+                         (window.min.x + window.min.y * static_cast<intptr_t>(width)) *
+                             static_cast<intptr_t>(kPixel);
+      target.insert(names[c],
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(start), kPixel, kPixel * width));
+    }
+    file.setFrameBuffer(target);
+    file.readPixels(window.min.y, window.max.y);
+    if (gray)
+      for (size_t i = 0; i < rgb.size(); i += 3) rgb[i + 1] = rgb[i + 2] = rgb[i];
+    return rgb;
+  });
+}
+
+}  // namespace inverse

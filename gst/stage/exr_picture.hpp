@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "image/plane.hpp"
+
+namespace inverse {
+
+/// An OpenEXR file that is read: its size first, its pixels when asked for. Single and half floats,
+/// flat scan lines or tiles; of several parts the first.
+class ExrPicture {
+ public:
+  /// Opens it. Throws Error(file), which begins with `name`, where the file cannot be read, is
+  /// larger than `most` pixels along a side, or has neither the channels R, G, B nor Y (those that
+  /// it has are named).
+  ExrPicture(const std::string& path, std::string name, int64_t most);
+
+  Extent extent() const { return extent_; }
+  /// RGB, row by row from the top left, as stored: values may be negative, infinite or no number. A
+  /// picture of Y alone is gray. Throws as the constructor.
+  std::vector<float> rgb() const;
+
+ private:
+  std::string path_, name_;
+  Extent extent_;
+};
+
+}  // namespace inverse
