@@ -73,8 +73,8 @@ class Relighting {
   const Stats& stats() const { return stats_; }
   uint64_t network_bytes() const { return network_ ? network_->bytes() : 0; }
 
-  static constexpr uint64_t kEvery = 8;   ///< frames from one look at what matters to the next
-  static constexpr uint64_t kRetry = 64;  ///< where few lights were not enough
+  static constexpr uint64_t kEvery = 8;       ///< frames from one look at what matters to the next
+  static constexpr uint64_t kRetry = 64;      ///< where few lights were not enough
   static constexpr uint32_t kSamples = 1600;  ///< pixels that are looked at
 
  private:

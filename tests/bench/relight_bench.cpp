@@ -6,6 +6,7 @@
 //   --models FOLDER          a folder with features.net and light.net: the network, too
 //   --pictures FOLDER        writes truth and predictions side by side
 //   --runs N                 of each time (default 7)
+//   --choices 0|1            whether to choose few lights (default 1)
 //   --times 0|1              whether to measure times (default 1)
 //
 // Prints, as tables: errors of single lights and of relit pictures, how many lights stay within an
@@ -67,7 +68,7 @@ Image beside(const std::vector<Image>& images, double gain) {
 struct Arguments {
   std::vector<std::string> environments, sets;
   std::string models, pictures;
-  int runs = 7, times = 1;
+  int runs = 7, choices = 1, times = 1;
 };
 
 struct Method {
@@ -86,7 +87,7 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
             const std::string& pictures) {
   std::printf("\n| subject | method | one light, l1 of 255 |");
   for (const NamedEnvironment& e : environments) std::printf(" %s |", e.name.c_str());
-  std::printf("\n|---|---|---|");
+  std::printf(" mean |\n|---|---|---|---|");
   for (size_t i = 0; i < environments.size(); ++i) std::printf("---|");
   std::printf("\n");
   for (const OlatSet& set : sets) {
@@ -107,6 +108,7 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
           if (i == (2 * k + 1) * set.lights.size() / (2 * lit.size())) lit[k].push_back(got);
       }
       std::printf("| %s | %s | %.2f |", set.name.c_str(), method.name, off);
+      double sum = 0;
       for (size_t e = 0; e < environments.size(); ++e) {
         const auto weights = subject.stage().cells.weights(environments[e].map);
         const Image truth = true_sum(set, weights);
@@ -114,9 +116,11 @@ void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSe
         const Image got = subject.sum(weighted(subject.stage(), split.rest), split.measured);
         if (relit[e].empty()) relit[e].push_back(truth);
         relit[e].push_back(got);
-        std::printf(" %.1f %% |", 100 * relative(got, truth, set.mask));
+        const double error = 100 * relative(got, truth, set.mask);
+        sum += error;
+        std::printf(" %.1f %% |", error);
       }
-      std::printf("\n");
+      std::printf(" %.2f %% |\n", sum / static_cast<double>(environments.size()));
       std::fflush(stdout);
     }
     if (pictures.empty()) continue;
@@ -207,7 +211,7 @@ void run(const Arguments& arguments) {
   std::printf("%s\n", device->name().c_str());
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
   errors(device, sets, environments, methods, arguments.pictures);
-  choices(device, sets, environments, methods);
+  if (arguments.choices) choices(device, sets, environments, methods);
   if (arguments.times)
     times(device, sets[0], environments[0], models ? &*models : nullptr, arguments.runs);
 }
@@ -224,6 +228,7 @@ int main(int argc, char** argv) {
       {"--models", text(arguments.models)},
       {"--pictures", text(arguments.pictures)},
       {"--runs", integer(arguments.runs)},
+      {"--choices", integer(arguments.choices)},
       {"--times", integer(arguments.times)}};
   if (!read(options, argc, argv, "relight_bench.cpp", &arguments.sets)) return 2;
   try {

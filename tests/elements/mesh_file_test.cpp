@@ -61,7 +61,7 @@ std::string ring(int corners) {
   for (int i = 0; i < corners; ++i) {
     const double angle = 2 * std::numbers::pi * i / corners;
     obj += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
-    face += " " + std::to_string(i + 1);
+    face.append(" ").append(std::to_string(i + 1));
   }
   return obj + face + "\n";
 }
@@ -73,7 +73,7 @@ std::string glb(size_t squares = 1, size_t nodes = 1) {
   const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
   std::string shown = "0", list = R"({"mesh":0,"translation":[5,6,7]})", corners;
   for (size_t i = 1; i < nodes; ++i) {
-    shown += "," + std::to_string(i);
+    shown.append(",").append(std::to_string(i));
     list += R"(,{"mesh":0})";
   }
   for (size_t i = 0; i < squares; ++i) corners.append(reinterpret_cast<const char*>(indices), 12);
