@@ -7,7 +7,6 @@
 
 #include "../error.hpp"
 #include "../gpu/shaders.hpp"
-#include "../material/material.hpp"
 
 INVERSE_SHADER(environment_lit_sphere);
 
@@ -103,7 +102,7 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
   recorded_ = state;
   ++version_;
   const Surface& s = state.surface;
-  const float gain = Material::lobe_gain(s.shininess) * s.specular * state.view.intensity;
+  const float gain = Surface::lobe_gain(s.shininess) * s.specular * state.view.intensity;
   const uint32_t side = table_.extent.width;
   const bool broad = s.shininess < kBroad;
   const struct {

@@ -10,12 +10,15 @@
 namespace inverse {
 
 /// What a surface gives back of light: diffuse * D + specular * lobe_gain(shininess) * S (thesis
-/// Eq. 6.2, Material::lobe_gain).
+/// Eq. 6.2).
 struct Surface {
   std::array<float, 3> diffuse{0.5F, 0.5F, 0.5F};  ///< albedo, linear RGB
   float specular = 0;                              ///< albedo, white
   float shininess = 2;                             ///< exponent, 1 to 1024
   bool operator==(const Surface&) const = default;
+
+  /// Keeps sharp lobes visible: 1 for wide ones.
+  static float lobe_gain(float shininess) { return shininess > 8 ? (shininess + 8) / 16 : 1; }
 };
 
 /// Whether two surfaces look the same, to half a code value and what an exponent can tell: who

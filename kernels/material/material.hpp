@@ -6,7 +6,7 @@
 namespace inverse {
 
 /// A homogeneous Blinn-Phong material (thesis Eq. 6.2): what an object gives back of the light is
-/// diffuse * D + specular * lobe_gain(shininess) * S, with D and S as in Eq. 6.3.
+/// diffuse * D + specular * Surface::lobe_gain(shininess) * S, with D and S as in Eq. 6.3.
 struct Material {
   static constexpr size_t kBins = 8;
 
@@ -39,8 +39,6 @@ struct Material {
     }
     return std::exp2(all > 0 ? sum / all : 1);
   }
-  /// m_s = lobe_gain * alpha keeps sharp lobes visible.
-  static float lobe_gain(float shininess) { return shininess > 8 ? (shininess + 8) / 16 : 1; }
 };
 
 }  // namespace inverse

@@ -15,6 +15,7 @@
 #include "../../training/lime/corpus/room.hpp"
 #include "command_line.hpp"
 #include "environment/environment_fit.hpp"
+#include "environment/lit_sphere.hpp"
 #include "error.hpp"
 #include "gpu/commands.hpp"
 #include "material/lime_material.hpp"
@@ -67,7 +68,7 @@ Scene make_scene(Shape shape, uint64_t number) {
   for (float& m : scene.material.diffuse) m = random.uniform(0.08F, 0.8F);
   scene.material.specular = random.uniform(0.15F, 0.8F);
   scene.shininess = std::exp2(random.uniform(3.0F, 9.5F));
-  scene.gain = scene.material.specular * Material::lobe_gain(scene.shininess);
+  scene.gain = scene.material.specular * Surface::lobe_gain(scene.shininess);
   const lime::Lights wide(shrink(scene.room, 24)), narrow(shrink(scene.room, 48));
   scene.normals.resize(size_t{kSide} * kSide);
   scene.mask.resize(scene.normals.size());

@@ -9,7 +9,6 @@
 
 #include "error.hpp"
 #include "gpu_fixture.hpp"
-#include "material/material.hpp"
 #include "tests/reference/lit_sphere.hpp"
 
 namespace inverse::testing {
@@ -92,7 +91,7 @@ class LitSphereTest : public GpuTest {
     sphere.set_light(light);
     const uint32_t side = sphere.table().extent.width;
     const Pixels d = table(sphere, {{1, 1, 1}, 0, shininess}, {1, rotation});
-    const float gain = Material::lobe_gain(shininess);
+    const float gain = Surface::lobe_gain(shininess);
     const Pixels s = table(sphere, {{0, 0, 0}, 1 / gain, shininess}, {1, rotation});
     const reference::LightMap map = to_reference(light);
     double d_error = 0, s_error = 0, d_top = 0, s_top = 0;

@@ -62,7 +62,7 @@ def main():
     sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False),
             "The same, every fourth object painted": (
                 datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.MAY_BE_PAINTED), False),
-            "The same, four of ten marked, every fifth matte (layers only)": (
+            "The same, every fourth marked, every eighth matte (layers only)": (
                 datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.EVERYDAY), False),
             "The same, in whole frames (mask only)": (
                 datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.WHOLE_FRAME), False)}

@@ -113,7 +113,7 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
 void print_marks(Random& random, int size, std::vector<Vec>& pixels) {
   const std::array<Vec, 3> inks{random_color(random), random_color(random), random_color(random)};
   const Vec paper = random.uniform(0.5f, 0.95f) * mix({1, 1, 1}, random_color(random), 0.1f);
-  const bool on_paper = random.chance(0.5f);
+  const bool on_paper = random.chance(0.3f);
   const float white = random.chance(0.6f) && !on_paper ? random.uniform(0.4f, 1.f) : 0.1f;
   const int count = random.chance(0.5f) ? 1 + random.below(6) : 6 + random.below(60);
   const int colors = 1 + random.below(3);

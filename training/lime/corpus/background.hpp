@@ -16,7 +16,7 @@ std::vector<Vec> make_background(Random& random, int size, const Environment& ma
 std::vector<Vec> make_plain_background(Random& random, int size);
 
 /// Sharp-edged marks over size × size albedos, as letters, labels and stripes are: patches of one
-/// to three inks and of something white; every second object becomes white beneath them.
+/// to three inks and of something white; a third of the objects becomes white beneath them.
 void print_marks(Random& random, int size, std::vector<Vec>& pixels);
 
 }  // namespace inverse::lime

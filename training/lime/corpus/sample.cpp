@@ -334,12 +334,12 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   std::vector<Vec> albedo;
   if (request.may_be_painted && brush.chance(0.25f))
     albedo = paint(brush, lighting.map, request.size, own);
-  if (request.everyday && print.chance(0.4f)) {
+  if (request.everyday && print.chance(0.25f)) {
     if (albedo.empty()) albedo.assign(plane, own);
     print_marks(print, request.size, albedo);
   }
   if (!albedo.empty()) wear(albedo, pixels, parameters);
-  if (request.everyday && print.chance(0.2f)) parameters.alpha = parameters.specular = 0;
+  if (request.everyday && print.chance(0.12f)) parameters.alpha = parameters.specular = 0;
   const float k = parameters.exposure = draw_exposure(sensor, pixels, parameters);
 
   std::vector<Vec> linear = request.whole_frame && surroundings.chance(0.4f)

@@ -22,8 +22,8 @@ struct Request {
   /// the camera's exposure and white balance may be off.
   bool whole_frame = false;
   bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
-  /// As many things in use are: four of ten objects bear sharp-edged marks, many of them white,
-  /// and every fifth is matte (alpha and m_s are 0, and its shininess says nothing).
+  /// As many things in use are: every fourth object bears sharp-edged marks, many of them white,
+  /// and every eighth is matte (alpha and m_s are 0, and its shininess says nothing).
   bool everyday = false;
 };
 
