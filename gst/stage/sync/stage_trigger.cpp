@@ -59,16 +59,19 @@ void StageTrigger::upload() {
   }
 }
 
+void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
+  std::string names;
+  for (const size_t i : cameras) names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
+  GST_ELEMENT_WARNING(
+      element_, STREAM, FAILED,
+      ("no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str()),
+      (nullptr));
+}
+
 TriggeredCapture::Listener StageTrigger::listener() {
   TriggeredCapture::Listener listener;
   listener.lost = [this](uint64_t trigger, const std::vector<size_t>& cameras) {
-    std::string names;
-    for (const size_t i : cameras)
-      names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
-    GST_ELEMENT_WARNING(
-        element_, STREAM, FAILED,
-        ("no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str()),
-        (nullptr));
+    tell_lost(trigger, cameras);
   };
   listener.ended = [this] {
     for (const Camera& camera : cameras_) camera.trigger->end();
