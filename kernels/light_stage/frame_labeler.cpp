@@ -48,7 +48,8 @@ void FrameLabeler::reset() {
   waiting_.clear();
   confirmed_until_.reset();
   trouble_.reset();
-  over_ = false;
+  over_ = begun_ = false;
+  lost_anchor_.reset();
   origin_.reset();
   waiting_since_.reset();
   epoch_ = counter_.epoch();
@@ -66,9 +67,11 @@ void FrameLabeler::flush() {
   if (counter_.epoch() == epoch_) return;
   epoch_ = counter_.epoch();
   lose_anchor();
+  lost_anchor_.reset();
 }
 
 void FrameLabeler::lose_anchor() {
+  if (anchor_) lost_anchor_ = anchor_;
   anchor_.reset();
   unsettled_ = {};
   last_.reset();
@@ -80,12 +83,14 @@ void FrameLabeler::lose_anchor() {
 /// The program is over. Who starts it again has all the time there is.
 void FrameLabeler::end() {
   lose_anchor();
+  lost_anchor_.reset();
   ended_ = false;
   over_ = true;
   overdue_told_ = true;
 }
 
 bool FrameLabeler::take_overdue() {
+  if (program_.marker == LightProgram::Marker::none) return false;
   if (anchor_ || overdue_told_ || !waiting_since_ || !now_) return false;
   overdue_told_ = static_cast<double>(*now_ - *waiting_since_) > params_.marker_within * 1e9;
   return overdue_told_;
@@ -144,12 +149,14 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
 std::vector<FrameLabeler::Labeled> FrameLabeler::drain() {
   auto out = settle(counter_.drain());
   end_of_evidence(out);
-  for (Seen& seen : seen_)
-    if (!seen.told) {
-      tell(seen.token, outside(), out);
-      seen.told = true;
-    }
+  tell_all_seen(out);
   return out;
+}
+
+/// No label will come for those that were seen and not told.
+void FrameLabeler::tell_all_seen(std::vector<Labeled>& out) {
+  for (Seen& seen : seen_)
+    if (!std::exchange(seen.told, true)) tell(seen.token, outside(), out);
 }
 
 std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counted>& all) {
@@ -166,11 +173,11 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
     end_of_evidence(out);
     confirmed_until_.reset();
     trouble_.reset();
-    for (Seen& seen : seen_)
-      if (!seen.told) tell(seen.token, outside(), out);
+    tell_all_seen(out);
     seen_.clear();
     if (anchor_) ++counts_.resynchronizations;
     lose_anchor();
+    lost_anchor_.reset();
   }
   return out;
 }
@@ -198,7 +205,8 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
     if (!seen_.empty()) trouble_ = seen_.back().trigger;
     return;
   }
-  if (program_.marker == LightProgram::Marker::none && !anchor_) {
+  if (program_.marker == LightProgram::Marker::none && !begun_) {
+    begun_ = true;
     anchor_ = frame.trigger;
     last_ = frame.trigger - 1;
   }
@@ -267,7 +275,8 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   const bool confirms = evidence_.confirms(position, image);
   const uint32_t agreed = confirms ? kConfirmed : confirmable() ? 0 : kAgreed;
   contradicted_lately_ -= std::min(contradicted_lately_, agreed);
-  if (position.part == Position::Part::marker && position.index == 1 && position.pass > 0)
+  const bool passes = position.part == Position::Part::marker && position.index == 1;
+  if (passes && position.pass > 0 && trigger != found_marker_.value_or(trigger) + 1)
     ++counts_.markers;
   evidence_.learn(position, image);
   ++counts_.labeled;

@@ -54,7 +54,7 @@ class FrameLabeler {
     uint64_t duplicates = 0, late = 0, ambiguous = 0, contradicted = 0;
     uint64_t before_marker = 0, ended = 0, untimed = 0;
     uint64_t markers = 0;             ///< that were seen
-    uint64_t resynchronizations = 0;  ///< new anchors after the first, and counts that began anew
+    uint64_t resynchronizations = 0;  ///< times the labels were lost, and counts that began anew
   };
 
   /// `program` has to outlive it.
@@ -67,7 +67,7 @@ class FrameLabeler {
   std::vector<Labeled> drain();
   /// All that is held is forgotten; what is known of the clock and the program's start is not.
   void flush();
-  /// Starts as new, but counts go on.
+  /// Starts as new, but counts go on. What is held is forgotten: `drain` tells it before.
   void reset();
 
   /// How many periods a frame of the program may wait for the one that confirms it, where one of
@@ -117,7 +117,9 @@ class FrameLabeler {
   void tell(uint64_t token, Fate fate, std::vector<Labeled>& out);
   Fate outside() const { return over_ ? Fate::ended : Fate::before_marker; }
   bool contradicts(int64_t trigger, const ImageEvidence& image) const;
+  void tell_all_seen(std::vector<Labeled>& out);
   void look_for_marker(std::vector<Labeled>& out);
+  int64_t same_start(int64_t marker) const;
   void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
   void lose_anchor();
   void end();
@@ -154,6 +156,9 @@ class FrameLabeler {
   std::deque<std::pair<uint64_t, ImageEvidence>> waiting_;  // in the counter
   std::optional<int64_t> origin_;                           // ns
   std::optional<int64_t> anchor_;
+  std::optional<int64_t> lost_anchor_;   // of this epoch, and of a program that has not ended
+  std::optional<int64_t> found_marker_;  // the counter's: where the last anchor was taken
+  bool begun_ = false;                   // without a marker only the first frame is the start
   uint64_t epoch_ = 0;
   bool ended_ = false;  // just now
   bool over_ = false;   // it has ended, and no marker was seen since

@@ -196,6 +196,7 @@ FrameLabeler::Match FrameLabeler::matches(int64_t start, Anchor& anchor) const {
 }
 
 void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
+  if (program_.marker == LightProgram::Marker::none) return tell_all_seen(out);
   const int64_t newest = seen_.back().trigger;
   // The first two of a marker are kept in any case.
   int64_t keep_from = newest - 1;
@@ -217,10 +218,22 @@ void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
     }
 }
 
+/// Where the program of a marker began. One that comes where a later pass has its own is that one:
+/// the count of triggers goes on, as it does for cameras that saw no trouble.
+int64_t FrameLabeler::same_start(int64_t marker) const {
+  if (program_.marker != LightProgram::Marker::pass || !lost_anchor_) return marker;
+  const int64_t passed = marker - *lost_anchor_;
+  const auto pass = static_cast<int64_t>(LightProgram::kMarkerSteps + program_.steps.size());
+  if (passed < 0 || passed % pass != 0) return marker;
+  const Position position = program_.at(static_cast<uint64_t>(passed));
+  return position.part == Position::Part::ended ? marker : *lost_anchor_;
+}
+
 void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) {
   ++counts_.markers;
   over_ = false;
-  anchor_ = anchor.trigger;
+  found_marker_ = anchor.trigger;
+  anchor_ = same_start(anchor.trigger);
   last_ = anchor.trigger - 1;
   dropped_since_last_ = 0;
   waiting_since_.reset();
@@ -231,7 +244,10 @@ void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) 
       continue;
     }
     seen.told = true;
-    label(seen.token, seen.trigger, seen.image, out);
+    if (seen.trigger < anchor.trigger)
+      tell(seen.token, outside(), out);
+    else
+      label(seen.token, seen.trigger, seen.image, out);
   }
   if (ended_) end();
 }

@@ -7,7 +7,13 @@ void FrameSets::forget_frames(uint32_t camera) {
     set->second.erase(camera);
     set = set->second.empty() ? sets_.erase(set) : std::next(set);
   }
-  cameras_[camera].latest.reset();
+  if (const auto found = cameras_.find(camera); found != cameras_.end())
+    found->second.latest.reset();
+}
+
+void FrameSets::wait_for(uint32_t camera, bool wait) {
+  if (const auto found = cameras_.find(camera); found != cameras_.end())
+    found->second.waited_for = wait;
 }
 
 void FrameSets::remove_camera(uint32_t camera) {
@@ -16,8 +22,10 @@ void FrameSets::remove_camera(uint32_t camera) {
 }
 
 void FrameSets::add(uint32_t camera, uint64_t key, uint64_t token) {
+  const auto found = cameras_.find(camera);
+  if (found == cameras_.end()) return;
   sets_[key][camera] = token;
-  cameras_[camera].latest = key;
+  found->second.latest = key;
 }
 
 std::vector<uint32_t> FrameSets::lacking() const {

@@ -20,14 +20,13 @@ class FrameSets {
   explicit FrameSets(bool complete) : complete_(complete) {}
 
   void add_camera(uint32_t camera) { cameras_[camera] = {}; }
-  /// Its frames are forgotten.
+  /// Its frames are forgotten. What comes of a camera that is not there is left out.
   void remove_camera(uint32_t camera);
   void forget_frames(uint32_t camera);
   /// A frame; those of a camera come in rising order of `key`.
   void add(uint32_t camera, uint64_t key, uint64_t token);
   /// Whether sets wait for a camera. Frames of one that is not waited for still join.
-  void wait_for(uint32_t camera, bool wait) { cameras_[camera].waited_for = wait; }
-  bool waits_for(uint32_t camera) const { return cameras_.at(camera).waited_for; }
+  void wait_for(uint32_t camera, bool wait);
   /// Cameras that the oldest set lacks and waits for; none where there is no set.
   std::vector<uint32_t> lacking() const;
   /// The sets that are decided.

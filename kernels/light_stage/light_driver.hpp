@@ -64,7 +64,8 @@ class LightDriver {
 
   /// Makes ready for a program: opens what is to be opened, hands over what the rig needs before
   /// the start. Lights are black afterwards (`none`: as they were). Serial controllers take up to
-  /// seconds; each answer is waited for `patience` at most. Again for another program.
+  /// minutes; each answer is waited for `patience` at most. Again for another program, or for
+  /// another start of the same one, which they need not be given again.
   virtual void upload(const LightProgram& program) = 0;
   /// The lights of this trigger, counted from 0 as LightProgram::at does: to be called when the
   /// cameras are triggered (or the guard time before). Does not wait for answers: what the

@@ -126,10 +126,15 @@ LightProgram performance(std::vector<StageLight> lights, uint32_t rate) {
   return program;
 }
 
+bool is_built_in_program(const std::string& name_or_path) {
+  const std::string name = name_or_path.substr(0, name_or_path.find(':'));
+  return name == "performance" || name == "static";
+}
+
 LightProgram light_program(const std::string& name_or_path, uint32_t rate) {
+  if (!is_built_in_program(name_or_path)) return LightProgram::load(name_or_path);
   const size_t colon = name_or_path.find(':');
   const std::string name = name_or_path.substr(0, colon);
-  if (name != "performance" && name != "static") return LightProgram::load(name_or_path);
   uint32_t count = kDefaultLights;
   if (colon != std::string::npos) {
     const char *first = name_or_path.data() + colon + 1,

@@ -66,6 +66,8 @@ class SerialDriver final : public LightDriver {
 
   void upload(const LightProgram& program) override {
     black();
+    if (port_ && loaded_ == program.id() && goes()) return;
+    loaded_.reset();
     if (!port_) open();
     try {
       greet();
@@ -77,8 +79,8 @@ class SerialDriver final : public LightDriver {
                serial::checksum_of(lines) +
                ": the line disturbs; use a shorter cable or a lower baud rate");
       }
-      running_ = true;
-      command(settings_.pulses ? "go pulses\n" : "go trigger\n");
+      go();
+      loaded_ = program.id();
     } catch (...) {
       running_ = false;
       port_.reset();
@@ -114,6 +116,23 @@ class SerialDriver final : public LightDriver {
   [[noreturn]] void hung_up() const { fail("has hung up; check its cable and its power"); }
   void look_around() const {
     if (cancelled_) fail("was given up: stopped");
+  }
+
+  void go() {
+    running_ = true;
+    command(settings_.pulses ? "go pulses\n" : "go trigger\n");
+  }
+  /// Whether the controller starts the program that it was given before. One that was switched off
+  /// meanwhile has none.
+  bool goes() {
+    try {
+      go();
+      return true;
+    } catch (const Error&) {
+      running_ = false;
+      port_.reset();
+      return false;
+    }
   }
 
   void open() {
@@ -248,6 +267,7 @@ class SerialDriver final : public LightDriver {
   serial::LineReader lines_;
   uint32_t token_ = 0;
   bool running_ = false;
+  std::optional<uint64_t> loaded_;  // the program that the controller has, while the port is open
   std::atomic<bool> cancelled_{false};
 };
 

@@ -183,6 +183,29 @@ TEST_F(AravisSync, ACameraThatDisappearsIsAnError) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
 }
 
+TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  write_program(1);
+  make(
+      "lightstagesync name=sync camera-trigger=aravis-software trigger-timeout=2 timeout=0.3 "
+      "program=" +
+      folder_ + "/program.json sync.src_0 ! appsink name=out sync=false sync.src_1 ! fakesink " +
+      source("") + " ! " + kSmall +
+      " ! tee name=both ! queue ! sync.sink_0 both. ! queue ! sync.sink_1");
+  ASSERT_NE(gst_element_set_state(pipeline_, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE)
+      << error(0);
+  GstPad* pad = gst_element_get_static_pad(element("sync"), "src_0");
+  GstQuery* query = gst_query_new_latency();
+  EXPECT_TRUE(gst_pad_query(pad, query));
+  GstClockTime least = 0;
+  gst_query_parse_latency(query, nullptr, &least, nullptr);
+  EXPECT_GE(least, 300 * GST_MSECOND);
+  EXPECT_LT(least, GST_SECOND);  // sets wait for 10 s
+  gst_query_unref(query);
+  gst_object_unref(pad);
+  close();
+}
+
 TEST_F(AravisSync, WhatDoesNotGoTogetherIsSaid) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(1);
@@ -195,7 +218,10 @@ TEST_F(AravisSync, WhatDoesNotGoTogetherIsSaid) {
   fails("videotestsrc ! lightstagesync camera-trigger=aravis-software ! fakesink",
         "no camera to trigger upstream of sink_0");
   fails(line("", "trigger-source=Line0"), "trigger-source=Line0");
-  fails(line("backend=serial serial-port=/dev/no-such-port"), "/dev/no-such-port");
+  // Lights are spoken to while the cameras start.
+  make(line("backend=serial serial-port=/dev/no-such-port"));
+  gst_element_set_state(pipeline_, GST_STATE_PLAYING);
+  EXPECT_NE(error(20).find("/dev/no-such-port"), std::string::npos) << error_;
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST_F(AravisTrigger, EachTriggerIsOneFrame) {
   EXPECT_EQ(got_.front().id, 65401U);
   EXPECT_EQ(got_.back().id, 65401U + 152 - 65535);
   for (const Frame& frame : got_) EXPECT_EQ(frame.first_pixel, frame.id % 255);
-  trigger_->release();
+  trigger_.reset();
 }
 
 /// A source that knows nothing of triggers, as aravissrc, runs freely until it is told otherwise.
@@ -194,7 +194,7 @@ TEST_F(AravisTrigger, ACameraThatRunsFreelyIsTakenOver) {
   capture(program(20), {});
   EXPECT_EQ(failed_, "");
   expect_labels(23);
-  trigger_->release();
+  trigger_.reset();
 }
 
 TEST_F(AravisTrigger, LostFramesAreTakenAgainInTheSameLight) {
@@ -218,7 +218,7 @@ TEST_F(AravisTrigger, LostFramesAreTakenAgainInTheSameLight) {
     }
   }
   EXPECT_EQ(labels, stats_.triggers);
-  trigger_->release();
+  trigger_.reset();
 }
 
 TEST_F(AravisTrigger, ACameraThatDisappearsIsAnError) {
@@ -234,7 +234,7 @@ TEST_F(AravisTrigger, ACameraThatDisappearsIsAnError) {
   });
   EXPECT_NE(failed_.find("camera does not hear its trigger"), std::string::npos) << failed_;
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
-  trigger_->release();
+  trigger_.reset();
 }
 
 TEST_F(AravisTrigger, WithoutACameraItSaysWhatItTakes) {

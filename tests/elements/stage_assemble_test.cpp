@@ -110,6 +110,16 @@ TEST_F(StagePairs, FramesWithoutTheOtherHalfAreCounted) {
   EXPECT_EQ(count("unpaired"), 2u);
 }
 
+TEST_F(StagePairs, ADoubledFrameCostsNoPairAlsoWhereUnlabeledOnesMayPass) {
+  g_object_set(element_, "drop-unlabeled", FALSE, nullptr);
+  start();
+  for (int64_t n = -10; n < 43; ++n)
+    for (int copies = n == 21 || n == 30 ? 2 : 1; copies; --copies) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_EQ(pull(20).back().trigger, 41);
+  EXPECT_EQ(count("duplicates"), 2u);
+  EXPECT_EQ(count("unpaired"), 0u);
+}
+
 TEST_F(StagePairs, SizesThatChangeWithinAPairMakeNone) {
   start();
   for (int64_t n = -10; n < 14; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
@@ -289,6 +299,27 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
     EXPECT_LT(off / (kWide * kHigh), 2e-3);
   }
   std::filesystem::remove_all(location);
+}
+
+TEST_F(StageCapture, LatencyHasThePassThatIsHeld) {
+  start();
+  gst_harness_set_upstream_latency(camera(), 20 * GST_MSECOND);
+  const GstClockTime period = GST_SECOND / 60 + 1;
+  // 3 of the marker, 42 lights, 4 tracking frames, 2 gradients; 23 that labels may wait for.
+  EXPECT_EQ(gst_harness_query_latency(camera()), 20 * GST_MSECOND + (51 + 23) * period);
+}
+
+TEST_F(StageCapture, ACaptureThatAnotherStreamCutsShortGoesOutBeforeIt) {
+  start();
+  for (int64_t n = -20; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_stream_start("another")));
+  const auto triggers = static_cast<int64_t>(*program_.triggers());
+  for (int64_t n = -20; n < triggers; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  const auto frames = pull(27 + static_cast<size_t>(triggers));
+  ASSERT_EQ(frames.size(), 27 + static_cast<size_t>(triggers));
+  EXPECT_EQ(frames[26].trigger, 26);
+  EXPECT_EQ(frames[27].trigger, 0);
+  EXPECT_EQ(frames.back().trigger, triggers - 1);
 }
 
 TEST_F(StageCapture, ACaptureThatIsCutShortGoesOutAsFarAsItCame) {

@@ -288,6 +288,23 @@ TEST_F(StageSync, ARateThatIsNotTheProgramsIsAWarningAndAnUnknownOneIsNone) {
   EXPECT_TRUE(warned_of("25"));
 }
 
+TEST_F(StageSync, ProgramsThatAreNoFilesHaveTheRateThatIsSet) {
+  g_object_set(element_, "program", "performance:42", "rate", 25u, nullptr);
+  start(0, caps(kWidth, kHeight, "25/1"));
+  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  start(0, caps(kWidth, kHeight, "60/1"));
+  EXPECT_TRUE(warned_of("property \"rate\""));
+}
+
+TEST_F(StageSync, FilesHaveARateOfTheirOwn) {
+  use_performance();
+  g_object_set(element_, "rate", 25u, nullptr);
+  start(0, caps(kWidth, kHeight, "60/1"));
+  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  start(0, caps(kWidth, kHeight, "25/1"));
+  EXPECT_TRUE(warned_of("\"rate\" in " + path_));
+}
+
 TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
   use_performance();
   g_object_set(element_, "timeout", 0.3, nullptr);
@@ -296,6 +313,23 @@ TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
   gst_harness_set_upstream_latency(camera(0), 20 * GST_MSECOND);
   gst_harness_set_upstream_latency(camera(1), 30 * GST_MSECOND);
   EXPECT_EQ(gst_harness_query_latency(camera(0)), 330 * GST_MSECOND);
+}
+
+TEST_F(StageSync, ThatACameraComesOrGoesChangesTheLatency) {
+  use_performance();
+  start(0);
+  const auto told = [&] {
+    GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_LATENCY);
+    if (message) gst_message_unref(message);
+    return message != nullptr;
+  };
+  while (told()) continue;
+  GstPad* pad = gst_element_request_pad_simple(element_, "sink_7");
+  ASSERT_NE(pad, nullptr);
+  EXPECT_TRUE(told());
+  gst_element_release_request_pad(element_, pad);
+  gst_object_unref(pad);
+  EXPECT_TRUE(told());
 }
 
 TEST_F(StageSync, LatencyHasTheTimeThatSingleLightsWaitToBeConfirmed) {

@@ -3,32 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "labeling_simulation.hpp"
+#include "labeling_by_hand.hpp"
 
 namespace inverse::testing {
 namespace {
-
-using Fate = FrameLabeler::Fate;
-
-std::vector<StageLight> some_lights(uint32_t count = 64) {
-  return stage_lights(geodesic_directions(count));
-}
-
-/// A program whose pictures all look alike: times and ids are all there is.
-LightProgram featureless() {
-  LightProgram program = performance(some_lights());
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> unit(0.3F, 0.7F);
-  program.steps.clear();
-  for (int i = 0; i < 97; ++i) {
-    LightStep step{StepKind::custom};
-    for (size_t l = 0; l < program.lights.size(); ++l)
-      step.colors.push_back({unit(random), unit(random), unit(random)});
-    program.steps.push_back(step);
-  }
-  program.check();
-  return program;
-}
 
 LightProgram endless_static() {
   LightProgram program = static_capture(some_lights(331));
@@ -117,55 +95,6 @@ TEST(Labeling, SingleLightsWhoseFullFrameIsLost) {
   }
   EXPECT_GE(found, 34U);  // one of the frames that tell may be lost, too
 }
-
-/// Pushes frames by hand: pictures of a program, times in periods.
-struct HandCamera {
-  using Labels = std::vector<FrameLabeler::Labeled>;
-  explicit HandCamera(LightProgram program, uint32_t id_bits = 0)
-      : program_(std::move(program)), labeler_(program_, params(id_bits)) {}
-  static FrameLabeler::Params params(uint32_t id_bits) {
-    FrameLabeler::Params params;
-    params.id_bits = id_bits;
-    return params;
-  }
-
-  ImageEvidence picture(int64_t trigger) {
-    ImageEvidence image;
-    image.level = trigger < 0 ? mean_picture(program_, {LightProgram::Position::Part::ended, 0, 0})
-                              : mean_picture(program_, program_.at(static_cast<uint64_t>(trigger)));
-    image.content = ++content_;
-    return image;
-  }
-  void hear(const Labels& told) {
-    for (const auto& one : told) {
-      if (told_.size() <= one.token) told_.resize(one.token + 1);
-      told_[one.token] = one;
-    }
-  }
-  /// Returns the frame's token.
-  uint64_t push(double time, const ImageEvidence& image, std::optional<uint64_t> id = {}) {
-    const uint64_t token = tokens_++;
-    hear(labeler_.push(
-        {token, static_cast<int64_t>(std::llround((time + 100) * 1e9 / 60)), id, image}));
-    return token;
-  }
-  /// Triggers of the program, on time.
-  void play(int64_t from, int64_t to) {
-    for (int64_t n = from; n < to; ++n) push(static_cast<double>(n), picture(n));
-  }
-  Fate fate(uint64_t token) { return token < told_.size() ? told_[token].fate : Fate::untimed; }
-
-  LightProgram program_;
-  FrameLabeler labeler_;
-  std::vector<FrameLabeler::Labeled> told_;
-  uint64_t content_ = 0, tokens_ = 0;
-};
-
-class ByHand : public ::testing::Test, protected HandCamera {
- protected:
-  explicit ByHand(LightProgram program = performance(some_lights()), uint32_t id_bits = 0)
-      : HandCamera(std::move(program), id_bits) {}
-};
 
 TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
   play(-20, 10);

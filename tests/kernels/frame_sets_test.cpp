@@ -57,6 +57,20 @@ TEST(FrameSets, NobodyWaitsForACameraThatIsLeftAloneOrGone) {
   EXPECT_TRUE(sets.lacking().empty());
 }
 
+TEST(FrameSets, ACameraThatIsGoneDoesNotComeBackByItself) {
+  FrameSets sets(true);
+  sets.add_camera(0);
+  sets.add_camera(1);
+  sets.remove_camera(1);
+  sets.forget_frames(1);
+  sets.wait_for(1, true);
+  sets.add(1, 5, 51);
+  sets.add(0, 5, 50);
+  EXPECT_TRUE(sets.lacking().empty());
+  EXPECT_EQ(sets.decide().size(), 1U);
+  EXPECT_EQ(sets.complete_sets(), 1U);
+}
+
 TEST(FrameSets, EveryFrameIsDecidedOnceAndInOrder) {
   std::mt19937 random(7);
   FrameSets sets(false);

@@ -1,12 +1,12 @@
 #include "camera_trigger.hpp"
 
 #include "../camera/aravis_camera.hpp"
+#include "upstream.hpp"
 
 namespace inverse {
 namespace {
 
 constexpr const char* kSoftware = "Software";
-constexpr int kFarthest = 64;  ///< pads between us and the camera
 
 GParamSpec* property_of(GstElement* element, const char* name) {
   return g_object_class_find_property(G_OBJECT_GET_CLASS(element), name);
@@ -17,37 +17,6 @@ bool has_camera(GstElement* element) {
   return spec && (spec->flags & G_PARAM_READABLE) && g_type_is_a(spec->value_type, ARV_TYPE_CAMERA);
 }
 
-/// The element with a camera upstream of a sink pad, a new reference; null where there is none.
-GstElement* upstream_camera(GstPad* sink, int distance) {
-  GstPad* peer = distance < kFarthest ? gst_pad_get_peer(sink) : nullptr;
-  if (!peer) return nullptr;
-  GstElement* element = gst_pad_get_parent_element(peer);
-  if (element && has_camera(element)) {
-    gst_object_unref(peer);
-    return element;
-  }
-  if (element) gst_object_unref(element);
-  // Into an element that passes on, into a bin, or out of one.
-  GstElement* found = nullptr;
-  if (GstIterator* inside = gst_pad_iterate_internal_links(peer)) {
-    GValue item = G_VALUE_INIT;
-    GstIteratorResult result;
-    while (!found && ((result = gst_iterator_next(inside, &item)) == GST_ITERATOR_OK ||
-                      result == GST_ITERATOR_RESYNC)) {
-      if (result == GST_ITERATOR_RESYNC) {
-        gst_iterator_resync(inside);
-        continue;
-      }
-      found = upstream_camera(GST_PAD(g_value_get_object(&item)), distance + 1);
-      g_value_reset(&item);
-    }
-    if (G_IS_VALUE(&item)) g_value_unset(&item);
-    gst_iterator_free(inside);
-  }
-  gst_object_unref(peer);
-  return found;
-}
-
 }  // namespace
 
 struct CameraTrigger::Camera {
@@ -55,7 +24,7 @@ struct CameraTrigger::Camera {
 };
 
 std::unique_ptr<CameraTrigger> CameraTrigger::find(GstPad* sink) {
-  GstElement* source = upstream_camera(sink, 0);
+  GstElement* source = upstream_element(sink, has_camera);
   if (!source) {
     gchar* pad = gst_object_get_name(GST_OBJECT(sink));
     const std::string name = pad;
@@ -113,8 +82,6 @@ void CameraTrigger::configure() {
   arv_camera_start_acquisition(camera, error.out());
   error.check(cannot);
 }
-
-void CameraTrigger::release() { camera_->object.reset(); }
 
 void CameraTrigger::end() { gst_element_send_event(source_, gst_event_new_eos()); }
 

@@ -24,8 +24,6 @@ class CameraTrigger final : public TriggeredCamera {
   /// When its caps have come, so that the camera is open and sends: makes it wait for triggers, if
   /// it does not yet. Throws Error(unsupported) where the camera has no software trigger.
   void configure();
-  /// Lets go of the camera, which cannot be opened again before.
-  void release();
 
   /// No more frames are wanted: end of stream after those that are there.
   void end();

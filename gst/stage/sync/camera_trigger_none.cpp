@@ -12,7 +12,6 @@ std::unique_ptr<CameraTrigger> CameraTrigger::find(GstPad*) {
 CameraTrigger::~CameraTrigger() = default;
 void CameraTrigger::prepare() {}
 void CameraTrigger::configure() {}
-void CameraTrigger::release() {}
 void CameraTrigger::end() {}
 std::string CameraTrigger::name() const { return {}; }
 void CameraTrigger::fire() {}

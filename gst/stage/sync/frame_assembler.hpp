@@ -8,8 +8,8 @@
 
 namespace inverse {
 
-/// What becomes of one camera's labeled frames on their way out of lightstagesync. All but caps()
-/// is called by the thread that pushes on the source pad. What throws is an element error.
+/// What becomes of one camera's labeled frames on their way out of lightstagesync. Called by the
+/// thread that pushes on the source pad, unless said otherwise. What throws is an element error.
 class FrameAssembler {
  public:
   FrameAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels)
@@ -25,7 +25,7 @@ class FrameAssembler {
   virtual GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label);
   /// Nothing more comes.
   virtual GstFlowReturn finish() { return GST_FLOW_OK; }
-  /// A flush: what is held is forgotten.
+  /// A flush: what is held is forgotten. From upstream's thread, while none pushes.
   virtual void forget() {}
   /// Adds what it has to tell to the camera's stats. From any thread.
   virtual void add_stats(GstStructure*) const {}

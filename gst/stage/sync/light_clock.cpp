@@ -11,29 +11,94 @@ LightClock::LightClock(GstElement* element, std::shared_ptr<const StageLabels> l
     : element_(element),
       labels_(std::move(labels)),
       driver_(make_light_driver(settings)),
-      lead_in_(lead_in) {
-  driver_->upload(labels_->program());
-}
+      lead_in_(lead_in),
+      thread_([this] { work(); }) {}
 
-LightClock::~LightClock() { pause(); }
+LightClock::~LightClock() {
+  {
+    Lock lock(mutex_);
+    ending_ = true;
+    // Only then: switching the lights off is waited for.
+    if (uploading_) driver_->cancel();
+    stop_waiting();
+  }
+  thread_.join();
+}
 
 void LightClock::play() {
-  pause();
-  if (!uploaded_) driver_->upload(labels_->program());
-  uploaded_ = true;
-  GstClock* clock = gst_element_get_clock(element_);
-  if (!clock) clock = gst_system_clock_obtain();
-  const GstClockTime start = gst_clock_get_time(clock);
-  stopping_ = false;
-  thread_ = std::thread([this, clock, start] {
-    guarded(element_, [&] { run(clock, start); });
-    gst_object_unref(clock);
-  });
+  Lock lock(mutex_);
+  playing_ = true;
+  started_ = false;
+  ++requests_;
+  stop_waiting();
 }
 
-void LightClock::run(GstClock* clock, GstClockTime start) {
+void LightClock::pause() {
+  Lock lock(mutex_);
+  playing_ = false;
+  stop_waiting();
+}
+
+/// With the mutex held.
+void LightClock::stop_waiting() {
+  if (wait_) gst_clock_id_unschedule(wait_);
+  changed_.notify_all();
+}
+
+/// Whether the lights have the program; that they do not was an error.
+bool LightClock::upload() {
+  {
+    Lock lock(mutex_);
+    if (ending_) return false;
+    uploading_ = true;
+  }
+  bool good = false;
+  try {
+    driver_->upload(labels_->program());
+    good = true;
+  } catch (const Error& error) {
+    Lock lock(mutex_);
+    const bool given_up = ending_;
+    lock.unlock();
+    if (!given_up) post_error(element_, error);
+  } catch (const std::exception& error) {
+    post_error(element_, Error(ErrorKind::internal, error.what()));
+  }
+  Lock lock(mutex_);
+  uploading_ = false;
+  return good;
+}
+
+void LightClock::work() {
+  bool ready = upload();
+  uint64_t done = 0;
+  Lock lock(mutex_);
+  while (!ending_) {
+    if (!asked(requests_) || requests_ == done) {
+      changed_.wait(lock);
+      continue;
+    }
+    done = requests_;
+    lock.unlock();
+    // After black() it takes another start, and after an error another try.
+    if (ready || upload()) guarded(element_, [&] { run(done); });
+    ready = false;
+    try {
+      driver_->black();
+    } catch (const std::exception& error) {
+      GST_WARNING_OBJECT(element_, "the lights were not switched off: %s", error.what());
+    }
+    lock.lock();
+  }
+}
+
+void LightClock::run(uint64_t request) {
   const LightProgram& program = labels_->program();
   const auto triggers = program.triggers();
+  GstClock* clock = gst_element_get_clock(element_);
+  if (!clock) clock = gst_system_clock_obtain();
+  const std::unique_ptr<GstClock, void (*)(void*)> held(clock, gst_object_unref);
+  const GstClockTime start = gst_clock_get_time(clock);
   // Steps begin at whole periods of the running time, as do the frames of cameras that are
   // triggered by the same clock.
   const GstClockTime base = gst_element_get_base_time(element_);
@@ -41,45 +106,27 @@ void LightClock::run(GstClock* clock, GstClockTime start) {
       start - std::min(start, base) + static_cast<GstClockTime>(lead_in_ * GST_SECOND);
   const GstClockTime nominator = GST_SECOND * program.rate_denominator;
   const uint64_t before = gst_util_uint64_scale_ceil(first, program.rate_numerator, nominator);
-  uint64_t trigger = 0;
-  for (; !triggers || trigger < *triggers; ++trigger) {
+  for (uint64_t trigger = 0; !triggers || trigger < *triggers; ++trigger) {
     // From the program's start, so that nothing adds up.
     const GstClockTime time =
         base + gst_util_uint64_scale(before + trigger, nominator, program.rate_numerator);
     GstClockID wait = nullptr;
     {
-      std::lock_guard lock(mutex_);
-      if (stopping_) return;
+      Lock lock(mutex_);
+      if (!asked(request)) return;
       wait = wait_ = gst_clock_new_single_shot_id(clock, time);
-      gst_clock_id_ref(wait);
     }
     gst_clock_id_wait(wait, nullptr);
-    gst_clock_id_unref(wait);
     {
-      std::lock_guard lock(mutex_);
-      gst_clock_id_unref(wait_);
+      Lock lock(mutex_);
+      gst_clock_id_unref(wait);
       wait_ = nullptr;
-      if (stopping_) return;
+      if (!asked(request)) return;
+      started_ = true;
     }
     driver_->show(trigger);
   }
   driver_->black();
-}
-
-void LightClock::pause() {
-  {
-    std::lock_guard lock(mutex_);
-    stopping_ = true;
-    if (wait_) gst_clock_id_unschedule(wait_);
-  }
-  if (!thread_.joinable()) return;
-  thread_.join();
-  uploaded_ = false;
-  try {
-    driver_->black();
-  } catch (const std::exception& error) {
-    GST_WARNING_OBJECT(element_, "the lights were not switched off: %s", error.what());
-  }
 }
 
 }  // namespace inverse

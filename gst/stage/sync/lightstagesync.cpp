@@ -107,6 +107,19 @@ GstIterator* linked_inside(GstPad* pad, GstObject* parent) {
   return iterator;
 }
 
+bool is_running(GstElement* element) {
+  GST_OBJECT_LOCK(element);
+  const bool running = GST_STATE_TARGET(element) > GST_STATE_READY;
+  GST_OBJECT_UNLOCK(element);
+  return running;
+}
+
+/// A camera has come or gone: frames wait for others where there are some.
+void tell_latency(GstElement* element) {
+  if (is_running(element))
+    gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+}
+
 GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, const gchar* wanted,
                         const GstCaps*) {
   SyncElement& sync = sync_of(element);
@@ -136,13 +149,12 @@ GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, cons
   }
   GST_PAD_SET_ACCEPT_TEMPLATE(sink);
   sync.add(static_cast<uint32_t>(number), sink, src);
-  GST_OBJECT_LOCK(element);
-  const bool running = GST_STATE_TARGET(element) > GST_STATE_READY;
-  GST_OBJECT_UNLOCK(element);
+  const bool running = is_running(element);
   for (GstPad* pad : {src, sink}) {
     if (running) gst_pad_set_active(pad, TRUE);
     gst_element_add_pad(element, pad);
   }
+  tell_latency(element);
   return sink;
 }
 
@@ -152,18 +164,20 @@ void release_pad(GstElement* element, GstPad* pad) {
   sync_of(element).remove(camera);
   gst_element_remove_pad(element, camera->src);
   gst_element_remove_pad(element, camera->sink);
+  tell_latency(element);
 }
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
   SyncElement& sync = sync_of(element);
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !sync.start())
     return GST_STATE_CHANGE_FAILURE;
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && !sync.set_playing(true))
-    return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING) sync.set_playing(true);
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) sync.set_playing(false);
   const GstStateChangeReturn result =
       GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) sync.stop();
+  const bool not_started =
+      transition == GST_STATE_CHANGE_READY_TO_PAUSED && result == GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || not_started) sync.stop();
   return result;
 }
 

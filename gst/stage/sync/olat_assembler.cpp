@@ -64,9 +64,6 @@ OlatAssembler::OlatAssembler(GstElement* element, GstPad* src,
                              uint32_t camera)
     : FrameAssembler(element, src, std::move(labels)), location_(params.location), camera_(camera) {
   gst_video_info_init(&info_);
-  const auto& steps = labels_->program().steps;
-  for (uint32_t i = 0; i < steps.size(); ++i)
-    if (steps[i].kind == StepKind::tracking) last_tracking_ = i;
 }
 
 OlatAssembler::~OlatAssembler() { forget(); }
@@ -87,6 +84,11 @@ void OlatAssembler::check(const SyncParams& params, const LightProgram& program)
   if (failed || !std::filesystem::is_directory(params.location))
     throw Error(ErrorKind::file, "the folder " + params.location + " cannot be made: " +
                                      (failed ? failed.message() : "there is a file of this name"));
+}
+
+uint64_t OlatAssembler::longest_pass(const LightProgram& program) {
+  const bool marked = program.marker != LightProgram::Marker::none;
+  return program.steps.size() + (marked ? LightProgram::kMarkerSteps : 0);
 }
 
 bool OlatAssembler::set_caps(GstCaps* caps) {
@@ -140,7 +142,9 @@ GstFlowReturn OlatAssembler::assemble() {
     GST_ELEMENT_WARNING(
         element_, STREAM, FAILED,
         ("%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
-         "not seen there; give the steps \"tracking\" a shorter exposure than single lights",
+         "not seen there; let the camera or the lights' controller expose the steps \"tracking\" "
+         "for a shorter time than single lights, and say so in the program (\"exposure\" of these "
+         "steps: it changes nothing by itself)",
          static_cast<int>(std::lround(100 * clipped))),
         (nullptr));
   std::unique_ptr<OlatMotion> motion;

@@ -21,6 +21,8 @@ class OlatAssembler final : public FrameAssembler {
   /// Throws Error(file) where `params` ask for OLATs and the program has none or no tracking
   /// frames, or where the folder cannot be made.
   static void check(const SyncParams& params, const LightProgram& program);
+  /// Steps of a pass, for which its first frame is held at most: until the frame after it.
+  static uint64_t longest_pass(const LightProgram& program);
 
   bool set_caps(GstCaps* caps) override;
   GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label) override;
@@ -42,7 +44,6 @@ class OlatAssembler final : public FrameAssembler {
 
   const std::string location_;
   const uint32_t camera_;
-  uint32_t last_tracking_ = 0;  // step of the program
   GstVideoInfo info_;
   std::optional<Linearizer> linear_;
   std::vector<Held> held_;

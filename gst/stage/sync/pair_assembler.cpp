@@ -134,7 +134,11 @@ void PairAssembler::drop_first() {
 }
 
 GstFlowReturn PairAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
-  const bool step = label && label->position.part == Position::Part::step;
+  if (!label) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  }
+  const bool step = label->position.part == Position::Part::step;
   const StepKind kind = step ? labels_->program().kind(label->position) : StepKind::black;
   if (step && kind == StepKind::gradient_a) {
     drop_first();

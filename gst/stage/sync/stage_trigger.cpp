@@ -24,10 +24,16 @@ StageTrigger::StageTrigger(GstElement* element, std::shared_ptr<const StageLabel
     cameras_.push_back(std::move(camera));
   }
   lights_ = make_light_driver(settings_.lights);
-  lights_->upload(labels_->program());
+  uploader_ = std::thread([this] { upload(); });
 }
 
 StageTrigger::~StageTrigger() {
+  {
+    const Lock lock(mutex_);
+    ending_ = true;
+    if (!uploaded_) lights_->cancel();
+  }
+  uploader_.join();
   if (capture_) capture_->stop();
   try {
     lights_->black();
@@ -36,16 +42,36 @@ StageTrigger::~StageTrigger() {
   }
 }
 
+/// May take minutes on a serial line, so that no state change waits for it.
+void StageTrigger::upload() {
+  try {
+    lights_->upload(labels_->program());
+    const Lock lock(mutex_);
+    uploaded_ = true;
+    if (!ending_) begin();
+  } catch (const Error& error) {
+    Lock lock(mutex_);
+    const bool given_up = ending_;
+    lock.unlock();
+    if (!given_up) post_error(element_, error);
+  } catch (const std::exception& error) {
+    post_error(element_, Error(ErrorKind::internal, error.what()));
+  }
+}
+
+void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
+  std::string names;
+  for (const size_t i : cameras) names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
+  GST_ELEMENT_WARNING(
+      element_, STREAM, FAILED,
+      ("no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str()),
+      (nullptr));
+}
+
 TriggeredCapture::Listener StageTrigger::listener() {
   TriggeredCapture::Listener listener;
   listener.lost = [this](uint64_t trigger, const std::vector<size_t>& cameras) {
-    std::string names;
-    for (const size_t i : cameras)
-      names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
-    GST_ELEMENT_WARNING(
-        element_, STREAM, FAILED,
-        ("no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str()),
-        (nullptr));
+    tell_lost(trigger, cameras);
   };
   listener.ended = [this] {
     for (const Camera& camera : cameras_) camera.trigger->end();
@@ -81,7 +107,7 @@ void StageTrigger::set_playing(bool playing) {
 
 /// With the mutex held.
 void StageTrigger::begin() {
-  if (!playing_ ||
+  if (!playing_ || !uploaded_ ||
       !std::all_of(cameras_.begin(), cameras_.end(), [](const Camera& one) { return one.ready; }))
     return;
   if (capture_ && capture_->running()) return;  // caps have changed

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <thread>
 
 #include "camera_trigger.hpp"
 #include "stage_labels.hpp"
@@ -19,16 +20,17 @@ class StageTrigger {
     TriggeredCapture::Params capture;
   };
 
-  /// Finds the cameras of these sink pads, which have not started yet, and makes the lights ready.
-  /// Throws Error.
+  /// Finds the cameras of these sink pads, which have not started yet. Throws Error. The lights are
+  /// made ready meanwhile; that this fails is an element error.
   StageTrigger(GstElement* element, std::shared_ptr<const StageLabels> labels,
                const Settings& settings, const std::map<uint32_t, GstPad*>& sinks);
-  /// Lights off; cameras are given back.
+  /// Lights off; cameras are given back. A program that is still being handed over is given up.
   ~StageTrigger();
   StageTrigger(const StageTrigger&) = delete;
   StageTrigger& operator=(const StageTrigger&) = delete;
 
-  /// The caps of a camera have come: it is open. Triggers begin with the last one. Throws Error.
+  /// The caps of a camera have come: it is open. Triggers begin once all are, and the lights have
+  /// the program. Throws Error.
   void camera_ready(uint32_t number);
   void set_playing(bool playing);
 
@@ -59,8 +61,10 @@ class StageTrigger {
   };
   using Lock = std::unique_lock<std::mutex>;
   std::optional<double> age(const CameraTrigger& camera, GstBuffer* buffer) const;
+  void upload();
   void begin();
   TriggeredCapture::Listener listener();
+  void tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const;
 
   GstElement* element_;
   std::shared_ptr<const StageLabels> labels_;
@@ -70,8 +74,9 @@ class StageTrigger {
   mutable std::mutex mutex_;
   std::vector<Camera> cameras_;
   std::shared_ptr<TriggeredCapture> capture_;
-  bool playing_ = false;
+  bool playing_ = false, uploaded_ = false, ending_ = false;
   uint64_t next_ = 0;
+  std::thread uploader_;
 };
 
 }  // namespace inverse

@@ -5,6 +5,7 @@
 #include "base/errors.hpp"
 #include "olat_assembler.hpp"
 #include "pair_assembler.hpp"
+#include "upstream.hpp"
 
 namespace inverse {
 namespace {
@@ -14,7 +15,8 @@ constexpr const char* kProgramEnded = "lightstage-program-ended";
 constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
-constexpr uint32_t kMarkerPeriods = 40;             // the same, in slow programs
+constexpr uint32_t kUsualIdBits = 64;
+constexpr uint32_t kMarkerPeriods = 40;  // the same, in slow programs
 
 }  // namespace
 
@@ -27,7 +29,7 @@ bool SyncElement::start() {
   return guarded(element_, [&] {
     if (params.assemble != SyncParams::Assemble::olat && !params.location.empty())
       throw Error(ErrorKind::unsupported, "location is for assemble=olat: nothing else is written");
-    auto labels = std::make_shared<const StageLabels>(light_program(params.program));
+    auto labels = std::make_shared<const StageLabels>(light_program(params.program, params.rate));
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
     auto trigger = make_trigger(params, labels);
@@ -40,14 +42,15 @@ bool SyncElement::start() {
     labels_ = std::move(labels);
     if (params_.camera_trigger == SyncParams::CameraTrigger::none &&
         !FrameLabeler::all_confirmed(labels_->program(), labeler_params()))
-      warn(
-          "single lights of \"" + labels_->program().name +
-          "\" have no tracking frame (full on) after every 24 of them at most: that the lights are "
-          "in step with the count is not confirmed by pictures there");
+      warn("single lights of \"" + labels_->program().name +
+           "\" have no tracking frame (full on) after every " +
+           std::to_string(labeler_params().hold) +
+           " of them at most: that the lights are in step with the count is not confirmed by "
+           "pictures there");
     sets_ = FrameSets(params_.sets == SyncParams::Sets::complete);
     for (auto& [number, camera] : cameras_) {
       sets_.add_camera(number);
-      camera->labeler = std::make_unique<FrameLabeler>(labels_->program(), labeler_params());
+      make_labeler(*camera);
       make_assembler(*camera);
     }
   });
@@ -67,7 +70,8 @@ void SyncElement::stop() {
     camera->last_trigger.reset();
     camera->stream_id.clear();
     camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
-        camera->live_known = camera->program_ended = false;
+        camera->upstream_known = camera->program_ended = false;
+    camera->id_bits = 0;
     camera->flow = GST_FLOW_OK;
     camera->told = camera->triggered = {};
     camera->run = camera->incomplete = camera->sent = 0;
@@ -79,7 +83,7 @@ void SyncElement::stop() {
   context_.release();
 }
 
-bool SyncElement::set_playing(bool playing) {
+void SyncElement::set_playing(bool playing) {
   std::shared_ptr<StageTrigger> trigger;
   {
     Lock lock(mutex_);
@@ -97,8 +101,7 @@ bool SyncElement::set_playing(bool playing) {
     advance();
   }
   if (trigger) trigger->set_playing(playing);
-  if (!lights_) return true;
-  return guarded(element_, [&] { playing ? lights_->play() : lights_->pause(); });
+  if (lights_) playing ? lights_->play() : lights_->pause();
 }
 
 SyncElement::Clock::duration SyncElement::periods(uint32_t count) const {
@@ -106,14 +109,36 @@ SyncElement::Clock::duration SyncElement::periods(uint32_t count) const {
       std::chrono::nanoseconds(labels_ ? count * labels_->period() : 0));
 }
 
-FrameLabeler::Params SyncElement::labeler_params() const {
+FrameLabeler::Params SyncElement::labeler_params(uint32_t told_id_bits) const {
+  const auto set = static_cast<uint32_t>(params_.frame_id_bits);
   FrameLabeler::Params params;
   params.jitter = params_.jitter;
-  params.id_bits = params_.frame_id == SyncParams::FrameId::none
-                       ? 0
-                       : static_cast<uint32_t>(params_.frame_id_bits);
+  if (params_.frame_id != SyncParams::FrameId::none)
+    params.id_bits = set ? set : told_id_bits ? told_id_bits : kUsualIdBits;
   params.marker_within = params_.marker_timeout;
   return params;
+}
+
+void SyncElement::make_labeler(SyncCamera& camera) {
+  camera.labeler =
+      std::make_unique<FrameLabeler>(labels_->program(), labeler_params(camera.id_bits));
+}
+
+/// What a camera's source says of itself, when its first frame comes.
+void SyncElement::ask_upstream(SyncCamera& camera) {
+  // Frames of a file wait for each other; those of a camera cannot for long.
+  GstQuery* query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(camera.sink, query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  gst_query_unref(query);
+  const uint32_t id_bits = upstream_id_bits(camera.sink);
+  Lock lock(mutex_);
+  camera.live = live;
+  camera.upstream_known = true;
+  if (!labels_ || camera.id_bits == id_bits) return;
+  camera.id_bits = id_bits;
+  if (camera.labeler->counts().frames == 0) make_labeler(camera);
 }
 
 void SyncElement::make_assembler(SyncCamera& camera) {
@@ -138,7 +163,7 @@ SyncElement::CameraPtr SyncElement::add(uint32_t number, GstPad* sink, GstPad* s
   cameras_[number] = camera;
   if (labels_) {
     sets_.add_camera(number);
-    camera->labeler = std::make_unique<FrameLabeler>(labels_->program(), labeler_params());
+    make_labeler(*camera);
     make_assembler(*camera);
     camera->last_arrival = Clock::now();
   }
@@ -204,17 +229,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     gst_buffer_unref(buffer);
     return GST_FLOW_ERROR;
   }
-  if (!camera->live_known) {
-    // Frames of a file wait for each other; those of a camera cannot for long.
-    GstQuery* query = gst_query_new_latency();
-    gboolean live = FALSE;
-    if (gst_pad_peer_query(camera->sink, query))
-      gst_query_parse_latency(query, &live, nullptr, nullptr);
-    gst_query_unref(query);
-    Lock lock(mutex_);
-    camera->live = live;
-    camera->live_known = true;
-  }
+  if (!camera->upstream_known) ask_upstream(*camera);
   Lock lock(mutex_);
   camera->last_arrival = Clock::now();
   while (!camera->flushing && !camera->ended &&
@@ -242,22 +257,27 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   return flow;
 }
 
-/// What is to be triggered by us, null where nothing is; frames wait for each other as long as a
-/// camera may be triggered again.
+/// What is to be triggered by us, null where nothing is.
 std::shared_ptr<StageTrigger> SyncElement::make_trigger(
-    SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
+    const SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
   if (params.camera_trigger == SyncParams::CameraTrigger::none) return nullptr;
   StageTrigger::Settings settings;
   settings.lights = params.lights;
   settings.capture.timeout = params.trigger_timeout;
   settings.capture.retries = params.trigger_retries;
-  params.timeout = std::max(params.timeout, params.trigger_timeout * (params.trigger_retries + 3));
   std::map<uint32_t, GstPad*> sinks;
   {
     std::lock_guard lock(mutex_);
     for (const auto& [number, camera] : cameras_) sinks[number] = camera->sink;
   }
   return std::make_shared<StageTrigger>(element_, std::move(labels), settings, sinks);
+}
+
+/// Seconds for which sets wait for a camera: as long as it may be triggered again. That is no
+/// latency, as no other frame is asked for meanwhile.
+double SyncElement::patience() const {
+  if (!trigger_) return params_.timeout;
+  return std::max(params_.timeout, params_.trigger_timeout * (params_.trigger_retries + 3));
 }
 
 /// The label of a frame that we triggered.
@@ -297,18 +317,23 @@ void SyncElement::join_run(SyncCamera& camera, uint64_t trigger) {
   camera.run = run_;
 }
 
+/// The assembler hears that there is no more of what it has.
+void SyncElement::end_program(SyncCamera& camera) {
+  if (camera.program_ended) return;
+  camera.program_ended = true;
+  camera.append(
+      gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst_structure_new_empty(kProgramEnded)));
+}
+
 void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames) {
   using State = SyncCamera::Item::State;
   for (const FrameLabeler::Labeled& frame : frames) {
     SyncCamera::Item* item = camera.find(frame.token);
     if (!item) continue;  // flushed meanwhile
-    if (frame.fate == FrameLabeler::Fate::ended && !camera.program_ended) {
-      camera.program_ended = true;
-      camera.append(gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM,
-                                         gst_structure_new_empty(kProgramEnded)));
-    }
+    if (frame.fate == FrameLabeler::Fate::ended) end_program(camera);
     if (frame.fate != FrameLabeler::Fate::labeled) {
-      item->state = params_.drop_unlabeled ? State::dropped : State::leaves;
+      const bool passes = !params_.drop_unlabeled && params_.assemble == SyncParams::Assemble::none;
+      item->state = passes ? State::leaves : State::dropped;
       continue;
     }
     camera.program_ended = false;
@@ -328,7 +353,6 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
 void SyncElement::advance() {
   using State = SyncCamera::Item::State;
   for (const FrameSets::Decided& frame : sets_.decide()) {
-    ++decided_;
     const auto camera = cameras_.find(frame.camera);
     if (camera == cameras_.end()) continue;
     SyncCamera::Item* item = camera->second->find(frame.token);
@@ -405,7 +429,7 @@ void SyncElement::push_out(SyncCamera& camera) {
   Lock lock(mutex_);
   if (is_buffer && flow == GST_FLOW_OK) ++camera.sent;
   if (ending) {
-    gst_pad_pause_task(camera.src);
+    if (camera.ended) gst_pad_pause_task(camera.src);  // else another stream has begun meanwhile
     return;
   }
   if (flow != camera.flow && !camera.released) camera.flow = flow;
@@ -419,23 +443,30 @@ bool SyncElement::activate_sink(const CameraPtr& camera, bool active) {
   return true;
 }
 
+void SyncElement::push_task(gpointer data) {
+  auto* pad = static_cast<GstPad*>(data);
+  auto* element = static_cast<SyncElement*>(gst_pad_get_element_private(pad));
+  if (const CameraPtr one = element->find(pad))
+    element->push_out(*one);
+  else
+    gst_pad_pause_task(pad);  // it was given back
+}
+
 bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
   if (active) {
     {
       Lock lock(mutex_);
+      if (camera->released) return false;
       camera->flushing = false;
     }
-    return gst_pad_start_task(
-        camera->src,
-        [](gpointer data) {
-          auto* pad = static_cast<GstPad*>(data);
-          auto* element = static_cast<SyncElement*>(gst_pad_get_element_private(pad));
-          if (const CameraPtr one = element->find(pad))
-            element->push_out(*one);
-          else
-            gst_pad_pause_task(pad);  // it was given back
-        },
-        camera->src, nullptr);
+    // Which may post a message, so that the mutex is not held.
+    const bool good = gst_pad_start_task(camera->src, push_task, camera->src, nullptr);
+    {
+      Lock lock(mutex_);
+      if (!camera->released) return good;
+    }
+    gst_pad_stop_task(camera->src);
+    return false;
   }
   {
     Lock lock(mutex_);

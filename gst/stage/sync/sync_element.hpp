@@ -34,7 +34,7 @@ class SyncElement {
   /// why.
   bool start();
   void stop();
-  bool set_playing(bool playing);
+  void set_playing(bool playing);
 
   CameraPtr add(uint32_t number, GstPad* sink, GstPad* src);
   CameraPtr find(GstPad* pad) const;
@@ -56,14 +56,18 @@ class SyncElement {
  private:
   using Lock = std::unique_lock<std::mutex>;
   using Clock = SyncCamera::Clock;
+  static void push_task(gpointer pad);
   void push_out(SyncCamera& camera);
   bool take_out(SyncCamera& camera, SyncCamera::Item& item);
   GstFlowReturn send(SyncCamera& camera, SyncCamera::Item& item);
   bool set_caps(SyncCamera& camera, GstCaps* caps);
-  FrameLabeler::Params labeler_params() const;
+  FrameLabeler::Params labeler_params(uint32_t told_id_bits = 0) const;
+  void make_labeler(SyncCamera& camera);
+  void ask_upstream(SyncCamera& camera);
   Clock::duration periods(uint32_t count) const;  // of the program
-  std::shared_ptr<StageTrigger> make_trigger(SyncParams& params,
+  std::shared_ptr<StageTrigger> make_trigger(const SyncParams& params,
                                              std::shared_ptr<const StageLabels> labels) const;
+  double patience() const;
   std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,
                                                const std::optional<uint64_t>& trigger) const;
   FrameLabeler::Counts counts_of(const SyncCamera& camera) const;
@@ -73,6 +77,8 @@ class SyncElement {
   GstStructure* camera_stats(const SyncCamera& camera) const;
 
   // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
+  void start_stream(SyncCamera& camera, GstEvent* event);
+  void end_program(SyncCamera& camera);
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
   void advance();
   void look_for_silence();
@@ -87,7 +93,7 @@ class SyncElement {
   Parameters<SyncParams> parameters_{sync_properties()};
   SyncParams params_;  // as of `start`
 
-  std::unique_ptr<LightClock> lights_;  // of state changes
+  std::unique_ptr<LightClock> lights_;  // lives from `start` to `stop`
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -101,7 +107,6 @@ class SyncElement {
   bool playing_ = false;
   std::vector<uint32_t> lacking_;  // what the oldest set waits for, and since when
   Clock::time_point lacking_since_{};
-  uint64_t decided_ = 0;
   std::vector<GstMessage*> messages_;
   std::vector<std::string> warnings_;
 };

@@ -3,6 +3,7 @@
 
 #include "base/errors.hpp"
 #include "base/report.hpp"
+#include "olat_assembler.hpp"
 #include "sync_element.hpp"
 
 namespace inverse {
@@ -10,15 +11,26 @@ namespace {
 
 constexpr double kSameRate = 1e-3;  // of the program's
 
-void start_stream(SyncCamera& camera, GstEvent* event) {
+}  // namespace
+
+/// With the mutex held.
+void SyncElement::start_stream(SyncCamera& camera, GstEvent* event) {
   const gchar* id = nullptr;
   gst_event_parse_stream_start(event, &id);
-  // Another recording has another clock, and a program of its own.
-  if (!camera.stream_id.empty() && camera.stream_id != (id ? id : "")) camera.labeler->reset();
-  camera.stream_id = id ? id : "";
+  const std::string name = id ? id : "";
+  const bool another = camera.ended || (!camera.stream_id.empty() && camera.stream_id != name);
+  camera.stream_id = name;
+  if (another) {
+    // Another recording has another clock, and a program of its own.
+    labeled(camera, camera.labeler->drain());
+    camera.labeler->reset();
+    end_program(camera);
+  }
+  if (!camera.ended) return;
+  camera.ended = false;
+  sets_.wait_for(camera.number, true);
+  gst_pad_start_task(camera.src, push_task, camera.src, nullptr);
 }
-
-}  // namespace
 
 /// The sink pad's thread hears of caps.
 bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
@@ -44,7 +56,9 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   if (num > 0 && den > 0 && std::abs(double(num) / den / rate - 1) > kSameRate)
     warn("camera " + camera.name() + " says that it has " + std::to_string(double(num) / den) +
          " frames a second, the light program " + std::to_string(rate) +
-         " steps; labels need one frame a step");
+         " steps; labels need one frame a step: set the camera's rate, or " +
+         (is_built_in_program(params_.program) ? "lightstagesync's property \"rate\""
+                                               : "\"rate\" in " + params_.program));
   speak(lock);
   return true;
 }
@@ -65,6 +79,10 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
       {
         // The thread of the pad has stopped: what it held is nobody's.
         Lock lock(mutex_);
+        if (camera->released) {
+          gst_event_unref(event);
+          return FALSE;
+        }
         camera->clear();
         if (camera->assembler) camera->assembler->forget();
         if (camera->labeler) camera->labeler->flush();
@@ -100,8 +118,6 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) {
     if (camera->labeler) start_stream(*camera, event);
-    if (camera->ended && labels_) sets_.wait_for(camera->number, true);
-    camera->ended = false;
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS && camera->labeler) {
     labeled(*camera, camera->labeler->drain());
@@ -150,16 +166,19 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
   }
 }
 
-/// How long a frame may stay here: for the others of its set, for the other of its pair, and for
-/// the picture that confirms its label.
+/// How long a frame may stay here: for the others of its set, for the other of its pair or the rest
+/// of its pass, and for the picture that confirms its label.
 GstClockTime SyncElement::own_latency() const {
   std::lock_guard lock(mutex_);
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
-  if (labels_ && params_.assemble == SyncParams::Assemble::pairs) latency += labels_->period();
-  if (labels_ && !trigger_)
-    latency += FrameLabeler::longest_wait(labels_->program(), labeler_params()) * labels_->period();
-  return latency;
+  if (!labels_) return latency;
+  uint64_t steps = 0;
+  if (params_.assemble == SyncParams::Assemble::pairs) steps += 1;
+  if (params_.assemble == SyncParams::Assemble::olat)
+    steps += OlatAssembler::longest_pass(labels_->program());
+  if (!trigger_) steps += FrameLabeler::longest_wait(labels_->program(), labeler_params());
+  return latency + steps * labels_->period();
 }
 
 gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {

@@ -50,7 +50,7 @@ void SyncElement::speak(Lock& lock) {
 /// Cameras that have stopped are told of, and not waited for.
 void SyncElement::look_for_silence() {
   const auto now = Clock::now();
-  const auto timeout = std::chrono::duration<double>(params_.timeout);
+  const auto timeout = std::chrono::duration<double>(patience());
   if (!playing_) {
     lacking_since_ = now;
     return;
@@ -87,7 +87,7 @@ void SyncElement::look_for_silence() {
     camera.left_alone = true;
     sets_.wait_for(number, false);
     tell("camera-left-alone", camera);
-    warn("the frames of other cameras have waited " + std::to_string(params_.timeout) + " s for " +
+    warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
          camera.name() + "; " +
          (params_.sets == SyncParams::Sets::complete
               ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
@@ -110,7 +110,7 @@ void SyncElement::report(SyncCamera& camera) {
     camera.was_anchored = labeler.anchored();
     tell(camera.was_anchored ? "marker" : "unsynchronized", camera);
   }
-  if (camera.labeler->take_overdue())
+  if ((!lights_ || lights_->started()) && camera.labeler->take_overdue())
     warn("camera " + camera.name() +
          " has not seen the marker of the light program (black, full on, "
          "black) for " +
@@ -135,7 +135,11 @@ void SyncElement::report(SyncCamera& camera) {
       "that show other lights than their time says");
   add(counts.untimed, before.untimed, "untimed", "without a time stamp");
   add(counts.resynchronizations, before.resynchronizations, "resynchronizations",
-      "times the count was lost; labels go on with the next marker");
+      labels_->program().marker == LightProgram::Marker::none
+          ? "times the count was lost; the program has no marker, so that there are no more "
+            "labels: "
+            "start the lights and this element anew, or give the program the marker \"pass\""
+          : "times the count was lost; labels go on with the next marker");
   if (text.empty()) {
     gst_structure_free(more);
     return;

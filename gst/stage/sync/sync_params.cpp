@@ -12,6 +12,10 @@ const PropertyTable<SyncParams>& sync_properties() {
           "The light program: a JSON file, or \"performance\" or \"static\", also with a number "
           "of lights as \"static:96\"",
           Mutable::ready),
+      number<P>("rate", &P::rate, 1u, 1000u,
+                "Steps a second of programs that are no files (these have a rate of their own): "
+                "that of the cameras",
+                Mutable::ready),
       choice<P>(
           "frame-id", &P::frame_id, "GstInverseFrameId",
           {{value(P::FrameId::none), "none", "Time stamps alone tell which trigger a frame is of"},
@@ -19,12 +23,15 @@ const PropertyTable<SyncParams>& sync_properties() {
             "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
             "counts, and time stamps check"}},
           "Where the camera's frame id is", Mutable::ready),
-      choice<P>("frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
-                {{16, "16", "Ids wrap after 65535"},
-                 {32, "32", "Ids wrap after 4294967295"},
-                 {64, "64", "Ids wrap after 2^64 - 1"}},
-                "Bits of a frame id; after the largest comes 0, or 1 where the camera leaves 0 out",
-                Mutable::ready),
+      choice<P>(
+          "frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
+          {{0, "auto",
+            "As an element upstream says that has this property (lightstagearavissrc); else 64"},
+           {16, "16", "Ids wrap after 65535"},
+           {32, "32", "Ids wrap after 4294967295"},
+           {64, "64", "Ids wrap after 2^64 - 1"}},
+          "Bits of a frame id; after the largest comes 0, or 1 where the camera leaves 0 out",
+          Mutable::ready),
       number<P>(
           "jitter", &P::jitter, 0.01, 0.45,
           "How far a time stamp may be from its trigger's time, either way, in periods of the "
@@ -46,7 +53,8 @@ const PropertyTable<SyncParams>& sync_properties() {
       number<P>("max-frames", &P::max_frames, 8u, 1024u,
                 "Frames of a camera that wait for other cameras' at most", Mutable::ready),
       flag<P>("drop-unlabeled", &P::drop_unlabeled,
-              "Drop frames that cannot be labeled; else they pass without a light stage meta",
+              "Drop frames that cannot be labeled; else they pass without a light stage meta. No "
+              "effect with assemble=pairs and olat: what they make takes labeled frames alone",
               Mutable::ready),
       choice<P>("assemble", &P::assemble, "GstInverseAssemble",
                 {{value(P::Assemble::none), "none", "Frames pass as they are, with their labels"},

@@ -9,15 +9,16 @@ namespace inverse {
 /// The parameters of lightstagesync.
 struct SyncParams {
   enum class FrameId : uint8_t { none, offset };
-  enum class FrameIdBits : uint8_t { bits16 = 16, bits32 = 32, bits64 = 64 };
+  enum class FrameIdBits : uint8_t { automatic = 0, bits16 = 16, bits32 = 32, bits64 = 64 };
   enum class Assemble : uint8_t { none, pairs, olat };
   enum class Align : uint8_t { none, flow };
   enum class Sets : uint8_t { complete, all };
   enum class CameraTrigger : uint8_t { none, aravis_software };
 
   std::string program = "performance";
+  unsigned rate = 60;
   FrameId frame_id = FrameId::none;
-  FrameIdBits frame_id_bits = FrameIdBits::bits64;
+  FrameIdBits frame_id_bits = FrameIdBits::automatic;
   double jitter = 0.34;
   double marker_timeout = 5;
   Sets sets = Sets::complete;

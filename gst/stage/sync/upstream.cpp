@@ -1,0 +1,64 @@
+#include "upstream.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr int kFarthest = 64;  // pads between
+constexpr const char* kIdBits = "frame-id-bits";
+
+GstElement* found_upstream(GstPad* sink, bool (*wanted)(GstElement*), int distance) {
+  GstPad* peer = distance < kFarthest ? gst_pad_get_peer(sink) : nullptr;
+  if (!peer) return nullptr;
+  GstElement* element = gst_pad_get_parent_element(peer);
+  if (element && wanted(element)) {
+    gst_object_unref(peer);
+    return element;
+  }
+  if (element) gst_object_unref(element);
+  // Into an element that passes on, into a bin, or out of one.
+  GstElement* found = nullptr;
+  if (GstIterator* inside = gst_pad_iterate_internal_links(peer)) {
+    GValue item = G_VALUE_INIT;
+    GstIteratorResult result;
+    while (!found && ((result = gst_iterator_next(inside, &item)) == GST_ITERATOR_OK ||
+                      result == GST_ITERATOR_RESYNC)) {
+      if (result == GST_ITERATOR_RESYNC) {
+        gst_iterator_resync(inside);
+        continue;
+      }
+      found = found_upstream(GST_PAD(g_value_get_object(&item)), wanted, distance + 1);
+      g_value_reset(&item);
+    }
+    if (G_IS_VALUE(&item)) g_value_unset(&item);
+    gst_iterator_free(inside);
+  }
+  gst_object_unref(peer);
+  return found;
+}
+
+/// A number, or an enum whose values are these numbers.
+bool tells_id_bits(GstElement* element) {
+  const GParamSpec* spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), kIdBits);
+  return spec && (spec->flags & G_PARAM_READABLE) &&
+         g_value_type_transformable(spec->value_type, G_TYPE_UINT);
+}
+
+}  // namespace
+
+GstElement* upstream_element(GstPad* sink, bool (*wanted)(GstElement*)) {
+  return found_upstream(sink, wanted, 0);
+}
+
+uint32_t upstream_id_bits(GstPad* sink) {
+  GstElement* source = upstream_element(sink, tells_id_bits);
+  if (!source) return 0;
+  GValue value = G_VALUE_INIT;
+  g_value_init(&value, G_TYPE_UINT);
+  g_object_get_property(G_OBJECT(source), kIdBits, &value);
+  const guint bits = g_value_get_uint(&value);
+  g_value_unset(&value);
+  gst_object_unref(source);
+  return bits == 16 || bits == 32 || bits == 64 ? bits : 0;
+}
+
+}  // namespace inverse
