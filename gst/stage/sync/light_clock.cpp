@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "light_upload.hpp"
 
 namespace inverse {
 
@@ -52,19 +53,11 @@ bool LightClock::upload() {
     if (ending_) return false;
     uploading_ = true;
   }
-  bool good = false;
-  try {
-    driver_->upload(labels_->program());
-    good = true;
-  } catch (const Error& error) {
-    Lock lock(mutex_);
-    const bool given_up = ending_;
-    lock.unlock();
-    if (!given_up) post_error(element_, error);
-  } catch (const std::exception& error) {
-    post_error(element_, Error(ErrorKind::internal, error.what()));
-  }
-  Lock lock(mutex_);
+  const bool good = upload_program(element_, *driver_, labels_->program(), [this] {
+    const Lock lock(mutex_);
+    return ending_;
+  });
+  const Lock lock(mutex_);
   uploading_ = false;
   return good;
 }

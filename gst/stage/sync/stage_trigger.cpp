@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "light_upload.hpp"
 
 namespace inverse {
 
@@ -44,19 +45,16 @@ StageTrigger::~StageTrigger() {
 
 /// May take minutes on a serial line, so that no state change waits for it.
 void StageTrigger::upload() {
-  try {
-    lights_->upload(labels_->program());
+  const bool good = upload_program(element_, *lights_, labels_->program(), [this] {
+    const Lock lock(mutex_);
+    return ending_;
+  });
+  if (!good) return;
+  guarded(element_, [this] {
     const Lock lock(mutex_);
     uploaded_ = true;
     if (!ending_) begin();
-  } catch (const Error& error) {
-    Lock lock(mutex_);
-    const bool given_up = ending_;
-    lock.unlock();
-    if (!given_up) post_error(element_, error);
-  } catch (const std::exception& error) {
-    post_error(element_, Error(ErrorKind::internal, error.what()));
-  }
+  });
 }
 
 void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
