@@ -32,6 +32,34 @@ class RelightNetworkTest : public ReflectanceFieldTest {
     Frame f{extent, random_pixels(extent, seed, 0, .5F), random_pixels(extent, seed + 1, 0, .5F)};
     return f;
   }
+  /// A subject that two frames show, and how it looks under lights.
+  struct Subject {
+    RelightNetworkTest& test;
+    CosineLobe lobes;
+    RelightNetwork network;
+    Plane a, b, target;
+
+    void record(gpu::Commands& commands) {
+      lobes.record_lobes(commands, {a, b}, {});
+      network.record_features(commands, {a, b});
+    }
+    Pixels under(std::span<const WeightedLight> lights, double share,
+                 const MeasuredLight& measured = {}, float noise = CosineLobe::Params{}.noise) {
+      test.run([&](gpu::Commands& commands) {
+        record(commands);
+        network.record_sum(commands, *lobes.full(), lights, share, target, measured, noise);
+      });
+      return test.download(target.buffer);
+    }
+  };
+  Subject subject(const RelightModels& models, const Frame& f) {
+    return {*this,
+            lobe_method(f.extent),
+            RelightNetwork(device, f.extent, models),
+            plane(f.extent, f.a),
+            plane(f.extent, f.b),
+            plane(f.extent)};
+  }
 };
 
 RelightModels random_models(unsigned seed) {
@@ -52,9 +80,7 @@ std::string refusal(const std::function<void()>& act) {
 TEST_F(RelightNetworkTest, EveryLightFollowsTheEquations) {
   const RelightModels models = random_models(1);
   const Frame f = frame({64, 32}, 3);
-  CosineLobe lobes = lobe_method(f.extent);
-  RelightNetwork network(device, f.extent, models);
-  const Plane a = plane(f.extent, f.a), b = plane(f.extent, f.b), target = plane(f.extent);
+  Subject relit = subject(models, f);
   std::mt19937 random(5);
   for (const size_t count : {1u, 3u, 4u, 9u}) {
     std::vector<WeightedLight> lights;
@@ -65,12 +91,7 @@ TEST_F(RelightNetworkTest, EveryLightFollowsTheEquations) {
       single.push_back(reference::network_light(models, to_reference(f.extent, f.a),
                                                 to_reference(f.extent, f.b), w));
     }
-    run([&](gpu::Commands& commands) {
-      lobes.record_lobes(commands, {a, b}, {});
-      network.record_features(commands, {a, b});
-      network.record_sum(commands, *lobes.full(), lights, .125, target);
-    });
-    const Pixels got = download(target.buffer);
+    const Pixels got = relit.under(lights, .125);
     for (size_t i = 0; i < f.extent.pixels(); ++i) {
       for (size_t c = 0; c < 3; ++c) {
         double expected = 0;
@@ -84,31 +105,14 @@ TEST_F(RelightNetworkTest, EveryLightFollowsTheEquations) {
 }
 
 TEST_F(RelightNetworkTest, WhatWasMeasuredComesOnTop) {
-  const RelightModels models = random_models(31);
   const Frame f = frame({40, 32}, 33);
-  CosineLobe lobes = lobe_method(f.extent);
-  RelightNetwork network(device, f.extent, models);
-  const Plane a = plane(f.extent, f.a), b = plane(f.extent, f.b), target = plane(f.extent);
+  Subject relit = subject(random_models(31), f);
   const MeasuredLight light{{.5F, -.25F, 1}, {Rgb{1, .5F, 0}, Rgb{0, -1, .25F}, Rgb{.125F, 0, -2}}};
   reference::Measured expected{{.5, -.25, 1}, {{1, .5, 0}, {0, -1, .25}, {.125, 0, -2}}};
   const WeightedLight lamp{{0, 0, 1}, {1, 1, 1}};
   for (const size_t lamps : {0u, 1u}) {
-    Pixels alone(4 * f.extent.pixels());
-    if (lamps > 0) {
-      run([&](gpu::Commands& commands) {
-        lobes.record_lobes(commands, {a, b}, {});
-        network.record_features(commands, {a, b});
-        network.record_sum(commands, *lobes.full(), std::span(&lamp, 1), .25, target);
-      });
-      alone = download(target.buffer);
-    }
-    run([&](gpu::Commands& commands) {
-      lobes.record_lobes(commands, {a, b}, {});
-      network.record_features(commands, {a, b});
-      network.record_sum(commands, *lobes.full(), std::span(&lamp, lamps), .25, target, light,
-                         .02F);
-    });
-    const Pixels got = download(target.buffer);
+    const std::span lit(&lamp, lamps);
+    const Pixels alone = relit.under(lit, .25), got = relit.under(lit, .25, light, .02F);
     for (size_t i = 0; i < f.extent.pixels(); ++i) {
       const Vec3 one{f.a[4 * i], f.a[4 * i + 1], f.a[4 * i + 2]},
           two{f.b[4 * i], f.b[4 * i + 1], f.b[4 * i + 2]};
@@ -122,9 +126,7 @@ TEST_F(RelightNetworkTest, WhatWasMeasuredComesOnTop) {
 TEST_F(RelightNetworkTest, TheStagesOwnLightComesBackAsItWasSeen) {
   // Whatever the network predicts: under gradient A nothing is left for it.
   const Frame f = frame({32, 32}, 41);
-  CosineLobe lobes = lobe_method(f.extent);
-  RelightNetwork network(device, f.extent, random_models(43));
-  const Plane a = plane(f.extent, f.a), b = plane(f.extent, f.b), target = plane(f.extent);
+  Subject relit = subject(random_models(43), f);
   for (const double sign : {1., -1.}) {
     std::vector<Rgb> weights;
     std::vector<WeightedLight> rest;
@@ -137,12 +139,7 @@ TEST_F(RelightNetworkTest, TheStagesOwnLightComesBackAsItWasSeen) {
       for (const float r : split.rest[i]) ASSERT_NEAR(r, 0, 1e-5);
       rest.push_back({directions[i], split.rest[i]});
     }
-    run([&](gpu::Commands& commands) {
-      lobes.record_lobes(commands, {a, b}, {});
-      network.record_features(commands, {a, b});
-      network.record_sum(commands, *lobes.full(), rest, 1. / 42, target, split.measured, 1e-4F);
-    });
-    const Pixels got = download(target.buffer);
+    const Pixels got = relit.under(rest, 1. / 42, split.measured, 1e-4F);
     for (size_t i = 0; i < got.size(); ++i)
       if (i % 4 != 3) {
         ASSERT_NEAR(got[i], sign > 0 ? f.a[i] : f.b[i], 1e-3);
@@ -214,15 +211,7 @@ TEST_F(RelightNetworkTest, FramesOfAnySizeAreAsPartsOfLargerOnes) {
         }
       }
     const auto expected = reference::network_light(models, wide_a, wide_b, light.direction);
-    CosineLobe lobes = lobe_method(extent);
-    RelightNetwork network(device, extent, models);
-    const Plane a = plane(extent, f.a), b = plane(extent, f.b), target = plane(extent);
-    run([&](gpu::Commands& commands) {
-      lobes.record_lobes(commands, {a, b}, {});
-      network.record_features(commands, {a, b});
-      network.record_sum(commands, *lobes.full(), std::span(&light, 1), 1, target);
-    });
-    const Pixels got = download(target.buffer);
+    const Pixels got = subject(models, f).under(std::span(&light, 1), 1);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x)
         for (size_t c = 0; c < 3; ++c) {
@@ -265,16 +254,9 @@ TEST_F(RelightNetworkTest, WhatIsNoNumberStaysOut) {
   Pixels bad(extent.pixels() * 4);
   const std::array<float, 6> values{kNan, kInf, -kInf, -1, 0, 1e38F};
   for (size_t i = 0; i < bad.size(); ++i) bad[i] = values[(i * 7 + i / 5) % values.size()];
-  CosineLobe lobes = lobe_method(extent);
-  RelightNetwork network(device, extent, random_models(19));
-  const Plane a = plane(extent, bad), target = plane(extent);
   const WeightedLight light{{1, 0, 0}, {1, 1, 1}};
-  run([&](gpu::Commands& commands) {
-    lobes.record_lobes(commands, {a, a}, {});
-    network.record_features(commands, {a, a});
-    network.record_sum(commands, *lobes.full(), std::span(&light, 1), 1, target);
-  });
-  for (const float v : download(target.buffer)) ASSERT_TRUE(std::isfinite(v));
+  const Pixels got = subject(random_models(19), {extent, bad, bad}).under(std::span(&light, 1), 1);
+  for (const float v : got) ASSERT_TRUE(std::isfinite(v));
 }
 
 TEST(RelightModels, RefusesWhatIsNoRelightingNetworkAndSaysWhich) {
