@@ -223,10 +223,10 @@ void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
 int64_t FrameLabeler::same_start(int64_t marker) const {
   if (program_.marker != LightProgram::Marker::pass || !lost_anchor_) return marker;
   const int64_t passed = marker - *lost_anchor_;
-  const auto pass = static_cast<int64_t>(LightProgram::kMarkerSteps + program_.steps.size());
-  if (passed < 0 || passed % pass != 0) return marker;
+  if (passed < 0) return marker;
   const Position position = program_.at(static_cast<uint64_t>(passed));
-  return position.part == Position::Part::ended ? marker : *lost_anchor_;
+  const bool begins_pass = position.part == Position::Part::marker && position.index == 0;
+  return begins_pass ? *lost_anchor_ : marker;
 }
 
 void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) {
