@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "../kernels/labeling_simulation.hpp"
+#include "../light_stage/labeling_simulation.hpp"
 #include "command_line.hpp"
 
 namespace {

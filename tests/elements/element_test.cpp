@@ -208,11 +208,47 @@ int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>
   return largest;
 }
 
+namespace {
+
+/// Keeps the plugin's device open while it is told to.
+class DeviceHolder : public ::testing::Environment {
+ public:
+  static DeviceHolder& get() {
+    static auto* const holder =
+        new DeviceHolder;  // GoogleTest's own, once it is among its environments
+    return *holder;
+  }
+  void SetUp() override {
+    element_ = gst_element_factory_make("intrinsicdecomp", nullptr);
+    ASSERT_NE(element_, nullptr) << "the plugin was not found: GST_PLUGIN_PATH";
+    hold(true);
+  }
+  void TearDown() override {
+    if (!element_) return;
+    hold(false);
+    gst_object_unref(element_);
+  }
+  void hold(bool open) {
+    gst_element_set_state(element_, open ? GST_STATE_PAUSED : GST_STATE_NULL);
+  }
+
+ private:
+  GstElement* element_ = nullptr;
+};
+
+}  // namespace
+
+NewDevice::NewDevice() { DeviceHolder::get().hold(false); }
+
+NewDevice::~NewDevice() { DeviceHolder::get().hold(true); }
+
 }  // namespace inverse::testing
 
 int main(int count, char** arguments) {
   ::testing::InitGoogleTest(&count, arguments);
   gst_init(&count, &arguments);
   const int served = inverse::testing::serve(count, arguments);
-  return served >= 0 ? served : RUN_ALL_TESTS();
+  if (served >= 0) return served;
+  ::testing::AddGlobalTestEnvironment(&inverse::testing::DeviceHolder::get());
+  return RUN_ALL_TESTS();
 }

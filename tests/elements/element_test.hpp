@@ -32,6 +32,16 @@ struct LineResult {
 LineResult run_line(const std::string& line, unsigned seconds = 60,
                     const std::function<void(GstElement* pipeline)>& prepare = {});
 
+/// The tests share the plugin's device, whose kernels are then built once for all of them. While
+/// one of these lives, nobody holds it between streams: each begins with no kernel built.
+class NewDevice {
+ public:
+  NewDevice();
+  NewDevice(const NewDevice&) = delete;
+  NewDevice& operator=(const NewDevice&) = delete;
+  ~NewDevice();
+};
+
 /// A harness around a piece of a launch line with video caps on both sides.
 class VideoHarness {
  public:

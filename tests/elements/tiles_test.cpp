@@ -144,6 +144,7 @@ TEST(TilesOfAVideo, LayersThatSomebodyHoldsStayWhatTheyWere) {
 TEST_P(TilesOfADecomposer, NoKernelIsBuiltOnceFramesCome) {
   const std::string& element = GetParam();
   const unsigned still_frames = element == "globalintrinsic" ? 60 : 40;
+  const NewDevice none_built;
   for (const char* format : {"RGBA", "NV12"}) {
     VideoHarness harness(element, caps(format), caps(format));
     const auto kernels = [&] {

@@ -4,7 +4,7 @@
 
 namespace inverse::testing {
 
-class GlobalWarmUp : public IntrinsicTest {
+class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
  protected:
   /// A video in which everything comes, three frames in flight: light that is held and let go, with
   /// layers out and without, cuts, gray, the lamps' color, few base colors, every level of the

@@ -4,7 +4,7 @@
 
 namespace inverse::testing {
 
-class IntrinsicWarmUp : public IntrinsicTest {
+class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
  protected:
   static constexpr Extent kExtent{349, 287};
   /// A video in which everything comes, three frames in flight: tiles begin and end, cuts, gray, a

@@ -447,7 +447,7 @@ TEST_F(PreviewTest, HasAPictureAtEverySize) {
 }
 
 // In a process of its own, as others would have built them.
-class LimeWarmUp : public LimeTest {};
+class LimeWarmUp : public OnANewDevice<LimeTest> {};
 
 TEST_F(LimeWarmUp, NoKernelIsBuiltWhileFramesCome) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());

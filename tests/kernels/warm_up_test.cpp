@@ -9,14 +9,9 @@
 namespace inverse::testing {
 namespace {
 
-class WarmUp : public GlobalThesisTest {
+class WarmUp : public OnANewDevice<GlobalThesisTest> {
  protected:
   static constexpr Extent kExtent{96, 72};
-  void SetUp() override {
-    GlobalThesisTest::SetUp();
-    if (device->kernels_used() > 0)
-      GTEST_SKIP() << "other tests have used the device: run these alone, --gtest_filter=WarmUp.*";
-  }
 
   /// A video in which everything comes: all numbers of layers, refinement, a correction, other
   /// numbers of clusters, a cut. Three frames in flight, and nothing waits for the one just
