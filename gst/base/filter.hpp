@@ -37,6 +37,7 @@ struct FrameWork {
   /// pipeline; posted as warning messages. Each is worth telling once.
   std::vector<std::string> warnings = {};
   GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
+  bool gray = false;        ///< its pixels have no color
   /// Its stream time; none where its segment is not in time.
   GstClockTime time = GST_CLOCK_TIME_NONE;
   bool repeated = false;  ///< the picture of the frame before came again, byte by byte

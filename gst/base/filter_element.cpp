@@ -343,6 +343,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   std::vector<StructurePtr> messages;
   FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
   frame.in = in;
+  frame.gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_);
   frame.time = stream_time(in);
   const auto post = [&] {
     for (StructurePtr& message : messages)

@@ -141,6 +141,7 @@ class LimeElement final : public Filter {
     normal_map_ = params.normal_map.empty()
                       ? nullptr
                       : std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
+    told_.reset();
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
@@ -154,8 +155,7 @@ class LimeElement final : public Filter {
     method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
-    if (device->first_warm_up("limematerial")) method_->warm_up();
-    if (parameters_.snapshot().show == LimeShow::preview) warm_up_preview(device);
+    if (device->first_warm_up("limematerial")) warm_up();
     publish();
   }
   void release() override {
@@ -163,6 +163,7 @@ class LimeElement final : public Filter {
     mosaic_.reset();
     preview_.reset();
     published_light_ = nullptr;
+    light_bytes_.reset();
     planes_.reset();
   }
   void reset() override {
@@ -202,9 +203,8 @@ class LimeElement final : public Filter {
     tell(frame);
     numbers_[frame.number % numbers_.size()] = method_->recorded();
     method_->record(frame.commands, *input, params, still);
-    frame.decorate = [object = method_->object(), light = light_bytes_](GstBuffer* buffer) {
-      attach(buffer, object, light.get());
-    };
+    frame.decorate = [object = method_->object(), light = params.lit ? light_bytes_ : nullptr](
+                         GstBuffer* buffer) { attach(buffer, object, light.get()); };
     if (!frame.draw) {
       const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
       frame.layers = material_layers(input, layers.diffuse, layers.gloss);
@@ -234,11 +234,7 @@ class LimeElement final : public Filter {
         break;
       case LimeShow::mosaic:
         frame.picture = {planes_->acquire()};
-        mosaic_->record(frame.commands,
-                        {{{input.get()},
-                          {layers.diffuse.get()},
-                          {layers.gloss.get()},
-                          {layers.gloss.get(), Drawing::Source::shading}}},
+        mosaic_->record(frame.commands, quarters(*input, *layers.diffuse, *layers.gloss),
                         *frame.picture.plane);
         break;
     }
@@ -267,15 +263,23 @@ class LimeElement final : public Filter {
                      params.preview_size, *frame.picture.plane);
   }
 
-  void warm_up_preview(const std::shared_ptr<gpu::Device>& device) {
-    preview_.emplace(device);
-    gpu::Commands commands(device);
+  void warm_up() {
+    method_->warm_up();
+    MaterialPreview preview(device_);
+    gpu::Commands commands(device_);
     const PlanePtr frame = planes_->acquire(), picture = planes_->acquire();
     commands.begin();
     commands.fill(frame->buffer);
-    preview_->record(commands, *frame, Material{}, nullptr, 1, *picture);
+    preview.record(commands, *frame, Material{.bins = {1}}, nullptr, 1, *picture);
+    mosaic_->record(commands, quarters(*frame, *frame, *frame), *picture);
     commands.submit();
     commands.wait();
+  }
+
+  /// The mosaic: what comes in, the light under the highlights, the highlights, the mirror image.
+  static std::array<Mosaic::Tile, 4> quarters(const Plane& input, const Plane& diffuse,
+                                              const Plane& gloss) {
+    return {{{&input}, {&diffuse}, {&gloss}, {&gloss, Drawing::Source::shading}}};
   }
 
   static void describe_object(GstStructure* s, const LimeMaterial::Object& object) {

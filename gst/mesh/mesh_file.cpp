@@ -16,8 +16,10 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <unordered_map>
 
 #include "error.hpp"
+#include "gltf_nodes.hpp"
 
 namespace inverse {
 namespace {
@@ -83,6 +85,8 @@ void check_file(const std::string& path) {
   if (std::filesystem::file_size(path, status) > kMaxBytes)
     fail(path, "is larger than 1 GiB; simplify it, with Blender's Decimate for example");
   if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
+  if (extension.starts_with("gl"))
+    if (const std::string fault = gltf_nodes_fault(path); !fault.empty()) fail(path, fault);
 }
 
 /// Of the many formats that Assimp knows, only ours: fewer surprises.
@@ -179,6 +183,42 @@ size_t triangles_below(const aiNode& node, const std::vector<size_t>& triangles)
   return sum;
 }
 
+/// How often Assimp will compare corners with each other to give them normals: each with all that
+/// lie where it lies, up to a share of the mesh's size.
+double comparisons(const aiMesh& part) {
+  if (part.mNormals) return 0;
+  aiVector3D low(part.mVertices[0]), high = low;
+  for (unsigned i = 1; i < part.mNumVertices; ++i)
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], part.mVertices[i][axis]);
+      high[axis] = std::max(high[axis], part.mVertices[i][axis]);
+    }
+  constexpr float kSamePlace = 1e-4F;  // of the diagonal, ComputePositionEpsilon
+  const float cell = kSamePlace * (high - low).Length();
+  if (!(cell > 0)) return static_cast<double>(part.mNumVertices) * part.mNumVertices;
+  std::unordered_map<uint64_t, double> corners;
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    uint64_t place = 0;
+    for (unsigned axis = 0; axis < 3; ++axis)
+      place = place << 21 | static_cast<uint64_t>((part.mVertices[i][axis] - low[axis]) / cell);
+    ++corners[place];
+  }
+  double sum = 0;
+  for (const auto& [place, count] : corners) sum += count * count;
+  return sum;
+}
+
+/// Throws where normals would take minutes.
+void check_corners(const aiScene& scene, const std::string& path) {
+  constexpr double kMost = 1e9;  // some seconds
+  double sum = 0;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) sum += comparisons(*scene.mMeshes[i]);
+  if (sum > kMost)
+    fail(path,
+         "has no normals, and too many faces meet in one place to find them: store it with "
+         "normals, or join its corners, with Blender's Merge by Distance for example");
+}
+
 void append(Mesh& mesh, const aiMesh& part) {
   const auto first = static_cast<uint32_t>(mesh.positions.size());
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
@@ -220,8 +260,12 @@ Mesh read(const std::string& path) {
                    std::to_string(Mesh::kMaxTriangles) +
                    " can be drawn: simplify it, with Blender's Decimate for example");
   const aiScene* scene = importer.ApplyPostProcessing(
-      aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices |
-      aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);
+      aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  if (scene) {
+    check_corners(*scene, path);
+    scene =
+        importer.ApplyPostProcessing(aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices);
+  }
   if (!scene) fail(path, std::string("cannot be read: ") + importer.GetErrorString());
   Mesh mesh;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(mesh, *scene->mMeshes[i]);

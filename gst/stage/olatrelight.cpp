@@ -152,9 +152,10 @@ class RelightElement final : public Filter {
       gradient_ = program.colors(LightStep{StepKind::gradient_a, 0, {}, {}, {}});
       program_ = params.program;
     }
-    told_of_stage_ = false;
+    told_of_stage_ = told_of_gray_ = false;
     const std::string folder = models_folder(params.models);
-    if (params.model == Relighting::Model::network && (!models_ || folder != folder_)) {
+    model_ = params.model;
+    if (model_ == Relighting::Model::network && (!models_ || folder != folder_)) {
       models_ = RelightModels::load(folder);
       folder_ = folder;
     }
@@ -162,7 +163,7 @@ class RelightElement final : public Filter {
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    const bool network = parameters_.snapshot().model == Relighting::Model::network;
+    const bool network = model_ == Relighting::Model::network;
     method_.emplace(device, extent, stage_, network ? &*models_ : nullptr);
     method_->set_environment(map_);
     mosaic_.emplace(device);
@@ -209,7 +210,9 @@ class RelightElement final : public Filter {
   }
 
   void process(FrameWork& frame) override {
-    const Params params = parameters_.snapshot();
+    Params params = parameters_.snapshot();
+    params.model = model_;
+    check_colors(frame);
     take_environment(frame, params);
     check_label(frame);
     take_pair(frame, params);
@@ -280,6 +283,16 @@ class RelightElement final : public Filter {
   }
 
   /// What lightstagesync says of the frame has to be what it is taken for.
+  /// What a direction's x, y and z do to light is in red, green and blue.
+  void check_colors(FrameWork& frame) {
+    if (!frame.gray || told_of_gray_) return;
+    told_of_gray_ = true;
+    frame.warnings.emplace_back(
+        "the gradients come as gray video, which does not hold what red, green and blue light tell "
+        "of directions: use a color camera (of a Bayer sensor, bayer2rgb), or take a frame for "
+        "each color of the gradients and join them");
+  }
+
   void check_label(FrameWork& frame) {
     const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
     if (!meta) return;
@@ -364,8 +377,8 @@ class RelightElement final : public Filter {
   void warm_up(const std::shared_ptr<gpu::Device>& device) {
     constexpr Extent kSmall{64, 64};
     Params params;
-    params.model = parameters_.snapshot().model;
-    const bool network = params.model == Relighting::Model::network;
+    params.model = model_;
+    const bool network = model_ == Relighting::Model::network;
     Relighting method(device, kSmall, stage_, network ? &*models_ : nullptr);
     method.set_environment(map_);
     PlanePool planes(device, kSmall);
@@ -385,8 +398,9 @@ class RelightElement final : public Filter {
   Parameters<Params> parameters_{table()};
   std::string program_;
   std::vector<LightColor> gradient_;  // of the program's lights
-  bool told_of_stage_ = false;
+  bool told_of_stage_ = false, told_of_gray_ = false;
   std::shared_ptr<const RelightStage> stage_;
+  Relighting::Model model_{};  // that it was started with, whatever is set since
   std::string folder_;
   std::optional<RelightModels> models_;
   LightCells::Map map_;

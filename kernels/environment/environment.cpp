@@ -55,6 +55,8 @@ Environment::Environment(Extent extent, std::vector<float> rgb, const std::strin
 
 Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                                  const std::string& name) {
+  // What overflowed where it was stored in half floats was more than they hold.
+  constexpr float kHalfMost = 65504;
   changed = 0;
   const auto sound = [](float value) { return value >= 0 && value <= kMaxRadiance; };
   float most = 0;
@@ -62,7 +64,8 @@ Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& 
     if (sound(value)) most = std::max(most, value);
   for (float& value : rgb) {
     if (sound(value)) continue;
-    value = value > 0 ? most : 0;  // NaN: 0
+    value = std::isinf(value) && value > 0 ? std::max(most, kHalfMost)
+                                           : (value > 0 ? kMaxRadiance : 0);  // NaN: 0
     ++changed;
   }
   return {extent, std::move(rgb), name};

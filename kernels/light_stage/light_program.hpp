@@ -113,8 +113,9 @@ LightProgram static_capture(std::vector<StageLight> lights, uint32_t rate = 60);
 /// The thesis' program for performances: gradients A and B without end.
 LightProgram performance(std::vector<StageLight> lights, uint32_t rate = 60);
 
-/// "performance" and "static" with 331 lights, "performance:96" with as many as that, at `rate`
-/// steps a second; else the file of this path. Throws Error(file).
+/// "performance" and "static" with 331 lights, "performance:96" with as many as that,
+/// "performance:FOLDER" with those of the folder's lights.json (LightList), at `rate` steps a
+/// second; else the file of this path. Throws Error(file).
 LightProgram light_program(const std::string& name_or_path, uint32_t rate = 60);
 /// Whether that is no file's path.
 bool is_built_in_program(const std::string& name_or_path);

@@ -1,4 +1,5 @@
 // Light programs as JSON: docs/light-program.md has the fields.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -28,6 +29,12 @@ class Object {
     throw Error(ErrorKind::file, where_ + " " + text);
   }
   bool has(const char* field) const { return json_.contains(field); }
+  /// A misspelt field would change what lights do without a word.
+  void knows(std::initializer_list<std::string_view> fields) const {
+    for (const auto& [name, value] : json_.items())
+      if (std::find(fields.begin(), fields.end(), name) == fields.end() && name != "comment")
+        refuse("has a \"" + name.substr(0, 40) + "\", which is not known here");
+  }
   const Json& field(const char* name) const {
     const auto found = json_.find(name);
     if (found == json_.end()) refuse(std::string("has no \"") + name + "\"");
@@ -93,6 +100,7 @@ void read_rate(const Object& object, LightProgram& program) {
 
 StageLight read_light(const Json& json, const std::string& where) {
   const Object object(json, where);
+  object.knows({"index", "direction", "channels"});
   StageLight light;
   light.direction = object.triple<double>(object.field("direction"), "direction");
   if (object.has("channels"))
@@ -107,6 +115,7 @@ StageLight read_light(const Json& json, const std::string& where) {
 
 LightStep read_step(const Json& json, const std::string& where) {
   const Object object(json, where);
+  object.knows({"kind", "light", "colors", "exposure", "guard"});
   LightStep step;
   const std::string kind = object.text("kind");
   bool known = false;
@@ -158,6 +167,8 @@ LightProgram LightProgram::parse(std::string_view text, const std::string& name)
     object.refuse(std::string("is not a light program: its \"format\" is not \"") + kFormat + "\"");
   if (object.count("version", 1000000) != kVersion)
     object.refuse("is of a version that is not known; this program knows version 1");
+  object.knows({"format", "version", "name", "rate", "exposure", "guard", "repeat", "marker",
+                "lights", "steps"});
   LightProgram program;
   program.name = object.has("name") ? object.text("name") : name;
   read_rate(object, program);

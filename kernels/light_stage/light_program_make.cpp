@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "../error.hpp"
+#include "light_list.hpp"
 #include "light_program.hpp"
 
 namespace inverse {
@@ -136,7 +137,9 @@ LightProgram light_program(const std::string& name_or_path, uint32_t rate) {
   const size_t colon = name_or_path.find(':');
   const std::string name = name_or_path.substr(0, colon);
   uint32_t count = kDefaultLights;
-  if (colon != std::string::npos) {
+  const bool listed = colon != std::string::npos &&
+                      name_or_path.find_first_not_of("0123456789", colon + 1) != std::string::npos;
+  if (colon != std::string::npos && !listed) {
     const char *first = name_or_path.data() + colon + 1,
                *last = name_or_path.data() + name_or_path.size();
     const auto [end, error] = std::from_chars(first, last, count);
@@ -144,7 +147,9 @@ LightProgram light_program(const std::string& name_or_path, uint32_t rate) {
       throw Error(ErrorKind::file, "\"" + name_or_path + "\": the number of lights is from 1 to " +
                                        std::to_string(LightProgram::kMaxLights));
   }
-  auto lights = stage_lights(geodesic_directions(count));
+  auto lights = stage_lights(
+      listed ? LightList::load(name_or_path.substr(colon + 1) + "/lights.json").directions
+             : geodesic_directions(count));
   return name == "static" ? static_capture(std::move(lights), rate)
                           : performance(std::move(lights), rate);
 }

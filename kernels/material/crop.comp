@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
+#include "../image/srgb.glsl"
 #include "../image/finite.glsl"
 
 // A square of the frame as SegmentationNet takes it: side x side points, each the mean of the light on it in sRGB. The frame's

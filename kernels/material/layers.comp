@@ -21,13 +21,14 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
-  if (i >= push.size.x * push.size.y) return;
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= push.size.x) return;
+  int i = pixel.y * push.size.x + pixel.x;
   vec3 rgb = finite(FETCH(frame, i)).rgb;
   float mask = 0.0;
   vec3 specular = vec3(0.0);
   float mirror = 0.0;
-  vec2 at = (vec2(i % push.size.x, i / push.size.x) + 0.5 - push.corner) / push.pixels;
+  vec2 at = (vec2(pixel) + 0.5 - push.corner) / push.pixels;
   if (kFound && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(push.side)))) {
     vec2 between = clamp(at - 0.5, vec2(0.0), vec2(push.side - 1));
     ivec2 low = ivec2(between), high = min(low + 1, push.side - 1);

@@ -4,11 +4,6 @@
 
 const float kObject = 0.5;  // probability from which on a point is of the object
 
-vec3 to_srgb(vec3 linear) {
-  vec3 x = clamp(linear, 0.0, 1.0);
-  return mix(1.055 * pow(max(x, vec3(1e-8)), vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
-}
-
 vec2 decode(vec2 code) { return 0.25 * (exp(2.0 * clamp(code, 0.0, 8.0)) - 1.0); }
 
 // Linear light from which on a camera may have been at its end, and is.

@@ -102,7 +102,7 @@ bool LimeMaterial::rests(const Params& params) const {
   if (!(tracker_.square() == estimated_in_)) return false;
   const bool steady =
       fusion_.count() >= kFewest &&
-      fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.count()));
+      fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.averaged()));
   return steady && tracker_.moved() < kMoved && !(drawn_ && changed_ > kChanged);
 }
 
@@ -179,8 +179,7 @@ LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Pl
   commands.dispatch(layers_[known],
                     {frame.buffer, segmentation_.output(0), exponent_.input(0), under_.diffuse(),
                      layers.diffuse->buffer, layers.gloss->buffer},
-                    Place(extent_, estimated_in_, side_),
-                    {static_cast<uint32_t>(extent_.pixels())});
+                    Place(extent_, estimated_in_, side_), {extent_.width, extent_.height});
   commands.stage("layers");
   return layers;
 }
@@ -266,7 +265,7 @@ void LimeMaterial::done(uint64_t number) {
     if (fusion_.count() <= 1) light_.reset();  // another object, of another material
     if (slot.report.lit && fusion_.count()) take_light(slot);
   }
-  object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.count(),
+  object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.averaged(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};
 }
 

@@ -30,14 +30,14 @@ struct Material {
     return best;
   }
   /// The exponent s: the mean of the bins' middles in log2. Often not in `bin()`: the mean has the
-  /// least square error in log s, `bin()` is right more often.
+  /// least square error in log s, `bin()` is right more often. 0 where there are no bins.
   float shininess() const {
     float sum = 0, all = 0;
     for (size_t b = 0; b < kBins; ++b) {
       sum += bins[b] * std::log2(bin_middle(b));
       all += bins[b];
     }
-    return std::exp2(all > 0 ? sum / all : 1);
+    return all > 0 ? std::exp2(sum / all) : 0;
   }
 };
 

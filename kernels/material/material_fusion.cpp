@@ -88,8 +88,8 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
     window_.push_back(estimate);
   }
   ++count_;
-  const float alpha =
-      1.0F / static_cast<float>(std::min<uint64_t>(count_, std::max(params.memory, uint32_t{1})));
+  averaged_ = std::min<uint64_t>(count_, std::max(params.memory, uint32_t{1}));
+  const float alpha = 1.0F / static_cast<float>(averaged_);
   const Numbers now = numbers_of(count_ == 1 ? estimate : middle), before = numbers_of(mean_);
   Numbers mixed{};
   for (size_t n = 0; n < kNumbers; ++n) mixed[n] = alpha * now[n] + (1 - alpha) * before[n];

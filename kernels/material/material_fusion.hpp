@@ -26,8 +26,10 @@ class MaterialFusion {
 
   /// The fused material; nothing is known of it before the first `add`.
   const Material& material() const { return mean_; }
-  /// Estimates in the mean, at most those since the object came.
+  /// Estimates since the object came.
   uint64_t count() const { return count_; }
+  /// Of these, those that the mean is of: at most Params::memory.
+  uint64_t averaged() const { return averaged_; }
   /// How far single estimates are from the mean: root mean square over the last ones of the largest
   /// difference in diffuse albedo, specular albedo, and a sixth of log2 of the shininess.
   float spread() const { return spread_; }
@@ -37,7 +39,7 @@ class MaterialFusion {
 
   std::deque<Material> window_;
   Material mean_;
-  uint64_t count_ = 0;
+  uint64_t count_ = 0, averaged_ = 0;
   uint32_t others_ = 0;
   float spread_ = 0;
 };

@@ -1,16 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
+#include "../image/srgb.glsl"
 
 // The object's light without highlights, at the points of the square where the camera tells it; w: whether it does.
 PLANE_IN(0, masked);  // sRGB where the object is, and its mask; behind one zero, as networks have it
 PLANE_IN(1, codes);   // of the specular layer in x
 PLANE_OUT(2, result);
 layout(push_constant) uniform Push { int count; } push;
-
-vec3 to_linear(vec3 srgb) {
-  return mix(pow((max(srgb, vec3(0.0)) + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, lessThanEqual(srgb, vec3(0.04045)));
-}
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);

@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "../gpu/common.glsl"
+#include "../image/srgb.glsl"
 
 // Draws the lobes' directions as normal maps are: code values (1 + u)/2 in sRGB. Black where there is no light to tell.
 PLANE_IN(0, full);
@@ -17,7 +18,6 @@ void main() {
   uint i = at.y * push.size.x + at.x;
   vec4 f = FETCH(full, int(i)), lobe = FETCH(lobes, int(i));
   vec3 code = 0.5 + 0.5 * lobe.xyz * inversesqrt(max(dot(lobe.xyz, lobe.xyz), 1e-12));
-  vec3 linear = mix(code / 12.92, pow((code + 0.055) / 1.055, vec3(2.4)), greaterThan(code, vec3(0.04045)));
   bool lit = f.r + f.g + f.b > push.least && dot(lobe.xyz, lobe.xyz) > 1e-12;
-  STORE(picture, i, vec4(lit ? linear : vec3(0.0), f.w));
+  STORE(picture, i, vec4(lit ? to_linear(code) : vec3(0.0), f.w));
 }

@@ -186,4 +186,14 @@ TEST_F(LimeInput, SpoiltNetworkFilesAreOneErrorThatNamesThem) {
   EXPECT_NE(error(empty).find("exponent.net"), std::string::npos) << error(empty);
 }
 
+// More pixels than a line of workgroups has.
+TEST_F(LimeInput, LargeFramesHaveLayers) {
+  constexpr int kLargeWidth = 2592, kLargeHeight = 1944;
+  VideoHarness harness(line("show=mask"), caps(kLargeWidth, kLargeHeight));
+  for (int i = 0; i < 3; ++i)
+    ASSERT_FALSE(harness.process(scene(1300, 900, 700, kLargeWidth, kLargeHeight)).empty());
+  EXPECT_TRUE(found(harness));
+  EXPECT_TRUE(harness.errors().empty());
+}
+
 }  // namespace inverse::testing

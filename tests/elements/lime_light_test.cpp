@@ -175,4 +175,37 @@ TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
+TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
+  VideoHarness harness(line("show=input light=true"), caps(), {});
+  const auto lit = [&](const std::vector<uint8_t>& frame) {
+    harness.push(frame);
+    GstBuffer* buffer = gst_harness_pull(harness.harness());
+    const bool has = buffer && gst_buffer_get_material_meta(buffer)->environment;
+    if (buffer) gst_buffer_unref(buffer);
+    return has;
+  };
+  const auto ball = scene(60, 30, 20);
+  for (int i = 0; i < 6; ++i) lit(ball);
+  EXPECT_TRUE(lit(ball));
+  g_object_set(harness.find("limematerial"), "light", FALSE, nullptr);
+  EXPECT_FALSE(lit(ball));
+  g_object_set(harness.find("limematerial"), "light", TRUE, nullptr);
+  EXPECT_TRUE(lit(ball));
+  harness.set_src_caps(caps(64, 96));
+  EXPECT_FALSE(lit(scene(0, 0, 0, 64, 96)));
+}
+
+TEST_F(LimeLight, NoKernelIsBuiltWhenAnotherPictureIsShown) {
+  const NewDevice none_built;
+  VideoHarness harness(line("show=input"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  const auto before = stat<guint64>(lime, "kernels", G_TYPE_UINT64);
+  for (const char* show : {"preview", "mosaic", "mask", "mirror"}) {
+    gst_util_set_object_arg(G_OBJECT(lime), "show", show);
+    for (int i = 0; i < 2; ++i) harness.process(scene(60, 30, 20));
+    EXPECT_EQ(stat<guint64>(lime, "kernels", G_TYPE_UINT64), before) << show;
+  }
+}
+
 }  // namespace inverse::testing

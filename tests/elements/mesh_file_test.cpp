@@ -220,4 +220,51 @@ TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
+// Corners in one place are compared with each other to find normals: of 80 000, half a minute.
+TEST_F(MeshFile, VeryManyFacesInOneCornerNeedNormals) {
+  const auto fan = [](int faces, bool normals) {
+    std::string obj = "v 0 0 0\nvn 0 0 1\n";
+    for (int i = 0; i <= faces; ++i) {
+      const double angle = 2 * std::numbers::pi * i / (faces + 1);
+      obj += "v " + std::to_string(100000 * std::cos(angle)) + " " +
+             std::to_string(100000 * std::sin(angle)) + " 0\n";
+    }
+    const char* normal = normals ? "//1" : "";
+    for (int i = 0; i < faces; ++i) {
+      obj.append("f");
+      for (const int corner : {1, i + 2, i + 3})
+        obj.append(" ").append(std::to_string(corner)).append(normal);
+      obj.append("\n");
+    }
+    return obj;
+  };
+  EXPECT_EQ(load_mesh(written("few.obj", fan(1000, false))).triangles(), 1000U);
+  EXPECT_NE(error(written("many.obj", fan(80000, false))).find("store it with normals"),
+            std::string::npos);
+  EXPECT_EQ(load_mesh(written("normals.obj", fan(80000, true))).triangles(), 80000U);
+}
+
+// Assimp goes down nodes by recursion, and once for each parent.
+TEST_F(MeshFile, NodesOfGltfThatAreNoTreeAreRefused) {
+  const auto file = [](const std::string& nodes) {
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
+           "]}";
+  };
+  std::string chain, doubled;
+  for (int i = 0; i < 20000; ++i) chain += R"({"children":[)" + std::to_string(i + 1) + "]},";
+  for (int i = 1; i < 40; ++i) {
+    const std::string below = std::to_string(i);
+    doubled += R"({"children":[)" + below + "," + below + "]},";
+  }
+  EXPECT_NE(error(written("chain.gltf", file(chain + "{}"))).find("below each other"),
+            std::string::npos);
+  EXPECT_NE(error(written("doubled.gltf", file(doubled + "{}"))).find("more than one parent (1)"),
+            std::string::npos);
+  EXPECT_NE(error(written("ring.gltf", file(R"({},{"children":[2]},{"children":[1]})")))
+                .find("below themselves"),
+            std::string::npos);
+  EXPECT_NE(error(written("brackets.gltf", std::string(100000, '['))).find("nests its JSON"),
+            std::string::npos);
+}
+
 }  // namespace inverse::testing

@@ -65,4 +65,14 @@ TEST_F(RelightTest, WithoutItsNetworkTheElementDoesNotStart) {
   EXPECT_NE(error.find("light.net"), std::string::npos) << error;
 }
 
+TEST_F(RelightTest, TheModelIsThatOfTheStart) {
+  VideoHarness harness("olatrelight", caps());
+  const auto expected = VideoHarness("olatrelight", caps()).process(sphere.side_by_side());
+  gst_util_set_object_arg(G_OBJECT(harness.find("olatrelight")), "model", "network");
+  EXPECT_EQ(harness.process(sphere.side_by_side()), expected) << "set before the first frame";
+  harness.set_src_caps(caps(42, 9));
+  EXPECT_FALSE(harness.process(random_frame(caps(42, 9), 1)).empty());
+  EXPECT_TRUE(harness.errors().empty());
+}
+
 }  // namespace inverse::testing

@@ -351,4 +351,13 @@ TEST_F(RelightTest, LargeFramesWorkOrSayWhatDoesNotFit) {
       << result.first_error();
 }
 
+TEST_F(RelightTest, GrayGradientsAreAWarning) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=3 ! video/x-raw,format=GRAY8,width=64,height=32 ! olatrelight ! "
+      "fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  ASSERT_EQ(result.warnings.size(), 1u) << "told once";
+  EXPECT_NE(result.warnings[0].find("gray video"), std::string::npos) << result.warnings[0];
+}
+
 }  // namespace inverse::testing

@@ -152,6 +152,11 @@ TEST_F(EnvironmentTest, ValuesThatAreNoRadianceBecomeTheNearestThatIs) {
   EXPECT_EQ(changed, 4u);
   EXPECT_EQ(map.rgb()[6], 70000) << "a sun that a half float could not hold, and no brighter one";
   for (const size_t i : {7u, 8u, 9u}) EXPECT_EQ(map.rgb()[i], 0);
+  for (const auto& [bad, expected] : {std::pair{kInf, 65504.F}, {1e12F, 1e9F}}) {
+    std::fill(rgb.begin(), rgb.end(), bad);
+    const Environment all = Environment::bounded({16, 8}, rgb, changed, "a map");
+    EXPECT_EQ(all.rgb()[0], expected) << "the brightest does not become dark";
+  }
 }
 
 TEST_F(EnvironmentTest, ValuesThatAreNoRadianceAreRefused) {

@@ -272,7 +272,7 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
         commands.dispatch(device->kernel(shaders::material_layers, {1}),
                           {plane(extent, frame).buffer, points(probability), points(codes),
                            plane(side, under).buffer, diffuse, gloss},
-                          place, {static_cast<uint32_t>(extent.pixels())});
+                          place, {extent.width, extent.height});
       });
       const auto expected = reference::lime_layers(
           to_reference(extent, frame), square(place), to_reference(side, probability),

@@ -69,6 +69,17 @@ TEST(MaterialFusion, NoiseFallsWithTheRootOfTime) {
   EXPECT_NEAR(fusion.spread(), .05F, .03F);
 }
 
+TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
+  MaterialFusion fusion;
+  MaterialFusion::Params params;
+  params.memory = 5;
+  for (uint64_t i = 1; i <= 20; ++i) {
+    fusion.add(material(.3F, .4F, 2), params);
+    EXPECT_EQ(fusion.count(), i);
+    EXPECT_EQ(fusion.averaged(), std::min<uint64_t>(i, 5));
+  }
+}
+
 TEST(MaterialFusion, AnotherObjectIsTakenUpAfterFiveFrames) {
   MaterialFusion fusion;
   for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .4F, 2), {});
@@ -225,6 +236,21 @@ TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
   params.adaptive = false;
   for (int i = 0; i < 5; ++i) frame(lime, picture);
   EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 9);
+}
+
+TEST_F(LimeTest, WhatChangesIsNotKnownHoweverOftenItIsSeen) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.recheck = 1000;
+  params.fusion.memory = 1;
+  params.fusion.other = 1;
+  params.steady = .006F;  // the spread is .009
+  for (int i = 0; i < 80; ++i) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(50, 30, 20, .5F, i % 2 ? .3F : .5F), params, false);
+    });
+    lime.done(lime.recorded() - 1);
+  }
+  EXPECT_GE(lime.report(lime.recorded() - 1).estimates, 75U);
 }
 
 TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {

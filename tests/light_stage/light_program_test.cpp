@@ -2,8 +2,11 @@
 #include "light_stage/light_program.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 
@@ -14,14 +17,19 @@ namespace {
 
 using Part = LightProgram::Position::Part;
 
-std::string error_of(const std::string& json) {
+template <typename Act>
+std::string error(Act act) {
   try {
-    LightProgram::parse(json, "program");
+    act();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::file);
     return error.what();
   }
   return "";
+}
+
+std::string error_of(const std::string& json) {
+  return error([&] { LightProgram::parse(json, "program"); });
 }
 
 /// A program of two lights with these fields after its own.
@@ -202,6 +210,31 @@ TEST(LightProgram, IsTheSameWhenReadAgain) {
       EXPECT_EQ(again.id(), program.id());
       EXPECT_EQ(LightProgram::parse(again.json()).id(), program.id());
     }
+}
+
+TEST(LightProgram, FieldsThatAreNotKnownAreNamed) {
+  EXPECT_NE(error_of(with(kTwo, kBlack, R"("repeats": 4, )")).find("\"repeats\""),
+            std::string::npos);
+  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})")).find("step 0 has a \"gard\""),
+            std::string::npos);
+  EXPECT_NE(error_of(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)).find("light 0"),
+            std::string::npos);
+  EXPECT_EQ(error_of(with(kTwo, kBlack, R"("comment": "of the old rig", )")), "");
+}
+
+TEST(LightProgram, LightsMayBeThoseOfAFolder) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("inverse-lights-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "lights.json") << R"({"directions": [[0, 0, 1], [0.6, 0.8, 0]]})";
+  const LightProgram program = light_program("performance:" + folder.string());
+  ASSERT_EQ(program.lights.size(), 2U);
+  EXPECT_NEAR(program.lights[1].direction[1], .8, 1e-12);
+  EXPECT_EQ(program.steps.size(), 2U);
+  EXPECT_EQ(light_program("static:" + folder.string()).steps.size(), 2U + 1 + 2);
+  std::filesystem::remove_all(folder);
+  EXPECT_NE(error([&] { light_program("static:" + folder.string()); }).find("lights.json"),
+            std::string::npos);
 }
 
 }  // namespace

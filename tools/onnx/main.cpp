@@ -44,9 +44,14 @@ void describe(const char* path, const network::Graph& graph) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 3) {
-    std::fprintf(stderr, "usage: %s MODEL.onnx [GRAPH.net]\n", argv[0]);
-    return 2;
+  const bool help = argc == 2 && !std::strcmp(argv[1], "--help");
+  if (help || (argc != 2 && argc != 3)) {
+    std::fprintf(help ? stdout : stderr,
+                 "usage: %s MODEL.onnx [GRAPH.net]\n"
+                 "Makes the file of a network that gst-inverse loads; without its name, says what "
+                 "the model is.\n",
+                 argv[0]);
+    return help ? 0 : 2;
   }
   try {
     const std::vector<char> model = read(argv[1]);

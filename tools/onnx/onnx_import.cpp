@@ -314,6 +314,11 @@ Graph graph_of(std::span<const std::byte> model, const std::string& name) {
   try {
     Graph graph = Importer(proto.graph(), opset_of(proto)).run();
     network::validate(graph);
+    // Where sizes are given, whether layers fit each other is known now.
+    std::vector<network::Shape> given;
+    for (const network::Input& input : graph.inputs)
+      if (input.height && input.width) given.push_back({input.channels, input.height, input.width});
+    if (given.size() == graph.inputs.size()) network::shapes_of(graph, given);
     return graph;
   } catch (const Error& error) {
     throw Error(ErrorKind::unsupported, name + ": " + error.what());

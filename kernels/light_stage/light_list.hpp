@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "light_program.hpp"
+
+namespace inverse {
+
+/// The lights of a stage as the lights.json of an OLAT folder lists them.
+struct LightList {
+  std::vector<Direction> directions;  ///< unit vectors
+  std::vector<std::string> files;     ///< the picture under each light alone; empty: there is none
+
+  /// Lists of three numbers under "directions", or objects with a "direction" under "lights", whose
+  /// "file" is left out where there is no picture. Throws Error(file), saying what is missing or
+  /// wrong.
+  static LightList load(const std::string& path);
+};
+
+}  // namespace inverse
