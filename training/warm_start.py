@@ -48,9 +48,9 @@ def inputs_measured(folded):
 
 
 @torch.no_grad()
-def load(files, run):
-    """Gives networks ({network: ONNX file}) the files' weights. run(): runs pictures through all of them, on which
-    normalization is measured, so that they do the same in training as in use. They are in evaluation mode then.
+def take(files):
+    """Gives networks ({network: ONNX file}) the files' weights, and normalization that does nothing, in evaluation mode: to be
+    used. Returns pairs of convolution and normalization.
 
     Raises KeyError for a weight that a file lacks, ValueError for one of another shape."""
     folded = []
@@ -69,5 +69,12 @@ def load(files, run):
                 parameter.copy_(stored[name])
         network.eval()
         folded += pairs
-    with inputs_measured(folded):
+    return folded
+
+
+@torch.no_grad()
+def load(files, run):
+    """`take`, to be trained on: run() runs pictures through all networks, on which normalization is measured, so that they do
+    the same in training as in use."""
+    with inputs_measured(take(files)):
         run()

@@ -16,7 +16,8 @@ G_BEGIN_DECLS
  * GstMaterialMeta:
  *
  * It comes with every frame of limematerial (of several in a line: the last one's), and stays where
- * frames are converted (videoconvert) or scaled (videoscale: the box is, too). Elements that crop,
+ * frames are converted (videoconvert) or scaled (videoscale: the box is, too, as if the picture
+ * filled the frame: with borders added it is off). Elements that crop,
  * pad or turn frames (videocrop, videobox, videoflip) drop it, as box and light would be wrong.
  *
  * @found: whether there is an object; nothing else but the light means anything where there is none

@@ -10,6 +10,7 @@
 
 #include "base/filter.hpp"
 #include "base/material_meta.hpp"
+#include "base/models.hpp"
 #include "image/mosaic.hpp"
 #include "image/tile_list.hpp"
 #include "material/lime_material.hpp"
@@ -104,12 +105,6 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
-std::string models_folder(const std::string& set) {
-  if (!set.empty()) return set + "/lime";
-  const char* environment = g_getenv("INVERSE_MODELS");
-  return std::string(environment && *environment ? environment : MODELS_FOLDER) + "/lime";
-}
-
 /// Whether a tile of the frame that changed lies in the square.
 bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
   if (changed.empty()) return true;
@@ -133,7 +128,7 @@ class LimeElement final : public Filter {
 
   void start() override {
     const Params params = parameters_.snapshot();
-    const std::string folder = models_folder(params.models);
+    const std::string folder = models_folder(params.models, "lime");
     if (!models_ || folder != folder_) {
       models_ = LimeModels::load(folder);
       folder_ = folder;

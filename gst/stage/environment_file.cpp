@@ -44,7 +44,7 @@ Environment load_environment(const std::string& path, std::string& warning) {
   warning = changed == 0 ? ""
                          : "environment map " + path + " holds " + std::to_string(changed) +
                                " values that are no radiance (negative, infinite or no number); "
-                               "they were clamped to 0 or to the largest that is";
+                               "they were clamped to what is";
   return environment;
 }
 

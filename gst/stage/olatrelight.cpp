@@ -11,6 +11,7 @@
 
 #include "base/filter.hpp"
 #include "base/inverse_light_stage_meta.h"
+#include "base/models.hpp"
 #include "environment_file.hpp"
 #include "image/mosaic.hpp"
 #include "light_stage/light_program.hpp"
@@ -131,12 +132,6 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
-std::string models_folder(const std::string& set) {
-  if (!set.empty()) return set + "/olat";
-  const char* environment = g_getenv("INVERSE_MODELS");
-  return std::string(environment && *environment ? environment : MODELS_FOLDER) + "/olat";
-}
-
 class RelightElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
@@ -153,7 +148,7 @@ class RelightElement final : public Filter {
       program_ = params.program;
     }
     told_of_stage_ = told_of_gray_ = false;
-    const std::string folder = models_folder(params.models);
+    const std::string folder = models_folder(params.models, "olat");
     model_ = params.model;
     if (model_ == Relighting::Model::network && (!models_ || folder != folder_)) {
       models_ = RelightModels::load(folder);

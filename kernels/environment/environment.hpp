@@ -35,7 +35,8 @@ class Environment {
   /// mirrored here and in `save`. Throws Error(file).
   static Environment load(const std::string& path);
   /// The same, with radiance that is not allowed made so: what is no number or below 0 becomes 0,
-  /// what is above kMaxRadiance the largest that is not; `changed` is how many values were.
+  /// what is above kMaxRadiance becomes that, but infinity the largest of the others, or the
+  /// largest half float where they are less; `changed` is how many values were.
   static Environment load(const std::string& path, size_t& changed);
   /// A map of such radiance, of any origin.
   static Environment bounded(Extent extent, std::vector<float> rgb, size_t& changed,

@@ -243,14 +243,15 @@ TEST_F(LimeTest, WhatChangesIsNotKnownHoweverOftenItIsSeen) {
   params.recheck = 1000;
   params.fusion.memory = 1;
   params.fusion.other = 1;
-  params.steady = .006F;  // the spread is .009
+  params.steady = .01F;
   for (int i = 0; i < 80; ++i) {
     run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, .5F, i % 2 ? .3F : .5F), params, false);
+      lime.record(commands, scene(50, 30, 20, .5F, i % 3 ? .3F : .5F), params, false);
     });
     lime.done(lime.recorded() - 1);
   }
   EXPECT_GE(lime.report(lime.recorded() - 1).estimates, 75U);
+  EXPECT_LT(lime.object().spread, params.steady * std::sqrt(60.F)) << "or any rule would do";
 }
 
 TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {

@@ -56,7 +56,7 @@ class Variant:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
-    parser.add_argument("--checkpoint", type=pathlib.Path)
+    parser.add_argument("--checkpoint", type=pathlib.Path, help="of train.py, or a folder of exported networks: models/lime")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--hdri", default=None)
     parser.add_argument("--samples", type=int, default=40000)

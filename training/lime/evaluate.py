@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scores a checkpoint: evaluate.py [--checkpoint out/lime/checkpoint.pt]. Prints Markdown and writes it with --report.
+"""Scores a checkpoint, or exported networks: evaluate.py [--checkpoint out/lime/checkpoint.pt | models/lime]. Prints Markdown and writes it with --report.
 
 Sets: held-out samples of the corpus; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real
 objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
@@ -50,7 +50,7 @@ def picture(items, predictions, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
-    parser.add_argument("--checkpoint", type=pathlib.Path)
+    parser.add_argument("--checkpoint", type=pathlib.Path, help="of train.py, or a folder of exported networks: models/lime")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--hdri", default=None)
     parser.add_argument("--count", type=int, default=1000, help="held-out samples of the corpus")

@@ -49,7 +49,7 @@ def milliseconds(bench, model, size):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/lime/checkpoint.pt")
+    parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/lime/checkpoint.pt", help="of train.py, or a folder of exported networks: models/lime")
     parser.add_argument("--hdri", default=None)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--bench", help="the program network-bench")

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import pathlib
-import sys
 import time
 
 # Threads that wait let others have the core: spinning costs most of a shared machine's time. Read when torch is loaded.
@@ -20,10 +19,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import corpus, curves, stages  # noqa: E402
-from lime.networks import SIZES, Networks  # noqa: E402
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
-import warm_start  # noqa: E402
+from lime.networks import SIZES, Networks, exported, warm_start  # noqa: E402
 
 VALIDATION_SEED = 2  # of the test split; the scores of evaluate.py are of seed 1
 HELD_BACK = 64       # validation samples
@@ -107,8 +103,7 @@ def main():
     if args.start:
         pictures = samples.render(args.seed, 0, 64, pixels, corpus.TAUGHT, args.threads)
         pictures = [corpus.Batch({k: a[i:i + 16] for k, a in pictures.items()}, args.device).image for i in range(0, 64, 16)]
-        warm_start.load({part: args.start / f"{name}.onnx" for name, (part, _) in networks.parts().items()},
-                        lambda: [run(networks, image) for image in pictures])
+        warm_start.load(exported(networks, args.start), lambda: [run(networks, image) for image in pictures])
     held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
     held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
                  for i in range(0, HELD_BACK, 16)]

@@ -3,11 +3,17 @@
 Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), ReLU, 2×2 max-pooling, bilinear ×2 upsampling
 (half-pixel centers), concatenation, dense layers, sigmoid and soft-max.
 """
+import pathlib
+import sys
+
 import torch
 from torch import nn
 from torch.nn import functional
 
 from .encoding import BINS
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))
+import warm_start  # noqa: E402
 
 # Widths of the U-Nets per level (each half as wide as the one before) and of the encoders per block, and the dense layer.
 SIZES = {
@@ -107,8 +113,18 @@ class Networks(nn.Module):
         return {name: (getattr(self, name), shape) for name, shape in shapes.items() if name != "mirror" or self.use_mirror}
 
 
+def exported(networks, folder):
+    """The files of export.py: {network: its ONNX file}."""
+    return {part: pathlib.Path(folder) / f"{name}.onnx" for name, (part, _) in networks.parts().items()}
+
+
 def load_checkpoint(path):
-    """The networks of a checkpoint of train.py, to be used: on the CPU, in evaluation mode."""
+    """The networks of a checkpoint of train.py, or of a folder that export.py wrote (of standard size), to be used: on the
+    CPU, in evaluation mode."""
+    if pathlib.Path(path).is_dir():
+        networks = Networks()
+        warm_start.take(exported(networks, path))
+        return networks.eval()
     saved = torch.load(path, map_location="cpu")
     networks = Networks(**saved["variant"])
     networks.load_state_dict(saved["networks"])
