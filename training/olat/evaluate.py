@@ -44,7 +44,7 @@ def picture(item, predictions, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/olat")
-    parser.add_argument("--checkpoint", nargs="*", metavar="NAME=FILE", help="by default network=OUT/checkpoint.pt")
+    parser.add_argument("--checkpoint", nargs="*", metavar="NAME=FILE", help="of train.py, or folders of exported networks (network=models/olat); by default network=OUT/checkpoint.pt")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--corpus", type=pathlib.Path, help="held-out subjects; OUT/corpus/test")
     parser.add_argument("--report", type=pathlib.Path)
@@ -53,7 +53,7 @@ def main():
     models = {"cosine lobe": "cosine-lobe"}
     for pair in args.checkpoint or [f"network={args.out / 'checkpoint.pt'}"]:
         name, path = pair.split("=", 1)
-        models[name] = (torch.load(path, map_location="cpu")["variant"]["input"], load_checkpoint(path))
+        models[name] = load_checkpoint(path)
 
     sets = {"Held-out subjects of the corpus, 331 lights": datasets.held_out(args.corpus or args.out / "corpus/test")}
     for title, load, name in (("Heads rendered by Cycles, 96 lights (`olat_head`)", datasets.olat_head, "olat_head"),

@@ -56,7 +56,7 @@ def main():
     parser.add_argument("--checkpoint", type=pathlib.Path, default=corpus.ROOT / "out/olat/checkpoint.pt")
     parser.add_argument("--models", type=pathlib.Path, default=corpus.ROOT / "models/olat")
     args = parser.parse_args()
-    net = load_checkpoint(args.checkpoint)
+    _, net = load_checkpoint(args.checkpoint)
     if not isinstance(net, Late) or net.features.down[0][0].in_channels != 6:
         raise SystemExit(f"{args.checkpoint} is not a late-fusion network on gradient images")
     write(net, args.models)

@@ -10,7 +10,6 @@ import copy
 import json
 import os
 import pathlib
-import sys
 import time
 
 # Threads that wait let others have the core: spinning costs most of a shared machine's time. Read when torch is loaded.
@@ -20,10 +19,7 @@ import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
 from olat import corpus, curves, encoding, samples, teaching  # noqa: E402
-from olat.networks import DirectionNet, network  # noqa: E402
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
-import warm_start  # noqa: E402
+from olat.networks import DirectionNet, exported, network, warm_start  # noqa: E402
 
 RATE = 2e-3
 LONGEST_STEP = 20  # seconds; what goes beyond is a process that was stopped for a while, not training
@@ -113,8 +109,7 @@ def main():
 
     if args.start and not args.resume:
         pictures = [make(i).to(args.device).x["gradients"] for i in range(12)]
-        warm_start.load({net.features: args.start / "features.onnx", net.light: args.start / "light.onnx"},
-                        lambda: [net.features(x) for x in pictures])
+        warm_start.load(exported(net, args.start), lambda: [net.features(x) for x in pictures])
         average = teaching.Average(net)
     write(event="start", subjects=len(subjects), arguments={k: str(v) for k, v in vars(args).items()})
     judge_budget = 60 * min(0.1 * args.minutes, 4)

@@ -1,9 +1,15 @@
 """Networks from gradient images and a light direction to the picture under that light, from operators of the project's engine."""
+import pathlib
+import sys
+
 import torch
 from torch import nn
 from torch.nn import functional
 
 from . import encoding
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))
+import warm_start  # noqa: E402
 
 WIDTHS = (16, 32, 64, 96, 128, 128)  # of the U-Net's levels, each half as large as the one before
 DECODER = (24, 32, 48, 96, 128)      # of its way up
@@ -133,12 +139,22 @@ def network(variant):
     return (Late if variant["fusion"] == "late" else Early)(inputs, variant.get("width", 1))
 
 
+def exported(net, folder):
+    """The files of export.py: {network: its ONNX file}."""
+    return {net.features: pathlib.Path(folder) / "features.onnx", net.light: pathlib.Path(folder) / "light.onnx"}
+
+
 def load_checkpoint(path):
-    """The network of a checkpoint of train.py (its running average of weights), on the CPU, in evaluation mode."""
+    """What a checkpoint of train.py sees ("gradients" or "olats") and its network (the running average of weights), or the
+    network of a folder that export.py wrote, on the CPU, in evaluation mode."""
+    if pathlib.Path(path).is_dir():
+        net = Late()
+        warm_start.take(exported(net, path))
+        return "gradients", net.eval()
     saved = torch.load(path, map_location="cpu")
     net = network(saved["variant"])
     net.load_state_dict(saved["average"])
-    return net.eval()
+    return saved["variant"]["input"], net.eval()
 
 
 def count_flops(net, *shape):
