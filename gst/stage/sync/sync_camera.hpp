@@ -87,7 +87,8 @@ struct SyncCamera {
   std::optional<uint64_t> last_trigger;
   std::string stream_id;
   bool live = false, upstream_known = false;
-  uint32_t id_bits = 0;  // as upstream says; 0: it does not
+  GstClockTime sinks_wait = 0;  // latency that those sinks keep that follow it
+  uint32_t id_bits = 0;         // as upstream says; 0: it does not
   bool flushing = true, ended = false, released = false;
   bool program_ended = false;  // and that is on its way to the assembler
   bool blocked = false;        // its frames are not taken because there is no room

@@ -12,7 +12,8 @@ namespace {
 
 /// Tells a camera's assembler, in the order of frames, that the program has ended.
 constexpr const char* kProgramEnded = "lightstage-program-ended";
-constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
+constexpr size_t kFewOutgoing = 4;  // frames that wait for what follows
+constexpr size_t kMostOutgoingBytes = size_t{1} << 30;
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
 constexpr uint32_t kUsualIdBits = 64;
@@ -72,6 +73,7 @@ void SyncElement::stop() {
     camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
         camera->upstream_known = camera->program_ended = false;
     camera->id_bits = 0;
+    camera->sinks_wait = 0;
     camera->flow = GST_FLOW_OK;
     camera->told = camera->triggered = {};
     camera->run = camera->incomplete = camera->sent = 0;
@@ -209,6 +211,16 @@ GstFlowReturn SyncElement::combined_flow(const SyncCamera& camera) const {
   return camera.flow == GST_FLOW_FLUSHING ? GST_FLOW_FLUSHING : GST_FLOW_OK;
 }
 
+/// Frames that may wait for what follows. Sinks keep to the latency: a frame that came without a
+/// detour waits there for the time that others take here, and those behind it must not hold the
+/// camera up.
+size_t SyncElement::most_outgoing(const SyncCamera& camera, size_t frame_bytes) const {
+  const GstClockTime ours = camera.live ? own_latency() : 0;
+  const uint64_t frames = labels_ ? std::max(ours, camera.sinks_wait) / labels_->period() : 0;
+  const uint64_t fit = kMostOutgoingBytes / std::max<size_t>(frame_bytes, 1);
+  return kFewOutgoing + static_cast<size_t>(std::min(frames, fit));
+}
+
 GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   if (!camera->info) {
     gst_buffer_unref(buffer);
@@ -232,9 +244,11 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   if (!camera->upstream_known) ask_upstream(*camera);
   Lock lock(mutex_);
   camera->last_arrival = Clock::now();
-  while (!camera->flushing && !camera->ended &&
-         (camera->in_sets >= params_.max_frames || camera->outgoing_buffers >= kMostOutgoing)) {
-    camera->blocked = camera->outgoing_buffers >= kMostOutgoing;
+  const auto full = [&] {
+    return camera->outgoing_buffers >= most_outgoing(*camera, GST_VIDEO_INFO_SIZE(&*camera->info));
+  };
+  while (!camera->flushing && !camera->ended && (camera->in_sets >= params_.max_frames || full())) {
+    camera->blocked = full();
     changed_.wait_for(lock, kLook);
     look_for_silence();
     speak(lock);

@@ -71,7 +71,7 @@ void SyncElement::look_for_silence() {
   const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
     const SyncCamera& camera = *cameras_.at(number);
     // By what follows it; or it is on its way, and can wait.
-    return camera.blocked || camera.outgoing_buffers > 0 || (!camera.live && !camera.silent);
+    return camera.blocked || (!camera.live && !camera.silent);
   });
   if (lacking.empty() || held_up || lacking != lacking_) {
     lacking_ = lacking;
