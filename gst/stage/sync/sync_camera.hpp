@@ -94,6 +94,7 @@ struct SyncCamera {
   bool blocked = false;        // its frames are not taken because there is no room
   bool left_alone = false;     // sets do not wait for it any more
   bool silent = false;         // and that was told
+  bool begun = false;          // caps or a frame have come
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
   FrameLabeler::Counts triggered;    // in place of the labeler's where we trigger

@@ -71,7 +71,7 @@ void SyncElement::stop() {
     camera->last_trigger.reset();
     camera->stream_id.clear();
     camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
-        camera->upstream_known = camera->program_ended = false;
+        camera->upstream_known = camera->program_ended = camera->begun = false;
     camera->id_bits = 0;
     camera->sinks_wait = 0;
     camera->flow = GST_FLOW_OK;
@@ -243,6 +243,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   }
   if (!camera->upstream_known) ask_upstream(*camera);
   Lock lock(mutex_);
+  camera->begun = true;
   camera->last_arrival = Clock::now();
   const auto full = [&] {
     return camera->outgoing_buffers >= most_outgoing(*camera, GST_VIDEO_INFO_SIZE(&*camera->info));

@@ -80,6 +80,8 @@ class SyncElement {
   // With the mutex held.
   GstClockTime own_latency() const;
   size_t most_outgoing(const SyncCamera& camera, size_t frame_bytes) const;
+  Clock::duration longest_silence(const SyncCamera& camera) const;
+  bool can_wait(const SyncCamera& camera) const;
 
   // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);

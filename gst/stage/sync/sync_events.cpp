@@ -44,6 +44,8 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   camera.info = info;
   camera.linear.emplace(info);
   Lock lock(mutex_);
+  camera.begun = true;
+  camera.last_arrival = Clock::now();
   if (!labels_) return true;
   if (const auto trigger = trigger_) {
     lock.unlock();  // it speaks with the camera

@@ -6,9 +6,10 @@
 namespace inverse {
 namespace {
 
-constexpr auto kSilent = std::chrono::seconds(2);  // without a frame
-constexpr uint32_t kFewPeriods = 4;                // the same, in slow programs
-constexpr uint32_t kLongestWait = 30;              // periods
+constexpr auto kSilent = std::chrono::seconds(2);     // without a frame
+constexpr auto kNotBegun = std::chrono::seconds(30);  // the same, while a source makes itself ready
+constexpr uint32_t kFewPeriods = 4;                   // the same, in slow programs
+constexpr uint32_t kLongestWait = 30;                 // periods
 constexpr auto kBetweenWarnings = std::chrono::seconds(1);
 
 double seconds(SyncCamera::Clock::duration time) {
@@ -47,6 +48,20 @@ void SyncElement::speak(Lock& lock) {
   lock.lock();
 }
 
+SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& camera) const {
+  const auto timeout = std::chrono::duration<double>(patience());
+  return std::max<Clock::duration>({camera.begun ? kSilent : kNotBegun,
+                                    std::chrono::duration_cast<Clock::duration>(timeout),
+                                    periods(kFewPeriods)});
+}
+
+/// Whether what a camera has not sent yet may come at any time, as nothing runs away meanwhile.
+bool SyncElement::can_wait(const SyncCamera& camera) const {
+  if (camera.silent) return false;
+  if (camera.begun) return !camera.live;
+  return std::ranges::none_of(cameras_, [](const auto& other) { return other.second->live; });
+}
+
 /// Cameras that have stopped are told of, and not waited for.
 void SyncElement::look_for_silence() {
   const auto now = Clock::now();
@@ -56,32 +71,40 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    const auto wait = std::max<Clock::duration>(
-        {kSilent, std::chrono::duration_cast<Clock::duration>(timeout), periods(kFewPeriods)});
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
-        camera->in_sets >= params_.max_frames || now - camera->last_arrival < wait)
+        camera->in_sets >= params_.max_frames ||
+        now - camera->last_arrival < longest_silence(*camera))
       continue;
     camera->silent = true;
     tell("camera-stopped", *camera);
-    warn("camera " + camera->name() + " has sent no frame for " +
-         std::to_string(static_cast<int>(seconds(now - camera->last_arrival))) +
-         " s; look at the camera, its cable and its trigger");
+    const auto silence = std::to_string(static_cast<int>(seconds(now - camera->last_arrival)));
+    if (camera->begun)
+      warn("camera " + camera->name() + " has sent no frame for " + silence +
+           " s; look at the camera, its cable and its trigger");
+    else
+      warn("camera " + camera->name() + " has not begun to send within " + silence +
+           " s: its source has not even agreed on a format; look whether that is started and finds "
+           "its camera");
   }
   const auto lacking = sets_.lacking();
   const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
     const SyncCamera& camera = *cameras_.at(number);
-    // By what follows it; or it is on its way, and can wait.
-    return camera.blocked || (!camera.live && !camera.silent);
+    return camera.blocked || can_wait(camera);  // by what follows it
   });
   if (lacking.empty() || held_up || lacking != lacking_) {
     lacking_ = lacking;
     lacking_since_ = now;
     return;
   }
-  // Frames that are here may wait for the one that confirms their labels.
+  // Sources do not begin at once, and frames that are here may wait for the one that confirms their
+  // labels.
+  const bool begins =
+      std::ranges::any_of(lacking, [&](uint32_t number) { return !cameras_.at(number)->begun; });
   const bool unsure = std::ranges::any_of(
       lacking, [&](uint32_t number) { return cameras_.at(number)->waits_for_labels(); });
-  if (now - lacking_since_ < timeout + (unsure ? periods(kLongestWait) : Clock::duration{})) return;
+  const Clock::duration longer = std::max<Clock::duration>(
+      begins ? kSilent : Clock::duration{}, unsure ? periods(kLongestWait) : Clock::duration{});
+  if (now - lacking_since_ < timeout + longer) return;
   for (const uint32_t number : lacking) {
     SyncCamera& camera = *cameras_.at(number);
     camera.left_alone = true;
