@@ -152,7 +152,7 @@ TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
   for (int64_t n = -10; n < 60; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
   EXPECT_EQ(pull(60).back().trigger, 59);
   EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not until that is told of
-  EXPECT_TRUE(warned_of("have waited"));
+  EXPECT_TRUE(warned_of("whose source has not begun"));
 }
 
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {

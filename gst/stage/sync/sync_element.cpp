@@ -76,7 +76,7 @@ void SyncElement::stop() {
     camera->sinks_wait = 0;
     camera->flow = GST_FLOW_OK;
     camera->told = camera->triggered = {};
-    camera->run = camera->incomplete = camera->sent = 0;
+    camera->run = camera->start = camera->incomplete = camera->sent = 0;
   }
   sets_ = FrameSets(true);
   labels_.reset();
@@ -242,6 +242,10 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return GST_FLOW_ERROR;
   }
   if (!camera->upstream_known) ask_upstream(*camera);
+  const GstClockTime time =
+      camera->segment.format == GST_FORMAT_TIME
+          ? gst_segment_to_running_time(&camera->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))
+          : GST_CLOCK_TIME_NONE;
   Lock lock(mutex_);
   camera->begun = true;
   camera->last_arrival = Clock::now();
@@ -261,10 +265,11 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return camera->flushing ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
   }
   frame.token = next_token_++;
-  camera->line.push_back(
-      {SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer), frame.token, std::nullopt});
+  camera->line.push_back({SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer),
+                          frame.token, std::nullopt, time});
   labeled(*camera, trigger ? triggered(*camera, frame.token, handling->trigger())
-                           : camera->labeler->push(frame));
+                           : camera->labeler->push(
+                                 frame, running_for(*camera, GST_BUFFER_PTS(buffer), time)));
   report(*camera);
   advance();
   const GstFlowReturn flow = combined_flow(*camera);
@@ -317,19 +322,51 @@ FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
   return camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
 }
 
-/// A camera's labels start anew: a new run of the program, unless another camera has seen the same
-/// marker a moment ago. Files may begin at any time and are of one run.
-void SyncElement::join_run(SyncCamera& camera, uint64_t trigger) {
-  const bool anew = camera.run == 0 || (camera.last_trigger && trigger <= *camera.last_trigger);
-  if (!anew) return;
+/// A camera's labels start anew: a new run of the program, unless its count is another camera's, or
+/// that has seen the same marker a moment ago. Files may begin at any time and are of one run.
+void SyncElement::join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame) {
+  const bool another = frame.start.number != camera.start;
+  const bool rises = !camera.last_trigger || frame.trigger > *camera.last_trigger;
+  if (camera.run != 0 && !another && rises) return;
+  if (another && frame.start.run && (*frame.start.run != camera.run || rises)) {
+    camera.run = *frame.start.run;
+    return;
+  }
   const auto now = Clock::now();
-  if (run_ == camera.run ||
-      (camera.live &&
-       now - run_since_ > std::max<Clock::duration>(kSameRun, periods(kMarkerPeriods)))) {
+  const bool late = now - run_since_ > std::max<Clock::duration>(kSameRun, periods(kMarkerPeriods));
+  if (run_ == camera.run || (another && frame.start.apart) || (camera.live && late)) {
     ++run_;
     run_since_ = now;
   }
   camera.run = run_;
+}
+
+uint64_t SyncElement::newest_run() const {
+  uint64_t newest = 0;
+  for (const auto& [number, camera] : cameras_)
+    if (!camera->ended) newest = std::max(newest, camera->run);
+  return newest;
+}
+
+/// Where the program is by what another camera has seen of it; `pts` and `time` are of one frame.
+/// Cameras' time stamps are of one clock. Those of files are not.
+std::optional<FrameLabeler::Running> SyncElement::running_for(const SyncCamera& camera,
+                                                              GstClockTime pts,
+                                                              GstClockTime time) const {
+  if (!camera.live || !GST_CLOCK_TIME_IS_VALID(time)) return std::nullopt;
+  const uint64_t run = newest_run();
+  const SyncCamera* latest = nullptr;
+  for (const auto& [number, other] : cameras_) {
+    const bool counts = other->live && !other->ended && other->run == run && other->last_trigger &&
+                        other->labeler->anchored() &&
+                        other->labeler->start().number == other->start;
+    if (other.get() == &camera || !counts || !GST_CLOCK_TIME_IS_VALID(other->last_time)) continue;
+    if (!latest || other->last_time > latest->last_time) latest = other.get();
+  }
+  if (!latest) return std::nullopt;
+  const int64_t since = GST_CLOCK_DIFF(time, latest->last_time);
+  return FrameLabeler::Running{static_cast<int64_t>(pts) + since, *latest->last_trigger, run,
+                               camera.run == run};
 }
 
 /// The assembler hears that there is no more of what it has.
@@ -353,11 +390,14 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     }
     camera.program_ended = false;
     item->label = FrameLabel{frame.trigger, frame.position};
-    join_run(camera, frame.trigger);
+    join_run(camera, frame);
+    camera.start = frame.start.number;
     camera.last_trigger = frame.trigger;
+    camera.last_time = item->time;
     ++camera.in_sets;
     sets_.add(camera.number, camera.run << 40 | frame.trigger, frame.token);
-    if (camera.left_alone) {
+    // Frames of another run meet no others of the newest.
+    if (camera.left_alone && camera.run == newest_run()) {
       camera.left_alone = false;
       sets_.wait_for(camera.number, true);
       tell("camera-back", camera);

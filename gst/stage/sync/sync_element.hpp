@@ -82,6 +82,9 @@ class SyncElement {
   size_t most_outgoing(const SyncCamera& camera, size_t frame_bytes) const;
   Clock::duration longest_silence(const SyncCamera& camera) const;
   bool can_wait(const SyncCamera& camera) const;
+  uint64_t newest_run() const;
+  std::optional<FrameLabeler::Running> running_for(const SyncCamera& camera, GstClockTime pts,
+                                                   GstClockTime time) const;
 
   // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
@@ -90,7 +93,8 @@ class SyncElement {
   void advance();
   void look_for_silence();
   void report(SyncCamera& camera);
-  void join_run(SyncCamera& camera, uint64_t trigger);
+  void join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame);
+  void leave_alone(SyncCamera& camera);
   void warn(const std::string& text);
   void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void speak(Lock& lock);

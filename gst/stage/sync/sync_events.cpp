@@ -108,6 +108,9 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
       }
       break;
     }
+    case GST_EVENT_SEGMENT:
+      gst_event_copy_segment(event, &camera->segment);
+      break;
     default:
       break;
   }

@@ -55,7 +55,8 @@ SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& came
                                     periods(kFewPeriods)});
 }
 
-/// Whether what a camera has not sent yet may come at any time, as nothing runs away meanwhile.
+/// Whether what a camera has not sent yet may come at any time, as nothing runs away meanwhile. Of
+/// one that has not begun it is not known whether it is live; then others tell.
 bool SyncElement::can_wait(const SyncCamera& camera) const {
   if (camera.silent) return false;
   if (camera.begun) return !camera.live;
@@ -96,28 +97,39 @@ void SyncElement::look_for_silence() {
     lacking_since_ = now;
     return;
   }
-  // Sources do not begin at once, and frames that are here may wait for the one that confirms their
-  // labels.
-  const bool begins =
-      std::ranges::any_of(lacking, [&](uint32_t number) { return !cameras_.at(number)->begun; });
+  // Frames that are here may wait for the one that confirms their labels.
   const bool unsure = std::ranges::any_of(
       lacking, [&](uint32_t number) { return cameras_.at(number)->waits_for_labels(); });
-  const Clock::duration longer = std::max<Clock::duration>(
-      begins ? kSilent : Clock::duration{}, unsure ? periods(kLongestWait) : Clock::duration{});
-  if (now - lacking_since_ < timeout + longer) return;
-  for (const uint32_t number : lacking) {
-    SyncCamera& camera = *cameras_.at(number);
-    camera.left_alone = true;
-    sets_.wait_for(number, false);
-    tell("camera-left-alone", camera);
-    warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
-         camera.name() + "; " +
-         (params_.sets == SyncParams::Sets::complete
-              ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
-              : "they go on without it until it sends labeled frames again"));
-  }
+  if (now - lacking_since_ < timeout + (unsure ? periods(kLongestWait) : Clock::duration{})) return;
+  for (const uint32_t number : lacking) leave_alone(*cameras_.at(number));
   lacking_.clear();
   advance();
+}
+
+/// Sets do not wait for a camera any more.
+void SyncElement::leave_alone(SyncCamera& camera) {
+  camera.left_alone = true;
+  sets_.wait_for(camera.number, false);
+  const bool elsewhere = camera.run != 0 && camera.run != newest_run();
+  tell("camera-left-alone", camera,
+       gst_structure_new("more", "another-start", G_TYPE_BOOLEAN, elsewhere, nullptr));
+  if (elsewhere) {
+    const bool pass = labels_->program().marker == LightProgram::Marker::pass;
+    warn("the frames of camera " + camera.name() +
+         " are counted from another start of the light program than those of the newest one, so "
+         "that they meet in no set" +
+         (pass ? ": by its time stamps it is not certain which passes are the same"
+               : std::string()) +
+         "; start the program of the lights once all cameras send" +
+         (pass ? ", or see to it that their time stamps are of one clock"
+               : std::string(", or give it the marker \"pass\"")));
+    return;
+  }
+  warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
+       camera.name() + (camera.begun ? "; " : ", whose source has not begun; ") +
+       (params_.sets == SyncParams::Sets::complete
+            ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
+            : "they go on without it until it sends labeled frames again"));
 }
 
 /// What came up with a camera's frames; losses at most once a second.
