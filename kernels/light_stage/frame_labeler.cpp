@@ -123,8 +123,10 @@ bool FrameLabeler::contradicts(int64_t trigger, const ImageEvidence& image) cons
          !same_light(program_, position, program_.at(static_cast<uint64_t>(*last_ - *anchor_)));
 }
 
-std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
+std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame,
+                                                      const std::optional<Running>& running) {
   ++counts_.frames;
+  running_ = running;
   if (!frame.time && !(frame.id && params_.id_bits)) {
     std::vector<Labeled> out;
     tell(frame.token, Fate::untimed, out);
@@ -137,7 +139,7 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::push(const Frame& frame) {
   }
   TriggerCounter::Frame next{frame.token, std::nullopt, frame.id, frame.image.content};
   if (frame.time) next.time = static_cast<double>(*frame.time - *origin_) / period_;
-  waiting_.emplace_back(frame.token, frame.image);
+  waiting_.push_back({frame.token, frame.image, frame.time});
   const auto counted = counter_.push(next, [&](int64_t trigger, const TriggerCounter::Frame&) {
     return contradicts(trigger, frame.image);
   });
@@ -162,11 +164,12 @@ void FrameLabeler::tell_all_seen(std::vector<Labeled>& out) {
 std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counted>& all) {
   std::vector<Labeled> out;
   for (const Counted& one : all) {
-    const auto at = std::find_if(waiting_.begin(), waiting_.end(),
-                                 [&](const auto& waiting) { return waiting.first == one.token; });
-    const ImageEvidence image = at == waiting_.end() ? ImageEvidence{} : at->second;
+    const auto at = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& waiting) {
+      return waiting.token == one.token;
+    });
+    const Waiting frame = at == waiting_.end() ? Waiting{one.token, {}, {}} : *at;
     if (at != waiting_.end()) waiting_.erase(at);
-    counted(one, image, out);
+    counted(one, frame, out);
   }
   if (counter_.epoch() != epoch_) {
     epoch_ = counter_.epoch();
@@ -182,8 +185,9 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::settle(const std::vector<Counte
   return out;
 }
 
-void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
+void FrameLabeler::counted(const Counted& frame, const Waiting& waiting,
                            std::vector<Labeled>& out) {
+  const ImageEvidence& image = waiting.image;
   const bool doubted = std::exchange(unsettled_.doubted, false);
   if (doubted && !unsettled_.frames.empty() && frame.fate == Counted::Fate::off && frame.conflict) {
     // Two frames for one trigger: one of them has a wrong time, and nothing tells which.
@@ -213,7 +217,7 @@ void FrameLabeler::counted(const Counted& frame, const ImageEvidence& image,
   if (anchor_ && frame.fate == Counted::Fate::trigger && frame.trigger == last_)
     return tell(frame.token, Fate::duplicate, out);
   const size_t history = 2 * static_cast<size_t>(params_.hold) + 16;
-  seen_.push_back({frame.token, frame.trigger, image, false});
+  seen_.push_back({frame.token, frame.trigger, image, false, waiting.time});
   if (seen_.size() > history && (seen_.front().told || !anchor_)) {
     if (!seen_.front().told) tell(seen_.front().token, outside(), out);
     seen_.pop_front();
@@ -281,7 +285,7 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   evidence_.learn(position, image);
   ++counts_.labeled;
   const bool told = told_by_neighbors(position);
-  wait({{token, Fate::labeled, static_cast<uint64_t>(at), position}, missing}, out);
+  wait({{token, Fate::labeled, static_cast<uint64_t>(at), position, start_}, missing}, out);
   const bool alone = unsettled_.frames.size() == 1;
   if (confirms || (confirmable() ? alone && !is_weak(position) : told || params_.id_bits))
     unsettled_.confirmed = unsettled_.frames.size();

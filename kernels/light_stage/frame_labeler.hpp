@@ -42,11 +42,26 @@ class FrameLabeler {
     ended,          ///< all of the program has been
     untimed,        ///< neither a time nor an id
   };
+  /// Where another camera has the program: for markers before every pass, which do not tell how
+  /// many passes were before them.
+  struct Running {
+    int64_t time = 0;      ///< by this camera's PTS, ns, of the frame of
+    uint64_t trigger = 0;  ///< the program's
+    uint64_t run = 0;      ///< the caller's name for this start of the program
+    bool ours = false;     ///< this camera has counted from that start, too
+  };
+  /// From where triggers are counted.
+  struct Start {
+    uint64_t number = 0;          ///< another one for another start
+    std::optional<uint64_t> run;  ///< whose count is gone on with
+    bool apart = false;  ///< one was told of, and how many passes lie between is not certain
+  };
   struct Labeled {
     uint64_t token = 0;
     Fate fate = Fate::before_marker;
     uint64_t trigger = 0;  ///< of the program; of `labeled` frames
     LightProgram::Position position;
+    Start start{};  ///< of `labeled` frames
   };
   struct Counts {
     uint64_t frames = 0, labeled = 0;
@@ -62,7 +77,7 @@ class FrameLabeler {
 
   /// Takes the next frame as it arrives; returns those that are settled by it, in their order but
   /// for such that are dropped at once.
-  std::vector<Labeled> push(const Frame& frame);
+  std::vector<Labeled> push(const Frame& frame, const std::optional<Running>& running = {});
   /// Nothing more comes: those that are held.
   std::vector<Labeled> drain();
   /// All that is held is forgotten; what is known of the clock and the program's start is not.
@@ -76,6 +91,7 @@ class FrameLabeler {
   /// Whether single lights wait long enough to be confirmed by pictures.
   static bool all_confirmed(const LightProgram& program, const Params& params);
   bool anchored() const { return anchor_.has_value(); }
+  const Start& start() const { return start_; }
   /// Whether the marker has not come within `Params::marker_within`; once for each time that it is
   /// waited for.
   bool take_overdue();
@@ -91,6 +107,13 @@ class FrameLabeler {
     int64_t trigger;
     ImageEvidence image;
     bool told;
+    std::optional<int64_t> time;  ///< ns
+  };
+  /// A frame in the counter.
+  struct Waiting {
+    uint64_t token;
+    ImageEvidence image;
+    std::optional<int64_t> time;
   };
   /// A frame that waits to be told.
   struct Unconfirmed {
@@ -110,7 +133,7 @@ class FrameLabeler {
     bool clipped = false;
   };
   std::vector<Labeled> settle(const std::vector<TriggerCounter::Counted>& counted);
-  void counted(const TriggerCounter::Counted& frame, const ImageEvidence& image,
+  void counted(const TriggerCounter::Counted& frame, const Waiting& waiting,
                std::vector<Labeled>& out);
   void label(uint64_t token, int64_t trigger, const ImageEvidence& image,
              std::vector<Labeled>& out);
@@ -119,7 +142,9 @@ class FrameLabeler {
   bool contradicts(int64_t trigger, const ImageEvidence& image) const;
   void tell_all_seen(std::vector<Labeled>& out);
   void look_for_marker(std::vector<Labeled>& out);
-  int64_t same_start(int64_t marker) const;
+  bool begins_pass(int64_t trigger) const;
+  std::optional<int64_t> start_of_running(int64_t marker) const;
+  int64_t start_of(int64_t marker);
   void take_anchor(const Anchor& anchor, std::vector<Labeled>& out);
   void lose_anchor();
   void end();
@@ -153,8 +178,10 @@ class FrameLabeler {
   TriggerCounter counter_;
   LightEvidence evidence_;
   Counts counts_;
-  std::deque<std::pair<uint64_t, ImageEvidence>> waiting_;  // in the counter
-  std::optional<int64_t> origin_;                           // ns
+  std::deque<Waiting> waiting_;
+  std::optional<int64_t> origin_;  // ns
+  std::optional<Running> running_;
+  Start start_;
   std::optional<int64_t> anchor_;
   std::optional<int64_t> lost_anchor_;   // of this epoch, and of a program that has not ended
   std::optional<int64_t> found_marker_;  // the counter's: where the last anchor was taken

@@ -15,6 +15,7 @@ constexpr double kBlacksAlike = 0.15;        // of the contrast
 constexpr int64_t kFull = 1, kBlack = 2;     // triggers from the marker's first
 constexpr double kDark = 0.25;               // of the contrast: no tracking frame
 constexpr size_t kManyLights = 16;           // of which one alone is not bright
+constexpr double kWithinPass = 1.0 / 3;      // of a pass, by which cameras' times may differ
 constexpr uint32_t kGradientsWanted = 2, kWithoutFull = 6, kTrackingWanted = 2;
 
 bool is_gradient(StepKind kind) {
@@ -218,22 +219,47 @@ void FrameLabeler::look_for_marker(std::vector<Labeled>& out) {
     }
 }
 
+/// Whether a pass' marker is where the program is at a trigger.
+bool FrameLabeler::begins_pass(int64_t trigger) const {
+  if (trigger < 0) return false;
+  const Position position = program_.at(static_cast<uint64_t>(trigger));
+  return position.part == Position::Part::marker && position.index == 0;
+}
+
+/// The counter's trigger at which the program that another camera counts has begun, if a marker is
+/// of that one: frames of the same trigger are stamped well within half a pass of each other.
+std::optional<int64_t> FrameLabeler::start_of_running(int64_t marker) const {
+  const auto timed = std::ranges::find_if(
+      seen_, [&](const Seen& seen) { return seen.trigger >= marker && seen.time; });
+  if (timed == seen_.end()) return std::nullopt;
+  const double pass = double(LightProgram::kMarkerSteps) + double(program_.steps.size());
+  const double since = static_cast<double>(*timed->time - running_->time) / period_ -
+                       static_cast<double>(timed->trigger - marker);
+  const double passes = (static_cast<double>(running_->trigger) + since) / pass;
+  const double whole = std::round(passes);
+  if (whole < 0 || std::abs(passes - whole) > kWithinPass) return std::nullopt;
+  const auto triggers = static_cast<int64_t>(whole * pass);
+  return begins_pass(triggers) ? std::optional(marker - triggers) : std::nullopt;
+}
+
 /// Where the program of a marker began. One that comes where a later pass has its own is that one:
-/// the count of triggers goes on, as it does for cameras that saw no trouble.
-int64_t FrameLabeler::same_start(int64_t marker) const {
-  if (program_.marker != LightProgram::Marker::pass || !lost_anchor_) return marker;
-  const int64_t passed = marker - *lost_anchor_;
-  if (passed < 0) return marker;
-  const Position position = program_.at(static_cast<uint64_t>(passed));
-  const bool begins_pass = position.part == Position::Part::marker && position.index == 0;
-  return begins_pass ? *lost_anchor_ : marker;
+/// the count of triggers goes on, as it does for cameras that saw no trouble. So does that of other
+/// cameras for one that comes later, or has lost its own.
+int64_t FrameLabeler::start_of(int64_t marker) {
+  const bool many = program_.marker == LightProgram::Marker::pass;
+  const bool asks = many && running_ && !(running_->ours && lost_anchor_);
+  const auto running = asks ? start_of_running(marker) : std::nullopt;
+  if (!running && many && lost_anchor_ && begins_pass(marker - *lost_anchor_)) return *lost_anchor_;
+  start_ = {start_.number + 1, running ? std::optional(running_->run) : std::nullopt,
+            asks && !running};
+  return running.value_or(marker);
 }
 
 void FrameLabeler::take_anchor(const Anchor& anchor, std::vector<Labeled>& out) {
   ++counts_.markers;
   over_ = false;
   found_marker_ = anchor.trigger;
-  anchor_ = same_start(anchor.trigger);
+  anchor_ = start_of(anchor.trigger);
   last_ = anchor.trigger - 1;
   dropped_since_last_ = 0;
   waiting_since_.reset();

@@ -134,6 +134,27 @@ TEST_F(StageSync, ALoneCameraThatStopsIsToldOfAndMaySendAgain) {
   EXPECT_EQ(count("missing"), 180u);
 }
 
+TEST_F(StageSync, ACameraThatHasNotBegunIsGivenTimeAndOneThatHasIsNot) {
+  use_performance();
+  camera();  // plays
+  g_usleep(3 * G_USEC_PER_SEC);
+  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
+  start();
+  EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
+}
+
+TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
+  start(0);
+  camera(1);
+  const gint64 from = g_get_monotonic_time();
+  for (int64_t n = -10; n < 60; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  EXPECT_EQ(pull(60).back().trigger, 59);
+  EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not until that is told of
+  EXPECT_TRUE(warned_of("whose source has not begun"));
+}
+
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   use_performance();
   g_object_set(element_, "marker-timeout", 0.5, nullptr);

@@ -42,6 +42,46 @@ TEST_F(MarkerInEveryPass, AProgramThatIsStartedAgainElsewhereCountsFromItsStart)
   EXPECT_EQ(told_.back().trigger, 59U);
 }
 
+TEST_F(MarkerInEveryPass, ACameraThatComesLateCountsAsOthersDo) {
+  // Another camera's frames are stamped a quarter of a pass earlier.
+  running_ = FrameLabeler::Running{at(500 - 10.7), 500, 7, false};
+  play(500, 640);
+  ASSERT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(told_.back().trigger, 639U);
+  EXPECT_EQ(told_.back().position.pass, 14U);
+  EXPECT_EQ(told_.back().start.run, 7U);
+  EXPECT_FALSE(told_.back().start.apart);
+}
+
+TEST_F(MarkerInEveryPass, ACameraThatComesLateAndHasOtherTimesCountsAlone) {
+  running_ = FrameLabeler::Running{at(500 - 21), 500, 7, false};
+  play(500, 640);
+  ASSERT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(told_.back().trigger, 639U - 43 * 12);
+  EXPECT_FALSE(told_.back().start.run);
+  EXPECT_TRUE(told_.back().start.apart);
+}
+
+TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDoesNotGoOnWithTheOldOne) {
+  play(-20, 120);
+  EXPECT_EQ(told_[tokens_ - 1].start.number, 1U);
+  running_ = FrameLabeler::Running{at(120), 120, 7, true};
+  // Near to where a pass would have begun.
+  for (int64_t n = -9; n < 60; ++n) push(static_cast<double>(n + 132), picture(n));
+  EXPECT_EQ(told_.back().fate, Fate::labeled);
+  EXPECT_EQ(told_.back().trigger, 59U);
+  EXPECT_EQ(told_.back().start.number, 2U);
+  EXPECT_FALSE(told_.back().start.run);
+}
+
+TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartLateCountsAsOthersDo) {
+  play(-20, 120);
+  running_ = FrameLabeler::Running{at(160), 20, 8, false};
+  for (int64_t n = -20; n < 60; ++n) push(static_cast<double>(n + 140), picture(n));
+  EXPECT_EQ(told_.back().trigger, 59U);
+  EXPECT_EQ(told_.back().start.run, 8U);
+}
+
 class Unmarked : public ByHand {
  protected:
   static LightProgram program() {

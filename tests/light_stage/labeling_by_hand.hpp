@@ -52,11 +52,13 @@ struct HandCamera {
       told_[one.token] = one;
     }
   }
+  static int64_t at(double time) {
+    return static_cast<int64_t>(std::llround((time + 100) * 1e9 / 60));
+  }
   /// Returns the frame's token.
   uint64_t push(double time, const ImageEvidence& image, std::optional<uint64_t> id = {}) {
     const uint64_t token = tokens_++;
-    hear(labeler_.push(
-        {token, static_cast<int64_t>(std::llround((time + 100) * 1e9 / 60)), id, image}));
+    hear(labeler_.push({token, at(time), id, image}, running_));
     return token;
   }
   /// Triggers of the program, on time.
@@ -68,6 +70,7 @@ struct HandCamera {
   LightProgram program_;
   FrameLabeler labeler_;
   std::vector<FrameLabeler::Labeled> told_;
+  std::optional<FrameLabeler::Running> running_;  // of another camera
   uint64_t content_ = 0, tokens_ = 0;
 };
 

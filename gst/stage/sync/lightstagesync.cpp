@@ -78,6 +78,12 @@ gboolean sink_query(GstPad* pad, GstObject* parent, GstQuery* query) {
   return camera && sync_of(parent).sink_query(camera, query);
 }
 
+gboolean src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  if (const auto camera = camera_of(pad, parent)) return sync_of(parent).src_event(camera, event);
+  gst_event_unref(event);
+  return FALSE;
+}
+
 gboolean src_query(GstPad* pad, GstObject* parent, GstQuery* query) {
   const auto camera = camera_of(pad, parent);
   return camera && sync_of(parent).src_query(camera, query);
@@ -141,6 +147,7 @@ GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, cons
   gst_pad_set_event_function(sink, sink_event);
   gst_pad_set_query_function(sink, sink_query);
   gst_pad_set_activatemode_function(sink, activate_sink);
+  gst_pad_set_event_function(src, src_event);
   gst_pad_set_query_function(src, src_query);
   gst_pad_set_activatemode_function(src, activate_src);
   for (GstPad* pad : {sink, src}) {

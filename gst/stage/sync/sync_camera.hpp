@@ -25,6 +25,7 @@ struct SyncCamera {
     GstMiniObject* object = nullptr;
     uint64_t token = 0;  // of a buffer
     std::optional<FrameLabel> label;
+    GstClockTime time = GST_CLOCK_TIME_NONE;  // running time
   };
 
   SyncCamera(uint32_t number, GstPad* sink, GstPad* src) : number(number), sink(sink), src(src) {}
@@ -36,7 +37,8 @@ struct SyncCamera {
 
   /// Appends an event, which leaves when all before it has.
   void append(GstEvent* event) {
-    line.push_back({Item::State::leaves, GST_MINI_OBJECT_CAST(event), 0, std::nullopt});
+    line.push_back(
+        {Item::State::leaves, GST_MINI_OBJECT_CAST(event), 0, std::nullopt, GST_CLOCK_TIME_NONE});
   }
   /// Moves what is decided at the head of the line on to the source pad's thread.
   void advance() {
@@ -75,6 +77,7 @@ struct SyncCamera {
   // The sink pad's thread.
   std::optional<GstVideoInfo> info;
   std::optional<Linearizer> linear;
+  GstSegment segment{};
 
   // The source pad's thread.
   std::unique_ptr<FrameAssembler> assembler;
@@ -83,16 +86,20 @@ struct SyncCamera {
   std::deque<Item> line, out;
   size_t in_sets = 0, outgoing_buffers = 0;  // buffers that wait for other cameras, or to leave
   std::unique_ptr<FrameLabeler> labeler;
-  uint64_t run = 0;  // of the program: labels of different runs do not compare
+  uint64_t run = 0;    // of the program: labels of different runs do not compare
+  uint64_t start = 0;  // of the labeler's, by which the last frame was counted
   std::optional<uint64_t> last_trigger;
+  GstClockTime last_time = GST_CLOCK_TIME_NONE;  // running time of that frame
   std::string stream_id;
   bool live = false, upstream_known = false;
-  uint32_t id_bits = 0;  // as upstream says; 0: it does not
+  GstClockTime sinks_wait = 0;  // latency that those sinks keep that follow it
+  uint32_t id_bits = 0;         // as upstream says; 0: it does not
   bool flushing = true, ended = false, released = false;
   bool program_ended = false;  // and that is on its way to the assembler
   bool blocked = false;        // its frames are not taken because there is no room
   bool left_alone = false;     // sets do not wait for it any more
   bool silent = false;         // and that was told
+  bool begun = false;          // caps or a frame have come
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
   FrameLabeler::Counts triggered;    // in place of the labeler's where we trigger

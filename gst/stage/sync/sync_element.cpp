@@ -12,11 +12,10 @@ namespace {
 
 /// Tells a camera's assembler, in the order of frames, that the program has ended.
 constexpr const char* kProgramEnded = "lightstage-program-ended";
-constexpr size_t kMostOutgoing = 4;  // frames that wait for what follows
+constexpr size_t kFewOutgoing = 4;  // frames that wait for what follows
+constexpr size_t kMostOutgoingBytes = size_t{1} << 30;
 constexpr auto kLook = std::chrono::milliseconds(50);
-constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
 constexpr uint32_t kUsualIdBits = 64;
-constexpr uint32_t kMarkerPeriods = 40;  // the same, in slow programs
 
 }  // namespace
 
@@ -70,11 +69,12 @@ void SyncElement::stop() {
     camera->last_trigger.reset();
     camera->stream_id.clear();
     camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
-        camera->upstream_known = camera->program_ended = false;
+        camera->upstream_known = camera->program_ended = camera->begun = false;
     camera->id_bits = 0;
+    camera->sinks_wait = 0;
     camera->flow = GST_FLOW_OK;
     camera->told = camera->triggered = {};
-    camera->run = camera->incomplete = camera->sent = 0;
+    camera->run = camera->start = camera->incomplete = camera->sent = 0;
   }
   sets_ = FrameSets(true);
   labels_.reset();
@@ -209,6 +209,16 @@ GstFlowReturn SyncElement::combined_flow(const SyncCamera& camera) const {
   return camera.flow == GST_FLOW_FLUSHING ? GST_FLOW_FLUSHING : GST_FLOW_OK;
 }
 
+/// Frames that may wait for what follows. Sinks keep to the latency: a frame that came without a
+/// detour waits there for the time that others take here, and those behind it must not hold the
+/// camera up.
+size_t SyncElement::most_outgoing(const SyncCamera& camera, size_t frame_bytes) const {
+  const GstClockTime ours = camera.live ? own_latency() : 0;
+  const uint64_t frames = labels_ ? std::max(ours, camera.sinks_wait) / labels_->period() : 0;
+  const uint64_t fit = kMostOutgoingBytes / std::max<size_t>(frame_bytes, 1);
+  return kFewOutgoing + static_cast<size_t>(std::min(frames, fit));
+}
+
 GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   if (!camera->info) {
     gst_buffer_unref(buffer);
@@ -230,11 +240,18 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return GST_FLOW_ERROR;
   }
   if (!camera->upstream_known) ask_upstream(*camera);
+  const GstClockTime time =
+      camera->segment.format == GST_FORMAT_TIME
+          ? gst_segment_to_running_time(&camera->segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer))
+          : GST_CLOCK_TIME_NONE;
   Lock lock(mutex_);
+  camera->begun = true;
   camera->last_arrival = Clock::now();
-  while (!camera->flushing && !camera->ended &&
-         (camera->in_sets >= params_.max_frames || camera->outgoing_buffers >= kMostOutgoing)) {
-    camera->blocked = camera->outgoing_buffers >= kMostOutgoing;
+  const auto full = [&] {
+    return camera->outgoing_buffers >= most_outgoing(*camera, GST_VIDEO_INFO_SIZE(&*camera->info));
+  };
+  while (!camera->flushing && !camera->ended && (camera->in_sets >= params_.max_frames || full())) {
+    camera->blocked = full();
     changed_.wait_for(lock, kLook);
     look_for_silence();
     speak(lock);
@@ -246,10 +263,11 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
     return camera->flushing ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
   }
   frame.token = next_token_++;
-  camera->line.push_back(
-      {SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer), frame.token, std::nullopt});
+  camera->line.push_back({SyncCamera::Item::State::waiting, GST_MINI_OBJECT_CAST(buffer),
+                          frame.token, std::nullopt, time});
   labeled(*camera, trigger ? triggered(*camera, frame.token, handling->trigger())
-                           : camera->labeler->push(frame));
+                           : camera->labeler->push(
+                                 frame, running_for(*camera, GST_BUFFER_PTS(buffer), time)));
   report(*camera);
   advance();
   const GstFlowReturn flow = combined_flow(*camera);
@@ -302,21 +320,6 @@ FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
   return camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
 }
 
-/// A camera's labels start anew: a new run of the program, unless another camera has seen the same
-/// marker a moment ago. Files may begin at any time and are of one run.
-void SyncElement::join_run(SyncCamera& camera, uint64_t trigger) {
-  const bool anew = camera.run == 0 || (camera.last_trigger && trigger <= *camera.last_trigger);
-  if (!anew) return;
-  const auto now = Clock::now();
-  if (run_ == camera.run ||
-      (camera.live &&
-       now - run_since_ > std::max<Clock::duration>(kSameRun, periods(kMarkerPeriods)))) {
-    ++run_;
-    run_since_ = now;
-  }
-  camera.run = run_;
-}
-
 /// The assembler hears that there is no more of what it has.
 void SyncElement::end_program(SyncCamera& camera) {
   if (camera.program_ended) return;
@@ -338,11 +341,14 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     }
     camera.program_ended = false;
     item->label = FrameLabel{frame.trigger, frame.position};
-    join_run(camera, frame.trigger);
+    join_run(camera, frame);
+    camera.start = frame.start.number;
     camera.last_trigger = frame.trigger;
+    camera.last_time = item->time;
     ++camera.in_sets;
     sets_.add(camera.number, camera.run << 40 | frame.trigger, frame.token);
-    if (camera.left_alone) {
+    // Frames of another run meet no others of the newest.
+    if (camera.left_alone && camera.run == newest_run()) {
       camera.left_alone = false;
       sets_.wait_for(camera.number, true);
       tell("camera-back", camera);

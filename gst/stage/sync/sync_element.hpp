@@ -45,6 +45,8 @@ class SyncElement {
   /// Takes the event.
   gboolean sink_event(const CameraPtr& camera, GstEvent* event);
   gboolean sink_query(const CameraPtr& camera, GstQuery* query);
+  /// Takes the event.
+  gboolean src_event(const CameraPtr& camera, GstEvent* event);
   gboolean src_query(const CameraPtr& camera, GstQuery* query);
   bool activate_sink(const CameraPtr& camera, bool active);
   bool activate_src(const CameraPtr& camera, bool active);
@@ -73,8 +75,16 @@ class SyncElement {
   FrameLabeler::Counts counts_of(const SyncCamera& camera) const;
   void make_assembler(SyncCamera& camera);
   GstFlowReturn combined_flow(const SyncCamera& camera) const;
-  GstClockTime own_latency() const;
   GstStructure* camera_stats(const SyncCamera& camera) const;
+
+  // With the mutex held.
+  GstClockTime own_latency() const;
+  size_t most_outgoing(const SyncCamera& camera, size_t frame_bytes) const;
+  Clock::duration longest_silence(const SyncCamera& camera) const;
+  bool can_wait(const SyncCamera& camera) const;
+  uint64_t newest_run() const;
+  std::optional<FrameLabeler::Running> running_for(const SyncCamera& camera, GstClockTime pts,
+                                                   GstClockTime time) const;
 
   // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
@@ -83,7 +93,8 @@ class SyncElement {
   void advance();
   void look_for_silence();
   void report(SyncCamera& camera);
-  void join_run(SyncCamera& camera, uint64_t trigger);
+  void join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame);
+  void leave_alone(SyncCamera& camera);
   void warn(const std::string& text);
   void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void speak(Lock& lock);

@@ -44,6 +44,8 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   camera.info = info;
   camera.linear.emplace(info);
   Lock lock(mutex_);
+  camera.begun = true;
+  camera.last_arrival = Clock::now();
   if (!labels_) return true;
   if (const auto trigger = trigger_) {
     lock.unlock();  // it speaks with the camera
@@ -106,6 +108,9 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
       }
       break;
     }
+    case GST_EVENT_SEGMENT:
+      gst_event_copy_segment(event, &camera->segment);
+      break;
     default:
       break;
   }
@@ -169,7 +174,6 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
 /// How long a frame may stay here: for the others of its set, for the other of its pair or the rest
 /// of its pass, and for the picture that confirms its label.
 GstClockTime SyncElement::own_latency() const {
-  std::lock_guard lock(mutex_);
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
   if (!labels_) return latency;
@@ -179,6 +183,17 @@ GstClockTime SyncElement::own_latency() const {
     steps += OlatAssembler::longest_pass(labels_->program());
   if (!trigger_) steps += FrameLabeler::longest_wait(labels_->program(), labeler_params());
   return latency + steps * labels_->period();
+}
+
+gboolean SyncElement::src_event(const CameraPtr& camera, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_LATENCY) {
+    Lock lock(mutex_);
+    GstClockTime latency = 0;
+    gst_event_parse_latency(event, &latency);
+    camera->sinks_wait = GST_CLOCK_TIME_IS_VALID(latency) ? latency : 0;
+    changed_.notify_all();
+  }
+  return gst_pad_event_default(camera->src, GST_OBJECT(element_), event);
 }
 
 gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
@@ -209,8 +224,10 @@ gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
     case GST_QUERY_LATENCY: {
       // All go on together: the slowest camera's latency is everybody's.
       std::vector<GstPad*> sinks;
+      GstClockTime ours = 0;
       {
         std::lock_guard lock(mutex_);
+        ours = own_latency();
         for (const auto& [number, one] : cameras_)
           sinks.push_back(GST_PAD(gst_object_ref(one->sink)));
       }
@@ -234,7 +251,7 @@ gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
       }
       if (!any) return FALSE;
       gst_query_set_latency(query, live, least, live ? most : GST_CLOCK_TIME_NONE);
-      add_latency(query, own_latency());
+      add_latency(query, ours);
       return TRUE;
     }
     default:

@@ -6,9 +6,10 @@
 namespace inverse {
 namespace {
 
-constexpr auto kSilent = std::chrono::seconds(2);  // without a frame
-constexpr uint32_t kFewPeriods = 4;                // the same, in slow programs
-constexpr uint32_t kLongestWait = 30;              // periods
+constexpr auto kSilent = std::chrono::seconds(2);     // without a frame
+constexpr auto kNotBegun = std::chrono::seconds(30);  // the same, while a source makes itself ready
+constexpr uint32_t kFewPeriods = 4;                   // the same, in slow programs
+constexpr uint32_t kLongestWait = 30;                 // periods
 constexpr auto kBetweenWarnings = std::chrono::seconds(1);
 
 double seconds(SyncCamera::Clock::duration time) {
@@ -47,6 +48,21 @@ void SyncElement::speak(Lock& lock) {
   lock.lock();
 }
 
+SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& camera) const {
+  const auto timeout = std::chrono::duration<double>(patience());
+  return std::max<Clock::duration>({camera.begun ? kSilent : kNotBegun,
+                                    std::chrono::duration_cast<Clock::duration>(timeout),
+                                    periods(kFewPeriods)});
+}
+
+/// Whether what a camera has not sent yet may come at any time, as nothing runs away meanwhile. Of
+/// one that has not begun it is not known whether it is live; then others tell.
+bool SyncElement::can_wait(const SyncCamera& camera) const {
+  if (camera.silent) return false;
+  if (camera.begun) return !camera.live;
+  return std::ranges::none_of(cameras_, [](const auto& other) { return other.second->live; });
+}
+
 /// Cameras that have stopped are told of, and not waited for.
 void SyncElement::look_for_silence() {
   const auto now = Clock::now();
@@ -56,22 +72,25 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    const auto wait = std::max<Clock::duration>(
-        {kSilent, std::chrono::duration_cast<Clock::duration>(timeout), periods(kFewPeriods)});
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
-        camera->in_sets >= params_.max_frames || now - camera->last_arrival < wait)
+        camera->in_sets >= params_.max_frames ||
+        now - camera->last_arrival < longest_silence(*camera))
       continue;
     camera->silent = true;
     tell("camera-stopped", *camera);
-    warn("camera " + camera->name() + " has sent no frame for " +
-         std::to_string(static_cast<int>(seconds(now - camera->last_arrival))) +
-         " s; look at the camera, its cable and its trigger");
+    const auto silence = std::to_string(static_cast<int>(seconds(now - camera->last_arrival)));
+    if (camera->begun)
+      warn("camera " + camera->name() + " has sent no frame for " + silence +
+           " s; look at the camera, its cable and its trigger");
+    else
+      warn("camera " + camera->name() + " has not begun to send within " + silence +
+           " s: its source has not even agreed on a format; look whether that is started and finds "
+           "its camera");
   }
   const auto lacking = sets_.lacking();
   const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
     const SyncCamera& camera = *cameras_.at(number);
-    // By what follows it; or it is on its way, and can wait.
-    return camera.blocked || camera.outgoing_buffers > 0 || (!camera.live && !camera.silent);
+    return camera.blocked || can_wait(camera);  // by what follows it
   });
   if (lacking.empty() || held_up || lacking != lacking_) {
     lacking_ = lacking;
@@ -82,19 +101,35 @@ void SyncElement::look_for_silence() {
   const bool unsure = std::ranges::any_of(
       lacking, [&](uint32_t number) { return cameras_.at(number)->waits_for_labels(); });
   if (now - lacking_since_ < timeout + (unsure ? periods(kLongestWait) : Clock::duration{})) return;
-  for (const uint32_t number : lacking) {
-    SyncCamera& camera = *cameras_.at(number);
-    camera.left_alone = true;
-    sets_.wait_for(number, false);
-    tell("camera-left-alone", camera);
-    warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
-         camera.name() + "; " +
-         (params_.sets == SyncParams::Sets::complete
-              ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
-              : "they go on without it until it sends labeled frames again"));
-  }
+  for (const uint32_t number : lacking) leave_alone(*cameras_.at(number));
   lacking_.clear();
   advance();
+}
+
+/// Sets do not wait for a camera any more.
+void SyncElement::leave_alone(SyncCamera& camera) {
+  camera.left_alone = true;
+  sets_.wait_for(camera.number, false);
+  const bool elsewhere = camera.run != 0 && camera.run != newest_run();
+  tell("camera-left-alone", camera,
+       gst_structure_new("more", "another-start", G_TYPE_BOOLEAN, elsewhere, nullptr));
+  if (elsewhere) {
+    const bool pass = labels_->program().marker == LightProgram::Marker::pass;
+    warn("the frames of camera " + camera.name() +
+         " are counted from another start of the light program than those of the newest one, so "
+         "that they meet in no set" +
+         (pass ? ": by its time stamps it is not certain which passes are the same"
+               : std::string()) +
+         "; start the program of the lights once all cameras send" +
+         (pass ? ", or see to it that their time stamps are of one clock"
+               : std::string(", or give it the marker \"pass\"")));
+    return;
+  }
+  warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
+       camera.name() + (camera.begun ? "; " : ", whose source has not begun; ") +
+       (params_.sets == SyncParams::Sets::complete
+            ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
+            : "they go on without it until it sends labeled frames again"));
 }
 
 /// What came up with a camera's frames; losses at most once a second.

@@ -1,0 +1,110 @@
+// lightstagesync: cameras that begin at different times, with a marker before every pass and
+// without.
+#include "stage_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class StageRuns : public StageSync {
+ protected:
+  void use_marker(LightProgram::Marker marker) {
+    LightProgram program = performance(stage_lights(geodesic_directions(42)));
+    while (program.steps.size() < 40)
+      program.steps.push_back(program.steps[program.steps.size() % 2]);
+    program.marker = marker;
+    use(program);
+  }
+  /// A frame of a camera whose time stamps are some periods off.
+  GstFlowReturn push_at(int64_t trigger, unsigned number, double off) {
+    const BallOnStage ball(program_, kWidth, kHeight);
+    return gst_harness_push(camera(number), buffer_of(ball.draw(trigger, 0, number),
+                                                      static_cast<double>(trigger) + off));
+  }
+  void alone(int64_t from, int64_t to) {
+    for (int64_t n = from; n < to; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  }
+  /// Both; the second sees lights that are some triggers behind.
+  void play(int64_t from, int64_t to, double off = 0, int64_t behind = 0) {
+    for (int64_t n = from; n < to; ++n) {
+      ASSERT_EQ(push(n), GST_FLOW_OK);
+      ASSERT_EQ(push_at(n - behind, 1, off + static_cast<double>(behind)), GST_FLOW_OK);
+    }
+  }
+  struct News {
+    int left = 0, back = 0, causes = 0;
+  };
+  News news() {
+    News found;
+    while (GstMessage* message = gst_bus_pop(bus_)) {
+      if (const GstStructure* what = gst_message_get_structure(message);
+          what && gst_structure_has_name(what, "lightstagesync")) {
+        const std::string event = gst_structure_get_string(what, "event");
+        found.left += event == "camera-left-alone" ? 1 : 0;
+        found.back += event == "camera-back" ? 1 : 0;
+      }
+      if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
+        GError* error = nullptr;
+        gst_message_parse_warning(message, &error, nullptr);
+        found.causes += std::string(error->message).find("another start") != std::string::npos;
+        g_error_free(error);
+      }
+      gst_message_unref(message);
+    }
+    return found;
+  }
+  /// Frames go on; nothing more may be told of cameras that do not belong together.
+  void stays_so(int64_t from, double off, int64_t behind = 0) {
+    news();
+    for (int64_t n = from; n < from + 60; n += 20) {
+      play(n, n + 20, off, behind);
+      g_usleep(250000);
+    }
+    const News more = news();
+    EXPECT_EQ(more.left, 0);
+    EXPECT_EQ(more.back, 0);
+    EXPECT_EQ(more.causes, 0);
+  }
+};
+
+TEST_F(StageRuns, ACameraThatComesPassesLateMeetsTheOthers) {
+  use_marker(LightProgram::Marker::pass);
+  g_object_set(element_, "timeout", 30.0, "max-frames", 1000u, nullptr);
+  start(0);
+  start(1);
+  alone(-10, 180);
+  play(180, 400, 12);
+  const guint64 complete = count("sets-complete");
+  EXPECT_EQ(complete, 400u - 215);  // from the next marker on
+  const auto one = pull(complete, 0), other = pull(complete, 1);
+  ASSERT_EQ(one.size(), complete);
+  ASSERT_EQ(other.size(), complete);
+  for (size_t i = 0; i < complete; ++i) EXPECT_EQ(one[i].trigger, other[i].trigger) << i;
+  EXPECT_EQ(one.front().trigger, 215);
+  EXPECT_EQ(one.back().trigger, 399);
+}
+
+TEST_F(StageRuns, ACameraOfUncertainPassesIsToldOfOnce) {
+  use_marker(LightProgram::Marker::pass);
+  g_object_set(element_, "timeout", 0.1, "max-frames", 1000u, nullptr);
+  start(0);
+  start(1);
+  alone(-10, 20);
+  play(20, 150, 21.5);
+  EXPECT_TRUE(warned_of("is not certain which passes are the same"));
+  stays_so(150, 21.5);
+}
+
+TEST_F(StageRuns, CamerasThatSawTheStartSecondsApartAreToldOfOnce) {
+  use_marker(LightProgram::Marker::start);
+  g_object_set(element_, "timeout", 0.1, "max-frames", 1000u, nullptr);
+  start(0);
+  start(1);
+  alone(-10, 20);
+  g_usleep(2500000);  // too long for one and the same marker
+  play(140, 210, 0, 150);
+  EXPECT_TRUE(warned_of("give it the marker \"pass\""));
+  stays_so(210, 0, 150);
+}
+
+}  // namespace
+}  // namespace inverse::testing
