@@ -1,6 +1,7 @@
 // Events and queries of lightstagesync's pads.
 #include <cmath>
 
+#include "base/caps.hpp"
 #include "base/errors.hpp"
 #include "base/report.hpp"
 #include "olat_assembler.hpp"
@@ -154,11 +155,7 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
         gst_caps_unref(caps);
         caps = taken;
       }
-      if (filter) {
-        GstCaps* both = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
-        gst_caps_unref(caps);
-        caps = both;
-      }
+      caps = filter_caps(caps, filter);
       gst_query_set_caps_result(query, caps);
       gst_caps_unref(caps);
       return TRUE;
@@ -208,11 +205,7 @@ gboolean SyncElement::src_query(const CameraPtr& camera, GstQuery* query) {
       }
       GstCaps* caps = assembled_caps(in, parameters_.snapshot().assemble);
       gst_caps_unref(in);
-      if (filter) {
-        GstCaps* both = gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST);
-        gst_caps_unref(caps);
-        caps = both;
-      }
+      caps = filter_caps(caps, filter);
       gst_query_set_caps_result(query, caps);
       gst_caps_unref(caps);
       return TRUE;
