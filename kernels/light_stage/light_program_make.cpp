@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numbers>
 
@@ -137,19 +138,18 @@ LightProgram light_program(const std::string& name_or_path, uint32_t rate) {
   const size_t colon = name_or_path.find(':');
   const std::string name = name_or_path.substr(0, colon);
   uint32_t count = kDefaultLights;
-  const bool listed = colon != std::string::npos &&
-                      name_or_path.find_first_not_of("0123456789", colon + 1) != std::string::npos;
+  const std::string after = colon == std::string::npos ? "" : name_or_path.substr(colon + 1);
+  const bool listed = std::filesystem::is_directory(after);
   if (colon != std::string::npos && !listed) {
-    const char *first = name_or_path.data() + colon + 1,
-               *last = name_or_path.data() + name_or_path.size();
+    const char *first = after.data(), *last = first + after.size();
     const auto [end, error] = std::from_chars(first, last, count);
     if (error != std::errc{} || end != last || count < 1 || count > LightProgram::kMaxLights)
       throw Error(ErrorKind::file, "\"" + name_or_path + "\": the number of lights is from 1 to " +
-                                       std::to_string(LightProgram::kMaxLights));
+                                       std::to_string(LightProgram::kMaxLights) +
+                                       ", and no folder is called " + after);
   }
-  auto lights = stage_lights(
-      listed ? LightList::load(name_or_path.substr(colon + 1) + "/lights.json").directions
-             : geodesic_directions(count));
+  auto lights = stage_lights(listed ? LightList::load(after + "/lights.json").directions
+                                    : geodesic_directions(count));
   return name == "static" ? static_capture(std::move(lights), rate)
                           : performance(std::move(lights), rate);
 }

@@ -232,8 +232,11 @@ TEST(LightProgram, LightsMayBeThoseOfAFolder) {
   EXPECT_NEAR(program.lights[1].direction[1], .8, 1e-12);
   EXPECT_EQ(program.steps.size(), 2U);
   EXPECT_EQ(light_program("static:" + folder.string()).steps.size(), 2U + 1 + 2);
-  std::filesystem::remove_all(folder);
+  std::filesystem::remove(folder / "lights.json");
   EXPECT_NE(error([&] { light_program("static:" + folder.string()); }).find("lights.json"),
+            std::string::npos);
+  std::filesystem::remove_all(folder);
+  EXPECT_NE(error([&] { light_program("static:" + folder.string()); }).find("no folder is called"),
             std::string::npos);
 }
 
