@@ -13,6 +13,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -187,20 +188,27 @@ size_t triangles_below(const aiNode& node, const std::vector<size_t>& triangles)
 /// lie where it lies, up to a share of the mesh's size.
 double comparisons(const aiMesh& part) {
   if (part.mNormals) return 0;
-  aiVector3D low(part.mVertices[0]), high = low;
-  for (unsigned i = 1; i < part.mNumVertices; ++i)
+  const auto finite = [](const aiVector3D& p) { return std::isfinite(p.x + p.y + p.z); };
+  // Corners of no face may be anything.
+  std::vector<aiVector3D> places;
+  std::copy_if(part.mVertices, part.mVertices + part.mNumVertices, std::back_inserter(places),
+               finite);
+  if (places.empty()) return 0;
+  aiVector3D low = places[0], high = low;
+  for (const aiVector3D& p : places)
     for (unsigned axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], part.mVertices[i][axis]);
-      high[axis] = std::max(high[axis], part.mVertices[i][axis]);
+      low[axis] = std::min(low[axis], p[axis]);
+      high[axis] = std::max(high[axis], p[axis]);
     }
   constexpr float kSamePlace = 1e-4F;  // of the diagonal, ComputePositionEpsilon
   const float cell = kSamePlace * (high - low).Length();
-  if (!(cell > 0)) return static_cast<double>(part.mNumVertices) * part.mNumVertices;
+  const auto all = static_cast<double>(places.size());
+  if (!(cell > 0 && std::isfinite(cell))) return all * all;
   std::unordered_map<uint64_t, double> corners;
-  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+  for (const aiVector3D& p : places) {
     uint64_t place = 0;
     for (unsigned axis = 0; axis < 3; ++axis)
-      place = place << 21 | static_cast<uint64_t>((part.mVertices[i][axis] - low[axis]) / cell);
+      place = place << 21 | static_cast<uint64_t>((p[axis] - low[axis]) / cell);
     ++corners[place];
   }
   double sum = 0;
