@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "../error.hpp"
@@ -15,19 +16,6 @@ constexpr uintmax_t kMostJson = uintmax_t{16} << 20;
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ErrorKind::file, text); }
 
-nlohmann::json read_json(const std::string& path) {
-  std::error_code error;
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  if (error)
-    refuse("cannot read " + path + ": " + error.message() +
-           "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
-  if (size > kMostJson) refuse(path + " is too large for a list of lights");
-  std::ifstream file(path);
-  auto json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_discarded()) refuse(path + " is no JSON");
-  return json;
-}
-
 /// olat/NNN.exr
 std::string usual_name(size_t light) {
   std::string number = std::to_string(light);
@@ -38,18 +26,31 @@ std::string usual_name(size_t light) {
 }  // namespace
 
 LightList LightList::load(const std::string& path) {
-  const nlohmann::json json = read_json(path);
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  if (error)
+    refuse("cannot read " + path + ": " + error.message() +
+           "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
+  if (size > kMostJson) refuse(path + " is too large for a list of lights");
+  std::ifstream file(path);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return parse(text, path);
+}
+
+LightList LightList::parse(std::string_view text, const std::string& name) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_discarded()) refuse(name + " is no JSON");
   LightList lights;
   auto& [directions, files] = lights;
   const bool plain = json.is_object() && json.contains("directions");
   const auto list =
       plain ? json["directions"]
             : (json.is_object() ? json.value("lights", nlohmann::json()) : nlohmann::json());
-  if (!list.is_array() || list.empty()) refuse(path + " has no \"directions\" of lights");
+  if (!list.is_array() || list.empty()) refuse(name + " has no \"directions\" of lights");
   if (list.size() > LightProgram::kMaxLights)
-    refuse(path + " has more than " + std::to_string(LightProgram::kMaxLights) + " lights");
+    refuse(name + " has more than " + std::to_string(LightProgram::kMaxLights) + " lights");
   for (const auto& item : list) {
-    const std::string where = path + ": light " + std::to_string(directions.size());
+    const std::string where = name + ": light " + std::to_string(directions.size());
     const auto d =
         plain ? item : (item.is_object() ? item.value("direction", nlohmann::json()) : item);
     if (!d.is_array() || d.size() != 3 || !d[0].is_number() || !d[1].is_number() ||

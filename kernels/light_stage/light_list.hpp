@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "light_program.hpp"
@@ -13,7 +14,8 @@ struct LightList {
 
   /// Lists of three numbers under "directions", or objects with a "direction" under "lights", whose
   /// "file" is left out where there is no picture. Throws Error(file), saying what is missing or
-  /// wrong.
+  /// wrong; `name` is what it calls the text.
+  static LightList parse(std::string_view json, const std::string& name);
   static LightList load(const std::string& path);
 };
 

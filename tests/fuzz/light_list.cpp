@@ -1,0 +1,22 @@
+// The lights.json of OLAT folders from anybody: refused with an Error, or as many unit vectors as
+// files.
+#include "light_stage/light_list.hpp"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "error.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace inverse;
+  LightList lights;
+  try {
+    lights = LightList::parse({reinterpret_cast<const char*>(data), size}, "lights");
+  } catch (const Error&) {
+    return 0;
+  }
+  if (lights.directions.empty() || lights.directions.size() != lights.files.size()) abort();
+  for (const Direction& d : lights.directions)
+    if (!(std::abs(std::hypot(d[0], d[1], d[2]) - 1) < 1e-9)) abort();
+  return 0;
+}
