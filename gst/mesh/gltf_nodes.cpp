@@ -1,5 +1,6 @@
 #include "gltf_nodes.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -37,8 +38,9 @@ std::string json_of(const std::string& path) {
 std::vector<std::vector<size_t>> children_of(const json& nodes) {
   std::vector<std::vector<size_t>> children(nodes.size());
   for (size_t n = 0; n < nodes.size(); ++n) {
-    const auto list = nodes[n].is_object() ? nodes[n].find("children") : nodes[n].end();
-    if (!nodes[n].is_object() || list == nodes[n].end() || !list->is_array()) continue;
+    if (!nodes[n].is_object()) continue;
+    const auto list = nodes[n].find("children");
+    if (list == nodes[n].end() || !list->is_array()) continue;
     for (const json& child : *list)
       if (child.is_number_unsigned() && child.get<uint64_t>() < nodes.size())
         children[n].push_back(child.get<size_t>());

@@ -4,6 +4,7 @@
 #include <gst/check/gstharness.h>
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -80,6 +81,8 @@ class StageSync : public ::testing::Test {
     for (auto& [number, harness] : cameras_) gst_harness_teardown(harness);
     gst_object_unref(element_);
     gst_object_unref(bus_);
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+    folder_.clear();
   }
 
   /// Call after properties are set: a harness starts the element.
@@ -189,10 +192,13 @@ class StageSync : public ::testing::Test {
   /// "performance" with fewer lights: faster to draw.
   void use(LightProgram program) {
     program_ = std::move(program);
-    char* folder = g_dir_make_tmp("stage-XXXXXX", nullptr);
-    path_ = std::string(folder) + "/program.json";
+    if (folder_.empty()) {
+      char* folder = g_dir_make_tmp("stage-XXXXXX", nullptr);
+      folder_ = folder;
+      g_free(folder);
+    }
+    path_ = folder_ + "/program.json";
     program_.save(path_);
-    g_free(folder);
     g_object_set(element_, "program", path_.c_str(), nullptr);
   }
   void use_performance() { use(performance(stage_lights(geodesic_directions(42)))); }
@@ -201,7 +207,7 @@ class StageSync : public ::testing::Test {
   GstElement* element_ = nullptr;
   std::map<unsigned, GstHarness*> cameras_;
   LightProgram program_;
-  std::string path_;
+  std::string folder_, path_;  // of the program's file, and the file
 };
 
 }  // namespace inverse::testing

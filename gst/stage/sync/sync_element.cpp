@@ -39,6 +39,7 @@ bool SyncElement::start() {
     trigger_ = std::move(trigger);
     params_ = params;
     labels_ = std::move(labels);
+    most_steps_ = most_steps();
     if (params_.camera_trigger == SyncParams::CameraTrigger::none &&
         !FrameLabeler::all_confirmed(labels_->program(), labeler_params()))
       warn("single lights of \"" + labels_->program().name +

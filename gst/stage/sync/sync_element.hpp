@@ -78,6 +78,7 @@ class SyncElement {
   GstStructure* camera_stats(const SyncCamera& camera) const;
 
   // With the mutex held.
+  uint64_t most_steps() const;
   GstClockTime own_latency() const;
   size_t most_outgoing(const SyncCamera& camera, size_t frame_bytes) const;
   Clock::duration longest_silence(const SyncCamera& camera) const;
@@ -110,6 +111,7 @@ class SyncElement {
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
   std::shared_ptr<const StageLabels> labels_;
+  uint64_t most_steps_ = 0;                // of this program: every frame asks
   std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
   FrameSets sets_{true};
   uint64_t next_token_ = 1;

@@ -168,18 +168,22 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
   }
 }
 
-/// How long a frame may stay here: for the others of its set, for the other of its pair or the rest
-/// of its pass, and for the picture that confirms its label.
-GstClockTime SyncElement::own_latency() const {
-  GstClockTime latency = 0;
-  if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
-  if (!labels_) return latency;
+/// Steps that a frame may stay here for the other of its pair or the rest of its pass, and for the
+/// picture that confirms its label.
+uint64_t SyncElement::most_steps() const {
   uint64_t steps = 0;
   if (params_.assemble == SyncParams::Assemble::pairs) steps += 1;
   if (params_.assemble == SyncParams::Assemble::olat)
     steps += OlatAssembler::longest_pass(labels_->program());
   if (!trigger_) steps += FrameLabeler::longest_wait(labels_->program(), labeler_params());
-  return latency + steps * labels_->period();
+  return steps;
+}
+
+/// How long a frame may stay here: for the others of its set, and so many steps.
+GstClockTime SyncElement::own_latency() const {
+  GstClockTime latency = 0;
+  if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
+  return labels_ ? latency + most_steps_ * labels_->period() : latency;
 }
 
 gboolean SyncElement::src_event(const CameraPtr& camera, GstEvent* event) {
