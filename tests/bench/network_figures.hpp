@@ -17,10 +17,10 @@ struct NetworkArguments {
   int side = 128;  ///< of the image
   std::vector<std::string> files;
 
-  /// False where a word is not understood.
-  bool read(int argc, char** argv, const char* source) {
-    const Options known{{"--runs", integer(runs)}, {"--size", integer(side)}};
-    const bool understood = bench::read(known, argc, argv, source, &files);
+  /// False where a word is not understood. `options`: those of one benchmark alone.
+  bool read(int argc, char** argv, const char* source, Options options = {}) {
+    options.insert({{"--runs", integer(runs)}, {"--size", integer(side)}});
+    const bool understood = bench::read(options, argc, argv, source, &files);
     runs = std::max(1, runs);
     side = std::max(1, side);
     return understood;

@@ -68,7 +68,7 @@ class StageRuns : public StageSync {
 
 TEST_F(StageRuns, ACameraThatComesPassesLateMeetsTheOthers) {
   use_marker(LightProgram::Marker::pass);
-  g_object_set(element_, "timeout", 30.0, "max-frames", 1000u, nullptr);
+  g_object_set(element_, "timeout", 30.0, nullptr);
   start(0);
   start(1);
   alone(-10, 180);

@@ -1,8 +1,10 @@
-// The device beside OpenCV's dnn, running the same model in turn: onnx-bench [--runs N] [--size N]
-// [MODEL.onnx …]. Without a model: U-Nets of three widths.
+// The device beside OpenCV's dnn, running the same model in turn: onnx-bench [--layers] [--runs N]
+// [--size N] [MODEL.onnx …]. Without a model: U-Nets of three widths. --layers: and node by node,
+// by the names that the model gives them.
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <opencv2/dnn.hpp>
 #include <string>
 #include <vector>
@@ -44,9 +46,60 @@ std::string u_net(int64_t width, int64_t size) {
   return b.bytes();
 }
 
+/// The model's own name of a node, of our text for it (Conv "NAME") or of OpenCV's
+/// (onnx_node!NAME).
+std::string node_name(const std::string& text) {
+  const size_t quote = text.find('"'), mark = text.find('!');
+  if (quote != std::string::npos) return text.substr(quote + 1, text.rfind('"') - quote - 1);
+  return mark == std::string::npos ? text : text.substr(mark + 1);
+}
+
+/// Runs both in turn and prints medians of every node of ours, and of what OpenCV took for the node
+/// of that name; the last row is what OpenCV does as nodes of their own and we do in others.
+void compare_layers(const network::Network& net, cv::dnn::Net& peer, const cv::Mat& image, int runs,
+                    const std::shared_ptr<gpu::Device>& device) {
+  gpu::Commands commands(device);
+  std::vector<std::vector<double>> ours(net.plan().steps.size());
+  std::map<std::string, std::vector<double>> theirs;
+  const std::vector<std::string> names = peer.getLayerNames();
+  for (int i = -3; i < runs; ++i) {
+    commands.begin();
+    net.record(commands, true);
+    commands.submit();
+    commands.wait();
+    peer.setInput(image);
+    peer.forward();
+    if (i < 0) continue;
+    for (size_t s = 0; s < ours.size(); ++s) ours[s].push_back(commands.stages()[s].milliseconds);
+    std::vector<double> ticks;
+    peer.getPerfProfile(ticks);
+    for (size_t l = 0; l < ticks.size() && l < names.size(); ++l)
+      theirs[node_name(names[l])].push_back(1e3 * ticks[l] / cv::getTickFrequency());
+  }
+  for (size_t s = 0; s < ours.size(); ++s) {
+    const network::Step& step = net.plan().steps[s];
+    const network::Shape& out = net.plan().shapes[net.graph().inputs.size() + step.node];
+    const std::string name = node_name(net.graph().nodes[step.node].name);
+    const double work = bench::gflop(net, step.node), ms = bench::median(ours[s]);
+    std::printf("  %-36s %4u x %3u x %3u %8.4f GFLOP  device %7.3f ms %6.1f GFLOP/s", name.c_str(),
+                out.channels, out.height, out.width, work, ms, 1e3 * work / ms);
+    const auto peer_times = theirs.find(name);
+    if (peer_times != theirs.end()) {
+      const double peer_ms = bench::median(peer_times->second);
+      std::printf("  OpenCV %7.3f ms %6.1f GFLOP/s  %5.2f", peer_ms, 1e3 * work / peer_ms,
+                  ms / peer_ms);
+      theirs.erase(peer_times);
+    }
+    std::printf("\n");
+  }
+  double rest = 0;
+  for (const auto& [name, times] : theirs) rest += bench::median(times);
+  std::printf("  %-36s %75s OpenCV %7.3f ms\n", "nodes of OpenCV alone", "", rest);
+}
+
 /// Runs both in turn and prints medians.
 void compare(const std::string& name, const std::string& model, uint32_t size, int runs,
-             const std::shared_ptr<gpu::Device>& device) {
+             bool layers, const std::shared_ptr<gpu::Device>& device) {
   const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), name);
   const std::vector<network::Shape> shapes = bench::shapes_at(graph, size);
   const network::Network net(device, graph, shapes);
@@ -76,24 +129,29 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
       "%-24s %4u x %-4u %8.4f GFLOP  device %8.2f ms %6.1f GFLOP/s  OpenCV %8.2f ms %6.1f GFLOP/s  "
       "%5.2f\n",
       name.c_str(), size, size, work, a, 1e3 * work / a, b, 1e3 * work / b, a / b);
+  if (layers) compare_layers(net, peer, image, runs, device);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   bench::NetworkArguments asked;
-  if (!asked.read(argc, argv, "onnx_bench.cpp")) return 2;
+  bool layers = false;
+  if (!asked.read(argc, argv, "onnx_bench.cpp",
+                  {{"--layers", bench::flag([&layers] { layers = true; })}}))
+    return 2;
   const uint32_t size = asked.size();
   try {
     const auto device = gpu::Device::open();
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
     for (const std::string& path : asked.files) {
       std::ifstream file(path, std::ios::binary);
-      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, asked.runs, device);
+      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, asked.runs, layers, device);
     }
     if (asked.files.empty())
       for (const int64_t width : {8, 16, 32})
-        compare("U-Net of " + std::to_string(width), u_net(width, size), size, asked.runs, device);
+        compare("U-Net of " + std::to_string(width), u_net(width, size), size, asked.runs, layers,
+                device);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

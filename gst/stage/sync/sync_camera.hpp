@@ -85,6 +85,7 @@ struct SyncCamera {
   // Under the mutex.
   std::deque<Item> line, out;
   size_t in_sets = 0, outgoing_buffers = 0;  // buffers that wait for other cameras, or to leave
+  size_t frame_bytes = 0;                    // of the caps
   std::unique_ptr<FrameLabeler> labeler;
   uint64_t run = 0;    // of the program: labels of different runs do not compare
   uint64_t start = 0;  // of the labeler's, by which the last frame was counted

@@ -80,7 +80,8 @@ class SyncElement {
   // With the mutex held.
   uint64_t most_steps() const;
   GstClockTime own_latency() const;
-  size_t most_outgoing(const SyncCamera& camera, size_t frame_bytes) const;
+  size_t most_in_sets(const SyncCamera& camera) const;
+  size_t most_outgoing(const SyncCamera& camera) const;
   Clock::duration longest_silence(const SyncCamera& camera) const;
   bool can_wait(const SyncCamera& camera) const;
   uint64_t newest_run() const;
@@ -99,6 +100,8 @@ class SyncElement {
   void warn(const std::string& text);
   void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void speak(Lock& lock);
+
+  static constexpr uint32_t kLongestWait = 30;  ///< periods that a frame may wait for its label
 
   GstElement* element_;
   DeviceContext context_;

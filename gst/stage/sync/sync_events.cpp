@@ -45,6 +45,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   camera.info = info;
   camera.linear.emplace(info);
   Lock lock(mutex_);
+  camera.frame_bytes = GST_VIDEO_INFO_SIZE(&info);
   camera.begun = true;
   camera.last_arrival = Clock::now();
   if (!labels_) return true;

@@ -9,7 +9,6 @@ namespace {
 constexpr auto kSilent = std::chrono::seconds(2);     // without a frame
 constexpr auto kNotBegun = std::chrono::seconds(30);  // the same, while a source makes itself ready
 constexpr uint32_t kFewPeriods = 4;                   // the same, in slow programs
-constexpr uint32_t kLongestWait = 30;                 // periods
 constexpr auto kBetweenWarnings = std::chrono::seconds(1);
 
 double seconds(SyncCamera::Clock::duration time) {
@@ -73,7 +72,7 @@ void SyncElement::look_for_silence() {
   }
   for (auto& [number, camera] : cameras_) {
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
-        camera->in_sets >= params_.max_frames ||
+        camera->in_sets >= most_in_sets(*camera) ||
         now - camera->last_arrival < longest_silence(*camera))
       continue;
     camera->silent = true;

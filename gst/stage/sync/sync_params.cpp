@@ -50,8 +50,11 @@ const PropertyTable<SyncParams>& sync_properties() {
                 "Seconds for which frames wait for a camera that has stopped; then there is a "
                 "warning, and the others go on without it",
                 Mutable::ready),
-      number<P>("max-frames", &P::max_frames, 8u, 1024u,
-                "Frames of a camera that wait for other cameras' at most", Mutable::ready),
+      number<P>("max-frames", &P::max_frames, 0u, 1024u,
+                "Frames of a camera that wait for other cameras' at most; 0: as many as come while "
+                "another camera is waited for (46 at 60 Hz with the default timeout), up to 1 GiB. "
+                "Fewer hold up live cameras, which then lose frames",
+                Mutable::ready),
       flag<P>("drop-unlabeled", &P::drop_unlabeled,
               "Drop frames that cannot be labeled; else they pass without a light stage meta. No "
               "effect with assemble=pairs and olat: what they make takes labeled frames alone",

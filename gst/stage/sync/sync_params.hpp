@@ -23,7 +23,7 @@ struct SyncParams {
   double marker_timeout = 5;
   Sets sets = Sets::complete;
   double timeout = 0.2;
-  unsigned max_frames = 32;
+  unsigned max_frames = 0;
   bool drop_unlabeled = true;
   Assemble assemble = Assemble::none;
   Align align = Align::none;
