@@ -1,19 +1,18 @@
 // The benchmark's own plumbing: layers of light through a device, scenes with them through a file,
 // work on all cores.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 
 #include "tests/bench/device_session.hpp"
 #include "tests/bench/peer_despill.hpp"
 #include "tests/bench/scene.hpp"
 #include "tests/bench/truth_clicks.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -66,9 +65,8 @@ TEST(Scenes, ArePlayedToAndFro) {
 }
 
 TEST(Scenes, ComeBackWithTheirLight) {
-  const std::string folder =
-      (std::filesystem::temp_directory_path() / ("bench-scenes-" + std::to_string(getpid())))
-          .string();
+  const inverse::testing::TemporaryFolder temporary;
+  const std::string& folder = temporary.path();
   TruthFrame frame{
       Image(4, 3, 3, 0.5F), Image(4, 3, 3, 0.6F), Image(4, 3, 1, 0.7F), {}, {}, {}, {}};
   Scene scene{"a", "with light", "some regime", false, {frame}};
@@ -81,7 +79,6 @@ TEST(Scenes, ComeBackWithTheirLight) {
   write_scene(folder, scene);
   write_scene(folder, {"b", "plain", "some regime", true, {frame}});
   const std::vector<Scene> scenes = read_scenes(folder);
-  std::filesystem::remove_all(folder);
   ASSERT_EQ(scenes.size(), 3U);
   EXPECT_EQ(scenes[0].name, "with light");
   EXPECT_FLOAT_EQ(scenes[0].frames[0].direct.at(3, 2, 2), 0.1F);

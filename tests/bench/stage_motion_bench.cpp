@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -18,6 +17,7 @@
 
 #include "../../gst/base/inverse_light_stage_meta.h"
 #include "../../gst/stage/sync/motion.hpp"
+#include "../temporary_folder.hpp"
 #include "command_line.hpp"
 #include "light_stage/light_program.hpp"
 
@@ -133,8 +133,7 @@ void captures(const Stage& stage) {
 void pairs(const Stage& stage) {
   constexpr int kFrames = 123;
   const double period = 2;
-  const auto folder = std::filesystem::temp_directory_path() / "stage-motion-bench";
-  std::filesystem::create_directories(folder);
+  const testing::TemporaryFolder folder;
   LightProgram program =
       performance(stage_lights(geodesic_directions(static_cast<uint32_t>(stage.lights))));
   const std::string forth = folder / "ab.json", back = folder / "ba.json";
@@ -159,7 +158,6 @@ void pairs(const Stage& stage) {
                             row);
     }
   }
-  std::filesystem::remove_all(folder);
   std::printf("| B onto A, %d pairs | %.4f | %.4f | %.2f |\n", (kFrames - 3) / 2, errors[0].share(),
               errors[1].share(), errors[0].share() / errors[1].share());
 }
@@ -167,8 +165,7 @@ void pairs(const Stage& stage) {
 /// Ways to measure the motion from A to B, without the element: errors of the moved B.
 void ways(const Stage& stage) {
   constexpr uint64_t kFrames = 123;
-  const auto folder = std::filesystem::temp_directory_path() / "stage-motion-ways";
-  std::filesystem::create_directories(folder);
+  const testing::TemporaryFolder folder;
   LightProgram program =
       performance(stage_lights(geodesic_directions(static_cast<uint32_t>(stage.lights))));
   const std::string forth = folder / "ab.json", back = folder / "ba.json";
@@ -180,7 +177,6 @@ void ways(const Stage& stage) {
   const auto sway = static_cast<double>(stage.motion);
   Frames seen = run(stage.source(forth, sway, 2, kFrames));
   const Frames truth = run(clean.source(back, sway, 2, kFrames));
-  std::filesystem::remove_all(folder);
   const auto picture = [&](uint64_t trigger) {
     return cv::Mat(stage.height, stage.width, CV_32FC3, seen.at(trigger).light_of_pixels.data());
   };

@@ -1,11 +1,10 @@
 // lightstagesync camera-trigger=aravis-software with the camera in software, and lights that are
 // heard over streaming ACN on loopback.
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
 
+#include "../temporary_folder.hpp"
 #include "aravis_fixture.hpp"
 #include "base/inverse_light_stage_meta.h"
 #include "light_stage/dmx_levels.hpp"
@@ -18,16 +17,6 @@ const std::string kSmall = "video/x-raw,format=GRAY8,width=64,height=48";
 
 class AravisSync : public FakeCamera {
  protected:
-  void SetUp() override {
-    FakeCamera::SetUp();
-    folder_ = "/tmp/inverse-aravis-" + std::to_string(getpid());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    FakeCamera::TearDown();
-    std::filesystem::remove_all(folder_);
-  }
-
   void write_program(uint64_t passes) {
     program_ = {};
     program_.name = "test";
@@ -45,12 +34,12 @@ class AravisSync : public FakeCamera {
     step.kind = StepKind::gradient_b;
     program_.steps.push_back(step);
     program_.check();
-    program_.save(folder_ + "/program.json");
+    program_.save(folder_ / "program.json");
   }
   std::string line(const std::string& more = "", const std::string& camera = "") const {
     return source(camera) + " ! " + kSmall +
-           " ! queue name=before ! lightstagesync name=sync program=" + folder_ +
-           "/program.json camera-trigger=aravis-software " + more +
+           " ! queue name=before ! lightstagesync name=sync program=" + (folder_ / "program.json") +
+           " camera-trigger=aravis-software " + more +
            " ! appsink name=out sync=false max-buffers=2";
   }
   guint64 sync_stat(const char* name) {
@@ -73,7 +62,7 @@ class AravisSync : public FakeCamera {
     return gst_buffer_get_light_stage_meta(frame)->trigger;
   }
 
-  std::string folder_;
+  TemporaryFolder folder_;
   LightProgram program_;
 };
 
@@ -189,9 +178,9 @@ TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
   make(
       "lightstagesync name=sync camera-trigger=aravis-software trigger-timeout=2 timeout=0.3 "
       "program=" +
-      folder_ + "/program.json sync.src_0 ! appsink name=out sync=false sync.src_1 ! fakesink " +
-      source("") + " ! " + kSmall +
-      " ! tee name=both ! queue ! sync.sink_0 both. ! queue ! sync.sink_1");
+      (folder_ / "program.json") +
+      " sync.src_0 ! appsink name=out sync=false sync.src_1 ! fakesink " + source("") + " ! " +
+      kSmall + " ! tee name=both ! queue ! sync.sink_0 both. ! queue ! sync.sink_1");
   ASSERT_NE(gst_element_set_state(pipeline_, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE)
       << error(0);
   GstPad* pad = gst_element_get_static_pad(element("sync"), "src_0");

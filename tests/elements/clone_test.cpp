@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
+#include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
 #include "environment/environment.hpp"
 #include "lime_fixture.hpp"
@@ -37,27 +37,26 @@ class CloneTest : public LimeElementTest {
     gst_structure_free(stats);
     return result;
   }
-  static std::string written(const std::string& name, const std::string& bytes) {
-    const std::string path = "/tmp/inverse-clone-" + std::to_string(getpid()) + "-" + name;
-    std::ofstream(path, std::ios::binary) << bytes;
+  std::string written(const std::string& name, const std::string& bytes) const {
+    return folder_.write(name, bytes);
+  }
+  /// Light from the right alone, from where it comes with what color.
+  std::string lamp_file(float red, float green, float blue) const {
+    std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
+    for (size_t y = 12; y < 20; ++y)
+      for (size_t x = 44; x < 52; ++x) {
+        float* c = &rgb[3 * (y * 64 + x)];
+        c[0] = red;
+        c[1] = green;
+        c[2] = blue;
+      }
+    const std::string path = folder_ / "lamp.hdr";
+    Environment({64, 32}, rgb).save(path);
     return path;
   }
-};
 
-/// Light from the right alone, from where it comes with what color.
-std::string lamp_file(float red, float green, float blue) {
-  std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
-  for (size_t y = 12; y < 20; ++y)
-    for (size_t x = 44; x < 52; ++x) {
-      float* c = &rgb[3 * (y * 64 + x)];
-      c[0] = red;
-      c[1] = green;
-      c[2] = blue;
-    }
-  const std::string path = "/tmp/inverse-clone-" + std::to_string(getpid()) + "-lamp.hdr";
-  Environment({64, 32}, rgb).save(path);
-  return path;
-}
+  TemporaryFolder folder_;
+};
 
 }  // namespace
 
@@ -149,7 +148,6 @@ TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
   g_object_set(clone, "exposure", 0.0F, "environment-rotation", 180.0F, nullptr);
   out = harness.process(gray());
   EXPECT_GT(at(out, 26, 48)[0], at(out, 70, 48)[0] + 40) << "turned to the left";
-  std::filesystem::remove(lamp);
 }
 
 TEST_F(CloneTest, LightOfTheStreamIsTakenAndWhatIsNoneIsNot) {
@@ -301,10 +299,8 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
             std::string::npos);
   const std::string empty = written("empty.ply", "");
   EXPECT_NE(error("mesh=" + empty).find(empty), std::string::npos);
-  std::filesystem::remove(empty);
   const std::string good = written("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(error("mesh=" + good), "");
-  std::filesystem::remove(good);
 }
 
 TEST_F(CloneTest, FilesAreReadAtEveryStartAndNotBetween) {

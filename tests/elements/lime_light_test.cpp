@@ -3,21 +3,13 @@
 #include <optional>
 
 #include "../kernels/normal_map_file.hpp"
+#include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
 #include "environment/environment.hpp"
 #include "lime_fixture.hpp"
 
 namespace inverse::testing {
 namespace {
-
-/// A name for a file that is not there yet; removed with this object.
-class HdrPath {
- public:
-  ~HdrPath() { std::filesystem::remove(path); }
-  const std::string path = (std::filesystem::temp_directory_path() /
-                            ("light-" + std::to_string(std::random_device{}()) + ".hdr"))
-                               .string();
-};
 
 class LimeLight : public LimeElementTest {
  protected:
@@ -97,22 +89,24 @@ TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
 }
 
 TEST_F(LimeLight, GoesToAFileWhenTheStreamEnds) {
-  const HdrPath file;
-  const auto result = run_line(ball() + line("environment-location=" + file.path) + " ! fakesink");
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  const auto result = run_line(ball() + line("environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
-  const Environment light = Environment::load(file.path);
+  const Environment light = Environment::load(file);
   EXPECT_GT(*std::max_element(light.rgb().begin(), light.rgb().end()), .01);
 }
 
 TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
-  const HdrPath file;
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
   {
-    VideoHarness harness(line("environment-location=" + file.path), caps(), caps());
+    VideoHarness harness(line("environment-location=" + file), caps(), caps());
     for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
-    EXPECT_FALSE(std::filesystem::exists(file.path));
+    EXPECT_FALSE(std::filesystem::exists(file));
   }
-  EXPECT_TRUE(std::filesystem::exists(file.path));
+  EXPECT_TRUE(std::filesystem::exists(file));
 }
 
 TEST_F(LimeLight, AFileThatCannotBeWrittenIsAWarning) {
@@ -121,15 +115,16 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAWarning) {
   EXPECT_TRUE(nowhere.eos) << "the stream does not suffer";
   ASSERT_FALSE(nowhere.warnings.empty());
   EXPECT_NE(nowhere.warnings.front().find("/nowhere/light.hdr"), std::string::npos);
-  const HdrPath file;
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
   const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
-                                line("environment-location=" + file.path) + " ! fakesink");
+                                line("environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(unknown.eos);
   ASSERT_EQ(unknown.warnings.size(), 1u) << "told once";
   EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
   EXPECT_EQ(unknown.warnings.front().find("light=true"), std::string::npos)
       << "environment-location asks for the light itself";
-  EXPECT_FALSE(std::filesystem::exists(file.path));
+  EXPECT_FALSE(std::filesystem::exists(file));
 }
 
 TEST_F(LimeLight, IsSavedOnRequest) {
@@ -140,16 +135,17 @@ TEST_F(LimeLight, IsSavedOnRequest) {
     g_signal_emit_by_name(lime, "save-environment", path, &good);
     return good;
   };
-  const HdrPath file;
-  EXPECT_FALSE(save(file.path.c_str())) << "nothing is known yet";
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  EXPECT_FALSE(save(file.c_str())) << "nothing is known yet";
   for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
   EXPECT_FALSE(save(nullptr));
   EXPECT_FALSE(save("/nowhere/light.hdr"));
-  EXPECT_TRUE(save(file.path.c_str()));
-  EXPECT_TRUE(std::filesystem::exists(file.path));
+  EXPECT_TRUE(save(file.c_str()));
+  EXPECT_TRUE(std::filesystem::exists(file));
   harness.flush();
   harness.process(scene(0, 0, 0));
-  EXPECT_FALSE(save(file.path.c_str())) << "of another scene";
+  EXPECT_FALSE(save(file.c_str())) << "of another scene";
 }
 
 TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {

@@ -7,11 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
 
+#include "../temporary_folder.hpp"
 #include "error.hpp"
 
 namespace inverse::testing {
@@ -102,15 +101,8 @@ std::string glb(size_t squares = 1, size_t nodes = 1) {
 
 class MeshFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("inverse-mesh-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string written(const std::string& name, const std::string& bytes) const {
-    const std::string path = (folder_ / name).string();
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
+    return folder_.write(name, bytes);
   }
   static std::string error(const std::string& path) {
     try {
@@ -124,7 +116,7 @@ class MeshFile : public ::testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace

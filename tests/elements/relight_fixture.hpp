@@ -4,13 +4,12 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <ImfRgbaFile.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "../kernels/relight_models.hpp"
+#include "../temporary_folder.hpp"
 #include "element_test.hpp"
 #include "environment/environment.hpp"
 #include "light_stage/light_program.hpp"
@@ -66,12 +65,6 @@ struct Sphere {
 
 class RelightTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder = "/tmp/inverse-relight-" + std::to_string(getpid());
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
   static std::string caps(int width = 2 * kSide, int height = kSide, const char* format = "RGBA") {
     return VideoHarness::caps(format, width, height);
   }
@@ -80,7 +73,7 @@ class RelightTest : public ::testing::Test {
                   (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x))];
   }
   std::string white(float radiance = 1) const {
-    const std::string path = folder + "/white.hdr";
+    const std::string path = folder / "white.hdr";
     Environment::uniform({radiance, radiance, radiance}).save(path);
     return path;
   }
@@ -94,7 +87,7 @@ class RelightTest : public ::testing::Test {
         c[1] = green;
         c[2] = blue;
       }
-    const std::string path = folder + "/lamp.hdr";
+    const std::string path = folder / "lamp.hdr";
     Environment({64, 32}, rgb).save(path);
     return path;
   }
@@ -102,7 +95,7 @@ class RelightTest : public ::testing::Test {
   std::string exr(float odd, int width = 64) const {
     std::vector<Imf::Rgba> pixels(static_cast<size_t>(width) * 32, Imf::Rgba(1, 1, 1));
     pixels[100].g = odd;
-    const std::string path = folder + "/map.exr";
+    const std::string path = folder / "map.exr";
     Imf::RgbaOutputFile file(path.c_str(), width, 32, Imf::WRITE_RGB);
     file.setFrameBuffer(pixels.data(), 1, static_cast<size_t>(width));
     file.writePixels(32);
@@ -120,7 +113,7 @@ class RelightTest : public ::testing::Test {
       pixels.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()),
                                      sizeof(float), sizeof(float) * kWide));
     }
-    const std::string path = folder + "/float.exr";
+    const std::string path = folder / "float.exr";
     Imf::OutputFile file(path.c_str(), header);
     file.setFrameBuffer(pixels);
     file.writePixels(kHigh);
@@ -128,9 +121,9 @@ class RelightTest : public ::testing::Test {
   }
   /// The folder of a network of random weights.
   std::string models() const {
-    write_graph(random_features(1), folder + "/models/olat/features.net");
-    write_graph(random_light(2), folder + "/models/olat/light.net");
-    return folder + "/models";
+    write_graph(random_features(1), folder / "models/olat/features.net");
+    write_graph(random_light(2), folder / "models/olat/light.net");
+    return folder / "models";
   }
   static std::vector<std::string> warnings_of(const std::string& line, std::string* error) {
     const auto result = run_line(line);
@@ -143,7 +136,7 @@ class RelightTest : public ::testing::Test {
   }
 
   const Sphere sphere;
-  std::string folder;
+  const TemporaryFolder folder;
 };
 
 }  // namespace inverse::testing

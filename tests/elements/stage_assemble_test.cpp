@@ -240,9 +240,7 @@ class StageCapture : public StageSync {
 
 TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
   constexpr int kWide = 160, kHigh = 120;
-  char* folder = g_dir_make_tmp("capture-XXXXXX", nullptr);
-  const std::string location = folder;
-  g_free(folder);
+  const std::string location = folder_ / "capture";
   g_object_set(element_, "location", location.c_str(), nullptr);
   BallOnStage ball(program_, kWide, kHigh);
   ball.set_gain(2);
@@ -298,7 +296,6 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
       }
     EXPECT_LT(off / (kWide * kHigh), 2e-3);
   }
-  std::filesystem::remove_all(location);
 }
 
 TEST_F(StageCapture, LatencyHasThePassThatIsHeld) {
@@ -345,9 +342,7 @@ TEST_F(StageCapture, ACaptureWhoseLastFrameIsLostGoesOutWithTheFirstOneAfterIt) 
 }
 
 TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
-  char* made = g_dir_make_tmp("capture-XXXXXX", nullptr);
-  const std::string location = made;
-  g_free(made);
+  const std::string location = folder_ / "capture";
   const std::string folder = location + "/camera_0";
   g_object_set(element_, "location", location.c_str(), nullptr);
   std::filesystem::create_directories(folder + "/olat");
@@ -383,7 +378,6 @@ TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
   ASSERT_EQ(played.warnings.size(), 1u);
   EXPECT_NE(played.warnings[0].find("no picture of light 3"), std::string::npos)
       << played.warnings[0];
-  std::filesystem::remove_all(location);
 }
 
 TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {

@@ -4,11 +4,11 @@
 #include <gst/check/gstharness.h>
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "../temporary_folder.hpp"
 #include "base/inverse_light_stage_meta.h"
 #include "element_test.hpp"
 #include "light_stage/light_program.hpp"
@@ -81,8 +81,6 @@ class StageSync : public ::testing::Test {
     for (auto& [number, harness] : cameras_) gst_harness_teardown(harness);
     gst_object_unref(element_);
     gst_object_unref(bus_);
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
-    folder_.clear();
   }
 
   /// Call after properties are set: a harness starts the element.
@@ -192,12 +190,7 @@ class StageSync : public ::testing::Test {
   /// "performance" with fewer lights: faster to draw.
   void use(LightProgram program) {
     program_ = std::move(program);
-    if (folder_.empty()) {
-      char* folder = g_dir_make_tmp("stage-XXXXXX", nullptr);
-      folder_ = folder;
-      g_free(folder);
-    }
-    path_ = folder_ + "/program.json";
+    path_ = folder_ / "program.json";
     program_.save(path_);
     g_object_set(element_, "program", path_.c_str(), nullptr);
   }
@@ -207,7 +200,8 @@ class StageSync : public ::testing::Test {
   GstElement* element_ = nullptr;
   std::map<unsigned, GstHarness*> cameras_;
   LightProgram program_;
-  std::string folder_, path_;  // of the program's file, and the file
+  TemporaryFolder folder_;
+  std::string path_;  // of the program's file in it
 };
 
 }  // namespace inverse::testing

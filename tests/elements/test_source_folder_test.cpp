@@ -3,10 +3,10 @@
 #include <ImfRgbaFile.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "../temporary_folder.hpp"
 #include "light_stage/light_program.hpp"
 #include "test_source_shots.hpp"
 
@@ -19,11 +19,8 @@ namespace fs = std::filesystem;
 class Folder {
  public:
   explicit Folder(int lights, int width = 24, int height = 20) {
-    std::string name = (fs::temp_directory_path() / "inverse-olat-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no folder");
-    path_ = name;
-    fs::create_directory(path_ + "/olat");
-    std::ofstream json(path_ + "/lights.json");
+    fs::create_directory(folder_ / "olat");
+    std::ofstream json(folder_ / "lights.json");
     json << "{\"directions\": [";
     const auto directions = geodesic_directions(static_cast<uint32_t>(lights));
     for (int i = 0; i < lights; ++i) {
@@ -33,9 +30,10 @@ class Folder {
     }
     json << "]}";
   }
-  ~Folder() { fs::remove_all(path_); }
-  const std::string& path() const { return path_; }
-  std::string image(int light) const { return path_ + "/olat/00" + std::to_string(light) + ".exr"; }
+  const std::string& path() const { return folder_.path(); }
+  std::string image(int light) const {
+    return folder_ / ("olat/00" + std::to_string(light) + ".exr");
+  }
   /// The value of channel c at x of the images, everywhere the same along y.
   static float value(int light, int x, int c) {
     return static_cast<float>((light + 1) * (x % 8) + c) / 64;
@@ -51,7 +49,7 @@ class Folder {
   }
 
  private:
-  std::string path_;
+  TemporaryFolder folder_;
 };
 
 TEST(LightStageTestSrc, PlaysFolders) {

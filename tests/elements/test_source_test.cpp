@@ -3,9 +3,9 @@
 
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
+#include "../temporary_folder.hpp"
 #include "light_stage/light_driver.hpp"
 #include "light_stage/light_program.hpp"
 #include "test_source_shots.hpp"
@@ -152,7 +152,8 @@ TEST(LightStageTestSrc, SeedsRepeatNoise) {
 
 TEST(LightStageTestSrc, MotionIsWhatItSays) {
   // Two steps of tracking: all that changes is motion.
-  const std::string path = (fs::temp_directory_path() / "inverse-still.json").string();
+  const TemporaryFolder folder;
+  const std::string path = folder / "still.json";
   LightProgram program = light_program("performance:6", 60);
   program.steps.assign(1, {StepKind::tracking});
   program.marker = LightProgram::Marker::none;
@@ -167,7 +168,6 @@ TEST(LightStageTestSrc, MotionIsWhatItSays) {
                              path,
                          linear16(width, height))
                          .line.frames;
-  fs::remove(path);
   ASSERT_EQ(moved.size(), 10U);
   const auto rest = samples(still[0]);
   for (size_t n = 0; n < moved.size(); ++n) {

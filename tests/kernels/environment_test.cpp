@@ -5,12 +5,12 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <random>
 
+#include "../temporary_folder.hpp"
 #include "environment/prefiltered_light.hpp"
 #include "error.hpp"
 
@@ -19,16 +19,9 @@ namespace {
 
 class EnvironmentTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("inverse-environment-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   std::string written(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path(name), std::ios::binary) << bytes;
-    return path(name);
+    return folder_.write(name, bytes);
   }
   static std::string error(const std::function<void()>& action) {
     try {
@@ -44,7 +37,7 @@ class EnvironmentTest : public ::testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 std::vector<float> random_radiance(Extent extent, unsigned seed) {

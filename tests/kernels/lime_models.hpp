@@ -1,7 +1,7 @@
 #pragma once
 #include <filesystem>
-#include <fstream>
 
+#include "../temporary_folder.hpp"
 #include "material/lime_models.hpp"
 #include "network/graph_file.hpp"
 #include "network_builder.hpp"
@@ -41,10 +41,8 @@ class HandMadeLime {
   }
 
   /// The same in a folder, as the element takes them; removed with this object.
-  HandMadeLime()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("lime-" + std::to_string(std::random_device{}()))) {
-    std::filesystem::create_directories(folder_ / "lime");
+  HandMadeLime() {
+    std::filesystem::create_directory(folder_ / "lime");
     const LimeModels m = models();
     write("segmentation", network::to_file(m.segmentation));
     write("specular", network::to_file(m.specular));
@@ -52,18 +50,11 @@ class HandMadeLime {
     write("albedo", network::to_file(m.albedo));
     write("exponent", network::to_file(m.exponent));
   }
-  ~HandMadeLime() { std::filesystem::remove_all(folder_); }
-  HandMadeLime(const HandMadeLime&) = delete;
-  HandMadeLime& operator=(const HandMadeLime&) = delete;
 
-  std::string folder() const { return folder_.string(); }
-  std::string path(const std::string& name) const {
-    return (folder_ / "lime" / (name + ".net")).string();
-  }
+  const std::string& folder() const { return folder_.path(); }
+  std::string path(const std::string& name) const { return folder_ / ("lime/" + name + ".net"); }
   void write(const std::string& name, const std::vector<std::byte>& bytes) const {
-    std::ofstream(path(name), std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+    folder_.write("lime/" + name + ".net", bytes);
   }
 
  private:
@@ -81,7 +72,7 @@ class HandMadeLime {
     return graph;
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace inverse::testing

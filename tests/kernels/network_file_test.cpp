@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <random>
 
+#include "../temporary_folder.hpp"
 #include "error.hpp"
 #include "network/graph_file.hpp"
 #include "network_builder.hpp"
@@ -149,14 +149,10 @@ TEST(NetworkFile, WhatCannotBeReadIsNamed) {
     }
     return "";
   };
-  const auto folder = std::filesystem::temp_directory_path() /
-                      ("folder-" + std::to_string(std::random_device{}()) + ".net");
-  std::filesystem::create_directory(folder);
-  const std::string text = complaint_of(folder.string());
-  std::filesystem::remove(folder);
-  EXPECT_EQ(text, folder.string() + ": it cannot be read: Is a directory");
-  EXPECT_EQ(complaint_of(folder.string()),
-            folder.string() + ": No such file or directory (a network file)");
+  const TemporaryFolder folder;
+  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it cannot be read: Is a directory");
+  const std::string missing = folder / "a.net";
+  EXPECT_EQ(complaint_of(missing), missing + ": No such file or directory (a network file)");
 }
 
 }  // namespace inverse::testing

@@ -1,10 +1,9 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <random>
 #include <string>
 #include <vector>
+
+#include "../temporary_folder.hpp"
 
 namespace inverse::testing {
 
@@ -59,22 +58,13 @@ inline std::vector<uint8_t> png(uint32_t width, uint32_t height, uint32_t channe
 /// A file for a normal map, removed with this object.
 class NormalMapPath {
  public:
-  NormalMapPath()
-      : path_((std::filesystem::temp_directory_path() /
-               ("normals-" + std::to_string(std::random_device{}()) + ".png"))
-                  .string()) {}
-  ~NormalMapPath() { std::filesystem::remove(path_); }
-  NormalMapPath(const NormalMapPath&) = delete;
-  NormalMapPath& operator=(const NormalMapPath&) = delete;
-  const std::string& path() const { return path_; }
+  std::string path() const { return folder_ / "normals.png"; }
   void write(const std::vector<uint8_t>& bytes) const {
-    std::ofstream(path_, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+    folder_.write("normals.png", std::as_bytes(std::span(bytes)));
   }
 
  private:
-  std::string path_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace inverse::testing

@@ -1,10 +1,9 @@
 // The network that relights against its equations, its files, and few lights in place of many.
 #include "reflectance_field/relight_network.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 
+#include "../temporary_folder.hpp"
 #include "error.hpp"
 #include "reflectance_field/light_reduction.hpp"
 #include "reflectance_field/measured_light.hpp"
@@ -260,31 +259,30 @@ TEST_F(RelightNetworkTest, WhatIsNoNumberStaysOut) {
 }
 
 TEST(RelightModels, RefusesWhatIsNoRelightingNetworkAndSaysWhich) {
-  const std::string folder = "/tmp/inverse-relight-" + std::to_string(getpid());
-  const auto load = [&] { return refusal([&] { RelightModels::load(folder); }); };
+  const TemporaryFolder folder;
+  const auto load = [&] { return refusal([&] { RelightModels::load(folder.path()); }); };
   EXPECT_NE(load().find("features.net"), std::string::npos) << load();
-  write_graph(random_features(1), folder + "/features.net");
+  write_graph(random_features(1), folder / "features.net");
   EXPECT_NE(load().find("light.net"), std::string::npos) << load();
-  write_graph(random_light(2), folder + "/light.net");
+  write_graph(random_light(2), folder / "light.net");
   EXPECT_EQ(load(), "");
   for (const auto& [in, hidden, out] : {std::tuple{23u, 24u, 4u}, {24u, 16u, 4u}, {24u, 24u, 3u}}) {
-    write_graph(random_light(2, in, hidden, out), folder + "/light.net");
+    write_graph(random_light(2, in, hidden, out), folder / "light.net");
     EXPECT_NE(load().find("layer \"node "), std::string::npos) << load();
   }
-  write_graph(random_light(2), folder + "/light.net");
-  write_graph(random_features(1, 3), folder + "/features.net");
+  write_graph(random_light(2), folder / "light.net");
+  write_graph(random_features(1, 3), folder / "features.net");
   EXPECT_NE(load().find("features.net"), std::string::npos) << load();
-  write_graph(random_features(1, 6, 32), folder + "/features.net");
+  write_graph(random_features(1, 6, 32), folder / "features.net");
   EXPECT_NE(load().find("32 channels"), std::string::npos) << load();
   // Weights that are no numbers, and files that end early.
   network::Graph sick = random_features(1);
   sick.weights[40] = std::numeric_limits<float>::quiet_NaN();
-  write_graph(sick, folder + "/features.net");
+  write_graph(sick, folder / "features.net");
   EXPECT_NE(load().find("node 0"), std::string::npos) << load();
-  write_graph(random_features(1), folder + "/features.net");
-  std::filesystem::resize_file(folder + "/features.net", 1000);
+  write_graph(random_features(1), folder / "features.net");
+  std::filesystem::resize_file(folder / "features.net", 1000);
   EXPECT_NE(load().find("features.net"), std::string::npos) << load();
-  std::filesystem::remove_all(folder);
 }
 
 TEST_F(RelightNetworkTest, WithoutANetworkThereIsAnErrorAndNoCrash) {

@@ -6,10 +6,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 
+#include "../temporary_folder.hpp"
 #include "error.hpp"
 
 namespace inverse {
@@ -223,20 +223,18 @@ TEST(LightProgram, FieldsThatAreNotKnownAreNamed) {
 }
 
 TEST(LightProgram, LightsMayBeThoseOfAFolder) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("inverse-lights-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "lights.json") << R"({"directions": [[0, 0, 1], [0.6, 0.8, 0]]})";
-  const LightProgram program = light_program("performance:" + folder.string());
+  const testing::TemporaryFolder folder;
+  folder.write("lights.json", R"({"directions": [[0, 0, 1], [0.6, 0.8, 0]]})");
+  const LightProgram program = light_program("performance:" + folder.path());
   ASSERT_EQ(program.lights.size(), 2U);
   EXPECT_NEAR(program.lights[1].direction[1], .8, 1e-12);
   EXPECT_EQ(program.steps.size(), 2U);
-  EXPECT_EQ(light_program("static:" + folder.string()).steps.size(), 2U + 1 + 2);
+  EXPECT_EQ(light_program("static:" + folder.path()).steps.size(), 2U + 1 + 2);
   std::filesystem::remove(folder / "lights.json");
-  EXPECT_NE(error([&] { light_program("static:" + folder.string()); }).find("lights.json"),
+  EXPECT_NE(error([&] { light_program("static:" + folder.path()); }).find("lights.json"),
             std::string::npos);
-  std::filesystem::remove_all(folder);
-  EXPECT_NE(error([&] { light_program("static:" + folder.string()); }).find("no folder is called"),
+  const std::string missing = folder / "lights";
+  EXPECT_NE(error([&] { light_program("static:" + missing); }).find("no folder is called"),
             std::string::npos);
 }
 

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <thread>
 
+#include "../temporary_folder.hpp"
 #include "error.hpp"
 #include "light_stage/descriptor.hpp"
 #include "light_stage/dmx_levels.hpp"
@@ -60,9 +61,6 @@ std::string post(uint16_t port, const std::string& path, const std::string& form
 class Olad {
  public:
   Olad() {
-    std::string name = (fs::temp_directory_path() / "inverse-olad-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no folder for olad");
-    folder_ = name;
     // It would talk to whatever hardware it finds.
     for (const char* plugin :
          {"artnet", "dmx4linux",  "dummy",   "espnet",   "ftdidmx",  "gpio",
@@ -72,18 +70,18 @@ class Olad {
       std::ofstream(folder_ / ("ola-" + std::string(plugin) + ".conf")) << "enabled = false\n";
     std::ofstream(folder_ / "ola-e131.conf")
         << "enabled = true\nip = 127.0.0.1\ninput_ports = 2\noutput_ports = 0\n";
-    fs::permissions(folder_, fs::perms::all);
-    for (const auto& file : fs::directory_iterator(folder_))
+    fs::permissions(folder_.path(), fs::perms::all);
+    for (const auto& file : fs::directory_iterator(folder_.path()))
       fs::permissions(file, fs::perms::all & ~fs::perms::owner_exec);
     const auto seed = static_cast<uint16_t>(getpid() % 10000);
     http_ = static_cast<uint16_t>(21000 + seed);
     rpc_ = static_cast<uint16_t>(32000 + seed);
     const std::string web = std::to_string(http_), rpc = std::to_string(rpc_);
-    const std::string log = (folder_ / "log").string();
+    const std::string log = folder_ / "log";
     pid_ = fork();
     if (pid_ == 0) {
       if (!freopen(log.c_str(), "w", stderr) || !freopen("/dev/null", "r", stdin)) _exit(126);
-      const std::string config = folder_.string();
+      const std::string config = folder_.path();
       // It refuses to run as root.
       if (geteuid() == 0)
         execlp("setpriv", "setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", "olad",
@@ -103,8 +101,6 @@ class Olad {
       std::this_thread::sleep_for(milliseconds(100));
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
 
   /// Gives the next free input of E1.31 to a universe.
@@ -140,7 +136,7 @@ class Olad {
   }
 
  private:
-  fs::path folder_;
+  testing::TemporaryFolder folder_;
   uint16_t http_ = 0, rpc_ = 0;
   pid_t pid_ = -1;
 };

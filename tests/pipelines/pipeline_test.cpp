@@ -1,21 +1,9 @@
 #include "pipeline_test.hpp"
 
 #include <chrono>
-#include <cstdlib>
 #include <thread>
 
 namespace inverse::testing {
-
-PipelineTest::PipelineTest() {
-  char path[] = "/tmp/inverse-pipelines-XXXXXX";
-  if (!mkdtemp(path)) throw std::runtime_error("cannot make a folder in /tmp");
-  folder_ = path;
-}
-
-PipelineTest::~PipelineTest() {
-  std::error_code code;
-  std::filesystem::remove_all(folder_, code);
-}
 
 std::string PipelineTest::script(const std::string& name) { return SCRIPTS "/" + name; }
 

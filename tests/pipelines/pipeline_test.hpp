@@ -1,10 +1,10 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "../temporary_folder.hpp"
 #include "media.hpp"
 #include "process.hpp"
 
@@ -13,11 +13,8 @@ namespace inverse::testing {
 /// A folder of the test's own, and the scripts of pipelines/, run without a display.
 class PipelineTest : public ::testing::Test {
  protected:
-  PipelineTest();
-  ~PipelineTest() override;
-
   /// The path of a file in the test's folder.
-  std::string file(const std::string& name) const { return folder_ + "/" + name; }
+  std::string file(const std::string& name) const { return folder_ / name; }
   /// The path of a script.
   static std::string script(const std::string& name);
   /// Runs a script to its end and returns its exit status; fails the test where it does not end.
@@ -34,7 +31,7 @@ class PipelineTest : public ::testing::Test {
   std::string output_;  ///< of the last run
 
  private:
-  std::string folder_;
+  TemporaryFolder folder_;
 };
 
 /// A SINK that keeps every frame as it is.

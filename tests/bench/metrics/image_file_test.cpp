@@ -2,29 +2,22 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
 #include "tests/bench/flat_file.hpp"
 #include "tests/bench/png_file.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::bench {
 namespace {
 
 class Files : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("metrics-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-               "-" + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string path(const char* name) const { return folder_ / name; }
 
  private:
-  std::filesystem::path folder_;
+  inverse::testing::TemporaryFolder folder_;
 };
 
 TEST_F(Files, FlatDumpsComeBackAsTheyWere) {
