@@ -1,24 +1,14 @@
-// Material of one object: fusion over time, and the whole with networks whose
-// results are known.
+// The material of one object, by networks whose results are known.
+#include "material/lime_material.hpp"
+
 #include <cmath>
 #include <limits>
 
-#include "error.hpp"
 #include "gpu_fixture.hpp"
 #include "lime_models.hpp"
-#include "material/lime_material.hpp"
-#include "material/material_preview.hpp"
 
 namespace inverse::testing {
 namespace {
-
-Material material(float red, float specular, size_t bin) {
-  Material m;
-  m.diffuse = {red, .5F, .25F};
-  m.specular = specular;
-  m.bins[bin] = 1;
-  return m;
-}
 
 // sRGB's inverse, for expected values.
 float linear(float srgb) {
@@ -27,89 +17,6 @@ float linear(float srgb) {
 float decoded(float code) { return (std::exp(2 * code) - 1) / 4; }
 
 }  // namespace
-
-TEST(MaterialTest, BinsCoverTwoTo1024Evenly) {
-  EXPECT_NEAR(Material::bin_middle(0), std::exp2(1 + 9. / 16), 1e-4);
-  EXPECT_NEAR(Material::bin_middle(7), std::exp2(10 - 9. / 16), 1e-1);
-  Material m = material(0, 0, 3);
-  EXPECT_EQ(m.bin(), 3u);
-  EXPECT_NEAR(m.shininess(), Material::bin_middle(3), 1e-3);
-  m.bins = {0, 0, .3F, .3F, .08F, 0, 0, .32F};  // three that lie together against a lone one
-  EXPECT_EQ(m.bin(), 3u);
-  m.bins = {0, 0, 0, .5F, .5F, 0, 0, 0};
-  EXPECT_NEAR(std::log2(m.shininess()), 1 + 9 * 4. / 8, 1e-5) << "between the two";
-}
-
-TEST(MaterialFusion, OneEstimateIsItself) {
-  MaterialFusion fusion;
-  fusion.add(material(.3F, .4F, 2), {});
-  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], .3F);
-  EXPECT_FLOAT_EQ(fusion.material().specular, .4F);
-  EXPECT_EQ(fusion.material().bin(), 2u);
-  EXPECT_EQ(fusion.count(), 1u);
-  EXPECT_EQ(fusion.spread(), 0);
-}
-
-TEST(MaterialFusion, SingleOutliersLeaveNoTrace) {
-  MaterialFusion fusion, clean;
-  for (int i = 0; i < 40; ++i) {
-    fusion.add(material(i % 7 == 6 ? .95F : .3F, .4F, i % 7 == 6 ? 7 : 2), {});
-    clean.add(material(.3F, .4F, 2), {});
-  }
-  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], clean.material().diffuse[0]);
-  EXPECT_NEAR(fusion.material().shininess(), clean.material().shininess(), 1e-3);
-}
-
-TEST(MaterialFusion, NoiseFallsWithTheRootOfTime) {
-  std::mt19937 random(4);
-  std::normal_distribution<float> noise(0, .05F);
-  MaterialFusion fusion;
-  for (int i = 0; i < 400; ++i) fusion.add(material(.5F + noise(random), .4F, 2), {400});
-  EXPECT_NEAR(fusion.material().diffuse[0], .5F, 4 * .05F / 20);
-  EXPECT_NEAR(fusion.spread(), .05F, .03F);
-}
-
-TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
-  MaterialFusion fusion;
-  MaterialFusion::Params params;
-  params.memory = 5;
-  for (uint64_t i = 1; i <= 20; ++i) {
-    fusion.add(material(.3F, .4F, 2), params);
-    EXPECT_EQ(fusion.count(), i);
-    EXPECT_EQ(fusion.averaged(), std::min<uint64_t>(i, 5));
-  }
-}
-
-TEST(MaterialFusion, AnotherObjectIsTakenUpAfterFiveFrames) {
-  MaterialFusion fusion;
-  for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .4F, 2), {});
-  int frames = 0;
-  while (fusion.material().diffuse[0] < .7F && frames < 100) {
-    fusion.add(material(.8F, .1F, 6), {});
-    ++frames;
-  }
-  EXPECT_LE(frames, 8);
-  EXPECT_LE(fusion.count(), 2u);
-}
-
-TEST(MaterialFusion, AGlossyObjectOfTheSameColorIsAnotherOne) {
-  for (const bool shiny : {true, false}) {
-    MaterialFusion fusion;
-    for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .1F, 1), {});
-    for (int i = 0; i < 12; ++i) fusion.add(material(.2F, shiny ? .1F : .8F, shiny ? 7 : 1), {});
-    EXPECT_NEAR(fusion.material().specular, shiny ? .1F : .8F, .01F);
-    EXPECT_EQ(fusion.material().bin(), shiny ? 7u : 1u);
-  }
-}
-
-TEST(MaterialFusion, WhatIsNoNumberIsNotTaken) {
-  MaterialFusion fusion;
-  fusion.add(material(.3F, .4F, 2), {});
-  fusion.add(material(std::numeric_limits<float>::quiet_NaN(), .4F, 2), {});
-  fusion.add(material(.3F, std::numeric_limits<float>::infinity(), 2), {});
-  EXPECT_EQ(fusion.count(), 1u);
-  EXPECT_FLOAT_EQ(fusion.material().diffuse[0], .3F);
-}
 
 /// A frame of gray with a red disc, some of it bluish.
 class LimeTest : public GpuTest {
@@ -400,79 +307,6 @@ TEST_F(LimeTest, TheLightExplainsWhatIsSeen) {
   EXPECT_NEAR(fit / all, 1, .15);
 }
 
-class PreviewTest : public GpuTest {};
-
-TEST_F(PreviewTest, DrawsASphereIntoTheCorner) {
-  const Extent extent{83, 61};
-  const Pixels pixels = random_pixels(extent, 3);
-  MaterialPreview preview(device);
-  Material m = material(.8F, 0, 2);
-  const auto white = std::make_shared<const Environment>(Environment::uniform({1, 1, 1}));
-  const Plane frame = plane(extent, pixels), picture = plane(extent);
-  run([&](gpu::Commands& commands) { preview.record(commands, frame, m, white, .5F, picture); });
-  const Pixels got = download(picture.buffer);
-  const double diameter = .5 * 61, off = diameter * (.5 + .06 * .5);
-  const double x0 = 83 - off, y0 = 61 - off, radius = diameter / 2;
-  int inside = 0, edge = 0;
-  for (size_t i = 0; i < extent.pixels(); ++i) {
-    const double x = static_cast<double>(i % extent.width) + .5 - x0;
-    const double y = static_cast<double>(i / extent.width) + .5 - y0;
-    const double covered = std::clamp(.5 + radius - std::hypot(x, y), 0., 1.);
-    inside += covered == 1;
-    edge += covered > 0 && covered < 1;
-    for (size_t c = 0; c < 3; ++c) {
-      // A dull thing under even light has the color of its albedo.
-      const double want = (1 - covered) * static_cast<double>(pixels[4 * i + c]) +
-                          covered * static_cast<double>(m.diffuse[c]);
-      ASSERT_NEAR(got[4 * i + c], want, .01) << i;
-    }
-    EXPECT_EQ(got[4 * i + 3], pixels[4 * i + 3]) << "alpha";
-  }
-  EXPECT_GT(inside, 500);
-  EXPECT_GT(edge, 50) << "soft";
-}
-
-TEST_F(PreviewTest, IsDrawnAnewOnlyWhereThatCanBeSeen) {
-  const Extent extent{40, 30};
-  const Plane frame = plane(extent, random_pixels(extent, 4)), picture = plane(extent);
-  MaterialPreview preview(device);
-  const auto light = [](float radiance) {
-    return std::make_shared<const Environment>(
-        Environment::uniform({radiance, radiance, radiance}));
-  };
-  const auto drawn = [&](const Material& m, const std::shared_ptr<const Environment>& lit_by) {
-    run([&](gpu::Commands& commands) { preview.record(commands, frame, m, lit_by, .8F, picture); });
-    return download(picture.buffer);
-  };
-  Material m = material(.5F, .3F, 5);
-  const Pixels first = drawn(m, light(1));
-  m.diffuse[0] += 4e-4F;
-  m.specular -= 7e-4F;
-  m.bins[5] -= .002F;
-  m.bins[6] += .002F;
-  EXPECT_EQ(drawn(m, light(1.004F)), first) << "less than half a code value";
-  Pixels redder;
-  for (int i = 0; i < 5; ++i) {
-    m.diffuse[0] += 5e-4F;
-    redder = drawn(m, light(1));
-  }
-  EXPECT_NE(redder, first) << "small steps add up";
-  EXPECT_NE(drawn(m, light(1.1F)), redder);
-  EXPECT_NE(drawn(m, nullptr), redder) << "the studio's light";
-}
-
-TEST_F(PreviewTest, HasAPictureAtEverySize) {
-  MaterialPreview preview(device);
-  for (const Extent extent : kOddSizes)
-    for (const float size : {.02F, .3F, 1.F}) {
-      const Plane frame = plane(extent, random_pixels(extent, 5)), picture = plane(extent);
-      run([&](gpu::Commands& commands) {
-        preview.record(commands, frame, material(.5F, .4F, 7), nullptr, size, picture);
-      });
-      for (const float v : download(picture.buffer)) ASSERT_TRUE(std::isfinite(v) && v >= 0);
-    }
-}
-
 // In a process of its own, as others would have built them.
 class LimeWarmUp : public OnANewDevice<LimeTest> {};
 
@@ -485,38 +319,6 @@ TEST_F(LimeWarmUp, NoKernelIsBuiltWhileFramesCome) {
   for (int i = 0; i < 30; ++i) frame(lime, scene(60, 30, 20), i % 2);
   EXPECT_TRUE(lime.object().found);
   EXPECT_EQ(device->kernels_used(), before);
-}
-
-TEST(LimeModels, AreLoadedFromAFolder) {
-  const HandMadeLime files;
-  const LimeModels m = LimeModels::load(files.folder() + "/lime");
-  EXPECT_EQ(m.side, HandMadeLime::kSide);
-  EXPECT_EQ(m.albedo.weights, HandMadeLime::models().albedo.weights);
-}
-
-TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
-  const auto complaint = [](const HandMadeLime& files) -> std::string {
-    try {
-      LimeModels::load(files.folder() + "/lime");
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::file);
-      return error.what();
-    }
-    return "";
-  };
-  HandMadeLime missing, shape, cut;
-  std::filesystem::remove(missing.path("mirror"));
-  EXPECT_NE(complaint(missing).find("mirror.net: No such file"), std::string::npos)
-      << complaint(missing);
-  shape.write("albedo", network::to_file(HandMadeLime::models().exponent));
-  EXPECT_NE(complaint(shape).find("albedo.net: it takes 2 x 32 x 32 in place of 4 x 32 x 32"),
-            std::string::npos)
-      << complaint(shape);
-  auto bytes = network::to_file(HandMadeLime::models().exponent);
-  bytes.resize(bytes.size() - 5);
-  cut.write("exponent", bytes);
-  EXPECT_NE(complaint(cut).find("exponent.net"), std::string::npos);
-  EXPECT_NE(complaint(cut).find("cut short"), std::string::npos) << complaint(cut);
 }
 
 }  // namespace inverse::testing
