@@ -24,13 +24,14 @@ from olat.networks import DirectionNet, network  # noqa: E402
 RATE, CROPS, LIGHTS, SIZE = 2e-3, 3, 4, 96
 GRADIENTS = {"fusion": "late", "input": "gradients"}
 # Of each: the network, and what teaching.terms_of is called with.
-VARIANTS = {"whole": (GRADIENTS, {}), "no perceptual loss": (GRADIENTS, {"perceptual": False}),
+VARIANTS = {"whole": (GRADIENTS, {}), "no photometric loss": (GRADIENTS, {"photometric": False}),
+            "no perceptual loss": (GRADIENTS, {"perceptual": False}),
             "no alignment loss": (GRADIENTS, {"alignment": False}), "no relighting loss": (GRADIENTS, {"relighting": False}),
             "3-OLAT input": ({"fusion": "late", "input": "olats"}, {"inputs": "olats"}),
             "early fusion": ({"fusion": "early", "input": "gradients"}, {}),
             "early, half as wide": ({"fusion": "early", "input": "gradients", "width": 0.5}, {}),
             "half as wide": ({**GRADIENTS, "width": 0.5}, {}), "quarter as wide": ({**GRADIENTS, "width": 0.25}, {})}
-TABLE = ("whole", "no perceptual loss", "no alignment loss", "no relighting loss", "3-OLAT input", "early fusion")
+TABLE = ("whole", "no photometric loss", "no perceptual loss", "no alignment loss", "no relighting loss", "3-OLAT input", "early fusion")
 
 
 class Variant:

@@ -47,6 +47,7 @@ def main():
     parser.add_argument("--checkpoint", nargs="*", metavar="NAME=FILE", help="of train.py, or folders of exported networks (network=models/olat); by default network=OUT/checkpoint.pt")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--corpus", type=pathlib.Path, help="held-out subjects; OUT/corpus/test")
+    parser.add_argument("--scale", type=float, default=1, help="of the pictures: heads larger or smaller than those of training")
     parser.add_argument("--report", type=pathlib.Path)
     args = parser.parse_args()
     torch.set_num_threads(2)
@@ -64,7 +65,7 @@ def main():
     for number, (title, items) in enumerate((t, i) for t, i in sets.items() if i):
         rows = {name: [] for name in models}
         single = {}
-        for item in items:
+        for item in items if args.scale == 1 else [i.scaled(args.scale) for i in items]:
             predictions = {}
             for name, model in models.items():
                 predictions[name] = scores.predict(model, item)

@@ -139,7 +139,7 @@ def main():
     while state["seconds"] < budget:
         started = time.monotonic()
         batch = next(stream).to(args.device)
-        terms = teaching.terms_of(net, judge, batch, random, args.input, not args.no_perceptual, args.alignment)
+        terms = teaching.terms_of(net, judge, batch, random, args.input, perceptual=not args.no_perceptual, alignment=args.alignment)
         teaching.step(net, optimizer, sum(terms.values()), teaching.rate_of(args.rate, state["seconds"] / budget, count))
         average.update(net)
         count += 1

@@ -10,6 +10,7 @@ import cv2  # noqa: E402
 import numpy as np  # noqa: E402
 
 from . import corpus  # noqa: E402
+from .networks import MULTIPLE  # noqa: E402
 
 DATA = corpus.ROOT.parent / "shared/data"
 
@@ -28,6 +29,20 @@ class Item:
         """For showing P: the median over the subject of its brightest light becomes 0.7."""
         brightest = self.olats.mean(1).max(0)
         return 0.7 / max(float(np.median(brightest[self.alpha > 0.5])), 1e-6)
+
+    def scaled(self, by):
+        """The same pictures larger or smaller, filled up with black to sides that the networks take."""
+        height, width = (round(by * n) for n in self.alpha.shape)
+        method = cv2.INTER_AREA if by < 1 else cv2.INTER_LINEAR
+        beyond = [(0, -n % MULTIPLE) for n in (height, width)]
+
+        def one(plane):
+            return np.pad(cv2.resize(plane, (width, height), interpolation=method), beyond)
+
+        def several(planes):
+            return np.stack([several(p) if p.ndim > 2 else one(p) for p in planes])
+
+        return Item(self.name, several(self.a), several(self.b), several(self.olats), self.directions, one(self.alpha))
 
 
 def read(path):

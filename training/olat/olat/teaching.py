@@ -9,11 +9,14 @@ PERCEPTUAL, RELIGHTING = 0.2, 0.5  # weights of losses against the photometric o
 REACH = 4          # pixels, of the alignment loss
 
 
-def terms_of(net, judge, batch, random, inputs="gradients", perceptual=True, alignment=False, relighting=True):
+def terms_of(net, judge, batch, random, inputs="gradients", photometric=True, perceptual=True, alignment=False,
+             relighting=True):
     """Loss terms of a batch. judge: a trained DirectionNet."""
     code = net(batch.x[inputs], batch.directions)
     truth = losses.align(code, batch.truth, REACH) if alignment else batch.truth
-    terms = {"photometric": losses.photometric(code, truth, batch.alpha)}
+    terms = {}
+    if photometric:
+        terms["photometric"] = losses.photometric(code, truth, batch.alpha)
     if relighting:
         terms["relighting"] = RELIGHTING * losses.relighting(code, truth, batch.alpha, random)
     if perceptual:
