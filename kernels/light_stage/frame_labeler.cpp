@@ -155,6 +155,20 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::drain() {
   return out;
 }
 
+std::vector<FrameLabeler::Labeled> FrameLabeler::new_framing() {
+  std::vector<Labeled> out;
+  end_of_evidence(out);
+  tell_all_seen(out);
+  seen_.clear();
+  confirmed_until_.reset();
+  trouble_.reset();
+  contradicted_lately_ = 0;
+  for (Waiting& waiting : waiting_) waiting.image = {};
+  before_ = {};
+  evidence_.new_framing();
+  return out;
+}
+
 /// No label will come for those that were seen and not told.
 void FrameLabeler::tell_all_seen(std::vector<Labeled>& out) {
   for (Seen& seen : seen_)
@@ -276,13 +290,15 @@ void FrameLabeler::label(uint64_t token, int64_t trigger, const ImageEvidence& i
   }
   dropped_since_last_ = 0;
   last_ = trigger;
+  evidence_.find_scale(position, image);
   const bool confirms = evidence_.confirms(position, image);
   const uint32_t agreed = confirms ? kConfirmed : confirmable() ? 0 : kAgreed;
   contradicted_lately_ -= std::min(contradicted_lately_, agreed);
   const bool passes = position.part == Position::Part::marker && position.index == 1;
   if (passes && position.pass > 0 && trigger != found_marker_.value_or(trigger) + 1)
     ++counts_.markers;
-  evidence_.learn(position, image);
+  // The one that told the scale may say now that the lights have slipped meanwhile.
+  if (!evidence_.contradicts(position, image)) evidence_.learn(position, image);
   ++counts_.labeled;
   const bool told = told_by_neighbors(position);
   wait({{token, Fate::labeled, static_cast<uint64_t>(at), position, start_}, missing}, out);

@@ -85,6 +85,10 @@ class FrameLabeler {
   /// Starts as new, but counts go on. What is held is forgotten: `drain` tells it before.
   void reset();
 
+  /// The next frames show the subject in another size or frame: the count goes on, and what they
+  /// are compared with is found anew. Returns what was held for pictures like those before.
+  std::vector<Labeled> new_framing();
+
   /// How many periods a frame of the program may wait for the one that confirms it, where one of
   /// these is lost, too.
   static uint32_t longest_wait(const LightProgram& program, const Params& params);

@@ -14,6 +14,7 @@ constexpr double kClearly = 0.25;   // in units of the distance of the two gradi
 constexpr uint64_t kLearned = 4;
 constexpr double kSlow = 1.0 / 8;
 constexpr double kMuchClipped = 0.02;
+constexpr double kDimmestFraming = 0.2;  // of what a subject was before, in another frame
 
 size_t gradient_index(StepKind kind) { return kind == StepKind::gradient_b ? 1 : 0; }
 bool is_gradient(StepKind kind) {
@@ -28,6 +29,31 @@ void LightEvidence::start(double black, double full, bool clipped) {
   clipped_ = clipped;
   gradient_[0] = gradient_[1] = {};
   spread_ = 0;
+  scaled_ = true;
+}
+
+void LightEvidence::new_framing() {
+  scaled_ = false;
+  framed_ = {};
+}
+
+void LightEvidence::find_scale(LightProgram::Position position, const ImageEvidence& image) {
+  if (scaled_ || !started() || position.part == LightProgram::Position::Part::ended) return;
+  const StepKind kind = program_.kind(position);
+  double scale = 0;
+  if (kind == StepKind::tracking) {
+    scale = image.luminance() / (black_ + exposure_of(position) * (full_ - black_));
+  } else if (is_gradient(kind) && exposure_of(position) == 1) {
+    framed_[gradient_index(kind)] = image.luminance();
+    // A + B is the picture under all lights, with what is there without them twice.
+    if (framed_[0] > 0 && framed_[1] > 0) scale = (framed_[0] + framed_[1]) / (full_ + black_);
+  }
+  if (!(scale > kDimmestFraming) || !std::isfinite(scale)) return;
+  scaled_ = true;
+  black_ *= scale;
+  full_ *= scale;
+  for (Learned& learned : gradient_)
+    for (double& level : learned.mean) level *= scale;
 }
 
 double LightEvidence::exposure_of(LightProgram::Position position) const {
@@ -41,7 +67,7 @@ double LightEvidence::relative(LightProgram::Position position, const ImageEvide
 }
 
 bool LightEvidence::confirms(LightProgram::Position position, const ImageEvidence& image) const {
-  if (!started() || position.part == LightProgram::Position::Part::ended) return false;
+  if (!tells() || position.part == LightProgram::Position::Part::ended) return false;
   const StepKind kind = program_.kind(position);
   const double y = relative(position, image);
   if (kind == StepKind::tracking)
@@ -50,7 +76,7 @@ bool LightEvidence::confirms(LightProgram::Position position, const ImageEvidenc
 }
 
 bool LightEvidence::bright(const ImageEvidence& image) const {
-  return started() && image.luminance() - black_ > 0.5 * (full_ - black_);
+  return tells() && image.luminance() - black_ > 0.5 * (full_ - black_);
 }
 
 std::optional<double> LightEvidence::between(const ImageEvidence& image) const {
@@ -71,7 +97,7 @@ double LightEvidence::separation() const {
 }
 
 void LightEvidence::learn(LightProgram::Position position, const ImageEvidence& image) {
-  if (!started() || position.part == LightProgram::Position::Part::ended) return;
+  if (!tells() || position.part == LightProgram::Position::Part::ended) return;
   const StepKind kind = program_.kind(position);
   if (kind == StepKind::black) black_ += kSlow * (image.luminance() - black_);
   if (kind == StepKind::tracking && exposure_of(position) == 1) {
@@ -99,6 +125,7 @@ bool LightEvidence::contradicts(LightProgram::Position position, const ImageEvid
   if (!started() || position.part == LightProgram::Position::Part::ended) return false;
   const StepKind kind = program_.kind(position);
   const double y = relative(position, image);
+  if (!scaled_) return kind == StepKind::tracking && y < kDimmestFraming;
   switch (kind) {
     case StepKind::black:
       return y > kBlackAtMost;

@@ -34,6 +34,13 @@ class LightEvidence {
   double black() const { return black_; }
   double full() const { return full_; }
 
+  /// Pictures of the subject in another size or frame follow: all levels change by one factor,
+  /// which is told by the next tracking frame, or pair of gradients, that `find_scale` is given.
+  /// Until then pictures neither confirm nor contradict, but for a tracking frame that is dark.
+  void new_framing();
+  /// Takes the picture of a step that it shows by its time, before all else.
+  void find_scale(LightProgram::Position position, const ImageEvidence& image);
+
   /// Takes the picture of a step that it certainly shows.
   void learn(LightProgram::Position position, const ImageEvidence& image);
   /// Whether a picture cannot be of this step.
@@ -54,12 +61,15 @@ class LightEvidence {
   };
   double exposure_of(LightProgram::Position position) const;
   double relative(LightProgram::Position position, const ImageEvidence& image) const;
+  bool tells() const { return started() && scaled_; }
   /// Where a picture lies between the means of the two gradients: -1/2 is A, 1/2 is B.
   std::optional<double> between(const ImageEvidence& image) const;
 
   const LightProgram& program_;
   double black_ = 0, full_ = 0;
   bool clipped_ = false;
+  bool scaled_ = true;              // levels are those of pictures as they are now
+  std::array<double, 2> framed_{};  // where not: luminance of each gradient, 0: not seen yet
   Learned gradient_[2];
   double spread_ = 0;  // of `between` about what it should be
 };

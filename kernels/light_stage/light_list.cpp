@@ -41,7 +41,9 @@ LightList LightList::parse(std::string_view text, const std::string& name) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_discarded()) refuse(name + " is no JSON");
   LightList lights;
-  auto& [directions, files] = lights;
+  auto& directions = lights.directions;
+  auto& files = lights.files;
+  lights.captured = json.is_object() && json.value("format", nlohmann::json()) == kCapture;
   const bool plain = json.is_object() && json.contains("directions");
   const auto list =
       plain ? json["directions"]

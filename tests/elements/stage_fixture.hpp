@@ -66,6 +66,12 @@ class BallOnStage {
   double gain_ = 1;
 };
 
+inline double l1(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::abs(int{a[i]} - int{b[i]});
+  return sum / static_cast<double>(a.size());
+}
+
 /// lightstagesync with cameras, whose frames are pushed by hand.
 class StageSync : public ::testing::Test {
  protected:

@@ -26,6 +26,23 @@ TEST_F(StageStreams, AnotherStreamWithoutAnEndOfTheLastOneGoesOn) {
   EXPECT_EQ(count("before-marker"), 20u);
 }
 
+TEST_F(StageStreams, LabelsGoOnInAnotherFrame) {
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 40; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  int64_t next = 40;
+  for (const auto& [width, height] : {std::pair{160, 32}, {kWidth, 90}, {kWidth, kHeight}}) {
+    start(0, caps(width, height));
+    const BallOnStage ball(program_, width, height);
+    for (const int64_t until = next + 30; next < until; ++next)
+      ASSERT_EQ(
+          gst_harness_push(camera(), buffer_of(ball.draw(next, 0), static_cast<double>(next))),
+          GST_FLOW_OK);
+  }
+  EXPECT_EQ(pull(130).back().trigger, 129);
+  EXPECT_EQ(count("contradicted"), 0u);
+}
+
 TEST_F(StageStreams, AStreamMayFollowAnEnd) {
   use_performance();
   start();

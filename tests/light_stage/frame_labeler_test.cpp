@@ -186,6 +186,38 @@ TEST_F(ByHand, ExposureThatChangesSlowlyAndAmbientLightAreFollowed) {
   EXPECT_EQ(labeler_.counts().labeled, 2000U);
 }
 
+TEST_F(ByHand, PicturesInAnotherFrameGoOnWithTheCount) {
+  play(-20, 100);
+  for (const double scale : {0.3, 4.0, 1.0}) {
+    const uint64_t first = tokens_;
+    const auto from = static_cast<int64_t>(told_.back().trigger) + 1;
+    hear(labeler_.new_framing());
+    for (int64_t n = from; n < from + 50; ++n) push(static_cast<double>(n), scaled(n, scale));
+    for (uint64_t token = first; token < tokens_; ++token)
+      EXPECT_EQ(fate(token), Fate::labeled) << scale << ": " << token - first;
+  }
+  EXPECT_EQ(labeler_.counts().resynchronizations, 0U);
+}
+
+TEST_F(ByHand, LightsThatSlipWhileTheFrameChangesAreNotFollowed) {
+  play(-20, 100);
+  hear(labeler_.new_framing());
+  const uint64_t first = tokens_;
+  for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n + 1, 3));
+  for (uint64_t token = first + 2; token < tokens_; ++token)
+    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  EXPECT_FALSE(labeler_.anchored());
+}
+
+TEST_F(ByHand, AMarkerIsFoundAfterFramesOfAnotherSize) {
+  for (int64_t n = -20; n < 2; ++n) push(static_cast<double>(n), scaled(n, 0.1));
+  hear(labeler_.new_framing());
+  for (int64_t n = -18; n < 40; ++n) push(static_cast<double>(n + 20), scaled(n, 1));
+  EXPECT_TRUE(labeler_.anchored());
+  EXPECT_EQ(told_.back().trigger, 39U);
+  EXPECT_EQ(labeler_.counts().labeled, 40U);
+}
+
 TEST_F(ByHand, FlushKeepsTheStartOfTheProgram) {
   play(-20, 100);
   labeler_.flush();
@@ -229,6 +261,28 @@ TEST_F(SingleLights, TwoFramesThatClaimOneTriggerAreBothDropped) {
     }
   EXPECT_EQ(labeler_.counts().missing, 0U);
   EXPECT_EQ(labeler_.counts().labeled, 98U);
+}
+
+TEST_F(SingleLights, InAnotherFrameAreConfirmedByTheNextTrackingFrame) {
+  play(-20, 30);
+  hear(labeler_.new_framing());
+  EXPECT_EQ(told_.size(), 20U + 30) << "what waited is told";
+  for (int64_t n = 30; n < 100; ++n) push(static_cast<double>(n), scaled(n, 0.4));
+  for (uint64_t token = 50; token < told_.size(); ++token) {
+    EXPECT_EQ(fate(token), Fate::labeled) << token;
+    EXPECT_EQ(told_[token].trigger, token - 20);
+  }
+  EXPECT_EQ(labeler_.counts().contradicted, 0U);
+}
+
+TEST_F(SingleLights, ThatSlipWhileTheFrameChangesAreNotFollowed) {
+  play(-20, 30);
+  hear(labeler_.new_framing());
+  const uint64_t first = tokens_;
+  for (int64_t n = 30; n < 120; ++n) push(static_cast<double>(n), scaled(n + 1, 0.4));
+  for (uint64_t token = first; token < told_.size(); ++token)
+    EXPECT_NE(fate(token), Fate::labeled) << token - first;
+  EXPECT_FALSE(labeler_.anchored());
 }
 
 TEST_F(SingleLights, LeaveWithTheTrackingFrameThatConfirmsThem) {

@@ -46,6 +46,12 @@ struct HandCamera {
     image.content = ++content_;
     return image;
   }
+  /// The same in another frame, in which less or more of the picture is subject.
+  ImageEvidence scaled(int64_t trigger, double by) {
+    ImageEvidence image = picture(trigger);
+    for (double& level : image.level) level *= by;
+    return image;
+  }
   void hear(const Labels& told) {
     for (const auto& one : told) {
       if (told_.size() <= one.token) told_.resize(one.token + 1);

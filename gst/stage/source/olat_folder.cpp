@@ -13,9 +13,10 @@ namespace {
 }  // namespace
 
 OlatFolder::OlatFolder(const std::string& path) : path_(path) {
-  auto [directions, files] = LightList::load(path + "/lights.json");
-  directions_ = std::move(directions);
-  files_ = std::move(files);
+  LightList list = LightList::load(path + "/lights.json");
+  directions_ = std::move(list.directions);
+  files_ = std::move(list.files);
+  captured_ = list.captured;
   const auto first = std::ranges::find_if(files_, [](const auto& file) { return !file.empty(); });
   extent_ = open(static_cast<uint32_t>(first - files_.begin())).extent();
 }

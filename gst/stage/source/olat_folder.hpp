@@ -24,6 +24,8 @@ class OlatFolder {
   const std::string& path() const { return path_; }
   const std::vector<Direction>& directions() const { return directions_; }
   Extent extent() const { return extent_; }
+  /// LightList::captured.
+  bool captured() const { return captured_; }
   /// Lights that the list has no file for: their frames were lost.
   std::vector<uint32_t> missing() const;
   /// Reads an image: width × height RGB; black where it is missing.
@@ -35,6 +37,7 @@ class OlatFolder {
   std::vector<Direction> directions_;
   std::vector<std::string> files_;
   Extent extent_;
+  bool captured_ = false;
 };
 
 }  // namespace inverse

@@ -1,7 +1,9 @@
 #include "test_source.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "base/caps.hpp"
@@ -40,6 +42,19 @@ void check_agreement(const LightProgram& program, const OlatFolder& folder) {
         throw Error(ErrorKind::file, "light " + std::to_string(i) + " of the program \"" +
                                          program.name + "\" is elsewhere than in " + folder.path() +
                                          remedy);
+}
+
+/// What is white in a picture as a camera took it, RGB: a hundredth of what is lit is brighter.
+float white_of(const std::vector<float>& rgb) {
+  std::vector<float> lit;
+  for (size_t i = 0; i + 2 < rgb.size(); i += 3) {
+    const float most = std::max({rgb[i], rgb[i + 1], rgb[i + 2]});
+    if (most > 0 && std::isfinite(most)) lit.push_back(most);
+  }
+  if (lit.empty()) return 1;
+  const auto at = lit.begin() + static_cast<ptrdiff_t>(lit.size() * 99 / 100);
+  std::ranges::nth_element(lit, at);
+  return *at;
 }
 
 /// Says which lights have no picture.
@@ -114,15 +129,21 @@ GstCaps* TestSource::caps() const {
 
 std::unique_ptr<OlatStack> TestSource::make_stack(const std::shared_ptr<gpu::Device>& device,
                                                   Extent extent,
-                                                  const std::function<bool()>& go_on) const {
+                                                  const std::function<bool()>& go_on) {
   const auto lights = static_cast<uint32_t>(program_.lights.size());
   auto stack =
       std::make_unique<OlatStack>(device, extent, lights, uint64_t{started_.stack_limit} << 20);
+  // Lambert's law: all around, white gives back a quarter of what all lights send.
+  full_on_ = static_cast<float>(lights) / 4;
   if (folder_) {
+    std::vector<float> sum(3 * extent.pixels());
     for (uint32_t i = 0; i < lights; ++i) {
       if (!go_on()) return nullptr;
-      stack->load(i, folder_->image(i));
+      const std::vector<float> image = folder_->image(i);
+      std::ranges::transform(sum, image, sum.begin(), std::plus<>());
+      stack->load(i, image);
     }
+    if (folder_->captured()) full_on_ = white_of(sum);
     return stack;
   }
   std::vector<Direction> directions;
@@ -230,8 +251,7 @@ void TestSource::draw(const Exposure& exposure, GstBuffer* buffer) {
   VirtualCamera::Shot shot;
   shot.sway = static_cast<float>(
       params.motion * std::sin(2 * std::numbers::pi * seconds / double{params.motion_period}));
-  // Lambert's law: all around, white gives back a quarter of what all lights send.
-  shot.gain = params.gain * 4 / static_cast<float>(program_.lights.size());
+  shot.gain = params.gain / full_on_;
   shot.noise = params.noise;
   shot.seed = params.seed + 1000 * params.camera;
   shot.frame = static_cast<uint32_t>(exposure.number);

@@ -67,7 +67,7 @@ class TestSource {
 
  private:
   std::unique_ptr<OlatStack> make_stack(const std::shared_ptr<gpu::Device>& device, Extent extent,
-                                        const std::function<bool()>& go_on) const;
+                                        const std::function<bool()>& go_on);
   void warm_up();
   std::vector<LightColor> colors(const Exposure& exposure);
   void label(const Exposure& exposure, const std::vector<LightColor>& colors,
@@ -89,6 +89,7 @@ class TestSource {
   std::optional<sacn::Receiver> receiver_;
 
   std::unique_ptr<OlatStack> stack_;
+  float full_on_ = 1;  // linear light of white under all lights, as the stack has it
   double render_ms_ = 0;
   std::optional<VirtualCamera> camera_;
   std::unique_ptr<gpu::Commands> commands_;

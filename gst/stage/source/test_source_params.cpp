@@ -62,7 +62,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
                 "Of noise and of what goes wrong: the same seed does the same", kReady),
       number<P>("gain", &P::gain, 0, 10000,
                 "Factor on light; at 1 white paper is white (1) with all lights on, so that one "
-                "light alone is dim: a quarter of the number of lights makes it as bright"),
+                "light alone is dim: a quarter of the number of lights makes it as bright. Of a "
+                "capture of lightstagesync the brightest hundredth is white with all lights on"),
       number<P>("noise", &P::noise, 0, 1,
                 "Standard deviation of the camera's noise at white, as a part of white; its square "
                 "grows with light, a tenth of it is there without"),

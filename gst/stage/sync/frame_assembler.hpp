@@ -23,8 +23,8 @@ class FrameAssembler {
   virtual bool set_caps(GstCaps* caps);
   /// Takes a buffer; `label` is null where frames without one pass, too.
   virtual GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label);
-  /// Nothing more comes.
-  virtual GstFlowReturn finish() { return GST_FLOW_OK; }
+  /// Nothing more comes of what is held: the program has ended, or the stream has before it.
+  virtual GstFlowReturn finish(bool /*program_over*/) { return GST_FLOW_OK; }
   /// A flush: what is held is forgotten. From upstream's thread, while none pushes.
   virtual void forget() {}
   /// Adds what it has to tell to the camera's stats. From any thread.

@@ -11,6 +11,7 @@
 
 #include "error.hpp"
 #include "frame_picture.hpp"
+#include "light_stage/light_list.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
 
@@ -57,6 +58,21 @@ std::string file_name(const LightStep& step) {
   return name;
 }
 
+/// Takes the pictures of an earlier capture away, and nothing else: one whose frame is lost now
+/// would be among the new ones.
+void clear_capture(const std::string& folder) {
+  std::error_code none;
+  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
+    std::filesystem::remove(folder + "/" + kind + ".exr", none);
+  std::filesystem::remove(folder + "/lights.json", none);
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/olat", none)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() == ".exr" &&
+        name.find_first_not_of("0123456789") == std::string::npos)
+      std::filesystem::remove(entry.path(), none);
+  }
+}
+
 }  // namespace
 
 OlatAssembler::OlatAssembler(GstElement* element, GstPad* src,
@@ -93,7 +109,7 @@ uint64_t OlatAssembler::longest_pass(const LightProgram& program) {
 
 bool OlatAssembler::set_caps(GstCaps* caps) {
   // What was before has another size or format: it goes out as far as it came.
-  if (finish() < GST_FLOW_EOS) return false;
+  if (finish(false) < GST_FLOW_EOS) return false;
   if (!gst_video_info_from_caps(&info_, caps)) return false;
   linear_.emplace(info_);
   return FrameAssembler::set_caps(caps);
@@ -108,7 +124,7 @@ GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
   const bool new_pass =
       !held_.empty() && (held_.back().label.trigger > label->trigger ||
                          held_.back().label.position.pass != label->position.pass);
-  if (new_pass) flow = assemble();
+  if (new_pass) flow = assemble(true);
   if (flow != GST_FLOW_OK) {
     gst_buffer_unref(buffer);
     return flow;
@@ -117,19 +133,24 @@ GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
   held_.push_back({gst_buffer_copy_deep(buffer), *label});
   gst_buffer_unref(buffer);
   const bool step = label->position.part == Position::Part::step;
-  return step && label->position.index + 1 == labels_->program().steps.size() ? assemble()
+  return step && label->position.index + 1 == labels_->program().steps.size() ? assemble(true)
                                                                               : GST_FLOW_OK;
 }
 
-GstFlowReturn OlatAssembler::finish() { return held_.empty() ? GST_FLOW_OK : assemble(); }
+GstFlowReturn OlatAssembler::finish(bool program_over) {
+  return held_.empty() ? GST_FLOW_OK : assemble(program_over);
+}
 
 void OlatAssembler::forget() {
   for (Held& held : held_) gst_buffer_unref(held.buffer);
   held_.clear();
 }
 
-GstFlowReturn OlatAssembler::assemble() {
-  if (!location_.empty()) clear_folder();
+GstFlowReturn OlatAssembler::assemble(bool whole) {
+  std::error_code none;
+  if (!location_.empty()) std::filesystem::remove_all(draft(), none);
+  files_.clear();
+  olat_files_.clear();
   std::map<uint64_t, cv::Mat> tracking;
   double clipped = 0;
   for (const Held& held : held_) {
@@ -157,7 +178,7 @@ GstFlowReturn OlatAssembler::assemble() {
     flow = send(held, moves ? motion->at(held.label.trigger) : cv::Mat());
   }
   forget();
-  if (!location_.empty()) save_list();
+  if (!files_.empty() || !olat_files_.empty()) publish(whole && flow == GST_FLOW_OK);
   std::lock_guard lock(mutex_);
   ++passes_;
   mean_motion_ = motion ? motion->mean_length() : 0;
@@ -198,23 +219,6 @@ GstFlowReturn OlatAssembler::send(Held& held, const cv::Mat& displacement) {
   return FrameAssembler::take(buffer, &held.label);
 }
 
-/// Takes the pictures of an earlier capture away: one whose frame is lost now would be among the
-/// new ones.
-void OlatAssembler::clear_folder() {
-  olat_files_.clear();
-  files_.clear();
-  std::error_code none;
-  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
-    std::filesystem::remove(folder() + "/" + kind + ".exr", none);
-  std::filesystem::remove(folder() + "/lights.json", none);
-  for (const auto& entry : std::filesystem::directory_iterator(folder() + "/olat", none)) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() == ".exr" &&
-        name.find_first_not_of("0123456789") == std::string::npos)
-      std::filesystem::remove(entry.path(), none);
-  }
-}
-
 /// A folder for each camera.
 std::string OlatAssembler::folder() const {
   return location_ + "/camera_" + std::to_string(camera_);
@@ -222,12 +226,12 @@ std::string OlatAssembler::folder() const {
 
 void OlatAssembler::save(const Held& held, const cv::Mat& light) {
   std::error_code failed;
-  std::filesystem::create_directories(folder() + "/olat", failed);
+  std::filesystem::create_directories(draft() + "/olat", failed);
   if (failed)
-    throw Error(ErrorKind::file, "the folder " + folder() + " cannot be made: " + failed.message());
+    throw Error(ErrorKind::file, "the folder " + draft() + " cannot be made: " + failed.message());
   const LightStep& step = labels_->program().steps[held.label.position.index];
   const std::string name = file_name(step);
-  write_exr(folder() + "/" + name, cv::max(light, 0));
+  write_exr(draft() + "/" + name, cv::max(light, 0));
   if (step.kind == StepKind::olat)
     olat_files_[step.light] = name;
   else
@@ -237,10 +241,9 @@ void OlatAssembler::save(const Held& held, const cv::Mat& light) {
 }
 
 /// lights.json beside the pictures, as lightstagetestsrc reads it: which is which.
-void OlatAssembler::save_list() {
+void OlatAssembler::save_list() const {
   const LightProgram& program = labels_->program();
-  if (olat_files_.empty() && files_.empty()) return;
-  Json list = {{"format", "gst-inverse olat set"},
+  Json list = {{"format", LightList::kCapture},
                {"version", 1},
                {"program", program.name},
                {"camera", camera_},
@@ -252,13 +255,41 @@ void OlatAssembler::save_list() {
   // All of them: one whose frame was lost has no file.
   for (uint32_t light = 0; light < program.lights.size(); ++light) {
     Json one = {{"index", light}, {"direction", program.lights[light].direction}};
-    if (olat_files_.contains(light)) one["file"] = olat_files_[light];
+    if (const auto file = olat_files_.find(light); file != olat_files_.end())
+      one["file"] = file->second;
     list["lights"].push_back(one);
   }
-  const std::string path = folder() + "/lights.json";
+  const std::string path = draft() + "/lights.json";
   std::ofstream file(path);
   file << list.dump(2) << "\n";
   if (!file.flush()) throw Error(ErrorKind::file, "cannot write " + path);
+}
+
+/// The draft takes the place of an earlier capture; one that was cut short is put beside it.
+void OlatAssembler::publish(bool whole) try {
+  save_list();
+  std::string to = folder();
+  const bool beside = !whole && std::filesystem::exists(to + "/lights.json");
+  if (beside) to += ".partial";
+  if (!whole)
+    GST_ELEMENT_WARNING(
+        element_, STREAM, FAILED,
+        ("the capture was cut short after %zu of %zu single lights; what there is of it is in %s%s",
+         olat_files_.size(), labels_->program().lights.size(), to.c_str(),
+         beside ? ", and the capture before it stays where it is" : ""),
+        (nullptr));
+  clear_capture(to);
+  std::filesystem::create_directories(to + "/olat");
+  const auto move = [&](const std::string& name) {
+    std::filesystem::rename(draft() + "/" + name, to + "/" + name);
+  };
+  for (const auto& [kind, name] : files_) move(name);
+  for (const auto& [light, name] : olat_files_) move(name);
+  move("lights.json");
+  std::filesystem::remove_all(draft());
+} catch (const std::filesystem::filesystem_error& error) {
+  throw Error(ErrorKind::file,
+              std::string("the capture cannot be put where it belongs: ") + error.what());
 }
 
 void OlatAssembler::add_stats(GstStructure* stats) const {

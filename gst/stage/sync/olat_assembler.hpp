@@ -26,7 +26,7 @@ class OlatAssembler final : public FrameAssembler {
 
   bool set_caps(GstCaps* caps) override;
   GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label) override;
-  GstFlowReturn finish() override;
+  GstFlowReturn finish(bool program_over) override;
   void forget() override;
   void add_stats(GstStructure* stats) const override;
 
@@ -35,19 +35,22 @@ class OlatAssembler final : public FrameAssembler {
     GstBuffer* buffer;
     FrameLabel label;
   };
-  GstFlowReturn assemble();
+  /// `whole`: the pass has come to its end, whatever frames of it were lost.
+  GstFlowReturn assemble(bool whole);
   GstFlowReturn send(Held& held, const cv::Mat& displacement);
   void save(const Held& held, const cv::Mat& light);
-  void save_list();
-  void clear_folder();
+  void save_list() const;
+  void publish(bool whole);
   std::string folder() const;
+  /// Where files are until all are written.
+  std::string draft() const { return folder() + ".new"; }
 
   const std::string location_;
   const uint32_t camera_;
   GstVideoInfo info_;
   std::optional<Linearizer> linear_;
   std::vector<Held> held_;
-  std::map<std::string, std::string> files_;  // what has been written, by kind and light
+  std::map<std::string, std::string> files_;  // of the draft, by kind and light
   std::map<uint32_t, std::string> olat_files_;
   mutable std::mutex mutex_;  // the counts
   uint64_t passes_ = 0, moved_ = 0, still_ = 0, written_ = 0;

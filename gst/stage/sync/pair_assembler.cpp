@@ -237,7 +237,7 @@ GstFlowReturn PairAssembler::pair(GstBuffer* b, const FrameLabel& label) {
   return gst_pad_push(src_, pair);
 }
 
-GstFlowReturn PairAssembler::finish() {
+GstFlowReturn PairAssembler::finish(bool /*program_over*/) {
   drop_first();
   return GST_FLOW_OK;
 }

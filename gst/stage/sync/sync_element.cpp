@@ -13,7 +13,8 @@ namespace {
 
 /// Tells a camera's assembler, in the order of frames, that the program has ended.
 constexpr const char* kProgramEnded = "lightstage-program-ended";
-constexpr size_t kFew = 4;  // frames
+constexpr const char* kOver = "over";  // by itself; else another stream came before its end
+constexpr size_t kFew = 4;             // frames
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr uint32_t kUsualIdBits = 64;
 
@@ -335,11 +336,12 @@ FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
 }
 
 /// The assembler hears that there is no more of what it has.
-void SyncElement::end_program(SyncCamera& camera) {
+void SyncElement::end_program(SyncCamera& camera, bool over) {
   if (camera.program_ended) return;
   camera.program_ended = true;
   camera.append(
-      gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst_structure_new_empty(kProgramEnded)));
+      gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM,
+                           gst_structure_new(kProgramEnded, kOver, G_TYPE_BOOLEAN, over, nullptr)));
 }
 
 void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames) {
@@ -347,7 +349,7 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
   for (const FrameLabeler::Labeled& frame : frames) {
     SyncCamera::Item* item = camera.find(frame.token);
     if (!item) continue;  // flushed meanwhile
-    if (frame.fate == FrameLabeler::Fate::ended) end_program(camera);
+    if (frame.fate == FrameLabeler::Fate::ended) end_program(camera, true);
     if (frame.fate != FrameLabeler::Fate::labeled) {
       const bool passes = !params_.drop_unlabeled && params_.assemble == SyncParams::Assemble::none;
       item->state = passes ? State::leaves : State::dropped;
@@ -423,12 +425,14 @@ GstFlowReturn SyncElement::send(SyncCamera& camera, SyncCamera::Item& item) {
     return flow;
   }
   if (gst_event_has_name(event, kProgramEnded)) {
-    if (!guarded(element_, [&] { flow = camera.assembler->finish(); })) flow = GST_FLOW_ERROR;
+    gboolean over = FALSE;
+    gst_structure_get_boolean(gst_event_get_structure(event), kOver, &over);
+    if (!guarded(element_, [&] { flow = camera.assembler->finish(over); })) flow = GST_FLOW_ERROR;
     gst_event_unref(event);
     return flow;
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS &&
-      !guarded(element_, [&] { flow = camera.assembler->finish(); }))
+      !guarded(element_, [&] { flow = camera.assembler->finish(false); }))
     flow = GST_FLOW_ERROR;
   const bool ends = GST_EVENT_TYPE(event) == GST_EVENT_EOS;
   gst_pad_push_event(camera.src, event);

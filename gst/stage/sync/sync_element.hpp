@@ -90,7 +90,7 @@ class SyncElement {
 
   // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
-  void end_program(SyncCamera& camera);
+  void end_program(SyncCamera& camera, bool over);
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
   void advance();
   void look_for_silence();

@@ -25,7 +25,7 @@ void SyncElement::start_stream(SyncCamera& camera, GstEvent* event) {
     // Another recording has another clock, and a program of its own.
     labeled(camera, camera.labeler->drain());
     camera.labeler->reset();
-    end_program(camera);
+    end_program(camera, false);
   }
   if (!camera.ended) return;
   camera.ended = false;
@@ -42,9 +42,17 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
                       ("got %" GST_PTR_FORMAT, caps));
     return false;
   }
+  const bool other_picture =
+      camera.info && (GST_VIDEO_INFO_WIDTH(&*camera.info) != GST_VIDEO_INFO_WIDTH(&info) ||
+                      GST_VIDEO_INFO_HEIGHT(&*camera.info) != GST_VIDEO_INFO_HEIGHT(&info) ||
+                      GST_VIDEO_INFO_FORMAT(&*camera.info) != GST_VIDEO_INFO_FORMAT(&info));
   camera.info = info;
   camera.linear.emplace(info);
   Lock lock(mutex_);
+  if (other_picture && camera.labeler) {
+    labeled(camera, camera.labeler->new_framing());
+    advance();
+  }
   camera.frame_bytes = GST_VIDEO_INFO_SIZE(&info);
   camera.begun = true;
   camera.last_arrival = Clock::now();
