@@ -13,6 +13,7 @@
 #include "base/inverse_light_stage_meta.h"
 #include "base/models.hpp"
 #include "environment_file.hpp"
+#include "gray_gradients.hpp"
 #include "image/mosaic.hpp"
 #include "light_stage/light_program.hpp"
 #include "reflectance_field/relighting.hpp"
@@ -267,27 +268,24 @@ class RelightElement final : public Filter {
 
   /// Another file while playing: one that cannot be read is told once, and the light stays.
   void take_environment(FrameWork& frame, const Params& params) {
-    if (params.environment != environment_path_ && params.environment != refused_) try {
-        load(params.environment);
-        refused_.reset();
+    const bool asked = params.environment != asked_;
+    asked_ = params.environment;
+    if (asked && asked_ != environment_path_) try {
+        load(asked_);
       } catch (const Error& error) {
-        refused_ = params.environment;
         frame.warnings.push_back(std::string(error.what()) + "; the light before stays");
       }
     if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
   }
 
-  /// What lightstagesync says of the frame has to be what it is taken for.
-  /// What a direction's x, y and z do to light is in red, green and blue.
+  /// Layers were looked at by who made them.
   void check_colors(FrameWork& frame) {
     if (!frame.gray || told_of_gray_) return;
     told_of_gray_ = true;
-    frame.warnings.emplace_back(
-        "the gradients come as gray video, which does not hold what red, green and blue light tell "
-        "of directions: use a color camera (of a Bayer sensor, bayer2rgb), or take a frame for "
-        "each color of the gradients and join them");
+    frame.warnings.emplace_back(kGrayGradients);
   }
 
+  /// What lightstagesync says of the frame has to be what it is taken for.
   void check_label(FrameWork& frame) {
     const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
     if (!meta) return;
@@ -400,7 +398,8 @@ class RelightElement final : public Filter {
   std::optional<RelightModels> models_;
   LightCells::Map map_;
   std::string environment_path_, environment_name_ = "studio";
-  std::optional<std::string> refused_, pending_warning_;
+  std::string asked_;  // the environment that was last asked for, and perhaps could not be read
+  std::optional<std::string> pending_warning_;
 
   std::optional<Relighting> method_;
   std::optional<Mosaic> mosaic_;

@@ -36,7 +36,8 @@ Frames run(const std::string& line) {
   GError* error = nullptr;
   GstElement* pipeline =
       gst_parse_launch((line + " ! appsink name=out sync=false").c_str(), &error);
-  if (!pipeline) throw std::runtime_error(error ? error->message : line);
+  if (error)
+    throw std::runtime_error(std::string(error->message) + " (in ./dev shell it is found)");
   GstElement* out = gst_bin_get_by_name(GST_BIN(pipeline), "out");
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   std::vector<float> curve(65536);

@@ -333,11 +333,16 @@ TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
   VideoHarness harness("olatrelight", caps(), caps(kSide));
   GstElement* relight = harness.find("olatrelight");
   const auto before = harness.process(sphere.side_by_side());
-  g_object_set(relight, "environment", "/nowhere/a.hdr", nullptr);
+  const std::string file = folder / "white.hdr";
+  g_object_set(relight, "environment", file.c_str(), nullptr);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_TRUE(harness.errors().empty());
-  g_object_set(relight, "environment", white(3).c_str(), nullptr);
+  // Asked for again when it is there.
+  g_object_set(relight, "environment", "", nullptr);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  ASSERT_EQ(white(3), file);
+  g_object_set(relight, "environment", file.c_str(), nullptr);
   EXPECT_NE(harness.process(sphere.side_by_side()), before);
 }
 
@@ -358,6 +363,14 @@ TEST_F(RelightTest, GrayGradientsAreAWarning) {
   EXPECT_TRUE(result.eos) << result.first_error();
   ASSERT_EQ(result.warnings.size(), 1u) << "told once";
   EXPECT_NE(result.warnings[0].find("gray video"), std::string::npos) << result.warnings[0];
+  // As layers they do not tell any more.
+  const auto pairs = run_line(
+      "lightstagetestsrc is-live=false num-buffers=14 program=performance:24 ! "
+      "video/x-raw,format=GRAY8,width=64,height=48 ! lightstagesync program=performance:24 "
+      "assemble=pairs ! olatrelight program=performance:24 ! fakesink");
+  EXPECT_TRUE(pairs.eos) << pairs.first_error();
+  ASSERT_EQ(pairs.warnings.size(), 1u);
+  EXPECT_NE(pairs.warnings[0].find("gray video"), std::string::npos) << pairs.warnings[0];
 }
 
 }  // namespace inverse::testing

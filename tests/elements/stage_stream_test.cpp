@@ -26,6 +26,24 @@ TEST_F(StageStreams, AnotherStreamWithoutAnEndOfTheLastOneGoesOn) {
   EXPECT_EQ(count("before-marker"), 20u);
 }
 
+TEST_F(StageStreams, FramesThatLackACameraWhichHasEndedAreToldOfOnce) {
+  use_performance();
+  start(0);
+  start(1);
+  for (int64_t n = -10; n < 20; ++n) {
+    ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+    ASSERT_EQ(push(n, 1), GST_FLOW_OK);
+  }
+  ASSERT_TRUE(gst_harness_push_event(camera(1), gst_event_new_eos()));
+  for (int64_t n = 20; n < 40; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty()) << "streams may end a little apart";
+  for (int64_t n = 40; n < 120; ++n) ASSERT_EQ(push(n, 0), GST_FLOW_OK);
+  const auto warnings = texts(GST_MESSAGE_WARNING);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("sink_1 has ended"), std::string::npos) << warnings[0];
+  EXPECT_EQ(count("incomplete"), 100u);
+}
+
 TEST_F(StageStreams, LabelsGoOnInAnotherFrame) {
   use_performance();
   start();

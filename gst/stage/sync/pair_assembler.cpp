@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "../gray_gradients.hpp"
 #include "base/caps.hpp"
 #include "frame_picture.hpp"
 #include "motion.hpp"
@@ -123,6 +124,9 @@ bool PairAssembler::set_caps(GstCaps* caps) {
                       ("what follows lightstagesync takes neither layers of gradients nor pictures "
                        "of double width; insert olatrelight, videoconvert or videoscale"),
                       ("frames are %" GST_PTR_FORMAT, caps));
+  // Where pictures go out, who takes them can tell.
+  if (layers_ && GST_VIDEO_INFO_IS_GRAY(&info_))
+    GST_ELEMENT_WARNING(element_, STREAM, FORMAT, (kGrayGradients), (nullptr));
   return negotiated_;
 }
 

@@ -86,7 +86,7 @@ void SyncElement::stop() {
   }
   sets_ = FrameSets(true);
   labels_.reset();
-  run_ = 0;
+  run_ = lacked_ended_ = 0;
   lock.unlock();
   context_.release();
 }
@@ -381,6 +381,7 @@ void SyncElement::advance() {
     if (!item) continue;
     item->state = frame.out ? State::leaves : State::dropped;
     camera->second->incomplete += frame.out ? 0 : 1;
+    if (!frame.out) lacked_ended();
     --camera->second->in_sets;
   }
   for (auto& [number, camera] : cameras_) camera->advance();

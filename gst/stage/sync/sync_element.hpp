@@ -97,6 +97,7 @@ class SyncElement {
   void report(SyncCamera& camera);
   void join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame);
   void leave_alone(SyncCamera& camera);
+  void lacked_ended();
   void warn(const std::string& text);
   void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void speak(Lock& lock);
@@ -118,6 +119,7 @@ class SyncElement {
   std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
   FrameSets sets_{true};
   uint64_t next_token_ = 1;
+  uint64_t lacked_ended_ = 0;  // frames dropped since a camera has ended
   uint64_t run_ = 0;
   Clock::time_point run_since_{};
   bool playing_ = false;

@@ -131,6 +131,18 @@ void SyncElement::leave_alone(SyncCamera& camera) {
             : "they go on without it until it sends labeled frames again"));
 }
 
+/// A frame was dropped because another camera has none: told once where that one has ended. Streams
+/// that end together do so within some frames.
+void SyncElement::lacked_ended() {
+  const auto ended =
+      std::ranges::find_if(cameras_, [](const auto& camera) { return camera.second->ended; });
+  if (ended == cameras_.end() || ++lacked_ended_ != kLongestWait) return;
+  warn(
+      "camera " + ended->second->name() +
+      " has ended: the frames of the others are in no complete set, and are dropped (sets=all lets "
+      "them pass)");
+}
+
 /// What came up with a camera's frames; losses at most once a second.
 void SyncElement::report(SyncCamera& camera) {
   if (camera.silent) {
