@@ -1,9 +1,11 @@
 // limematerial: the material of the object in front of the camera (thesis chapter 6).
 #include <gst/gst.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -46,7 +48,9 @@ const PropertyTable<Params>& table() {
           {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
            {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
            {static_cast<int>(LimeShow::specular), "specular",
-            "Highlights: what the object's surface reflects, as gray"},
+            "Highlights: what the object's surface reflects, as gray; where the picture is "
+            "clipped, "
+            "what is missing of it by channel, and so tinted"},
            {static_cast<int>(LimeShow::diffuse), "diffuse",
             "The frame without the object's highlights"},
            {static_cast<int>(LimeShow::mirror), "mirror",
@@ -105,6 +109,18 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
+/// Throws Error(file) where a file cannot be made at a path that will be written to much later.
+void check_writable(const std::string& path) {
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  if (folder.empty()) folder = ".";
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0 ||
+      std::filesystem::is_directory(path))
+    throw Error(ErrorKind::file, path + " cannot be written: " +
+                                     (std::filesystem::is_directory(path)
+                                          ? "it is a folder"
+                                          : "the folder " + folder + " is not there or not mine"));
+}
+
 /// Whether a tile of the frame that changed lies in the square.
 bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
   if (changed.empty()) return true;
@@ -128,10 +144,11 @@ class LimeElement final : public Filter {
 
   void start() override {
     const Params params = parameters_.snapshot();
-    const std::string folder = models_folder(params.models, "lime");
-    if (!models_ || folder != folder_) {
-      models_ = LimeModels::load(folder);
-      folder_ = folder;
+    models_ = LimeModels::load(models_folder(params.models, "lime"));  // files may be others
+    if (!params.environment_location.empty()) check_writable(params.environment_location);
+    {
+      std::lock_guard lock(light_mutex_);
+      light_ = nullptr;
     }
     normal_map_ = params.normal_map.empty()
                       ? nullptr
@@ -142,10 +159,6 @@ class LimeElement final : public Filter {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     extent_ = extent;
     device_ = device;
-    {
-      std::lock_guard lock(light_mutex_);
-      light_ = nullptr;
-    }
     method_.emplace(device, extent, *models_);
     method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
@@ -160,6 +173,7 @@ class LimeElement final : public Filter {
     published_light_ = nullptr;
     light_bytes_.reset();
     planes_.reset();
+    parameters_.publish(std::nullopt);
   }
   void reset() override {
     method_->reset();
@@ -325,6 +339,7 @@ class LimeElement final : public Filter {
     if (light)
       light_bytes_.reset(g_bytes_new(light->rgb().data(), light->rgb().size() * sizeof(float)),
                          g_bytes_unref);
+    if (!light) return;
     std::lock_guard lock(light_mutex_);
     light_ = light;
   }
@@ -352,7 +367,6 @@ class LimeElement final : public Filter {
 
   MaterialProperties<Params> parameters_{table()};
   std::optional<LimeModels> models_;
-  std::string folder_;
   std::shared_ptr<const NormalMap> normal_map_;
   Extent extent_;
   std::optional<LimeMaterial> method_;
@@ -366,7 +380,7 @@ class LimeElement final : public Filter {
   std::shared_ptr<const Environment> published_light_;  // what the next two are of
   std::shared_ptr<GBytes> light_bytes_;                 // for metas
   std::mutex light_mutex_;
-  std::shared_ptr<const Environment> light_;  // under it; stays when the element stops
+  std::shared_ptr<const Environment> light_;  // under it: the last one since the start, for files
   bool written_ = true;                       // nothing came since
 };
 

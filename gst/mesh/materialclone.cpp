@@ -128,6 +128,10 @@ class CloneElement final : public Filter {
     looked_ = false;
     mesh_.reset();  // files may be others than at the last start
     mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
+    seen_.reset();
+    estimate_.reset();
+    estimated_.reset();
+    warned_ = false;
     given_.reset();
     if (!params.environment_location.empty())
       given_.emplace(Environment::load(params.environment_location));
@@ -152,14 +156,6 @@ class CloneElement final : public Filter {
     sphere_.reset();
     planes_.reset();
   }
-  void reset() override {
-    seen_.reset();
-    estimate_.reset();
-    estimated_.reset();
-    news_of_light_ = true;
-    warned_ = false;
-  }
-
   std::vector<Setting> point(Mouse mouse, double x, double y) override {
     std::vector<Setting> place;
     std::lock_guard lock(mouse_mutex_);

@@ -149,12 +149,10 @@ class RelightElement final : public Filter {
       program_ = params.program;
     }
     told_of_stage_ = told_of_gray_ = false;
-    const std::string folder = models_folder(params.models, "olat");
     model_ = params.model;
-    if (model_ == Relighting::Model::network && (!models_ || folder != folder_)) {
-      models_ = RelightModels::load(folder);
-      folder_ = folder;
-    }
+    models_.reset();  // files may be others
+    if (model_ == Relighting::Model::network)
+      models_ = RelightModels::load(models_folder(params.models, "olat"));
     load(params.environment);
   }
 
@@ -394,7 +392,6 @@ class RelightElement final : public Filter {
   bool told_of_stage_ = false, told_of_gray_ = false;
   std::shared_ptr<const RelightStage> stage_;
   Relighting::Model model_{};  // that it was started with, whatever is set since
-  std::string folder_;
   std::optional<RelightModels> models_;
   LightCells::Map map_;
   std::string environment_path_, environment_name_ = "studio";

@@ -1,5 +1,6 @@
 // Environment maps in Radiance files, through stb.
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -118,7 +119,12 @@ Environment Environment::load(const std::string& path, size_t& changed) {
 }
 
 void Environment::save(const std::string& path) const {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  // An earlier file stays where this one cannot be written whole; devices and pipes are no files.
+  std::error_code none;
+  const bool other =
+      std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none);
+  const std::string draft = other ? path : path + ".new";
+  std::ofstream file(draft, std::ios::binary | std::ios::trunc);
   if (!file) fail(path, std::string("cannot be written: ") + strerror(errno));
   const auto write = [](void* to, void* data, int bytes) {
     static_cast<std::ofstream*>(to)->write(static_cast<const char*>(data), bytes);
@@ -127,7 +133,15 @@ void Environment::save(const std::string& path) const {
   const int done = stbi_write_hdr_to_func(write, &file, static_cast<int>(extent_.width),
                                           static_cast<int>(extent_.height), 3, picture.data());
   file.close();
-  if (!done || !file) fail(path, "cannot be written whole; is the disk full?");
+  if (!done || !file) {
+    if (!other) std::remove(draft.c_str());
+    fail(path, "cannot be written whole; is the disk full?");
+  }
+  if (!other && std::rename(draft.c_str(), path.c_str()) != 0) {
+    const std::string why = strerror(errno);
+    std::remove(draft.c_str());
+    fail(path, "cannot be written: " + why);
+  }
 }
 
 }  // namespace inverse

@@ -171,6 +171,12 @@ TEST_F(CloneTest, LightOfTheStreamIsTakenAndWhatIsNoneIsNot) {
   EXPECT_EQ(text(clone, "light"), "estimate");
   EXPECT_GT(at(bright, 48, 48)[0], at(dim, 48, 48)[0] + 50);
   EXPECT_EQ(push(NAN), bright) << "the light before stays";
+  harness.set_src_caps(frame_caps(64, 48));
+  harness.process(gray(64, 48));
+  EXPECT_EQ(text(clone, "light"), "estimate") << "also in frames of another size";
+  harness.flush();
+  harness.process(gray(64, 48));
+  EXPECT_EQ(text(clone, "light"), "estimate") << "and after a seek";
   EXPECT_TRUE(harness.errors().empty());
 }
 

@@ -154,9 +154,9 @@ void VideoHarness::flush() {
   gst_harness_push_event(harness_, gst_event_new_segment(&segment));
 }
 
-std::vector<std::string> VideoHarness::errors() {
+std::vector<std::string> VideoHarness::texts(GstMessageType type) {
   std::vector<std::string> texts;
-  while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
+  while (GstMessage* message = gst_bus_pop_filtered(bus_, type)) {
     texts.push_back(complaint(message));
     gst_message_unref(message);
   }

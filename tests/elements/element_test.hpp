@@ -64,14 +64,17 @@ class VideoHarness {
   std::vector<uint8_t> pull();
   /// Flushes as a seek does: flush-start, flush-stop, a new segment in time.
   void flush();
-  /// Error texts posted on the bus so far.
-  std::vector<std::string> errors();
+  /// Texts of errors, or of warnings, posted on the bus so far; all others are gone then.
+  std::vector<std::string> errors() { return texts(GST_MESSAGE_ERROR); }
+  std::vector<std::string> warnings() { return texts(GST_MESSAGE_WARNING); }
   /// The element of this name or factory inside the line. Borrowed.
   GstElement* find(const std::string& factory);
   GstHarness* harness() { return harness_; }
   void set_src_caps(const std::string& caps);
 
  private:
+  std::vector<std::string> texts(GstMessageType type);
+
   GstHarness* harness_;
   GstBus* bus_;
   GstClockTime time_ = 0;

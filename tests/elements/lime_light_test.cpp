@@ -109,12 +109,19 @@ TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-TEST_F(LimeLight, AFileThatCannotBeWrittenIsAWarning) {
-  const auto nowhere =
+TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd) {
+  const auto refused =
       run_line(ball() + line("environment-location=/nowhere/light.hdr") + " ! fakesink");
-  EXPECT_TRUE(nowhere.eos) << "the stream does not suffer";
-  ASSERT_FALSE(nowhere.warnings.empty());
-  EXPECT_NE(nowhere.warnings.front().find("/nowhere/light.hdr"), std::string::npos);
+  EXPECT_NE(refused.first_error().find("/nowhere/light.hdr"), std::string::npos)
+      << refused.first_error();
+  std::optional<TemporaryFolder> gone(std::in_place);
+  VideoHarness harness(line("environment-location=" + (*gone / "light.hdr")), caps(), caps());
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  gone.reset();
+  gst_harness_push_event(harness.harness(), gst_event_new_eos());
+  const auto warnings = harness.warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.front().find("light.hdr"), std::string::npos);
   const TemporaryFolder folder;
   const std::string file = folder / "light.hdr";
   const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
@@ -143,9 +150,12 @@ TEST_F(LimeLight, IsSavedOnRequest) {
   EXPECT_FALSE(save("/nowhere/light.hdr"));
   EXPECT_TRUE(save(file.c_str()));
   EXPECT_TRUE(std::filesystem::exists(file));
+  std::filesystem::remove(file);
   harness.flush();
   harness.process(scene(0, 0, 0));
-  EXPECT_FALSE(save(file.c_str())) << "of another scene";
+  harness.set_src_caps(VideoHarness::caps("RGBA", 64, 64));
+  EXPECT_TRUE(save(file.c_str())) << "the last that was known";
+  EXPECT_TRUE(std::filesystem::exists(file));
 }
 
 TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {

@@ -142,6 +142,17 @@ TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {
   EXPECT_NE(error(files.folder()).find("albedo.net"), std::string::npos);
 }
 
+TEST_F(LimeElementTest, ModelsAreReadAtEveryStart) {
+  GstElement* lime = gst_element_factory_make("limematerial", nullptr);
+  g_object_set(lime, "models", files.folder().c_str(), nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_SUCCESS);
+  gst_element_set_state(lime, GST_STATE_READY);
+  std::filesystem::resize_file(files.path("albedo"), 100);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(lime, GST_STATE_NULL);
+  gst_object_unref(lime);
+}
+
 // With the networks that come along: a glossy ball of one color before a checkered wall.
 TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
   const gchar* models = g_getenv("INVERSE_MODELS");
