@@ -30,8 +30,9 @@ TEST_F(Stage, StaticCaptureToAFile) {
 
 TEST_F(Stage, APerformanceIsRelit) {
   // A frame pair in two: 60 frames a second make 30.
-  ASSERT_EQ(run("relight", {"", file("out.mkv"), "96", "64"}, {{"FRAMES", "23"}, {"LIGHT_COUNT", "42"}}),
-            0)
+  ASSERT_EQ(
+      run("relight", {"", file("out.mkv"), "96", "64"}, {{"FRAMES", "23"}, {"LIGHT_COUNT", "42"}}),
+      0)
       << output_;
   const Media movie = read_media(file("out.mkv"));
   EXPECT_TRUE(movie.errors.empty());
