@@ -113,12 +113,13 @@ const PropertyTable<Params>& table() {
 void check_writable(const std::string& path) {
   std::string folder = std::filesystem::path(path).parent_path().string();
   if (folder.empty()) folder = ".";
-  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0 ||
-      std::filesystem::is_directory(path))
+  const bool there = std::filesystem::exists(path);
+  if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(path) ||
+      access(there ? path.c_str() : folder.c_str(), W_OK) != 0)
     throw Error(ErrorKind::file, path + " cannot be written: " +
-                                     (std::filesystem::is_directory(path)
-                                          ? "it is a folder"
-                                          : "the folder " + folder + " is not there or not mine"));
+                                     (std::filesystem::is_directory(path) ? "it is a folder"
+                                      : there                             ? "that is not allowed"
+                                              : "no file can be made in " + folder));
 }
 
 /// Whether a tile of the frame that changed lies in the square.

@@ -7,7 +7,7 @@
 
 namespace inverse {
 
-/// Normals of what a frame shows, from an image of at most 16384 x 16384 pixels.
+/// Normals of what a frame shows, from an image of at most 8192 x 8192 pixels.
 class NormalMap {
  public:
   /// Reads a PNG of 8 or 16 bits a channel: RGB = xyz from −1 (code 0) to 1 (largest code), x

@@ -1,4 +1,6 @@
 // Environment maps in Radiance files, through stb.
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -119,11 +121,16 @@ Environment Environment::load(const std::string& path, size_t& changed) {
 }
 
 void Environment::save(const std::string& path) const {
-  // An earlier file stays where this one cannot be written whole; devices and pipes are no files.
+  // An earlier file stays where this one cannot be written whole, if its folder takes another;
+  // devices and pipes are no files.
   std::error_code none;
-  const bool other =
-      std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none);
-  const std::string draft = other ? path : path + ".new";
+  const bool there = std::filesystem::exists(path, none);
+  const std::filesystem::path target =
+      there ? std::filesystem::canonical(path, none) : std::filesystem::path(path);
+  const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
+  const bool in_place = there && (!std::filesystem::is_regular_file(target, none) ||
+                                  access(folder.c_str(), W_OK) != 0);
+  const std::string draft = in_place ? path : target.string() + ".new";
   std::ofstream file(draft, std::ios::binary | std::ios::trunc);
   if (!file) fail(path, std::string("cannot be written: ") + strerror(errno));
   const auto write = [](void* to, void* data, int bytes) {
@@ -134,10 +141,13 @@ void Environment::save(const std::string& path) const {
                                           static_cast<int>(extent_.height), 3, picture.data());
   file.close();
   if (!done || !file) {
-    if (!other) std::remove(draft.c_str());
+    if (!in_place) std::remove(draft.c_str());
     fail(path, "cannot be written whole; is the disk full?");
   }
-  if (!other && std::rename(draft.c_str(), path.c_str()) != 0) {
+  if (in_place) return;
+  if (there)
+    std::filesystem::permissions(draft, std::filesystem::status(target).permissions(), none);
+  if (std::rename(draft.c_str(), target.c_str()) != 0) {
     const std::string why = strerror(errno);
     std::remove(draft.c_str());
     fail(path, "cannot be written: " + why);

@@ -163,7 +163,8 @@ std::vector<FrameLabeler::Labeled> FrameLabeler::new_framing() {
   confirmed_until_.reset();
   trouble_.reset();
   contradicted_lately_ = 0;
-  for (Waiting& waiting : waiting_) waiting.image = {};
+  if (anchor_)  // pictures in the other frame tell nothing of the new one
+    for (Waiting& waiting : waiting_) waiting.image = {};
   before_ = {};
   evidence_.new_framing();
   return out;

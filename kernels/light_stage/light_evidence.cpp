@@ -125,6 +125,10 @@ bool LightEvidence::contradicts(LightProgram::Position position, const ImageEvid
   if (!started() || position.part == LightProgram::Position::Part::ended) return false;
   const StepKind kind = program_.kind(position);
   const double y = relative(position, image);
+  if (!scaled_ && is_gradient(kind)) {
+    const double other = framed_[1 - gradient_index(kind)];
+    return other > 0 && image.luminance() + other < kDimmestFraming * (full_ + black_);
+  }
   if (!scaled_) return kind == StepKind::tracking && y < kDimmestFraming;
   switch (kind) {
     case StepKind::black:

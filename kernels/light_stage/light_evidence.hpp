@@ -36,7 +36,7 @@ class LightEvidence {
 
   /// Pictures of the subject in another size or frame follow: all levels change by one factor,
   /// which is told by the next tracking frame, or pair of gradients, that `find_scale` is given.
-  /// Until then pictures neither confirm nor contradict, but for a tracking frame that is dark.
+  /// Until then pictures neither confirm nor contradict, but for such that are dark.
   void new_framing();
   /// Takes the picture of a step that it shows by its time, before all else.
   void find_scale(LightProgram::Position position, const ImageEvidence& image);

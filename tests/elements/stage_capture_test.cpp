@@ -224,7 +224,7 @@ TEST_F(StageCaptureFolder, KeepsAWholePassWhenTheStreamEndsInTheMarkerAfterIt) {
   EXPECT_EQ(pictures(location_ + "/camera_0"), 15u);
   EXPECT_TRUE(std::filesystem::exists(location_ + "/camera_0/lights.json"));
   EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.partial"));
-  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.new"));
+  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
   EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
 }
 
@@ -238,11 +238,50 @@ TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
   EXPECT_TRUE(list("/camera_0").contains("gradient-b"));
   EXPECT_FALSE(list("/camera_0.partial").contains("gradient-b"));
   EXPECT_EQ(pictures(location_ + "/camera_0.partial"), 12u);
-  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0.new"));
+  EXPECT_FALSE(std::filesystem::exists(location_ + "/camera_0/new"));
   const auto warnings = texts(GST_MESSAGE_WARNING);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("cut short after 11 of 12"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("cut short: 12 of 15 pictures"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find("camera_0.partial"), std::string::npos) << warnings[0];
+}
+
+TEST_F(StageCaptureFolder, WhatIsLeftOfAPassAfterAFlushOrOtherCapsReplacesNoWholeOne) {
+  use_passes(LightProgram::Marker::start);
+  start();
+  const int64_t first = LightProgram::kMarkerSteps + pass_, second = first + pass_,
+                third = second + pass_;
+  for (int64_t n = -20; n < first + 4; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  start(0, caps(kWidth + 16, kHeight));
+  const BallOnStage wider(program_, kWidth + 16, kHeight);
+  for (int64_t n = first + 4; n < second + 4; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(wider.draw(n, 0), static_cast<double>(n))),
+              GST_FLOW_OK);
+  // The whole one, and both parts of the one that the caps cut.
+  for (int i = 0; i < 500 && count("passes") < 3; ++i) g_usleep(10000);
+  gst_harness_push_event(camera(), gst_event_new_flush_start());
+  gst_harness_push_event(camera(), gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(camera(), gst_event_new_segment(&segment));
+  for (int64_t n = second + 6; n < third; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(wider.draw(n, 0), static_cast<double>(n))),
+              GST_FLOW_OK);
+  ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
+  ASSERT_TRUE(ends());
+  EXPECT_EQ(pictures(location_ + "/camera_0"), 15u);
+  const auto list = nlohmann::json::parse(std::ifstream(location_ + "/camera_0/lights.json"));
+  EXPECT_EQ(list["width"], kWidth);
+  EXPECT_GT(pictures(location_ + "/camera_0.partial"), 0u);
+  EXPECT_EQ(texts(GST_MESSAGE_WARNING).empty(), false);
+}
+
+TEST_F(StageCaptureFolder, AFolderMayBeALinkToAnotherDisk) {
+  use_passes(LightProgram::Marker::pass);
+  const TemporaryFolder elsewhere;
+  std::filesystem::create_directories(location_);
+  std::filesystem::create_directory_symlink(elsewhere.path(), location_ + "/camera_0");
+  play(LightProgram::kMarkerSteps + pass_);
+  EXPECT_EQ(pictures(elsewhere.path()), 15u);
 }
 
 TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
@@ -251,7 +290,7 @@ TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
   EXPECT_EQ(pictures(location_ + "/camera_0"), 12u);
   const auto warnings = texts(GST_MESSAGE_WARNING);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("cut short after 11 of 12"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("cut short: 12 of 15 pictures"), std::string::npos) << warnings[0];
 }
 
 // The launch line of docs/elements/lightstagesync.md, and pairs of what it plays.

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -19,6 +20,7 @@ namespace {
 
 class EnvironmentTest : public ::testing::Test {
  protected:
+  const std::string& folder() const { return folder_.path(); }
   std::string path(const std::string& name) const { return folder_ / name; }
   std::string written(const std::string& name, const std::string& bytes) const {
     return folder_.write(name, bytes);
@@ -63,6 +65,20 @@ void expect_near(const Environment& a, const Environment& b) {
 }
 
 }  // namespace
+
+TEST_F(EnvironmentTest, AnEarlierFileIsReplacedAndALinkIsFollowed) {
+  namespace fs = std::filesystem;
+  const std::string file = written("light.hdr", "of before"), link = path("link.hdr");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(file, link);
+  Environment::uniform({1, 2, 3}).save(link);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_NEAR(Environment::load(file).rgb()[1], 2, .02);
+  Environment::uniform({1, 1, 1}).save("/dev/null");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder()), {}), 2) << "no draft stays";
+}
 
 TEST_F(EnvironmentTest, DirectionsAreTheCameras) {
   const Environment map = Environment::uniform({1, 1, 1});

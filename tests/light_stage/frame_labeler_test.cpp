@@ -209,6 +209,13 @@ TEST_F(ByHand, LightsThatSlipWhileTheFrameChangesAreNotFollowed) {
   EXPECT_FALSE(labeler_.anchored());
 }
 
+TEST_F(ByHand, LightsThatStopWhileTheFrameChangesAreNotFollowed) {
+  play(-20, 100);
+  hear(labeler_.new_framing());
+  for (int64_t n = 100; n < 160; ++n) push(static_cast<double>(n), scaled(n, 0.02));
+  EXPECT_FALSE(labeler_.anchored());
+}
+
 TEST_F(ByHand, AMarkerIsFoundAfterFramesOfAnotherSize) {
   for (int64_t n = -20; n < 2; ++n) push(static_cast<double>(n), scaled(n, 0.1));
   hear(labeler_.new_framing());

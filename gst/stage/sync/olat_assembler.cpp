@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
 
 #include "error.hpp"
 #include "frame_picture.hpp"
@@ -38,6 +40,7 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
 }
 
 constexpr double kMuchClipped = 0.1;
+constexpr double kWhole = 0.9;  // of the pictures: frames are lost now and then
 
 /// How much of what is lit is at the end of the scale in all channels.
 double clipped_share(const cv::Mat& light) {
@@ -58,19 +61,35 @@ std::string file_name(const LightStep& step) {
   return name;
 }
 
-/// Takes the pictures of an earlier capture away, and nothing else: one whose frame is lost now
-/// would be among the new ones.
-void clear_capture(const std::string& folder) {
+/// Takes those pictures of an earlier capture away that are not of the new one, and nothing else.
+void clear_capture(const std::string& folder, const std::set<std::string>& fresh) {
   std::error_code none;
   for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
-    std::filesystem::remove(folder + "/" + kind + ".exr", none);
-  std::filesystem::remove(folder + "/lights.json", none);
+    if (const std::string name = std::string(kind) + ".exr"; !fresh.contains(name))
+      std::filesystem::remove(folder + "/" + name, none);
   for (const auto& entry : std::filesystem::directory_iterator(folder + "/olat", none)) {
-    const std::string name = entry.path().stem().string();
+    const std::string stem = entry.path().stem().string();
     if (entry.path().extension() == ".exr" &&
-        name.find_first_not_of("0123456789") == std::string::npos)
+        stem.find_first_not_of("0123456789") == std::string::npos &&
+        !fresh.contains("olat/" + stem + ".exr"))
       std::filesystem::remove(entry.path(), none);
   }
+}
+
+/// Also to another disk.
+void move_file(const std::string& from, const std::string& to) {
+  std::error_code failed;
+  std::filesystem::rename(from, to, failed);
+  if (!failed) return;
+  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove(from);
+}
+
+/// How many pictures a whole capture has.
+size_t pictures_of(const LightProgram& program) {
+  std::set<std::string> names;
+  for (const LightStep& step : program.steps) names.insert(file_name(step));
+  return names.size();
 }
 
 }  // namespace
@@ -81,8 +100,6 @@ OlatAssembler::OlatAssembler(GstElement* element, GstPad* src,
     : FrameAssembler(element, src, std::move(labels)), location_(params.location), camera_(camera) {
   gst_video_info_init(&info_);
 }
-
-OlatAssembler::~OlatAssembler() { forget(); }
 
 void OlatAssembler::check(const SyncParams& params, const LightProgram& program) {
   if (params.assemble != SyncParams::Assemble::olat) return;
@@ -130,7 +147,7 @@ GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
     return flow;
   }
   // A camera has few buffers, and a capture many frames.
-  held_.push_back({gst_buffer_copy_deep(buffer), *label});
+  held_.push_back({HeldBuffer(gst_buffer_copy_deep(buffer)), *label});
   gst_buffer_unref(buffer);
   const bool step = label->position.part == Position::Part::step;
   return step && label->position.index + 1 == labels_->program().steps.size() ? assemble(true)
@@ -141,21 +158,24 @@ GstFlowReturn OlatAssembler::finish(bool program_over) {
   return held_.empty() ? GST_FLOW_OK : assemble(program_over);
 }
 
-void OlatAssembler::forget() {
-  for (Held& held : held_) gst_buffer_unref(held.buffer);
-  held_.clear();
-}
+void OlatAssembler::forget() { held_.clear(); }
 
-GstFlowReturn OlatAssembler::assemble(bool whole) {
-  std::error_code none;
-  if (!location_.empty()) std::filesystem::remove_all(draft(), none);
+GstFlowReturn OlatAssembler::assemble(bool ended) {
+  // Whatever goes wrong: they are not assembled again, and no draft stays.
+  std::vector<Held> all = std::exchange(held_, {});
+  const auto remove_draft = [this](const void*) {
+    std::error_code none;
+    if (!location_.empty()) std::filesystem::remove_all(draft(), none);
+  };
+  const std::unique_ptr<const void, decltype(remove_draft)> draft_guard(this, remove_draft);
+  remove_draft(this);
   files_.clear();
   olat_files_.clear();
   std::map<uint64_t, cv::Mat> tracking;
   double clipped = 0;
-  for (const Held& held : held_) {
+  for (const Held& held : all) {
     if (labels_->program().kind(held.label.position) != StepKind::tracking) continue;
-    const cv::Mat light = linear_light(*linear_, read_codes(info_, held.buffer));
+    const cv::Mat light = linear_light(*linear_, read_codes(info_, held.buffer.get()));
     clipped = std::max(clipped, clipped_share(light));
     tracking[held.label.trigger] = Motion::gray(light);
   }
@@ -172,32 +192,31 @@ GstFlowReturn OlatAssembler::assemble(bool whole) {
   if (!tracking.empty()) motion = std::make_unique<OlatMotion>(tracking);
   const uint64_t last = tracking.empty() ? 0 : tracking.rbegin()->first;
   GstFlowReturn flow = GST_FLOW_OK;
-  for (Held& held : held_) {
+  for (const Held& held : all) {
     if (flow != GST_FLOW_OK) break;
     const bool moves = motion && held.label.trigger < last;
     flow = send(held, moves ? motion->at(held.label.trigger) : cv::Mat());
   }
-  forget();
-  if (!files_.empty() || !olat_files_.empty()) publish(whole && flow == GST_FLOW_OK);
+  if (!files_.empty() || !olat_files_.empty()) publish(ended && flow == GST_FLOW_OK);
   std::lock_guard lock(mutex_);
   ++passes_;
   mean_motion_ = motion ? motion->mean_length() : 0;
   return flow;
 }
 
-GstFlowReturn OlatAssembler::send(Held& held, const cv::Mat& displacement) {
+GstFlowReturn OlatAssembler::send(const Held& held, const cv::Mat& displacement) {
   cv::Mat codes;
   // Of the tracking frames the last is the one that all are moved to.
   const bool tracking = labels_->program().kind(held.label.position) == StepKind::tracking;
   const bool to_disk = !location_.empty() && !(tracking && !displacement.empty()) &&
                        held.label.position.part == Position::Part::step;
-  if (to_disk || !displacement.empty()) codes = read_codes(info_, held.buffer);
+  if (to_disk || !displacement.empty()) codes = read_codes(info_, held.buffer.get());
   if (to_disk) {
     cv::Mat light = linear_light(*linear_, codes);
     if (!displacement.empty()) light = Motion::moved(light, displacement);
     save(held, light);
   }
-  GstBuffer* buffer = gst_buffer_ref(held.buffer);
+  GstBuffer* buffer = gst_buffer_ref(held.buffer.get());
   if (!displacement.empty()) {
     GstBuffer* there = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), nullptr);
     if (!there) {
@@ -265,28 +284,27 @@ void OlatAssembler::save_list() const {
   if (!file.flush()) throw Error(ErrorKind::file, "cannot write " + path);
 }
 
-/// The draft takes the place of an earlier capture; one that was cut short is put beside it.
-void OlatAssembler::publish(bool whole) try {
+/// The draft takes the place of an earlier capture. One that was cut short, whatever by, is put
+/// beside it.
+void OlatAssembler::publish(bool ended) try {
   save_list();
+  const size_t wanted = pictures_of(labels_->program()), got = files_.size() + olat_files_.size();
+  const bool whole = got == wanted || (ended && static_cast<double>(got) >= kWhole * wanted);
   std::string to = folder();
   const bool beside = !whole && std::filesystem::exists(to + "/lights.json");
   if (beside) to += ".partial";
   if (!whole)
-    GST_ELEMENT_WARNING(
-        element_, STREAM, FAILED,
-        ("the capture was cut short after %zu of %zu single lights; what there is of it is in %s%s",
-         olat_files_.size(), labels_->program().lights.size(), to.c_str(),
-         beside ? ", and the capture before it stays where it is" : ""),
-        (nullptr));
-  clear_capture(to);
+    GST_ELEMENT_WARNING(element_, STREAM, FAILED,
+                        ("the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
+                         to.c_str(), beside ? ", and the one before it stays where it is" : ""),
+                        (nullptr));
   std::filesystem::create_directories(to + "/olat");
-  const auto move = [&](const std::string& name) {
-    std::filesystem::rename(draft() + "/" + name, to + "/" + name);
-  };
-  for (const auto& [kind, name] : files_) move(name);
-  for (const auto& [light, name] : olat_files_) move(name);
-  move("lights.json");
-  std::filesystem::remove_all(draft());
+  std::set<std::string> fresh;
+  for (const auto& [kind, name] : files_) fresh.insert(name);
+  for (const auto& [light, name] : olat_files_) fresh.insert(name);
+  for (const std::string& name : fresh) move_file(draft() + "/" + name, to + "/" + name);
+  move_file(draft() + "/lights.json", to + "/lights.json");
+  clear_capture(to, fresh);
 } catch (const std::filesystem::filesystem_error& error) {
   throw Error(ErrorKind::file,
               std::string("the capture cannot be put where it belongs: ") + error.what());

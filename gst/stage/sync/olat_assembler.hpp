@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <string>
@@ -17,7 +18,6 @@ class OlatAssembler final : public FrameAssembler {
  public:
   OlatAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels,
                 const SyncParams& params, uint32_t camera);
-  ~OlatAssembler() override;
   /// Throws Error(file) where `params` ask for OLATs and the program has none or no tracking
   /// frames, or where the folder cannot be made.
   static void check(const SyncParams& params, const LightProgram& program);
@@ -31,19 +31,23 @@ class OlatAssembler final : public FrameAssembler {
   void add_stats(GstStructure* stats) const override;
 
  private:
+  struct Unref {
+    void operator()(GstBuffer* buffer) const { gst_buffer_unref(buffer); }
+  };
+  using HeldBuffer = std::unique_ptr<GstBuffer, Unref>;
   struct Held {
-    GstBuffer* buffer;
+    HeldBuffer buffer;
     FrameLabel label;
   };
-  /// `whole`: the pass has come to its end, whatever frames of it were lost.
-  GstFlowReturn assemble(bool whole);
-  GstFlowReturn send(Held& held, const cv::Mat& displacement);
+  /// `ended`: the pass has come to its end, whatever frames of it were lost.
+  GstFlowReturn assemble(bool ended);
+  GstFlowReturn send(const Held& held, const cv::Mat& displacement);
   void save(const Held& held, const cv::Mat& light);
   void save_list() const;
-  void publish(bool whole);
+  void publish(bool ended);
   std::string folder() const;
-  /// Where files are until all are written.
-  std::string draft() const { return folder() + ".new"; }
+  /// Where files are until all are written: on the same disk.
+  std::string draft() const { return folder() + "/new"; }
 
   const std::string location_;
   const uint32_t camera_;

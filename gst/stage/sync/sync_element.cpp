@@ -381,7 +381,7 @@ void SyncElement::advance() {
     if (!item) continue;
     item->state = frame.out ? State::leaves : State::dropped;
     camera->second->incomplete += frame.out ? 0 : 1;
-    if (!frame.out) lacked_ended();
+    if (!frame.out) lacked_ended(frame.camera);
     --camera->second->in_sets;
   }
   for (auto& [number, camera] : cameras_) camera->advance();

@@ -97,7 +97,7 @@ class SyncElement {
   void report(SyncCamera& camera);
   void join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame);
   void leave_alone(SyncCamera& camera);
-  void lacked_ended();
+  void lacked_ended(uint32_t number);
   void warn(const std::string& text);
   void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
   void speak(Lock& lock);

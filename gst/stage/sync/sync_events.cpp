@@ -29,6 +29,7 @@ void SyncElement::start_stream(SyncCamera& camera, GstEvent* event) {
   }
   if (!camera.ended) return;
   camera.ended = false;
+  lacked_ended_ = 0;
   sets_.wait_for(camera.number, true);
   gst_pad_start_task(camera.src, push_task, camera.src, nullptr);
 }
@@ -52,6 +53,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   if (other_picture && camera.labeler) {
     labeled(camera, camera.labeler->new_framing());
     advance();
+    speak(lock);
   }
   camera.frame_bytes = GST_VIDEO_INFO_SIZE(&info);
   camera.begun = true;
@@ -102,6 +104,7 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
         if (labels_) sets_.wait_for(camera->number, true);
         camera->last_trigger.reset();
         camera->ended = camera->left_alone = false;
+        lacked_ended_ = 0;
         camera->flow = GST_FLOW_OK;
         camera->last_arrival = Clock::now();
       }

@@ -133,10 +133,13 @@ void SyncElement::leave_alone(SyncCamera& camera) {
 
 /// A frame was dropped because another camera has none: told once where that one has ended. Streams
 /// that end together do so within some frames.
-void SyncElement::lacked_ended() {
-  const auto ended =
-      std::ranges::find_if(cameras_, [](const auto& camera) { return camera.second->ended; });
-  if (ended == cameras_.end() || ++lacked_ended_ != kLongestWait) return;
+void SyncElement::lacked_ended(uint32_t number) {
+  const auto has_ended = [](const auto& camera) { return camera.second->ended; };
+  const auto ended = std::ranges::find_if(cameras_, has_ended);
+  const auto going_on = std::ranges::find_if_not(cameras_, has_ended);
+  // One camera counts for all.
+  if (ended == cameras_.end() || going_on == cameras_.end() || going_on->first != number) return;
+  if (++lacked_ended_ != kLongestWait) return;
   warn(
       "camera " + ended->second->name() +
       " has ended: the frames of the others are in no complete set, and are dropped (sets=all lets "
