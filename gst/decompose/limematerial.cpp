@@ -49,8 +49,7 @@ const PropertyTable<Params>& table() {
            {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
            {static_cast<int>(LimeShow::specular), "specular",
             "Highlights: what the object's surface reflects, as gray; where the picture is "
-            "clipped, "
-            "what is missing of it by channel, and so tinted"},
+            "clipped, what is missing of it by channel, and so tinted"},
            {static_cast<int>(LimeShow::diffuse), "diffuse",
             "The frame without the object's highlights"},
            {static_cast<int>(LimeShow::mirror), "mirror",
@@ -337,10 +336,9 @@ class LimeElement final : public Filter {
     if (light == published_light_) return;
     published_light_ = light;
     light_bytes_.reset();
-    if (light)
-      light_bytes_.reset(g_bytes_new(light->rgb().data(), light->rgb().size() * sizeof(float)),
-                         g_bytes_unref);
     if (!light) return;
+    light_bytes_.reset(g_bytes_new(light->rgb().data(), light->rgb().size() * sizeof(float)),
+                       g_bytes_unref);
     std::lock_guard lock(light_mutex_);
     light_ = light;
   }

@@ -156,6 +156,7 @@ class CloneElement final : public Filter {
     sphere_.reset();
     planes_.reset();
   }
+
   std::vector<Setting> point(Mouse mouse, double x, double y) override {
     std::vector<Setting> place;
     std::lock_guard lock(mouse_mutex_);

@@ -1,6 +1,5 @@
 // materialclone.
 #include <gst/video/navigation.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
 #include "environment/environment.hpp"
+#include "lamp.hpp"
 #include "lime_fixture.hpp"
 
 namespace inverse::testing {
@@ -40,18 +40,9 @@ class CloneTest : public LimeElementTest {
   std::string written(const std::string& name, const std::string& bytes) const {
     return folder_.write(name, bytes);
   }
-  /// Light from the right alone, from where it comes with what color.
   std::string lamp_file(float red, float green, float blue) const {
-    std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
-    for (size_t y = 12; y < 20; ++y)
-      for (size_t x = 44; x < 52; ++x) {
-        float* c = &rgb[3 * (y * 64 + x)];
-        c[0] = red;
-        c[1] = green;
-        c[2] = blue;
-      }
     const std::string path = folder_ / "lamp.hdr";
-    Environment({64, 32}, rgb).save(path);
+    lamp(4, red, green, blue).save(path);
     return path;
   }
 

@@ -12,6 +12,7 @@
 #include "../temporary_folder.hpp"
 #include "element_test.hpp"
 #include "environment/environment.hpp"
+#include "lamp.hpp"
 #include "light_stage/light_program.hpp"
 
 namespace inverse::testing {
@@ -77,18 +78,9 @@ class RelightTest : public ::testing::Test {
     Environment::uniform({radiance, radiance, radiance}).save(path);
     return path;
   }
-  /// Light from the right, as the camera sees it, alone.
-  std::string lamp(float red, float green, float blue) const {
-    std::vector<float> rgb(size_t{3} * 64 * 32, 0.0F);
-    for (size_t y = 14; y < 18; ++y)
-      for (size_t x = 46; x < 50; ++x) {
-        float* c = &rgb[3 * (y * 64 + x)];
-        c[0] = red;
-        c[1] = green;
-        c[2] = blue;
-      }
+  std::string lamp_file(float red, float green, float blue) const {
     const std::string path = folder / "lamp.hdr";
-    Environment({64, 32}, rgb).save(path);
+    lamp(2, red, green, blue).save(path);
     return path;
   }
   /// `odd` in one pixel of an otherwise even OpenEXR map.

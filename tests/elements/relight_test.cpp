@@ -28,7 +28,7 @@ TEST_F(RelightTest, UnderWhiteLightTheSubjectIsAsUnderAllLights) {
 }
 
 TEST_F(RelightTest, LightComesFromWhereItIsAndTurns) {
-  VideoHarness harness("olatrelight environment=" + lamp(90, 90, 20), caps(), caps(kSide));
+  VideoHarness harness("olatrelight environment=" + lamp_file(90, 90, 20), caps(), caps(kSide));
   GstElement* relight = harness.find("olatrelight");
   auto out = harness.process(sphere.side_by_side());
   EXPECT_GT(at(out, 50, 32)[0], at(out, 14, 32)[0] + 60) << "from the right";
@@ -168,7 +168,7 @@ TEST_F(RelightTest, TheMouseMovesTheLight) {
 }
 
 TEST_F(RelightTest, RotationFollowsAController) {
-  const std::string environment = lamp(50, 50, 50);
+  const std::string environment = lamp_file(50, 50, 50);
   const auto result = run_line(
       "appsrc name=in ! olatrelight name=relight environment=" + environment +
           " ! video/x-raw,format=RGBA ! appsink name=out",
@@ -292,7 +292,7 @@ TEST_F(RelightTest, FilesThatAreAmissAreErrorsThatSayWhy) {
   EXPECT_NE(error.find("/nowhere/a.json"), std::string::npos) << error;
   warnings_of(line("program=performance:0"), &error);
   EXPECT_NE(error.find("number of lights"), std::string::npos) << error;
-  const std::string lamp_path = lamp(1, 1, 1);
+  const std::string lamp_path = lamp_file(1, 1, 1);
   std::filesystem::resize_file(lamp_path, std::filesystem::file_size(lamp_path) / 2);
   warnings_of(line("environment=" + lamp_path), &error);
   EXPECT_NE(error.find("ends too early"), std::string::npos) << error;

@@ -15,10 +15,8 @@
 namespace inverse::testing {
 
 Process::Process(const std::vector<std::string>& words, const Environment& environment) {
-  char path[] = "/tmp/inverse-process-XXXXXX";
-  const int log = mkstemp(path);
-  if (log < 0) throw std::runtime_error("cannot make a file in /tmp");
-  log_ = path;
+  const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (log < 0) throw std::runtime_error("cannot write " + log_);
   std::vector<char*> arguments;
   for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -43,7 +41,6 @@ Process::~Process() {
     kill(-pid_, SIGKILL);
     wait(10);
   }
-  unlink(log_.c_str());
 }
 
 int Process::wait(double seconds) {

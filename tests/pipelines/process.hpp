@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "../temporary_folder.hpp"
+
 namespace inverse::testing {
 
 /// A program that runs beside the test, with its children; ended with them at the latest by the
@@ -30,7 +32,8 @@ class Process {
  private:
   pid_t pid_ = -1;
   int status_ = -1;
-  std::string log_;
+  TemporaryFolder folder_;
+  const std::string log_ = folder_ / "log";
 };
 
 }  // namespace inverse::testing

@@ -136,11 +136,12 @@ std::unique_ptr<OlatStack> TestSource::make_stack(const std::shared_ptr<gpu::Dev
   // Lambert's law: all around, white gives back a quarter of what all lights send.
   full_on_ = static_cast<float>(lights) / 4;
   if (folder_) {
-    std::vector<float> sum(3 * extent.pixels());
+    std::vector<float> sum;
+    if (folder_->captured()) sum.resize(3 * extent.pixels());
     for (uint32_t i = 0; i < lights; ++i) {
       if (!go_on()) return nullptr;
       const std::vector<float> image = folder_->image(i);
-      std::ranges::transform(sum, image, sum.begin(), std::plus<>());
+      if (folder_->captured()) std::ranges::transform(sum, image, sum.begin(), std::plus<>());
       stack->load(i, image);
     }
     if (folder_->captured()) full_on_ = white_of(sum);

@@ -1,0 +1,38 @@
+// How many frames may wait in lightstagesync.
+#include <algorithm>
+#include <cmath>
+
+#include "sync_element.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr size_t kFew = 4;  // frames
+
+/// How many frames of a camera may wait, for other cameras or for what follows, by their memory.
+size_t fitting(const SyncCamera& camera) {
+  constexpr size_t kMostBytes = size_t{1} << 30;
+  return kMostBytes / std::max<size_t>(camera.frame_bytes, 1);
+}
+
+}  // namespace
+
+/// Frames that may wait for what follows. Sinks keep to the latency: a frame that came without a
+/// detour waits there for the time that others take here, and those behind it must not hold the
+/// camera up.
+size_t SyncElement::most_outgoing(const SyncCamera& camera) const {
+  const GstClockTime ours = camera.live ? own_latency() : 0;
+  const uint64_t frames = labels_ ? std::max(ours, camera.sinks_wait) / labels_->period() : 0;
+  return kFew + static_cast<size_t>(std::min<uint64_t>(frames, fitting(camera)));
+}
+
+/// Frames of a camera that may wait for those of others: as many as come until these are left
+/// alone, and a few, since threads are not punctual.
+size_t SyncElement::most_in_sets(const SyncCamera& camera) const {
+  if (params_.max_frames || !labels_) return std::max(params_.max_frames, 1u);
+  const double timeout = 1e9 * params_.timeout / static_cast<double>(labels_->period());
+  const size_t frames = static_cast<size_t>(std::ceil(timeout)) + kLongestWait + kFew;
+  return std::clamp(frames, kFew, kFew + fitting(camera));
+}
+
+}  // namespace inverse
