@@ -4,15 +4,17 @@
 #include "../image/finite.glsl"
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
-// codes are bilinear; of a pixel no more is taken for specular than its least channel has. Where the camera was at its end,
-// the layer is of more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
+// all is bilinear; the specular layer follows the pixel's least channel along lines of the points, so that edges of highlights
+// are where the frame has them, and no more is taken than that channel has. Where the camera was at its end, the layer is of
+// more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
 PLANE_IN(0, frame);
 PLANE_IN(1, probability);
-PLANE_IN(2, codes);     // specular, mirror: what ExponentNet took
-PLANE_IN(3, under);     // diffuse light without gaps
-PLANE_OUT(4, diffuse);  // linear RGB of the frame without the specular layer; w: mask
-PLANE_OUT(5, gloss);    // specular, mirror; linear
+PLANE_IN(2, codes);     // of the mirror image in y
+PLANE_IN(3, lines);     // slope and offset of the specular layer
+PLANE_IN(4, under);     // diffuse light without gaps
+PLANE_OUT(5, diffuse);  // linear RGB of the frame without the specular layer; w: mask
+PLANE_OUT(6, gloss);    // specular, mirror; linear
 layout(push_constant) uniform Push {
   ivec2 size;
   vec2 corner;
@@ -38,14 +40,17 @@ void main() {
     float p = mix(mix(FETCH(probability, a).x, FETCH(probability, b).x, share.x),
                   mix(FETCH(probability, c).x, FETCH(probability, d).x, share.x), share.y);
     mask = smoothstep(0.25, 0.75, p);
-    vec2 code = mix(mix(FETCH(codes, a).xy, FETCH(codes, b).xy, share.x),
-                    mix(FETCH(codes, c).xy, FETCH(codes, d).xy, share.x), share.y);
-    vec2 layers = mask * decode(code);
+    float code = mix(mix(FETCH(codes, a).y, FETCH(codes, b).y, share.x),
+                     mix(FETCH(codes, c).y, FETCH(codes, d).y, share.x), share.y);
+    vec2 line = mix(mix(FETCH(lines, a - 1).xy, FETCH(lines, b - 1).xy, share.x),
+                    mix(FETCH(lines, c - 1).xy, FETCH(lines, d - 1).xy, share.x), share.y);
+    float least = min(rgb.r, min(rgb.g, rgb.b));
+    float layer = clamp(mask * (line.x * least + line.y), 0.0, least);
     vec3 base = mix(mix(FETCH(under, a - 1).rgb, FETCH(under, b - 1).rgb, share.x),
                     mix(FETCH(under, c - 1).rgb, FETCH(under, d - 1).rgb, share.x), share.y);
     vec3 under_it = min(base * smoothstep(kClips.x, kClips.y, rgb), rgb);
-    specular = min(vec3(min(layers.x, min(rgb.r, min(rgb.g, rgb.b)))), rgb - under_it);
-    mirror = layers.y;
+    specular = min(vec3(layer), rgb - under_it);
+    mirror = mask * decode(code);
   }
   STORE(diffuse, i, vec4(rgb - specular, mask));
   STORE(gloss, i, vec4(specular, mirror));

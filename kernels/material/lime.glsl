@@ -4,7 +4,7 @@
 
 const float kObject = 0.5;  // probability from which on a point is of the object
 
-vec2 decode(vec2 code) { return 0.25 * (exp(2.0 * clamp(code, 0.0, 8.0)) - 1.0); }
+float decode(float code) { return 0.25 * (exp(2.0 * clamp(code, 0.0, 8.0)) - 1.0); }
 
 // Linear light from which on a camera may have been at its end, and is.
 const vec2 kClips = vec2(0.85, 0.98);

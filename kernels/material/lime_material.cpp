@@ -62,6 +62,7 @@ LimeMaterial::LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent ex
       masked_(device->kernel(shaders::material_masked)),
       specular_out_(device->kernel(shaders::material_specular_out)),
       mirror_out_(device->kernel(shaders::material_mirror_out)),
+      guided_(device, side_),
       under_(device, side_),
       layers_{device->kernel(shaders::material_layers, {0}),
               device->kernel(shaders::material_layers, {1})},
@@ -138,6 +139,8 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.dispatch(mirror_out_,
                     {specular_.input(0), mirror_.input(0), mirror_.output(0), exponent_.input(0)},
                     points, items);
+  guided_.record(commands, specular_.input(0), exponent_.input(0));
+  commands.stage("guided layer");
   under_.record(commands, specular_.input(0), exponent_.input(0));
   commands.stage("under highlights");
   albedo_.record(commands);
@@ -177,8 +180,8 @@ LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Pl
                                                bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
-                    {frame.buffer, segmentation_.output(0), exponent_.input(0), under_.diffuse(),
-                     layers.diffuse->buffer, layers.gloss->buffer},
+                    {frame.buffer, segmentation_.output(0), exponent_.input(0), guided_.lines(),
+                     under_.diffuse(), layers.diffuse->buffer, layers.gloss->buffer},
                     Place(extent_, estimated_in_, side_), {extent_.width, extent_.height});
   commands.stage("layers");
   return layers;

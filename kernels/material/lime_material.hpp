@@ -9,6 +9,7 @@
 #include "../image/plane.hpp"
 #include "../network/network.hpp"
 #include "crop_change.hpp"
+#include "guided_layer.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
 #include "object_light.hpp"
@@ -121,6 +122,7 @@ class LimeMaterial {
   uint32_t side_;
   network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
   gpu::KernelPtr crop_, own_, masked_, specular_out_, mirror_out_;
+  GuidedLayer guided_;
   UnderHighlights under_;
   std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
   PlanePool planes_;

@@ -14,7 +14,7 @@ void main() {
   if (i >= push.count) return;
   vec4 here = FETCH(masked, 1 + i);
   vec3 rgb = to_linear(here.rgb);
-  float specular = decode(FETCH(codes, 1 + i).xy).x;
+  float specular = decode(FETCH(codes, 1 + i).x);
   // What is near full scale may have been more, and where more is taken off than there is, the rest is no measure.
   bool known = here.w > 0.5 && max(rgb.r, max(rgb.g, rgb.b)) < kClips.x && specular < min(rgb.r, min(rgb.g, rgb.b));
   STORE(result, i, known ? vec4(rgb - specular, 1.0) : vec4(0.0));

@@ -6,6 +6,7 @@
 
 #include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
+#include "material/guided_layer.hpp"
 #include "material/under_highlights.hpp"
 #include "tests/reference/lime.hpp"
 
@@ -257,6 +258,61 @@ TEST_F(LimeKernels, AnEvenObjectIsEvenUnderItsHighlight) {
     for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got[i + c], expected, 1e-4) << i;
 }
 
+TEST_F(LimeKernels, LinesOfTheSpecularLayer) {
+  for (const uint32_t size : {1U, 2U, 5U, 32U, 128U})
+    for (const bool extreme : {false, true}) {
+      const Extent side{size, size};
+      Square s = random_square(side, 70 + size, .8);
+      if (extreme) s.codes = extreme_codes(side, size);
+      GuidedLayer guided(device, size);
+      run([&](gpu::Commands& commands) {
+        guided.record(commands, points(s.masked), points(s.codes));
+      });
+      expect_near(
+          download(guided.lines()),
+          reference::lime_guided_lines(to_reference(side, s.masked), to_reference(side, s.codes)),
+          1e-3, std::to_string(size) + " points");
+    }
+}
+
+/// A disk of light on an even object, found at points of eight pixels each: the frame has its edge.
+TEST_F(LimeKernels, HighlightsHaveTheEdgesOfTheFrame) {
+  constexpr int32_t kSide = 16, kPixels = 8, kFrame = kSide * kPixels;
+  constexpr double kDull = .2, kShine = .5;
+  const Extent frame{kFrame, kFrame};
+  Pixels light(4 * frame.pixels(), 1), means(size_t{4} * kSide * kSide, 1), codes(means.size(), 0);
+  std::vector<double> layer(frame.pixels()), sums(size_t{kSide} * kSide);
+  for (size_t y = 0; y < kFrame; ++y)
+    for (size_t x = 0; x < kFrame; ++x) {
+      const size_t i = y * kFrame + x;
+      layer[i] =
+          std::hypot(static_cast<double>(x) - 60, static_cast<double>(y) - 66) < 35 ? kShine : 0;
+      for (size_t c = 0; c < 3; ++c) light[4 * i + c] = static_cast<float>(kDull + layer[i]);
+      sums[y / kPixels * kSide + x / kPixels] += layer[i] / (kPixels * kPixels);
+    }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    codes[4 * i] = static_cast<float>(std::log1p(4 * sums[i]) / 2);
+    for (size_t c = 0; c < 3; ++c)
+      means[4 * i + c] = static_cast<float>(1.055 * std::pow(kDull + sums[i], 1 / 2.4) - .055);
+  }
+  const Push place{kFrame, kFrame, 0, 0, kPixels, kSide};
+  GuidedLayer guided(device, kSide);
+  const gpu::BufferPtr diffuse = empty(frame.pixels()), gloss = empty(frame.pixels());
+  run([&](gpu::Commands& commands) {
+    guided.record(commands, points(means), points(codes));
+    commands.dispatch(
+        device->kernel(shaders::material_layers, {1}),
+        {plane(frame, light).buffer, points(Pixels(means.size(), 1)), points(codes), guided.lines(),
+         plane({kSide, kSide}, Pixels(means.size(), 0)).buffer, diffuse, gloss},
+        place, {frame.width, frame.height});
+  });
+  const Pixels got = download(gloss);
+  // An eighth at most: slopes are a little small, as noise might be in them. Without lines it is a
+  // half.
+  for (size_t i = 0; i < layer.size(); ++i)
+    ASSERT_NEAR(double{got[4 * i]}, layer[i], .12 * kShine) << i;
+}
+
 TEST_F(LimeKernels, LayersOfTheFrame) {
   unsigned seed = 40;
   const Extent side{32, 32};
@@ -265,18 +321,19 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
       const Pixels plain = random_pixels(extent, ++seed, 0, 1.2F);
       const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
       const Pixels probability = random_pixels(side, ++seed),
-                   codes = random_pixels(side, ++seed, -.2F, 1.2F);
+                   codes = random_pixels(side, ++seed, -.2F, 1.2F),
+                   lines = random_pixels(side, ++seed, -.1F, 1.1F);
       const Pixels under = random_pixels(side, ++seed, 0, .6F);
       const gpu::BufferPtr diffuse = empty(extent.pixels()), gloss = empty(extent.pixels());
       run([&](gpu::Commands& commands) {
         commands.dispatch(device->kernel(shaders::material_layers, {1}),
                           {plane(extent, frame).buffer, points(probability), points(codes),
-                           plane(side, under).buffer, diffuse, gloss},
+                           plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
                           place, {extent.width, extent.height});
       });
       const auto expected = reference::lime_layers(
           to_reference(extent, frame), square(place), to_reference(side, probability),
-          to_reference(side, codes), to_reference(side, under));
+          to_reference(side, codes), to_reference(side, lines), to_reference(side, under));
       expect_near(download(diffuse), expected.diffuse, 1e-3,
                   "diffuse of " + std::to_string(extent.width));
       expect_near(download(gloss), expected.gloss, 1e-3,

@@ -73,6 +73,19 @@ Plane fill(const Plane& known) {
   return whole;
 }
 
+/// Means of `value` over the points of 5 × 5 around (x, y) that are of the object.
+template <typename Value>
+double mean_around(const Plane& mask, int x, int y, Value value) {
+  double sum = 0, count = 0;
+  for (int row = std::max(y - 2, 0); row <= std::min(y + 2, mask.height - 1); ++row)
+    for (int column = std::max(x - 2, 0); column <= std::min(x + 2, mask.width - 1); ++column)
+      if (mask.at(column, row)[3] > 0.5) {
+        sum += value(column, row);
+        ++count;
+      }
+  return count > 0 ? sum / count : 0;
+}
+
 }  // namespace
 
 double lime_decode(double code) { return 0.25 * std::expm1(2 * std::clamp(code, 0.0, 8.0)); }
@@ -163,8 +176,34 @@ Plane lime_under_highlights(const Plane& masked, const Plane& codes) {
   return fill(known);
 }
 
+Plane lime_guided_lines(const Plane& masked, const Plane& codes) {
+  const auto guide = [&](int x, int y) { return to_linear(smallest(masked.at(x, y))); };
+  const auto layer = [&](int x, int y) {
+    return std::min(lime_decode(codes.at(x, y)[0]), guide(x, y));
+  };
+  Plane lines(masked.width, masked.height), out(masked.width, masked.height);
+  for (int y = 0; y < masked.height; ++y)
+    for (int x = 0; x < masked.width; ++x) {
+      const double mean_guide = mean_around(masked, x, y, guide),
+                   mean_layer = mean_around(masked, x, y, layer);
+      const auto away = [&](int u, int v) { return guide(u, v) - mean_guide; };
+      const double variance =
+          mean_around(masked, x, y, [&](int u, int v) { return away(u, v) * away(u, v); });
+      const double covariance = mean_around(
+          masked, x, y, [&](int u, int v) { return away(u, v) * (layer(u, v) - mean_layer); });
+      const double slope = std::clamp(covariance / (variance + 1e-3), 0.0, 1.0);
+      lines.at(x, y) = {slope, mean_layer - slope * mean_guide, 0, 0};
+    }
+  for (int y = 0; y < masked.height; ++y)
+    for (int x = 0; x < masked.width; ++x)
+      for (size_t c = 0; c < 2; ++c)
+        out.at(x, y)[c] =
+            mean_around(masked, x, y, [&](int u, int v) { return lines.at(u, v)[c]; });
+  return out;
+}
+
 LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
-                       const Plane& codes, const Plane& under) {
+                       const Plane& codes, const Plane& lines, const Plane& under) {
   LimeLayers out{Plane(frame.width, frame.height), Plane(frame.width, frame.height)};
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
@@ -178,7 +217,9 @@ LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane
         mask = smoothstep(0.25, 0.75, bilinear(probability, u, v)[0]);
         const Vec4 code = bilinear(codes, u, v), base = bilinear(under, u, v);
         mirror = mask * lime_decode(code[1]);
-        const double layer = std::min(mask * lime_decode(code[0]), smallest(rgb));
+        const Vec4 line = bilinear(lines, u, v);
+        const double least = smallest(rgb),
+                     layer = std::clamp(mask * (line[0] * least + line[1]), 0.0, least);
         for (size_t c = 0; c < 3; ++c) {
           // Where the camera was at its end, what is under the highlight stays.
           const double under_it =

@@ -47,13 +47,17 @@ double lime_decode(double code);
 /// of the specular layer in x.
 Plane lime_under_highlights(const Plane& masked, const Plane& codes);
 
+/// The specular layer around every point as a line of the picture's least channel: slope (x) and
+/// offset (y), means of the lines of 5 × 5 points that a guided filter finds. `codes`: as above.
+Plane lime_guided_lines(const Plane& masked, const Plane& codes);
+
 struct LimeLayers {
   Plane diffuse;  ///< linear RGB without the specular layer, w = mask
   Plane gloss;    ///< specular layer in rgb, w = mirror image
 };
-/// `probability` of the object, `codes` of specular layer and mirror image, and the light under
-/// highlights, at the points.
+/// `probability` of the object, `codes` of the mirror image (y), `lines` of the specular layer, and
+/// the light under highlights, at the points.
 LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
-                       const Plane& codes, const Plane& under);
+                       const Plane& codes, const Plane& lines, const Plane& under);
 
 }  // namespace inverse::reference
