@@ -18,6 +18,17 @@ constexpr const char* kGrayFormats = "GRAY8, GRAY16_LE";
 constexpr const char* kGeometry =
     "width = (int) [ 1, 32767 ], height = (int) [ 1, 32767 ], framerate = (fraction) [ 0, max ]";
 
+bool have_same_frames(const GstCaps* a, const GstCaps* b) {
+  GstCaps* both[] = {gst_caps_copy(a), gst_caps_copy(b)};
+  for (GstCaps* caps : both)
+    for (guint i = 0; i < gst_caps_get_size(caps); ++i)
+      gst_structure_remove_fields(gst_caps_get_structure(caps, i), "framerate", "max-framerate",
+                                  "pixel-aspect-ratio", nullptr);
+  const bool same = gst_caps_is_equal(both[0], both[1]);
+  for (GstCaps* caps : both) gst_caps_unref(caps);
+  return same;
+}
+
 GstCaps* layer_caps(const char* layers) {
   const std::string text = std::string("video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
                                        "), format = (string) RGBA, layers = (string) ") +
@@ -273,6 +284,19 @@ GstCaps* fixate_caps(GstCaps* caps, GstCaps* other) {
   gst_caps_unref(other);
   keep_transfer(caps, result);
   return result;
+}
+
+void CapsPair::set(GstCaps* in, GstCaps* out) {
+  gst_caps_replace(&in_, in);
+  gst_caps_replace(&out_, out);
+}
+
+bool CapsPair::is(const GstCaps* in, const GstCaps* out) const {
+  return in_ && out_ && gst_caps_is_equal(in_, in) && gst_caps_is_equal(out_, out);
+}
+
+bool CapsPair::same_frames(const GstCaps* in, const GstCaps* out) const {
+  return in_ && out_ && have_same_frames(in_, in) && have_same_frames(out_, out);
 }
 
 }  // namespace inverse

@@ -68,4 +68,23 @@ GstCaps* fixate_caps(GstCaps* caps, GstCaps* other);
 /// `caps`.
 GstCaps* filter_caps(GstCaps* caps, GstCaps* filter);
 
+/// Caps of both pads, or of none.
+class CapsPair {
+ public:
+  CapsPair() = default;
+  ~CapsPair() { set(nullptr, nullptr); }
+  CapsPair(const CapsPair&) = delete;
+  CapsPair& operator=(const CapsPair&) = delete;
+
+  /// Keeps references.
+  void set(GstCaps* in, GstCaps* out);
+  bool is(const GstCaps* in, const GstCaps* out) const;
+  /// Whether frames of these caps are the same: in their rate and the shape of pixels caps may
+  /// differ.
+  bool same_frames(const GstCaps* in, const GstCaps* out) const;
+
+ private:
+  GstCaps *in_ = nullptr, *out_ = nullptr;
+};
+
 }  // namespace inverse

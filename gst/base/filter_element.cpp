@@ -35,7 +35,6 @@ FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
 }
 
 FilterElement::~FilterElement() {
-  forget_refused();
   if (stats_) gst_structure_free(stats_);
 }
 
@@ -75,7 +74,8 @@ void FilterElement::stop() {
   fresh_ = true;
   last_time_ = GST_CLOCK_TIME_NONE;
   frames_ = 0;
-  forget_refused();
+  refused_.set(nullptr, nullptr);
+  accepted_.set(nullptr, nullptr);
 }
 
 void FilterElement::ended() {
@@ -102,18 +102,12 @@ bool FilterElement::save_environment(const char* path) {
   }
 }
 
-void FilterElement::forget_refused() {
-  gst_caps_replace(&refused_in_, nullptr);
-  gst_caps_replace(&refused_out_, nullptr);
-}
-
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   // An error is told once: who pushes on after it asks again with every buffer.
-  if (refused_in_ && gst_caps_is_equal(refused_in_, in) && gst_caps_is_equal(refused_out_, out))
-    return false;
+  if (refused_.is(in, out)) return false;
   const bool good = try_caps(in, out);
-  gst_caps_replace(&refused_in_, good ? nullptr : in);
-  gst_caps_replace(&refused_out_, good ? nullptr : out);
+  refused_.set(good ? nullptr : in, good ? nullptr : out);
+  accepted_.set(good ? in : nullptr, good ? out : nullptr);
   if (good) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
   return good;
 }
@@ -153,6 +147,8 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     return false;
   }
   if (!can_be_cut()) return false;
+  // What is known of the frames so far stays: sources of variable rate tell it ever anew.
+  if (accepted_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
     stop();
     // Refused formats show up here, before any frame.

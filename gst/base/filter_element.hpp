@@ -90,7 +90,6 @@ class FilterElement {
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
   void announce_latency(GstClockTime latency);
-  void forget_refused();
   std::optional<double> take_lateness();
 
   GstElement* element_;
@@ -102,7 +101,8 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  GstCaps *refused_in_ = nullptr, *refused_out_ = nullptr;  // answered with an error last
+  CapsPair refused_;   // answered with an error last
+  CapsPair accepted_;  // the last ones
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

@@ -234,6 +234,31 @@ TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
+/// A source of variable rate says so with every change of it; frames go on as they were.
+TEST_P(Decomposer, AnotherRateChangesNothing) {
+  const std::string caps = "video/x-raw,format=RGBA,width=40,height=30,framerate=";
+  std::vector<std::vector<uint8_t>> first;
+  for (const bool changes : {false, true}) {
+    VideoHarness harness(GetParam(), caps + "25/1", "video/x-raw,format=RGBA");
+    for (int i = 0; i < 6; ++i) {
+      if (changes && i == 3) harness.set_src_caps(caps + "12/1");
+      if (changes && i == 5) harness.set_src_caps(caps + "0/1,pixel-aspect-ratio=12/11");
+      const auto shown = harness.process(random_frame(caps + "25/1", 1));
+      if (changes)
+        EXPECT_EQ(shown, first[i]) << "frame " << i;
+      else
+        first.push_back(shown);
+    }
+    GstStructure* stats = nullptr;
+    g_object_get(harness.find(GetParam()), "stats", &stats, nullptr);
+    guint64 frames = 0;
+    EXPECT_TRUE(gst_structure_get_uint64(stats, "frames", &frames));
+    EXPECT_EQ(frames, 6u);
+    gst_structure_free(stats);
+    EXPECT_TRUE(harness.errors().empty());
+  }
+}
+
 TEST_P(Decomposer, SameFramesAndSeedGiveTheSameBytes) {
   const std::string caps = VideoHarness::caps("RGBA", 40, 30);
   std::vector<std::vector<uint8_t>> first;
