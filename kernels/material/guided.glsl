@@ -5,3 +5,6 @@ ivec4 around(int i, int side) {
   ivec2 at = ivec2(i % side, i / side);
   return ivec4(max(at - 2, 0), min(at + 2, side - 1));
 }
+
+// Variance of what guides, of a scale where white is 1: much less of it is noise and no edge.
+const float kNoise = 1e-3;

@@ -5,15 +5,12 @@
 // The line through what is around each point: layer = slope * guide + offset, by least squares with a slope that is as small as
 // noise allows (He, Sun and Tang, Guided Image Filtering, 2010), between what no light of the guide is and all of it.
 PLANE_IN(0, points);   // guide, layer, 0, mask
-PLANE_OUT(1, result);  // slope, offset, 0, mask
+PLANE_OUT(1, result);  // slope, offset
 layout(push_constant) uniform Push { int side; } push;
-
-const float kNoise = 1e-3;  // variance of the guide, linear light: much less of it is no edge
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.side * push.side) return;
-  float mask = FETCH(points, i).w;
   vec2 sum = vec2(0.0), square = vec2(0.0);
   float count = 0.0;
   ivec4 window = around(i, push.side);
@@ -26,5 +23,5 @@ void main() {
     }
   vec2 mean = sum / max(count, 1.0), spread = square / max(count, 1.0) - mean.x * mean;
   float slope = clamp(spread.y / (max(spread.x, 0.0) + kNoise), 0.0, 1.0);
-  STORE(result, i, mask * vec4(slope, mean.y - slope * mean.x, 0.0, 1.0));
+  STORE(result, i, vec4(slope, mean.y - slope * mean.x, 0.0, 0.0));
 }

@@ -111,6 +111,7 @@ void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& fra
   commands.dispatch(crop_, {frame.buffer, segmentation_.input(0)},
                     Place(extent_, slot.square, side_), {side_ * side_});
   segmentation_.record(commands);
+  new_mask_ = true;
   commands.stage("segmentation");
   commands.copy(segmentation_.output(0), slot.probability, slot.probability->bytes());
   // Layers and material are the followed object's alone.
@@ -139,13 +140,12 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
   commands.dispatch(mirror_out_,
                     {specular_.input(0), mirror_.input(0), mirror_.output(0), exponent_.input(0)},
                     points, items);
-  guided_.record(commands, specular_.input(0), exponent_.input(0));
-  commands.stage("guided layer");
   under_.record(commands, specular_.input(0), exponent_.input(0));
   commands.stage("under highlights");
   albedo_.record(commands);
   commands.stage("albedo");
   exponent_.record(commands);
+  new_codes_ = true;
   commands.stage("exponent");
   commands.copy(albedo_.output(0), slot.albedo, slot.albedo->bytes());
   commands.copy(exponent_.output(0), slot.exponent, slot.exponent->bytes());
@@ -178,9 +178,15 @@ LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const 
 
 LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Plane& frame,
                                                bool known) {
+  if (known && new_mask_)
+    guided_.record_mask(commands, segmentation_.input(0), segmentation_.output(0));
+  if (known && new_codes_)
+    guided_.record_specular(commands, specular_.input(0), exponent_.input(0));
+  if (known) new_mask_ = new_codes_ = false;
+  commands.stage("guided layers");
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
-                    {frame.buffer, segmentation_.output(0), exponent_.input(0), guided_.lines(),
+                    {frame.buffer, guided_.mask(), exponent_.input(0), guided_.specular(),
                      under_.diffuse(), layers.diffuse->buffer, layers.gloss->buffer},
                     Place(extent_, estimated_in_, side_), {extent_.width, extent_.height});
   commands.stage("layers");

@@ -9,7 +9,7 @@
 #include "../image/plane.hpp"
 #include "../network/network.hpp"
 #include "crop_change.hpp"
-#include "guided_layer.hpp"
+#include "guided_layers.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
 #include "object_light.hpp"
@@ -122,7 +122,7 @@ class LimeMaterial {
   uint32_t side_;
   network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
   gpu::KernelPtr crop_, own_, masked_, specular_out_, mirror_out_;
-  GuidedLayer guided_;
+  GuidedLayers guided_;
   UnderHighlights under_;
   std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
   PlanePool planes_;
@@ -136,7 +136,8 @@ class LimeMaterial {
   bool have_layers_ = false;  // of the object, from some frame since the last reset
   CropChange change_;         // since the frame that they are of
   float changed_ = 0;
-  bool drawn_ = false;  // layers of the last frame were
+  bool drawn_ = false;                         // layers of the last frame were
+  bool new_mask_ = false, new_codes_ = false;  // since lines of them were found
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;
   Report totals_;

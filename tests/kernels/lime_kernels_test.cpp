@@ -1,12 +1,15 @@
 // What lies between the networks of limematerial against its reference.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
-#include "material/guided_layer.hpp"
+#include "material/guided_layers.hpp"
 #include "material/under_highlights.hpp"
 #include "tests/reference/lime.hpp"
 
@@ -264,53 +267,90 @@ TEST_F(LimeKernels, LinesOfTheSpecularLayer) {
       const Extent side{size, size};
       Square s = random_square(side, 70 + size, .8);
       if (extreme) s.codes = extreme_codes(side, size);
-      GuidedLayer guided(device, size);
+      GuidedLayers guided(device, size);
       run([&](gpu::Commands& commands) {
-        guided.record(commands, points(s.masked), points(s.codes));
+        guided.record_specular(commands, points(s.masked), points(s.codes));
       });
-      expect_near(
-          download(guided.lines()),
-          reference::lime_guided_lines(to_reference(side, s.masked), to_reference(side, s.codes)),
-          1e-3, std::to_string(size) + " points");
+      expect_near(download(guided.specular()),
+                  reference::lime_guided_specular(to_reference(side, s.masked),
+                                                  to_reference(side, s.codes)),
+                  1e-3, std::to_string(size) + " points");
     }
 }
 
-/// A disk of light on an even object, found at points of eight pixels each: the frame has its edge.
-TEST_F(LimeKernels, HighlightsHaveTheEdgesOfTheFrame) {
-  constexpr int32_t kSide = 16, kPixels = 8, kFrame = kSide * kPixels;
-  constexpr double kDull = .2, kShine = .5;
+TEST_F(LimeKernels, PlanesOfTheMask) {
+  enum { plain, gray, even, foreign };
+  for (const uint32_t size : {1U, 2U, 5U, 32U, 128U})
+    for (const int kind : {plain, gray, even, foreign}) {
+      const Extent side{size, size};
+      Pixels image = random_pixels(side, 80 + size), probability = random_pixels(side, 81 + size);
+      for (size_t i = 0; i < image.size(); i += 4) {
+        if (kind == gray)
+          image[i + 1] = image[i + 2] = image[i];  // channels that depend on each other
+        if (kind == even) image[i] = image[i + 1] = image[i + 2] = 1;
+        if (kind == foreign && i % 3 == 0) probability[i] = 0;
+      }
+      GuidedLayers guided(device, size);
+      run([&](gpu::Commands& commands) {
+        guided.record_mask(commands, points(image), points(probability));
+      });
+      expect_near(
+          download(guided.mask()),
+          reference::lime_guided_mask(to_reference(side, image), to_reference(side, probability)),
+          2e-3, std::to_string(size) + " points");
+    }
+}
+
+/// A disk in a frame, found at points of eight pixels each: as a highlight on an even object, and
+/// as an object before something of another color. Layers have the edge that the frame shows.
+TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
+  constexpr size_t kSide = 16, kPixels = 8, kFrame = kSide * kPixels;
+  constexpr std::array<double, 3> kAround = {.2, .3, .4}, kHighlight = {.7, .8, .9},
+                                  kObject = {.5, .3, .1};
   const Extent frame{kFrame, kFrame};
-  Pixels light(4 * frame.pixels(), 1), means(size_t{4} * kSide * kSide, 1), codes(means.size(), 0);
-  std::vector<double> layer(frame.pixels()), sums(size_t{kSide} * kSide);
+  std::vector<double> disk(kFrame * kFrame), shares(kSide * kSide);
   for (size_t y = 0; y < kFrame; ++y)
     for (size_t x = 0; x < kFrame; ++x) {
-      const size_t i = y * kFrame + x;
-      layer[i] =
-          std::hypot(static_cast<double>(x) - 60, static_cast<double>(y) - 66) < 35 ? kShine : 0;
-      for (size_t c = 0; c < 3; ++c) light[4 * i + c] = static_cast<float>(kDull + layer[i]);
-      sums[y / kPixels * kSide + x / kPixels] += layer[i] / (kPixels * kPixels);
+      double& covered = disk[y * kFrame + x];
+      covered = std::hypot(static_cast<double>(x) - 60, static_cast<double>(y) - 66) < 35 ? 1 : 0;
+      shares[y / kPixels * kSide + x / kPixels] += covered / (kPixels * kPixels);
     }
-  for (size_t i = 0; i < sums.size(); ++i) {
-    codes[4 * i] = static_cast<float>(std::log1p(4 * sums[i]) / 2);
-    for (size_t c = 0; c < 3; ++c)
-      means[4 * i + c] = static_cast<float>(1.055 * std::pow(kDull + sums[i], 1 / 2.4) - .055);
+  for (const auto& [color, is_object] : {std::pair{kHighlight, false}, {kObject, true}}) {
+    const auto mixed = [&, color = color](double share, size_t c) {
+      return std::lerp(kAround[c], color[c], share);
+    };
+    Pixels light(4 * disk.size(), 1), means(4 * shares.size(), 1), mask(means.size(), 1),
+        codes(means.size(), 0);
+    for (size_t i = 0; i < disk.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) light[4 * i + c] = static_cast<float>(mixed(disk[i], c));
+    for (size_t i = 0; i < shares.size(); ++i) {
+      for (size_t c = 0; c < 3; ++c)
+        means[4 * i + c] =
+            static_cast<float>(1.055 * std::pow(mixed(shares[i], c), 1 / 2.4) - .055);
+      if (is_object)
+        mask[4 * i] = static_cast<float>(std::max(shares[i], .01));
+      else
+        codes[4 * i] = static_cast<float>(std::log1p(4 * shares[i] / 2) / 2);
+    }
+    GuidedLayers guided(device, kSide);
+    const gpu::BufferPtr diffuse = empty(frame.pixels()), gloss = empty(frame.pixels());
+    run([&](gpu::Commands& commands) {
+      guided.record_mask(commands, points(means), points(mask));
+      guided.record_specular(commands, points(means), points(codes));
+      commands.dispatch(
+          device->kernel(shaders::material_layers, {1}),
+          {plane(frame, light).buffer, guided.mask(), points(codes), guided.specular(),
+           plane({kSide, kSide}, Pixels(means.size(), 0)).buffer, diffuse, gloss},
+          Push{kFrame, kFrame, 0, 0, kPixels, kSide}, {kFrame, kFrame});
+    });
+    const Pixels found = download(is_object ? diffuse : gloss);
+    // An eighth of the step at most, as slopes are a little small; between points it would be a
+    // half.
+    for (size_t i = 0; i < disk.size(); ++i)
+      ASSERT_NEAR(double{found[4 * i + (is_object ? 3 : 0)]}, (is_object ? 1 : .5) * disk[i],
+                  is_object ? .125 : .0625)
+          << (is_object ? "object" : "highlight") << ", pixel " << i;
   }
-  const Push place{kFrame, kFrame, 0, 0, kPixels, kSide};
-  GuidedLayer guided(device, kSide);
-  const gpu::BufferPtr diffuse = empty(frame.pixels()), gloss = empty(frame.pixels());
-  run([&](gpu::Commands& commands) {
-    guided.record(commands, points(means), points(codes));
-    commands.dispatch(
-        device->kernel(shaders::material_layers, {1}),
-        {plane(frame, light).buffer, points(Pixels(means.size(), 1)), points(codes), guided.lines(),
-         plane({kSide, kSide}, Pixels(means.size(), 0)).buffer, diffuse, gloss},
-        place, {frame.width, frame.height});
-  });
-  const Pixels got = download(gloss);
-  // An eighth at most: slopes are a little small, as noise might be in them. Without lines it is a
-  // half.
-  for (size_t i = 0; i < layer.size(); ++i)
-    ASSERT_NEAR(double{got[4 * i]}, layer[i], .12 * kShine) << i;
 }
 
 TEST_F(LimeKernels, LayersOfTheFrame) {
@@ -320,19 +360,19 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
     for (const bool extreme : {false, true}) {
       const Pixels plain = random_pixels(extent, ++seed, 0, 1.2F);
       const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
-      const Pixels probability = random_pixels(side, ++seed),
+      const Pixels planes = random_pixels(side, ++seed, -.5F, .8F),
                    codes = random_pixels(side, ++seed, -.2F, 1.2F),
                    lines = random_pixels(side, ++seed, -.1F, 1.1F);
       const Pixels under = random_pixels(side, ++seed, 0, .6F);
       const gpu::BufferPtr diffuse = empty(extent.pixels()), gloss = empty(extent.pixels());
       run([&](gpu::Commands& commands) {
         commands.dispatch(device->kernel(shaders::material_layers, {1}),
-                          {plane(extent, frame).buffer, points(probability), points(codes),
+                          {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
                            plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
                           place, {extent.width, extent.height});
       });
       const auto expected = reference::lime_layers(
-          to_reference(extent, frame), square(place), to_reference(side, probability),
+          to_reference(extent, frame), square(place), to_reference(side, planes),
           to_reference(side, codes), to_reference(side, lines), to_reference(side, under));
       expect_near(download(diffuse), expected.diffuse, 1e-3,
                   "diffuse of " + std::to_string(extent.width));

@@ -73,18 +73,38 @@ Plane fill(const Plane& known) {
   return whole;
 }
 
-/// Means of `value` over the points of 5 × 5 around (x, y) that are of the object.
-template <typename Value>
-double mean_around(const Plane& mask, int x, int y, Value value) {
-  double sum = 0, count = 0;
-  for (int row = std::max(y - 2, 0); row <= std::min(y + 2, mask.height - 1); ++row)
-    for (int column = std::max(x - 2, 0); column <= std::min(x + 2, mask.width - 1); ++column)
-      if (mask.at(column, row)[3] > 0.5) {
-        sum += value(column, row);
-        ++count;
-      }
-  return count > 0 ? sum / count : 0;
+/// Points of a square of which some count.
+struct Counted {
+  const Plane& at;
+  bool (*counts)(const Vec4&);
+
+  /// Mean of `value` over the 5 × 5 points around (x, y) that count; 0 where none does.
+  template <typename Value>
+  double mean(int x, int y, Value value) const {
+    double sum = 0, count = 0;
+    for (int row = std::max(y - 2, 0); row <= std::min(y + 2, at.height - 1); ++row)
+      for (int column = std::max(x - 2, 0); column <= std::min(x + 2, at.width - 1); ++column)
+        if (counts(at.at(column, row))) {
+          sum += value(column, row);
+          ++count;
+        }
+    return count > 0 ? sum / count : 0;
+  }
+};
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// x of m x = b for a symmetric, positive definite m.
+Vec3 solve(const std::array<Vec3, 3>& m, const Vec3& b) {
+  const auto cross = [](const Vec3& p, const Vec3& q) {
+    return Vec3{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+  };
+  const double volume = dot(m[0], cross(m[1], m[2]));
+  return {dot(b, cross(m[1], m[2])) / volume, dot(m[0], cross(b, m[2])) / volume,
+          dot(m[0], cross(m[1], b)) / volume};
 }
+
+constexpr double kNoise = 1e-3;  // of what guides: less is no edge
 
 }  // namespace
 
@@ -176,7 +196,8 @@ Plane lime_under_highlights(const Plane& masked, const Plane& codes) {
   return fill(known);
 }
 
-Plane lime_guided_lines(const Plane& masked, const Plane& codes) {
+Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
+  const Counted object{masked, [](const Vec4& p) { return p[3] > 0.5; }};
   const auto guide = [&](int x, int y) { return to_linear(smallest(masked.at(x, y))); };
   const auto layer = [&](int x, int y) {
     return std::min(lime_decode(codes.at(x, y)[0]), guide(x, y));
@@ -184,26 +205,59 @@ Plane lime_guided_lines(const Plane& masked, const Plane& codes) {
   Plane lines(masked.width, masked.height), out(masked.width, masked.height);
   for (int y = 0; y < masked.height; ++y)
     for (int x = 0; x < masked.width; ++x) {
-      const double mean_guide = mean_around(masked, x, y, guide),
-                   mean_layer = mean_around(masked, x, y, layer);
+      const double mean_guide = object.mean(x, y, guide), mean_layer = object.mean(x, y, layer);
       const auto away = [&](int u, int v) { return guide(u, v) - mean_guide; };
       const double variance =
-          mean_around(masked, x, y, [&](int u, int v) { return away(u, v) * away(u, v); });
-      const double covariance = mean_around(
-          masked, x, y, [&](int u, int v) { return away(u, v) * (layer(u, v) - mean_layer); });
-      const double slope = std::clamp(covariance / (variance + 1e-3), 0.0, 1.0);
+          object.mean(x, y, [&](int u, int v) { return away(u, v) * away(u, v); });
+      const double covariance =
+          object.mean(x, y, [&](int u, int v) { return away(u, v) * (layer(u, v) - mean_layer); });
+      const double slope = std::clamp(covariance / (variance + kNoise), 0.0, 1.0);
       lines.at(x, y) = {slope, mean_layer - slope * mean_guide, 0, 0};
     }
   for (int y = 0; y < masked.height; ++y)
     for (int x = 0; x < masked.width; ++x)
       for (size_t c = 0; c < 2; ++c)
-        out.at(x, y)[c] =
-            mean_around(masked, x, y, [&](int u, int v) { return lines.at(u, v)[c]; });
+        out.at(x, y)[c] = object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[c]; });
   return out;
 }
 
-LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
-                       const Plane& codes, const Plane& lines, const Plane& under) {
+Plane lime_guided_mask(const Plane& image, const Plane& probability) {
+  const Counted known{probability, [](const Vec4& p) { return p[0] != 0; }};
+  const auto guide = [&](int x, int y, size_t c) {
+    return std::sqrt(std::max(to_linear(image.at(x, y)[c]), 0.0));
+  };
+  const auto object = [&](int x, int y) { return probability.at(x, y)[0]; };
+  Plane planes(image.width, image.height), out(image.width, image.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      Vec3 mean{}, along{};
+      std::array<Vec3, 3> spread{};
+      const double mean_object = known.mean(x, y, object);
+      for (size_t c = 0; c < 3; ++c)
+        mean[c] = known.mean(x, y, [&](int u, int v) { return guide(u, v, c); });
+      for (size_t c = 0; c < 3; ++c) {
+        along[c] = known.mean(x, y, [&](int u, int v) {
+          return (guide(u, v, c) - mean[c]) * (object(u, v) - mean_object);
+        });
+        for (size_t d = 0; d < 3; ++d)
+          spread[c][d] = known.mean(x, y, [&](int u, int v) {
+            return (guide(u, v, c) - mean[c]) * (guide(u, v, d) - mean[d]);
+          });
+      }
+      for (size_t c = 0; c < 3; ++c) spread[c][c] += kNoise;
+      const Vec3 slopes = solve(spread, along);
+      planes.at(x, y) = {slopes[0], slopes[1], slopes[2], mean_object - dot(slopes, mean)};
+    }
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (object(x, y) != 0)
+        for (size_t c = 0; c < 4; ++c)
+          out.at(x, y)[c] = known.mean(x, y, [&](int u, int v) { return planes.at(u, v)[c]; });
+  return out;
+}
+
+LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& mask_lines,
+                       const Plane& codes, const Plane& specular_lines, const Plane& under) {
   LimeLayers out{Plane(frame.width, frame.height), Plane(frame.width, frame.height)};
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
@@ -214,10 +268,13 @@ LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane
       Vec4 specular{};
       double mask = 0, mirror = 0;
       if (u >= 0 && v >= 0 && u < square.side && v < square.side) {
-        mask = smoothstep(0.25, 0.75, bilinear(probability, u, v)[0]);
+        const Vec4 color = bilinear(mask_lines, u, v);
+        double probability = color[3];
+        for (size_t c = 0; c < 3; ++c) probability += color[c] * std::sqrt(rgb[c]);
+        mask = smoothstep(0.25, 0.75, probability);
         const Vec4 code = bilinear(codes, u, v), base = bilinear(under, u, v);
         mirror = mask * lime_decode(code[1]);
-        const Vec4 line = bilinear(lines, u, v);
+        const Vec4 line = bilinear(specular_lines, u, v);
         const double least = smallest(rgb),
                      layer = std::clamp(mask * (line[0] * least + line[1]), 0.0, least);
         for (size_t c = 0; c < 3; ++c) {

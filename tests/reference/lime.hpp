@@ -49,15 +49,19 @@ Plane lime_under_highlights(const Plane& masked, const Plane& codes);
 
 /// The specular layer around every point as a line of the picture's least channel: slope (x) and
 /// offset (y), means of the lines of 5 × 5 points that a guided filter finds. `codes`: as above.
-Plane lime_guided_lines(const Plane& masked, const Plane& codes);
+Plane lime_guided_specular(const Plane& masked, const Plane& codes);
+
+/// The probability (x) around every point likewise as a plane of the roots of linear RGB: slopes
+/// and offset (w). Points of probability 0 do not count and have zeros.
+Plane lime_guided_mask(const Plane& image, const Plane& probability);
 
 struct LimeLayers {
   Plane diffuse;  ///< linear RGB without the specular layer, w = mask
   Plane gloss;    ///< specular layer in rgb, w = mirror image
 };
-/// `probability` of the object, `codes` of the mirror image (y), `lines` of the specular layer, and
-/// the light under highlights, at the points.
-LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& probability,
-                       const Plane& codes, const Plane& lines, const Plane& under);
+/// Mask and specular layer as lines (above), `codes` of the mirror image (y), and the light under
+/// highlights, at the points.
+LimeLayers lime_layers(const Plane& frame, const LimeSquare& square, const Plane& mask_lines,
+                       const Plane& codes, const Plane& specular_lines, const Plane& under);
 
 }  // namespace inverse::reference

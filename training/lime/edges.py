@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""What the lines of the specular layer (kernels/material/guided_*.comp) are worth: edges.py [--checkpoint models/lime]. Prints
-Markdown.
+"""What lines of the picture's light (kernels/material/guided_*.comp) are worth to the layers: edges.py [--checkpoint models/lime].
+Prints Markdown.
 
-The layer that SpecularNet finds at 128 × 128 points, in pictures of 512 × 512, against the true one: between points by
-bilinear codes, and by lines of the pixel's least channel. Linear light, clipped at white, inside the true mask; edges are
-where the true layer's second differences exceed 0.02 of white, and two pixels around. `true`: of the true layer's means.
+Mask and specular layer, found at 128 × 128 points, in pictures of 512 × 512 against the true ones: between points bilinearly,
+and by lines of what the pixel shows. The mask: mean absolute difference of the object's share, over six pixels to both sides of
+the outline. The specular layer: mean square in linear light, clipped at white, inside the true mask; edges are where the true
+layer's second differences exceed 0.02 of white, and two pixels around. `true`: of the true layers' means.
 """
 import argparse
 import pathlib
@@ -17,28 +18,42 @@ from torch.nn import functional
 from lime import corpus, encoding
 from lime.networks import SIZES, load_checkpoint
 
-TIMES = 4                # pixels along a point
-REACH, NOISE = 2, 1e-3   # of guided_lines.comp
-EDGE = 0.02
+TIMES = 4               # pixels along a point
+REACH, NOISE = 2, 1e-3  # of guided.glsl
+HIGHLIGHT_EDGE, BAND = 0.02, 13
 
 
-def larger(plane):
-    return cv2.resize(plane, None, fx=TIMES, fy=TIMES, interpolation=cv2.INTER_LINEAR)
+def larger(planes):
+    """Between points: … × h × w."""
+    flat = [cv2.resize(p, None, fx=TIMES, fy=TIMES, interpolation=cv2.INTER_LINEAR) for p in planes.reshape(-1, *planes.shape[-2:])]
+    return np.stack(flat).reshape(*planes.shape[:-2], *flat[0].shape)
 
 
-def lines(guide, layer, mask):
-    """Slope and offset around each point, as guided_lines.comp and guided_mean.comp find them."""
+def lines(guide, value, counts, bounds):
+    """Slopes (as many as guide has planes) and offset around each point, as the guided_* kernels find them."""
     def mean(plane):
         def around(x):
             return cv2.boxFilter(x, -1, (2 * REACH + 1,) * 2, normalize=False, borderType=cv2.BORDER_CONSTANT)
 
-        return around(plane * mask) / np.maximum(around(mask), 1)
+        return around(plane * counts) / np.maximum(around(counts), 1)
 
-    layer = np.minimum(layer, guide)
-    mean_guide, mean_layer = mean(guide), mean(layer)
-    variance = mean(guide * guide) - mean_guide ** 2
-    slope = np.clip((mean(guide * layer) - mean_guide * mean_layer) / (variance.clip(0) + NOISE), 0, 1)
-    return mean(slope), mean(mean_layer - slope * mean_guide)
+    means, mean_value = np.stack([mean(g) for g in guide]), mean(value)
+    along = np.stack([mean(g * value) - m * mean_value for g, m in zip(guide, means)], -1)
+    spread = np.stack([np.stack([mean(a * b) - m * n for b, n in zip(guide, means)], -1) for a, m in zip(guide, means)], -1)
+    slopes = np.linalg.solve(spread + NOISE * np.eye(len(guide), dtype=np.float32), along[..., None])[..., 0]
+    slopes = slopes.transpose(2, 0, 1).clip(*bounds)
+    return np.stack([mean(s) for s in slopes]), mean(mean_value - (slopes * means).sum(0))
+
+
+def along_lines(small_guide, guide, value, counts, bounds=(-np.inf, np.inf)):
+    slopes, offset = lines(small_guide, value, counts, bounds)
+    return (larger(slopes) * guide).sum(0) + larger(offset)
+
+
+def share(probability):
+    """The mask of layers.comp."""
+    t = np.clip((probability - 0.25) / 0.5, 0, 1)
+    return t * t * (3 - 2 * t)
 
 
 def main():
@@ -49,29 +64,42 @@ def main():
     args = parser.parse_args()
     networks, samples = load_checkpoint(args.checkpoint), corpus.Corpus(args.hdri)
     errors = {}
+
+    def note(source, way, where, value):
+        errors.setdefault((source, way), {}).setdefault(where, []).append(value)
+
     for first in range(0, args.count, 8):
-        batch = corpus.Batch(samples.render(1, first, 8, TIMES * SIZES["standard"]["input"], corpus.TEST))
+        rendered = samples.render(1, first, 8, TIMES * SIZES["standard"]["input"], corpus.TEST)
+        batch = corpus.Batch(rendered)
+        coverage = torch.from_numpy(rendered["coverage"]).float() / 255
         small = functional.avg_pool2d(batch.image, TIMES)
         masks = (functional.avg_pool2d(batch.mask, TIMES) > 0.5).float()
         with torch.no_grad():
-            codes = networks.find_specular(small, masks)
-        least = encoding.to_linear(batch.image).amin(1).numpy()
-        guides = encoding.to_linear(small).amin(1).numpy() * masks[:, 0].numpy()
+            found, codes = networks.find_mask(small), networks.find_specular(small, masks)
+        light, points = encoding.to_linear(batch.image).numpy(), encoding.to_linear(small).numpy()
         for n in range(8):
-            inside, truth = batch.mask[n, 0].numpy() > 0.5, batch.layer[n, 0].clamp(max=1).numpy()
-            edge = cv2.dilate((np.abs(cv2.Laplacian(truth, cv2.CV_32F)) > EDGE).astype(np.uint8), np.ones((5, 5))) > 0
-            means = functional.avg_pool2d(torch.from_numpy(truth)[None], TIMES)[0].numpy()
-            for source, code in (("networks", codes[n, 0]), ("true", encoding.encode(torch.from_numpy(means)))):
-                slope, offset = lines(guides[n], encoding.decode(code).numpy(), masks[n, 0].numpy())
-                for way, layer in (("bilinear", encoding.decode(torch.from_numpy(larger(code.numpy()))).numpy()),
-                                   ("lines", larger(slope) * least[n] + larger(offset))):
-                    square = (layer.clip(0, least[n]) - truth) ** 2
+            truth, inside = coverage[n, 0].numpy(), batch.mask[n, 0].numpy() > 0.5
+            band = cv2.dilate(((truth > 0.02) & (truth < 0.98)).astype(np.uint8), np.ones((BAND, BAND))) > 0
+            for source, mask in (("networks", found[n]), ("true", functional.avg_pool2d(coverage[n], TIMES))):
+                mask = mask[0].numpy()
+                guided = along_lines(np.sqrt(points[n]), np.sqrt(light[n]), mask, np.ones_like(mask))
+                for way, shown in (("bilinear", larger(mask)), ("lines", guided)):
+                    note(source, way, "outline", np.abs(share(shown) - truth)[band].mean())
+            truth, mask = batch.layer[n, 0].clamp(max=1).numpy(), masks[n, 0].numpy()
+            edge = cv2.dilate((np.abs(cv2.Laplacian(truth, cv2.CV_32F)) > HIGHLIGHT_EDGE).astype(np.uint8), np.ones((5, 5))) > 0
+            means = functional.avg_pool2d(torch.from_numpy(truth)[None], TIMES)
+            least, guide = light[n].min(0), points[n].min(0) * mask
+            for source, code in (("networks", codes[n, 0]), ("true", encoding.encode(means)[0])):
+                layer = np.minimum(encoding.decode(code).numpy(), guide)
+                between = encoding.decode(torch.from_numpy(larger(code.numpy()))).numpy()
+                for way, shown in (("bilinear", between), ("lines", along_lines(guide[None], least[None], layer, mask, (0, 1)))):
+                    square = (shown.clip(0, least) - truth) ** 2
                     for where, of in (("all", inside), ("edges", inside & edge)):
                         if of.any():
-                            errors.setdefault((source, way), {}).setdefault(where, []).append(square[of].mean())
-    print(f"| MSE, {args.count} samples | all of the object | edges of highlights |\n|---|---|---|")
-    for (source, way), found in errors.items():
-        print(f"| {source}, {way} | {np.mean(found['all']):.5f} | {np.mean(found['edges']):.5f} |")
+                            note(source, way, where, square[of].mean())
+    print(f"| {args.count} samples | mask at its outline | specular layer | at edges of highlights |\n|---|---|---|---|")
+    for (source, way), of in errors.items():
+        print(f"| {source}, {way} | {np.mean(of['outline']):.4f} | {np.mean(of['all']):.5f} | {np.mean(of['edges']):.5f} |")
 
 
 main()

@@ -1,0 +1,38 @@
+#pragma once
+#include <memory>
+
+#include "../gpu/commands.hpp"
+
+namespace inverse {
+
+/// Mask and specular layer of an object as lines of what the picture shows, point by point.
+/// Networks find them at few points; by these lines they have the edges that the whole frame has
+/// (guided filter: He, Sun and Tang, Guided Image Filtering, 2010; found at few points: He and Sun,
+/// Fast Guided Filter, 2015). Over the 5 x 5 points around each.
+class GuidedLayers {
+ public:
+  /// For squares of side x side points.
+  GuidedLayers(const std::shared_ptr<gpu::Device>& device, uint32_t side);
+
+  /// `image` is SegmentationNet's input, sRGB; `probability` its output, 0 where a point is
+  /// foreign.
+  void record_mask(gpu::Commands& commands, const gpu::BufferPtr& image,
+                   const gpu::BufferPtr& probability);
+  /// `masked` and `codes` are SpecularNet's and ExponentNet's input: sRGB where the object is with
+  /// its mask, and the code of the specular layer in x.
+  void record_specular(gpu::Commands& commands, const gpu::BufferPtr& masked,
+                       const gpu::BufferPtr& codes);
+
+  /// side x side points: probability = rgb · the roots of linear RGB + w.
+  const gpu::BufferPtr& mask() const { return mask_; }
+  /// side x side points: layer = x · the least channel + y, in linear light; x is 0 to 1.
+  const gpu::BufferPtr& specular() const { return specular_; }
+
+ private:
+  uint32_t side_;
+  gpu::KernelPtr colors_, planes_, points_, lines_;
+  gpu::KernelPtr mean_where_counted_, mean_;
+  gpu::BufferPtr guide_, fits_, mask_, specular_;
+};
+
+}  // namespace inverse
