@@ -28,7 +28,8 @@ struct FrameWork {
   Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
                   ///< to send on
   uint64_t number;  ///< frames since `configure`, from 0
-  bool fresh;  ///< the filter was reset before this frame: start, caps change, flush, seek, gap
+  bool fresh;  ///< the filter was reset before this frame: start, other frames (caps that differ in
+               ///< more than rate and shape of pixels), flush, seek, gap
   bool draw;   ///< pixels go out: set `picture`
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.

@@ -6,5 +6,5 @@ ivec4 around(int i, int side) {
   return ivec4(max(at - 2, 0), min(at + 2, side - 1));
 }
 
-// Variance of what guides, of a scale where white is 1: much less of it is noise and no edge.
+// Variance of light at white, and of its roots at any light: much less of it is noise and no edge.
 const float kNoise = 1e-3;

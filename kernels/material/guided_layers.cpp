@@ -16,8 +16,8 @@ GuidedLayers::GuidedLayers(const std::shared_ptr<gpu::Device>& device, uint32_t 
       planes_(device->kernel(shaders::material_guided_planes)),
       points_(device->kernel(shaders::material_guided_points)),
       lines_(device->kernel(shaders::material_guided_lines)),
-      mean_where_counted_(device->kernel(shaders::material_guided_mean, {0})),
-      mean_(device->kernel(shaders::material_guided_mean, {1})) {
+      mean_of_planes_(device->kernel(shaders::material_guided_mean, {0})),
+      mean_of_lines_(device->kernel(shaders::material_guided_mean, {1})) {
   for (gpu::BufferPtr* buffer : {&guide_, &fits_, &mask_, &specular_})
     *buffer = gpu::Buffer::create(device, gpu::Element::vec4, side * side);
 }
@@ -28,7 +28,7 @@ void GuidedLayers::record_mask(gpu::Commands& commands, const gpu::BufferPtr& im
   const auto side = static_cast<int32_t>(side_);
   commands.dispatch(colors_, {image, probability, guide_}, side * side, each);
   commands.dispatch(planes_, {guide_, fits_}, side, each);
-  commands.dispatch(mean_where_counted_, {guide_, fits_, mask_}, side, each);
+  commands.dispatch(mean_of_planes_, {guide_, fits_, mask_}, side, each);
 }
 
 void GuidedLayers::record_specular(gpu::Commands& commands, const gpu::BufferPtr& masked,
@@ -37,7 +37,7 @@ void GuidedLayers::record_specular(gpu::Commands& commands, const gpu::BufferPtr
   const auto side = static_cast<int32_t>(side_);
   commands.dispatch(points_, {masked, codes, guide_}, side * side, each);
   commands.dispatch(lines_, {guide_, fits_}, side, each);
-  commands.dispatch(mean_, {guide_, fits_, specular_}, side, each);
+  commands.dispatch(mean_of_lines_, {guide_, fits_, specular_}, side, each);
 }
 
 }  // namespace inverse

@@ -31,7 +31,7 @@ class GuidedLayers {
  private:
   uint32_t side_;
   gpu::KernelPtr colors_, planes_, points_, lines_;
-  gpu::KernelPtr mean_where_counted_, mean_;
+  gpu::KernelPtr mean_of_planes_, mean_of_lines_;
   gpu::BufferPtr guide_, fits_, mask_, specular_;
 };
 

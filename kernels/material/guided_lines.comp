@@ -3,10 +3,13 @@
 #include "guided.glsl"
 
 // The line through what is around each point: layer = slope * guide + offset, by least squares with a slope that is as small as
-// noise allows (He, Sun and Tang, Guided Image Filtering, 2010), between what no light of the guide is and all of it.
+// noise allows, whose variance grows with light (He, Sun and Tang, Guided Image Filtering, 2010). A slope is 0 where the layer
+// has nothing of what the guide changes by, and 1 where it has all.
 PLANE_IN(0, points);   // guide, layer, 0, mask
 PLANE_OUT(1, result);  // slope, offset
 layout(push_constant) uniform Push { int side; } push;
+
+const float kDarkest = 0.02;  // where noise no longer falls with light
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
@@ -22,6 +25,6 @@ void main() {
       count += point.w;
     }
   vec2 mean = sum / max(count, 1.0), spread = square / max(count, 1.0) - mean.x * mean;
-  float slope = clamp(spread.y / (max(spread.x, 0.0) + kNoise), 0.0, 1.0);
+  float slope = clamp(spread.y / (max(spread.x, 0.0) + kNoise * max(mean.x, kDarkest)), 0.0, 1.0);
   STORE(result, i, vec4(slope, mean.y - slope * mean.x, 0.0, 0.0));
 }

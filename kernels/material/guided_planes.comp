@@ -2,9 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "guided.glsl"
 
-// The plane through what is around each point: probability = slopes · color + offset, by least squares with slopes that are as
-// small as noise allows (as guided_lines.comp, in three channels). Points of probability 0 are not of the object for another
-// reason than what they look like (own.comp): they do not count.
+// What guided_lines.comp does, in three channels: probability = slopes · color + offset. Points of probability 0 are not of the
+// object for another reason than what they look like (own.comp), or very surely not: they do not count.
 PLANE_IN(0, points);   // color, probability
 PLANE_OUT(1, result);  // slopes, offset
 layout(push_constant) uniform Push { int side; } push;

@@ -4,7 +4,7 @@
 #include "../image/finite.glsl"
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
-// all is bilinear; the mask follows the pixel's color, the specular layer its least channel, along lines of the points, so that
+// all is bilinear; the mask follows the pixel's color, the specular layer its least channel, along lines and planes at the points, so that
 // edges are where the frame has them. No more is taken for specular than the least channel has. Where the camera was at its end, the layer is of
 // more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
@@ -37,7 +37,8 @@ void main() {
     vec2 share = between - vec2(low);
     int a = low.y * push.side + low.x, b = low.y * push.side + high.x, c = high.y * push.side + low.x,
         d = high.y * push.side + high.x;
-    vec4 plane = mix(mix(FETCH(planes, a), FETCH(planes, b), share.x), mix(FETCH(planes, c), FETCH(planes, d), share.x), share.y);
+    vec4 plane = mix(mix(FETCH(planes, a), FETCH(planes, b), share.x),
+                     mix(FETCH(planes, c), FETCH(planes, d), share.x), share.y);
     mask = smoothstep(0.25, 0.75, dot(plane, vec4(guide_of(rgb), 1.0)));
     float code = mix(mix(FETCH(codes, 1 + a).y, FETCH(codes, 1 + b).y, share.x),
                      mix(FETCH(codes, 1 + c).y, FETCH(codes, 1 + d).y, share.x), share.y);

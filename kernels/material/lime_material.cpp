@@ -178,12 +178,12 @@ LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const 
 
 LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Plane& frame,
                                                bool known) {
-  if (known && new_mask_)
-    guided_.record_mask(commands, segmentation_.input(0), segmentation_.output(0));
-  if (known && new_codes_)
-    guided_.record_specular(commands, specular_.input(0), exponent_.input(0));
-  if (known) new_mask_ = new_codes_ = false;
-  commands.stage("guided layers");
+  if (known && (new_mask_ || new_codes_)) {
+    if (new_mask_) guided_.record_mask(commands, segmentation_.input(0), segmentation_.output(0));
+    if (new_codes_) guided_.record_specular(commands, specular_.input(0), exponent_.input(0));
+    new_mask_ = new_codes_ = false;
+    commands.stage("guided layers");
+  }
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
                     {frame.buffer, guided_.mask(), exponent_.input(0), guided_.specular(),

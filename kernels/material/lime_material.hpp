@@ -137,7 +137,7 @@ class LimeMaterial {
   CropChange change_;         // since the frame that they are of
   float changed_ = 0;
   bool drawn_ = false;                         // layers of the last frame were
-  bool new_mask_ = false, new_codes_ = false;  // since lines of them were found
+  bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;
   Report totals_;

@@ -331,6 +331,19 @@ TEST(Editors, CapsChangesAndFlushesAreSurvived) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
+TEST(Editors, AnotherRateChangesNothing) {
+  const std::string caps = "video/x-raw,format=RGBA,width=40,height=30,framerate=";
+  VideoHarness harness(std::string(kChain) + " ! capsfilter caps=video/x-raw,format=RGBA",
+                       caps + "25/1");
+  for (int i = 0; i < 6; ++i) {
+    if (i == 3) harness.set_src_caps(caps + "12/1");
+    ASSERT_FALSE(harness.process(random_frame(caps + "25/1", 1)).empty());
+  }
+  for (const char* name : {"intrinsicdecomp", "intrinsicrecolor", "intrinsiccompose"})
+    EXPECT_EQ(stat<guint64>(harness.find(name), "frames", G_TYPE_UINT64), 6u) << name;
+  EXPECT_TRUE(harness.errors().empty());
+}
+
 TEST(Editors, LayersOfOthersMayHoldAnything) {
   // Somebody's own element between ours: not-a-numbers must not reach the picture.
   const std::string caps = VideoHarness::caps("RGBA", 16, 8);

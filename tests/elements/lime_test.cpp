@@ -115,6 +115,18 @@ TEST_F(LimeElementTest, RestsWithARestingObject) {
   EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
 }
 
+TEST_F(LimeElementTest, KeepsTheObjectWhenTheRateChanges) {
+  const std::string caps = "video/x-raw,format=RGBA,width=96,height=64,framerate=";
+  VideoHarness harness(line("adaptive=false"), caps + "25/1");
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 12; ++i) {
+    if (i >= 6) harness.set_src_caps(caps + std::to_string(24 - i) + "/1");
+    ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  }
+  EXPECT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  EXPECT_GE(stat<guint64>(lime, "estimates", G_TYPE_UINT64), 11u);
+}
+
 TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
   VideoHarness harness(line(), caps());
   GstElement* lime = harness.find("limematerial");

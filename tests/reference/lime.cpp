@@ -104,7 +104,7 @@ Vec3 solve(const std::array<Vec3, 3>& m, const Vec3& b) {
           dot(m[0], cross(m[1], b)) / volume};
 }
 
-constexpr double kNoise = 1e-3;  // of what guides: less is no edge
+constexpr double kNoise = 1e-3;  // variance of light at white, and of its roots
 
 }  // namespace
 
@@ -211,13 +211,19 @@ Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
           object.mean(x, y, [&](int u, int v) { return away(u, v) * away(u, v); });
       const double covariance =
           object.mean(x, y, [&](int u, int v) { return away(u, v) * (layer(u, v) - mean_layer); });
-      const double slope = std::clamp(covariance / (variance + kNoise), 0.0, 1.0);
+      const double noise = kNoise * std::max(mean_guide, 0.02);
+      const double slope = std::clamp(covariance / (variance + noise), 0.0, 1.0);
       lines.at(x, y) = {slope, mean_layer - slope * mean_guide, 0, 0};
     }
   for (int y = 0; y < masked.height; ++y)
-    for (int x = 0; x < masked.width; ++x)
-      for (size_t c = 0; c < 2; ++c)
-        out.at(x, y)[c] = object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[c]; });
+    for (int x = 0; x < masked.width; ++x) {
+      const double slope = object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[0]; });
+      const double offset =
+          object.counts(masked.at(x, y))
+              ? layer(x, y) - slope * guide(x, y)
+              : object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[1]; });
+      out.at(x, y) = {slope, offset, 0, 0};
+    }
   return out;
 }
 
