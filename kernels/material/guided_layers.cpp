@@ -12,32 +12,33 @@ namespace inverse {
 
 GuidedLayers::GuidedLayers(const std::shared_ptr<gpu::Device>& device, uint32_t side)
     : side_(side),
-      colors_(device->kernel(shaders::material_guided_colors)),
-      planes_(device->kernel(shaders::material_guided_planes)),
-      points_(device->kernel(shaders::material_guided_points)),
-      lines_(device->kernel(shaders::material_guided_lines)),
-      mean_of_planes_(device->kernel(shaders::material_guided_mean, {0})),
-      mean_of_lines_(device->kernel(shaders::material_guided_mean, {1})) {
-  for (gpu::BufferPtr* buffer : {&guide_, &fits_, &mask_, &specular_})
+      mask_{device->kernel(shaders::material_guided_colors),
+            device->kernel(shaders::material_guided_planes),
+            device->kernel(shaders::material_guided_mean, {0}), nullptr},
+      specular_{device->kernel(shaders::material_guided_points),
+                device->kernel(shaders::material_guided_lines),
+                device->kernel(shaders::material_guided_mean, {1}), nullptr} {
+  for (gpu::BufferPtr* buffer : {&mask_.result, &specular_.result, &points_, &fits_})
     *buffer = gpu::Buffer::create(device, gpu::Element::vec4, side * side);
 }
 
 void GuidedLayers::record_mask(gpu::Commands& commands, const gpu::BufferPtr& image,
                                const gpu::BufferPtr& probability) {
-  const gpu::Items each{side_ * side_};
-  const auto side = static_cast<int32_t>(side_);
-  commands.dispatch(colors_, {image, probability, guide_}, side * side, each);
-  commands.dispatch(planes_, {guide_, fits_}, side, each);
-  commands.dispatch(mean_of_planes_, {guide_, fits_, mask_}, side, each);
+  record(commands, mask_, image, probability);
 }
 
 void GuidedLayers::record_specular(gpu::Commands& commands, const gpu::BufferPtr& masked,
                                    const gpu::BufferPtr& codes) {
+  record(commands, specular_, masked, codes);
+}
+
+void GuidedLayers::record(gpu::Commands& commands, const Filter& filter,
+                          const gpu::BufferPtr& guide, const gpu::BufferPtr& layer) {
   const gpu::Items each{side_ * side_};
   const auto side = static_cast<int32_t>(side_);
-  commands.dispatch(points_, {masked, codes, guide_}, side * side, each);
-  commands.dispatch(lines_, {guide_, fits_}, side, each);
-  commands.dispatch(mean_of_lines_, {guide_, fits_, specular_}, side, each);
+  commands.dispatch(filter.points, {guide, layer, points_}, side * side, each);
+  commands.dispatch(filter.fit, {points_, fits_}, side, each);
+  commands.dispatch(filter.mean, {points_, fits_, filter.result}, side, each);
 }
 
 }  // namespace inverse

@@ -24,15 +24,21 @@ class GuidedLayers {
                        const gpu::BufferPtr& codes);
 
   /// side x side points: probability = rgb · the roots of linear RGB + w.
-  const gpu::BufferPtr& mask() const { return mask_; }
+  const gpu::BufferPtr& mask() const { return mask_.result; }
   /// side x side points: layer = x · the least channel + y, in linear light; x is 0 to 1.
-  const gpu::BufferPtr& specular() const { return specular_; }
+  const gpu::BufferPtr& specular() const { return specular_.result; }
 
  private:
+  struct Filter {
+    gpu::KernelPtr points, fit, mean;
+    gpu::BufferPtr result;
+  };
+  void record(gpu::Commands& commands, const Filter& filter, const gpu::BufferPtr& guide,
+              const gpu::BufferPtr& layer);
+
   uint32_t side_;
-  gpu::KernelPtr colors_, planes_, points_, lines_;
-  gpu::KernelPtr mean_of_planes_, mean_of_lines_;
-  gpu::BufferPtr guide_, fits_, mask_, specular_;
+  Filter mask_, specular_;
+  gpu::BufferPtr points_, fits_;
 };
 
 }  // namespace inverse
