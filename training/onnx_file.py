@@ -8,7 +8,7 @@ import torch
 from torch import nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
-OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
+OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "GlobalAveragePool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
 
 
 def fold(module):

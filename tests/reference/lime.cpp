@@ -216,14 +216,9 @@ Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
       lines.at(x, y) = {slope, mean_layer - slope * mean_guide, 0, 0};
     }
   for (int y = 0; y < masked.height; ++y)
-    for (int x = 0; x < masked.width; ++x) {
-      const double slope = object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[0]; });
-      const double offset =
-          object.counts(masked.at(x, y))
-              ? layer(x, y) - slope * guide(x, y)
-              : object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[1]; });
-      out.at(x, y) = {slope, offset, 0, 0};
-    }
+    for (int x = 0; x < masked.width; ++x)
+      for (size_t c = 0; c < 2; ++c)
+        out.at(x, y)[c] = object.mean(x, y, [&](int u, int v) { return lines.at(u, v)[c]; });
   return out;
 }
 

@@ -47,13 +47,12 @@ double lime_decode(double code);
 /// of the specular layer in x.
 Plane lime_under_highlights(const Plane& masked, const Plane& codes);
 
-/// The specular layer around every point as a line of the picture's least channel, slope (x) and
-/// offset (y): the mean slope of the lines of 5 × 5 points that a guided filter finds, through the
-/// point; beside the object their mean offset, too. `codes`: as above.
+/// The specular layer around every point as a line of the picture's least channel: slope (x) and
+/// offset (y), means of the lines of 5 × 5 points that a guided filter finds. `codes`: as above.
 Plane lime_guided_specular(const Plane& masked, const Plane& codes);
 
 /// The probability (x) around every point as a plane of the roots of linear RGB, slopes and offset
-/// (w): means likewise. Points of probability 0 do not count and have zeros.
+/// (w), likewise. Points of probability 0 do not count and have zeros.
 Plane lime_guided_mask(const Plane& image, const Plane& probability);
 
 struct LimeLayers {

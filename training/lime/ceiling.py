@@ -17,7 +17,7 @@ import torch  # noqa: E402
 from torch.nn import functional  # noqa: E402
 
 from lime import corpus, encoding  # noqa: E402
-from lime.networks import SIZES, Encoder  # noqa: E402
+from lime.networks import SIZES, PooledEncoder  # noqa: E402
 
 BATCH, RATE = 64, 1e-3
 # The layers that each sees, as columns of `layers`.
@@ -67,7 +67,7 @@ def main():
     samples = corpus.Corpus(args.hdri)
     found, bins = render(samples, args.seed, args.samples, 0)
     size = SIZES["standard"]
-    networks = {name: Encoder(len(columns), encoding.BINS, size["exponent"], size["dense"], size["input"])
+    networks = {name: PooledEncoder(len(columns), encoding.BINS, size["exponent"], size["input"])
                 for name, columns in VARIANTS.items()}
     optimizers = {name: torch.optim.AdamW(network.parameters(), weight_decay=1e-2) for name, network in networks.items()}
     each, step = args.samples // BATCH, 0

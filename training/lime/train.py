@@ -38,6 +38,7 @@ def arguments():
     p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
     p.add_argument("--resume", action="store_true")
     p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime, on samples of another --seed than theirs (1)")
+    p.add_argument("--anew", help="with --start or --resume: networks that begin with random weights all the same, separated by commas; leave it out to go on after an interruption")
     p.add_argument("--bfloat16", action="store_true", help="compute in 16 bits: twice as fast on a CPU with AVX512-BF16")
     p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
     p.add_argument("--no-perceptual", action="store_true", help="ablation: without the rendering loss")
@@ -82,12 +83,17 @@ def main():
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
     state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0, "trained_seconds": 0.0}
     path, optimizer_state = args.out / "checkpoint.pt", None
+    anew = set(args.anew.split(",")) if args.anew else set()
+    assert anew <= set(networks.parts()), f"--anew {args.anew}: there are {', '.join(networks.parts())}"
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
-        networks.load_state_dict(saved.pop("networks"))
-        optimizer_state = saved.pop("optimizer")
+        kept = {name: tensor for name, tensor in saved.pop("networks").items() if name.split(".")[0] not in anew}
+        missing, unexpected = networks.load_state_dict(kept, strict=False)
+        assert not unexpected and all(name.split(".")[0] in anew for name in missing), f"{path} holds other networks"
+        optimizer_state = None if anew else saved.pop("optimizer")
         state.update({"drawn": saved["samples"]}, **saved)
+    assert args.resume or args.start or not anew, "without --start or --resume all networks begin anew"
     assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
     if args.stages:
         state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
@@ -103,7 +109,8 @@ def main():
     if args.start:
         pictures = samples.render(args.seed, 0, 64, pixels, corpus.TAUGHT, args.threads)
         pictures = [corpus.Batch({k: a[i:i + 16] for k, a in pictures.items()}, args.device).image for i in range(0, 64, 16)]
-        warm_start.load(exported(networks, args.start), lambda: [run(networks, image) for image in pictures])
+        files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
+        warm_start.load(files, lambda: [run(networks, image) for image in pictures])
     held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
     held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
                  for i in range(0, HELD_BACK, 16)]
@@ -144,10 +151,14 @@ def main():
                     stream.close()
                 stream = corpus.Stream(samples, args.seed, state["drawn"], batch, stream_pixels, flags, args.workers,
                                        args.device, twice=True)
+                batches = corpus.Again(stream, stage.times)
             for group in optimizer.param_groups:
                 group["lr"] = stage.rate * warm * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
+            given = next(batches)
             with torch.autocast(torch.device(args.device).type, torch.bfloat16, enabled=args.bfloat16):
-                terms = stages.stage_losses(stage.name, networks, next(stream), not args.no_perceptual)
+                if stage.times > 1 and not given.found:
+                    given.found = stages.find_layers(networks, given)
+                terms = stages.stage_losses(stage.name, networks, given, not args.no_perceptual)
             total = sum(terms.values())
             optimizer.zero_grad(set_to_none=True)
             total.backward()

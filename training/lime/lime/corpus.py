@@ -1,4 +1,5 @@
 """The corpus library (corpus/) through ctypes, and batches of it rendered ahead of the training."""
+import collections
 import ctypes
 import pathlib
 import queue
@@ -17,6 +18,7 @@ FIELDS = ("diffuse_r", "diffuse_g", "diffuse_b", "alpha", "shininess", "bin", "a
 TEST, CLEAN, WHOLE_FRAME, MAY_BE_PAINTED, EVERYDAY = 1, 2, 4, 8, 16  # sample.hpp's Request
 TAUGHT = MAY_BE_PAINTED | EVERYDAY  # what all training samples may be
 LATER = 16  # batches until one comes again in a mirror
+AGAIN = 32  # batches until one that is used several times comes again
 
 
 class Corpus:
@@ -78,8 +80,10 @@ class Batch:
     image: sRGB 0 … 1; mask: 1 where the object covers at least half of the pixel; shading: D, linear RGB;
     layer: the specular layer m_s S, gray, linear; tint: its color, mean 1; mirror: alpha M, gray, linear;
     diffuse, alpha, shininess, bin, ambient: the material, n × 3 and n; shiny: 1, or 0 of matte objects (alpha 0), whose
-    shininess and bin say nothing.
+    shininess and bin say nothing. found: mask and layers as networks find them (stages.find_layers), or None: not asked yet.
     """
+
+    found = None
 
     def __init__(self, arrays, device="cpu"):
         def tensor(a):
@@ -150,3 +154,18 @@ class Stream:
     def close(self):
         self.stopped = True
         self.thread.join()
+
+
+class Again:
+    """The batches of a stream, each `times` times: one that is new, then those of AGAIN, 2 AGAIN, … draws before."""
+
+    def __init__(self, stream, times):
+        self.stream, self.times = stream, times
+        self.seen, self.waiting = collections.deque(maxlen=AGAIN * (times - 1)), []
+
+    def __next__(self):
+        if not self.waiting:
+            new = next(self.stream)
+            self.waiting = [new, *list(self.seen)[-AGAIN::-AGAIN]]
+            self.seen.append(new)
+        return self.waiting.pop(0)

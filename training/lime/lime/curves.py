@@ -7,12 +7,15 @@ matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  (the backend comes first)
 
 
+TERMS = {"mask", "specular", "mirror", "albedo", "exponent", "rendering", "rendering_albedo"}
+
+
 def plot(log, picture):
     """One panel per loss term over minutes; held-out samples as dots; stages by shade."""
     with open(log, encoding="utf-8") as file:
         records = [json.loads(line) for line in file]
     records = [r for r in records if "stage" in r]
-    terms = sorted({k for r in records for k in r} & {"mask", "specular", "mirror", "albedo", "exponent", "rendering"})
+    terms = sorted({k for r in records for k in r} & TERMS)
     if not terms:
         return
     figure, axes = pyplot.subplots(len(terms), 1, figsize=(8, 2.2 * len(terms)), sharex=True, squeeze=False)

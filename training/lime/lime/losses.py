@@ -29,14 +29,15 @@ def exponent_loss(scores, batch, regress):
     return (each * batch.shiny).sum() / batch.shiny.sum().clamp(min=1)
 
 
-def rendering_loss(batch, specular, albedo=None):
+def rendering_loss(batch, specular=None, albedo=None):
     """The perceptual rendering loss, Eq. 6.4: mean square over the mask of I − (A + m̂_d D + m̂_s Ŝ).
 
     specular: code of the predicted layer; it stands for m_s Ŝ, so that m̂_s Ŝ is the layer times the predicted over the
-    true alpha (of matte objects the layer itself). albedo: n × 4 or None for the true one. Compared as the camera shows it:
-    clipped at white, where I tells nothing more. The highlight's color, which a gray layer leaves out, is the true one, as D is.
+    true alpha (of matte objects the layer itself). albedo: n × 4. Either may be None, which is the true one. Compared as the
+    camera shows it: clipped at white, where I tells nothing more. The highlight's color, which a gray layer leaves out, is the
+    true one, as D is.
     """
-    layer = encoding.decode(specular) * batch.tint
+    layer = batch.layer * batch.tint if specular is None else encoding.decode(specular) * batch.tint
     diffuse = batch.diffuse
     if albedo is not None:
         diffuse = albedo[:, :3]

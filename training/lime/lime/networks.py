@@ -1,7 +1,7 @@
 """The five networks of thesis Fig. 6.3, from operators that the project's own engine runs.
 
-Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), ReLU, 2×2 max-pooling, bilinear ×2 upsampling
-(half-pixel centers), concatenation, dense layers, sigmoid and soft-max.
+Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), ReLU, 2×2 max-pooling, global means, bilinear ×2
+upsampling (half-pixel centers), concatenation, dense layers, sigmoid and soft-max.
 """
 import pathlib
 import sys
@@ -31,6 +31,13 @@ def convolution(inputs, outputs, stride=1):
     return nn.Sequential(nn.Conv2d(inputs, outputs, 3, stride, 1, bias=False), nn.BatchNorm2d(outputs), nn.ReLU(True))
 
 
+def upsample(x):
+    """Twice as large; in 32 bits, as PyTorch 1.13's gradient of it takes six times as long in 16."""
+    narrow = x.dtype != torch.float32
+    wide = functional.interpolate(x.float() if narrow else x, scale_factor=2, mode="bilinear", align_corners=False)
+    return wide.to(x.dtype) if narrow else wide
+
+
 class UNet(nn.Module):
     """n × inputs × h × w → n × outputs × h × w, linear outputs; h and w are multiples of 2^(levels − 1)."""
 
@@ -48,9 +55,7 @@ class UNet(nn.Module):
             x = down(x)
             levels.append(x)
         for level, up in reversed(list(zip(levels, self.up))):
-            # In 32 bits: PyTorch 1.13's gradient of it takes six times as long in 16.
-            wide = functional.interpolate(x.float(), scale_factor=2, mode="bilinear", align_corners=False)
-            x = up(torch.cat([wide.to(level.dtype), level], 1))
+            x = up(torch.cat([upsample(x), level], 1))
         return self.last(x)
 
 
@@ -69,6 +74,31 @@ class Encoder(nn.Module):
         return self.dense(self.blocks(x))
 
 
+class PooledEncoder(nn.Module):
+    """Five blocks of convolutions with ReLU and max-pooling (two convolutions where pictures are small), what each channel
+    has on average and at most, and three dense layers: n × inputs × size × size → n × outputs; size is 2^k ≥ 2^blocks.
+
+    Gloss looks the same anywhere on an object, which dense layers that tell places apart (Encoder) have to learn.
+    """
+
+    def __init__(self, inputs, outputs, widths, size):
+        super().__init__()
+        self.blocks = nn.Sequential()
+        for number, (a, b) in enumerate(zip((inputs, *widths), widths)):
+            second = [convolution(b, b)] if number >= 2 else []
+            self.blocks.append(nn.Sequential(convolution(a, b), *second, nn.MaxPool2d(2)))
+        self.mean = nn.AdaptiveAvgPool2d(1)
+        halvings = (size >> len(widths)).bit_length() - 1
+        self.most = nn.Sequential(*[nn.MaxPool2d(2) for _ in range(halvings)])  # the largest pooling that the engine has
+        wide = widths[-1]
+        self.dense = nn.Sequential(nn.Flatten(), nn.Linear(2 * wide, wide), nn.ReLU(True), nn.Linear(wide, wide), nn.ReLU(True),
+                                   nn.Linear(wide, outputs))
+
+    def forward(self, x):
+        x = self.blocks(x)
+        return self.dense(torch.cat([self.mean(x), self.most(x)], 1))
+
+
 class Networks(nn.Module):
     """All five, and the way of a picture through them. Codes are those of encoding.encode.
 
@@ -83,7 +113,7 @@ class Networks(nn.Module):
         self.specular = UNet(4, 1, s["specular"])
         self.mirror = UNet(1, 1, s["mirror"])
         self.albedo = Encoder(4, 4, s["albedo"], s["dense"], s["input"])
-        self.exponent = Encoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], s["dense"], s["input"])
+        self.exponent = PooledEncoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], s["input"])
 
     def find_mask(self, image):
         """sRGB n × 3 × h × w → probability of the object, n × 1 × h × w."""

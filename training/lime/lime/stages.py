@@ -14,6 +14,7 @@ class Stage:
     batch: int        # samples a step
     coarse: float     # share of the stage that sees pictures of half the size, four times as many
     parts: tuple      # networks that learn
+    times: int = 1    # that each sample is used; beyond one, layers are those that were found for it at first
 
 
 STAGES = (
@@ -26,8 +27,8 @@ STAGES = (
     Stage("chain-exponent", 0.14, 5e-4, 16, 0, ("specular", "mirror", "exponent")),
     Stage("chain-albedo", 0.16, 5e-4, 16, 0, ("specular", "mirror", "exponent", "albedo")),
     # The two that decide, on layers as they are found: several times the samples in the same time, as nothing is learned
-    # by the larger ones.
-    Stage("heads", 0.15, 1e-3, 32, 0, ("exponent", "albedo")),
+    # by the larger ones, which run once for three uses.
+    Stage("heads", 0.15, 1e-3, 32, 0, ("exponent", "albedo"), 3),
 )
 
 
@@ -68,13 +69,17 @@ def find_layers(networks, batch, predicted_mask=True):
         return mask, specular, networks.find_mirror(specular, mask) if networks.use_mirror else batch.mirror_code
 
 
-def heads_losses(networks, batch, mask, specular, mirror, perceptual):
-    """Loss terms of ExponentNet and AlbedoNet on given layers."""
+def exponent_terms(networks, batch, specular, mirror):
+    return {"exponent": 0.2 * losses.exponent_loss(networks.find_exponent(specular, mirror), batch, networks.regress)}
+
+
+def albedo_terms(networks, batch, mask, specular, perceptual):
+    """With the rendering loss of these albedos beside the true layer: beside the predicted one they would learn to make up for
+    its errors, which costs them up to a tenth."""
     albedo = networks.find_albedo(batch.image, mask, specular)
-    terms = {"exponent": 0.1 * losses.exponent_loss(networks.find_exponent(specular, mirror), batch, networks.regress),
-             "albedo": 5 * losses.albedo_loss(albedo, batch)}
+    terms = {"albedo": 5 * losses.albedo_loss(albedo, batch)}
     if perceptual:
-        terms["rendering"] = 5 * losses.rendering_loss(batch, specular, albedo)
+        terms["rendering_albedo"] = 5 * losses.rendering_loss(batch, albedo=albedo)
     return terms
 
 
@@ -85,7 +90,9 @@ def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
         terms["mask"] = losses.mask_loss(networks.find_mask(batch.image), batch)
         return terms
     if stage == "heads":
-        return heads_losses(networks, batch, *find_layers(networks, batch, predicted_mask), perceptual)
+        mask, specular, mirror = batch.found or find_layers(networks, batch, predicted_mask)
+        return {**exponent_terms(networks, batch, specular, mirror),
+                **albedo_terms(networks, batch, mask, specular, perceptual)}
     mask = pick_mask(networks, batch, predicted_mask)
     inside = mask * batch.mask
     chained = stage.startswith("chain")
@@ -93,16 +100,13 @@ def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
     if stage == "specular" or chained:
         specular = networks.find_specular(batch.image, mask)
         terms["specular"] = losses.code_loss(specular, batch.layer_code, inside)
+        if perceptual:
+            terms["rendering"] = 5 * losses.rendering_loss(batch, specular)
     if networks.use_mirror and (stage == "mirror" or chained):
         mirror = networks.find_mirror(specular, mask)
         terms["mirror"] = losses.code_loss(mirror, batch.mirror_code, inside)
     if stage in ("exponent", "chain-exponent", "chain-albedo"):
-        scores = networks.find_exponent(specular, mirror)
-        terms["exponent"] = 0.1 * losses.exponent_loss(scores, batch, networks.regress)
-    albedo = None
+        terms.update(exponent_terms(networks, batch, specular, mirror))
     if stage in ("albedo", "chain-albedo"):
-        albedo = networks.find_albedo(batch.image, mask, specular)
-        terms["albedo"] = 5 * losses.albedo_loss(albedo, batch)
-    if perceptual and ("specular" in terms or albedo is not None):
-        terms["rendering"] = 5 * losses.rendering_loss(batch, specular, albedo)
+        terms.update(albedo_terms(networks, batch, mask, specular, perceptual))
     return terms
