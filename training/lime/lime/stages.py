@@ -75,7 +75,7 @@ def exponent_terms(networks, batch, specular, mirror):
 
 def albedo_terms(networks, batch, mask, specular, perceptual):
     """With the rendering loss of these albedos beside the true layer: beside the predicted one they would learn to make up for
-    its errors, which costs them up to a tenth."""
+    its errors."""
     albedo = networks.find_albedo(batch.image, mask, specular)
     terms = {"albedo": 5 * losses.albedo_loss(albedo, batch)}
     if perceptual:
