@@ -5,10 +5,10 @@
 
 namespace inverse {
 
-/// Mask and specular layer of an object as lines of what the picture shows, point by point.
-/// Networks find them at few points; by these lines they have the edges that the whole frame has
-/// (guided filter: He, Sun and Tang, Guided Image Filtering, 2010; found at few points: He and Sun,
-/// Fast Guided Filter, 2015). Over the 5 x 5 points around each.
+/// Mask and specular layer of an object as linear functions of what the picture shows, one at each
+/// point: planes of its color, lines of its least channel. Networks find both at few points; by
+/// these they have the edges that the whole frame has (guided filter over 5 x 5 points: He, Sun and
+/// Tang, Guided Image Filtering, 2010; at few points: He and Sun, Fast Guided Filter, 2015).
 class GuidedLayers {
  public:
   /// For squares of side x side points.

@@ -4,9 +4,9 @@
 #include "../image/finite.glsl"
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
-// all is bilinear; the mask follows the pixel's color, the specular layer its least channel, along lines and planes at the points, so that
-// edges are where the frame has them. No more is taken for specular than the least channel has. Where the camera was at its end, the layer is of
-// more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
+// all is bilinear; the mask follows the pixel's color by planes at the points, the specular layer its least channel by lines, so
+// that edges are where the frame has them. No more is taken for specular than the least channel has. Where the camera was at its
+// end, the layer is of more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
 PLANE_IN(0, frame);
 PLANE_IN(1, planes);    // slopes and offset of the mask's probability by color
