@@ -74,8 +74,7 @@ void FilterElement::stop() {
   fresh_ = true;
   last_time_ = GST_CLOCK_TIME_NONE;
   frames_ = 0;
-  refused_.set(nullptr, nullptr);
-  accepted_.set(nullptr, nullptr);
+  asked_.set(nullptr, nullptr);
 }
 
 void FilterElement::ended() {
@@ -104,12 +103,11 @@ bool FilterElement::save_environment(const char* path) {
 
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   // An error is told once: who pushes on after it asks again with every buffer.
-  if (refused_.is(in, out)) return false;
-  const bool good = try_caps(in, out);
-  refused_.set(good ? nullptr : in, good ? nullptr : out);
-  accepted_.set(good ? in : nullptr, good ? out : nullptr);
-  if (good) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
-  return good;
+  if (refused_ && asked_.is(in, out)) return false;
+  refused_ = !try_caps(in, out);
+  asked_.set(in, out);
+  if (!refused_) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
+  return !refused_;
 }
 
 bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
@@ -148,7 +146,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   }
   if (!can_be_cut()) return false;
   // What is known of the frames so far stays: sources of variable rate tell it ever anew.
-  if (accepted_.same_frames(in, out)) return true;
+  if (!refused_ && asked_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
     stop();
     // Refused formats show up here, before any frame.

@@ -101,8 +101,8 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  CapsPair refused_;   // answered with an error last
-  CapsPair accepted_;  // the last ones
+  CapsPair asked_;        // last
+  bool refused_ = false;  // asked_ was answered with an error
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

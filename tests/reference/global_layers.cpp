@@ -9,8 +9,6 @@ using namespace global;
 
 constexpr double kLeast = 1e-6;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 Vec3 base_color(const Chroma& chroma) {
   Vec3 b = color_of(chroma);
   const double most = *std::max_element(b.begin(), b.end());

@@ -92,8 +92,6 @@ struct Counted {
   }
 };
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// x of m x = b for a symmetric, positive definite m.
 Vec3 solve(const std::array<Vec3, 3>& m, const Vec3& b) {
   const auto cross = [](const Vec3& p, const Vec3& q) {

@@ -10,6 +10,8 @@ namespace inverse::reference {
 using Vec3 = std::array<double, 3>;
 using Vec4 = std::array<double, 4>;
 
+inline double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 /// width × height pixels of four doubles, row by row without padding.
 struct Plane {
   int width = 0;

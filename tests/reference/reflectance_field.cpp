@@ -6,8 +6,6 @@
 namespace inverse::reference {
 namespace {
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 double given(const Vec3& u, const Vec3& w, double p) {
   const double cosine = dot(u, w);
   return cosine > 0 ? std::pow(cosine, p) : 0;

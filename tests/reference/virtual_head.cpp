@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec3 along(const Vec3& a, const Vec3& b, double t) {  // a + t b
   return {a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]};
 }

@@ -91,12 +91,13 @@ def main():
         kept = {name: tensor for name, tensor in saved.pop("networks").items() if name.split(".")[0] not in anew}
         missing, unexpected = networks.load_state_dict(kept, strict=False)
         assert not unexpected and all(name.split(".")[0] in anew for name in missing), f"{path} holds other networks"
-        optimizer_state = None if anew else saved.pop("optimizer")
+        optimizer_state = saved.pop("optimizer")
         state.update({"drawn": saved["samples"]}, **saved)
     assert args.resume or args.start or not anew, "without --start or --resume all networks begin anew"
     assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
     if args.stages:
         state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
+    if args.stages or anew:
         optimizer_state = None
     order = stages.stages_of(networks, state["stages"])
     state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
