@@ -187,7 +187,12 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
   planes_.emplace(device, extent);
   if (input_) input_->configure(device);
   if (output_) output_->configure(device);
-  filter_->configure(device, extent_of(out_info_));
+  try {
+    filter_->configure(device, extent_of(out_info_));
+  } catch (...) {
+    filter_->release();
+    throw;
+  }
   if (device->variant().warm_up && filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
   device_ = device;
   configured_ = true;

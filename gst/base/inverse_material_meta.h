@@ -37,7 +37,8 @@ G_BEGIN_DECLS
  * @environment_height: its rows
  * @environment: the light around the object, or %NULL while it is not known: float32 RGB, rows from
  * the top, no padding. Latitude-longitude: the top row looks up (+y), the center column to the
- * camera (+z), and x is to the right. Radiance, linear: under 1 from everywhere a white diffuse
+ * camera (+z), and x is to the right: the mirror image of a panorama in a file, which is as seen
+ * from the object. Radiance, linear: under 1 from everywhere a white diffuse
  * surface has the value 1 in the frame (full scale). Never written to again: a copy of the meta
  * shares it, and who wants to keep it takes a reference
  */

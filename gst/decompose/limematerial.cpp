@@ -163,7 +163,7 @@ class LimeElement final : public Filter {
     method_->set_normal_map(normal_map_);
     mosaic_.emplace(device);
     planes_.emplace(device, extent);
-    if (device->first_warm_up("limematerial")) warm_up();
+    device->warm_up_once("limematerial", [this] { warm_up(); });
     publish();
   }
   void release() override {
@@ -256,10 +256,12 @@ class LimeElement final : public Filter {
 
   void describe(GstStructure* stats, uint64_t number) const override {
     const LimeMaterial::Report& report = method_->report(numbers_[number % numbers_.size()]);
+    const bool asked = parameters_.snapshot().asks_for_light();
     gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "segmentations",
                       G_TYPE_UINT64, report.segmentations, "estimates", G_TYPE_UINT64,
-                      report.estimates, "light-views", G_TYPE_UINT64, method_->light_views(),
-                      "network-bytes", G_TYPE_UINT64, method_->network_bytes(), nullptr);
+                      report.estimates, "light-views", G_TYPE_UINT64,
+                      asked ? method_->light_views() : 0, "network-bytes", G_TYPE_UINT64,
+                      method_->network_bytes(), nullptr);
     describe_object(stats, method_->object());
   }
 

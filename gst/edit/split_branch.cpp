@@ -92,20 +92,22 @@ GstCaps* SplitBranch::caps_for(SplitLayer layer, const GstCaps* layers) {
 
 void SplitBranch::negotiate(const GstCaps* layers, const SplitParams& params) {
   forget();
+  gst_pad_check_reconfigure(pad_);  // this is what it asks for
   const bool of_material = layer_ >= SplitLayer::diffuse;
   const bool of_all = layer_ == SplitLayer::mask || layer_ == SplitLayer::input;
   if (!of_all && carries_kind(layers, kMaterialLayers) != of_material)
     throw Error(ErrorKind::unsupported,
                 "these layers have no " + name() +
                     ", as the pad of intrinsicsplit of this name is to send it; put " +
-                    (of_material ? "limematerial" : "intrinsicdecomp") +
+                    (of_material                    ? "limematerial"
+                     : layer_ >= SplitLayer::direct ? "globalintrinsic"
+                                                    : "intrinsicdecomp") +
                     " in the place of the decomposer before it");
   if (layer_ >= SplitLayer::direct && !of_material && !carries_kind(layers, kGlobalLayers))
     throw Error(ErrorKind::unsupported,
                 "these layers do not tell direct light from indirect, as pad " + name() +
                     " of intrinsicsplit is to send it; put globalintrinsic in the place of the "
                     "decomposer before it");
-  gst_pad_check_reconfigure(pad_);  // this is what it asks for
   GstCaps* ours = caps_for(layer_, layers);
   GstCaps* caps = gst_pad_peer_query_caps(pad_, ours);
   gst_caps_unref(ours);

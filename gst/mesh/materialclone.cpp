@@ -149,7 +149,7 @@ class CloneElement final : public Filter {
     light_.reset();
     news_of_light_ = true;
     take_light(nullptr);
-    if (device->first_warm_up("materialclone")) warm_up(device, extent);
+    device->warm_up_once("materialclone", [&] { warm_up(device, extent); });
   }
   void release() override {
     insertion_.reset();

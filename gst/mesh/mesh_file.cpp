@@ -21,6 +21,7 @@
 
 #include "error.hpp"
 #include "gltf_nodes.hpp"
+#include "regular_file.hpp"
 
 namespace inverse {
 namespace {
@@ -74,15 +75,14 @@ class BoundedSystem final : public Assimp::DefaultIOSystem {
 };
 
 void check_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status))
-    fail(path, status ? "cannot be read: " + status.message() : "is no file");
+  if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
   std::string extension = std::filesystem::path(path).extension().string();
   if (!extension.empty()) extension.erase(0, 1);
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");
+  std::error_code status;
   if (std::filesystem::file_size(path, status) > kMaxBytes)
     fail(path, "is larger than 1 GiB; simplify it, with Blender's Decimate for example");
   if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");

@@ -167,7 +167,7 @@ class RelightElement final : public Filter {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
     }
-    if (device->first_warm_up(network ? "olatrelight network" : "olatrelight")) warm_up(device);
+    device->warm_up_once(network ? "olatrelight network" : "olatrelight", [&] { warm_up(device); });
   }
   void release() override {
     picture_ = nullptr;

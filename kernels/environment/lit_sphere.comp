@@ -64,10 +64,13 @@ vec3 broad(vec3 n) {
   vec3 axis = turned(n), viewer = turned(vec3(0.0, 0.0, 1.0)), sum = vec3(0.0);
   for (uint i = 0u; i < push.broad; ++i) {
     vec3 w = FETCH(cells, int(2u * i + 1u)).xyz;
-    w *= inversesqrt(max(dot(w, w), 1e-12));
+    // Light from all over a cell, whose mean direction is the shorter the wider it is, rises above the horizon bit by bit.
+    float narrow = max(dot(w, w), 1e-12), radius = sqrt(max(1.5 * (1.0 - narrow), 1e-6));
+    w *= inversesqrt(narrow);
     vec3 h = w + viewer;
     float lobe = dot(h, axis) * inversesqrt(max(dot(h, h), 1e-12));
-    if (dot(w, axis) > 0.0) sum += FETCH(cells, int(2u * i)).rgb * pow(max(lobe, 0.0), push.shininess);
+    float seen = clamp(0.5 + 0.5 * dot(w, axis) / radius, 0.0, 1.0);
+    sum += FETCH(cells, int(2u * i)).rgb * (seen * pow(max(lobe, 0.0), push.shininess));
   }
   return sum / kPi;
 }

@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kSamples = 128;
-// Lobes of smaller exponents are much wider than the cells of the light.
-constexpr float kBroad = 64;
+// Lobes of smaller exponents are much wider than the cells of the light, also where half vectors
+// move fast: for light from behind.
+constexpr float kBroad = 40;
 // Samples reach so many times as far as they are apart: less shows single samples of a small
 // bright lamp, more blurs.
 constexpr double kOverlap = 1.2;
@@ -99,7 +100,7 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
       bounded(surface),
       {bounded(view.intensity, 0, 1e6F), std::isfinite(view.rotation) ? view.rotation : 0}};
   if (recorded_ == state) return;
-  recorded_ = state;
+  recorded_.reset();  // until it is
   ++version_;
   const Surface& s = state.surface;
   const float gain = Surface::lobe_gain(s.shininess) * s.specular * state.view.intensity;
@@ -122,6 +123,7 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
   const auto samples = uploaded(table_.buffer->device(), lobe(double{s.shininess}, light_->rows));
   commands.dispatch(kernel_, {light_->cells, light_->texels, samples, table_.buffer}, push,
                     {side * side});
+  recorded_ = state;
 }
 
 }  // namespace inverse

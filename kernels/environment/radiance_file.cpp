@@ -1,6 +1,7 @@
 // Environment maps in Radiance files, through stb.
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <memory>
 
 #include "../error.hpp"
+#include "../regular_file.hpp"
 #include "environment.hpp"
 
 // Private to this file: an application may bring an stb of its own.
@@ -76,9 +78,7 @@ struct Panorama {
 template <typename Check>
 Panorama read(const std::string& path, Check check) {
   const std::string name = "environment map " + path;
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status))
-    fail(path, status ? "cannot be read: " + status.message() : "is no file");
+  if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
   const stbi_io_callbacks callbacks{Reader::read, Reader::skip, Reader::ended};
   int width = 0, height = 0, channels = 0;
   const auto open = [&](auto use) {
@@ -95,6 +95,7 @@ Panorama read(const std::string& path, Check check) {
     return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
   });
   check({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, name);
+  std::error_code status;
   // A header may promise anything: at the least, a pair of bytes stands for 127 of a row's.
   if (std::filesystem::file_size(path, status) <
       static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
@@ -130,7 +131,10 @@ void Environment::save(const std::string& path) const {
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
   const bool in_place = there && (!std::filesystem::is_regular_file(target, none) ||
                                   access(folder.c_str(), W_OK) != 0);
-  const std::string draft = in_place ? path : target.string() + ".new";
+  static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
+  const std::string draft = in_place ? path
+                                     : target.string() + "." + std::to_string(getpid()) + "-" +
+                                           std::to_string(drafts++) + ".new";
   std::ofstream file(draft, std::ios::binary | std::ios::trunc);
   if (!file) fail(path, std::string("cannot be written: ") + strerror(errno));
   const auto write = [](void* to, void* data, int bytes) {

@@ -59,9 +59,10 @@ bool GlobalIntrinsic::play_all() {
 
 bool GlobalIntrinsic::warm_up() const {
   bool all = solve_.warm_up();
-  if (!device_->first_warm_up("warm_up of GlobalIntrinsic")) return all;
-  for (const Extent extent : {kWarmUpExtent, kClose})
-    all = GlobalIntrinsic(device_, extent).play_all() && all;
+  device_->warm_up_once("GlobalIntrinsic", [&] {
+    for (const Extent extent : {kWarmUpExtent, kClose})
+      all = GlobalIntrinsic(device_, extent).play_all() && all;
+  });
   return all;
 }
 

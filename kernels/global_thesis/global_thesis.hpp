@@ -152,6 +152,8 @@ class GlobalThesis {
     uint32_t version = 0;  // of the colors that the system is for
     uint32_t epoch = 0;    // of the resets
   };
+  /// What warm_up does (warm_up.cpp).
+  void play_all() const;
 
   const Kernels& kernels(int groups);
   void hold_frames(int slots_per_buffer);

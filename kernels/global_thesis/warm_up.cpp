@@ -47,10 +47,13 @@ class Runner {
 
 void GlobalThesis::warm_up() const {
   // What decides which kernels there are.
-  if (!device_->first_warm_up("warm_up of GlobalThesis, " + std::to_string(slots_) + " slots, " +
-                              std::to_string(most_layers_) + " layers" +
-                              (params_.p == 1 ? "" : ", any p")))
-    return;
+  device_->warm_up_once("GlobalThesis, " + std::to_string(slots_) + " slots, " +
+                            std::to_string(most_layers_) + " layers" +
+                            (params_.p == 1 ? "" : ", any p"),
+                        [this] { play_all(); });
+}
+
+void GlobalThesis::play_all() const {
   GlobalThesis tiny(device_, kTiny);
   Params params = params_;
   params.steps = params.pcg_iterations = 1;
@@ -80,8 +83,10 @@ void GlobalThesis::warm_up() const {
   }
 }
 
-bool warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
-  if (!device->first_warm_up("warm_up_correction")) return true;
+namespace {
+
+/// Whether a region was corrected.
+bool play_correction(const std::shared_ptr<gpu::Device>& device) {
   GlobalThesis method(device, kTiny);
   GlobalThesis::Params params;
   params.steps = params.pcg_iterations = 1;
@@ -111,6 +116,14 @@ bool warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
     if (correction.collect(corrected, regions)) return true;
   }
   return false;
+}
+
+}  // namespace
+
+bool warm_up_correction(const std::shared_ptr<gpu::Device>& device) {
+  bool all = true;
+  device->warm_up_once("correction of GlobalThesis", [&] { all = play_correction(device); });
+  return all;
 }
 
 }  // namespace inverse

@@ -317,10 +317,15 @@ void Device::read_properties() {
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
 }
 
-bool Device::first_warm_up(const std::string& what) {
-  if (!variant_.warm_up) return false;
+void Device::warm_up_once(const std::string& what, const std::function<void()>& run) {
+  if (!variant_.warm_up) return;
+  {
+    std::lock_guard lock(kernels_mutex_);
+    if (done_.contains(what)) return;
+  }
+  run();
   std::lock_guard lock(kernels_mutex_);
-  return done_.insert(what).second;
+  done_.insert(what);
 }
 
 std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,

@@ -109,9 +109,9 @@ class Device : public std::enable_shared_from_this<Device> {
   /// dispatch: while this number stays, nothing is built.
   uint64_t kernels_used() const { return kernels_used_.load(); }
 
-  /// Whether to run kernels ahead, so that none is built once frames come: true for the first
-  /// caller with these words, where Variant::warm_up.
-  bool first_warm_up(const std::string& what);
+  /// Runs kernels ahead, so that none is built once frames come, where Variant::warm_up: unless
+  /// that was done for these words before, without an error.
+  void warm_up_once(const std::string& what, const std::function<void()>& run);
 
   /// Bytes of device memory held by buffers of this device now, and the most there ever were.
   uint64_t memory_bytes() const { return memory_bytes_.load(); }
@@ -148,7 +148,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex queue_mutex_;
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
-  std::set<std::string> done_;  // first_warm_up
+  std::set<std::string> done_;  // warm_up_once
   std::atomic<bool> lost_{false}, silent_{false};
   std::atomic<uint64_t> kernels_used_{0};
   std::atomic<uint64_t> memory_bytes_{0};

@@ -283,7 +283,7 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
        multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_force()},
       size, line_of(quads_of(guide_.cell_extent())));
   commands.keep(*taken_);
-  commands.stage("take over");
+  commands.stage("take-over");
 }
 
 void IntrinsicDecomposition::record_report(gpu::Commands& commands) {

@@ -107,6 +107,8 @@ class ScaledIntrinsic {
   /// `cut`: found at the last frame that is sure to be done.
   void judge(const Params& params, bool cut);
   void start_anew();
+  /// What warm_up does (warm_up.cpp). Whether all that can come came.
+  bool play_all() const;
   /// The frame's intrinsic plane, solved after `halvings`.
   PlanePtr solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
                  const Params& params, const FrameInfo& info);

@@ -25,7 +25,12 @@ PlanePtr warm_up_picture(const std::shared_ptr<gpu::Device>& device, Extent exte
 }
 
 bool ScaledIntrinsic::warm_up() const {
-  if (!device_->first_warm_up("warm_up of ScaledIntrinsic")) return true;
+  bool all = true;
+  device_->warm_up_once("ScaledIntrinsic", [&] { all = play_all(); });
+  return all;
+}
+
+bool ScaledIntrinsic::play_all() const {
   ScaledIntrinsic small(device_, kWarmUpExtent);
   const PlanePtr input = warm_up_picture(device_, kWarmUpExtent);
   const std::vector<uint8_t> nothing_changed(TileList::count(kWarmUpExtent));

@@ -141,7 +141,7 @@ void LimeMaterial::record_networks(gpu::Commands& commands, Slot& slot) {
                     {specular_.input(0), mirror_.input(0), mirror_.output(0), exponent_.input(0)},
                     points, items);
   under_.record(commands, specular_.input(0), exponent_.input(0));
-  commands.stage("under highlights");
+  commands.stage("under-highlights");
   albedo_.record(commands);
   commands.stage("albedo");
   exponent_.record(commands);
@@ -182,7 +182,7 @@ LimeMaterial::Layers LimeMaterial::draw_layers(gpu::Commands& commands, const Pl
     if (new_mask_) guided_.record_mask(commands, segmentation_.input(0), segmentation_.output(0));
     if (new_codes_) guided_.record_specular(commands, specular_.input(0), exponent_.input(0));
     new_mask_ = new_codes_ = false;
-    commands.stage("guided layers");
+    commands.stage("guided-layers");
   }
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],

@@ -140,11 +140,12 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   const float area = static_cast<float>(part.area) * scale * scale;
   misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
   if (misled_) {
+    moved_ = 1;
+    if (square_ == before_square_) return;  // one more look that was under way
     square_ = before_square_;
     closest_ = square_.size;
     patience_ = std::max(2 * patience_, kTryAgain);
     waited_ = 0;
-    moved_ = 1;
     return;
   }
   share_ = static_cast<float>(part.area) / static_cast<float>(mask.size());

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "../error.hpp"
+#include "../regular_file.hpp"
 
 static_assert(std::endian::native == std::endian::little, "files are read as they lie in memory");
 
@@ -189,14 +190,11 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 Graph load(const std::string& path) {
+  if (const std::string why = why_no_file(path); !why.empty())
+    throw Error(ErrorKind::file, path + ": it " + why + " (a network file)");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + " (a network file)");
-  std::vector<char> bytes;
-  try {
-    bytes.assign(std::istreambuf_iterator<char>(file), {});
-  } catch (const std::ios_base::failure& failure) {  // a folder, for one
-    throw Error(ErrorKind::file, path + ": it cannot be read: " + failure.code().message());
-  }
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
   return from_file(std::as_bytes(std::span(bytes)), path);
 }
 

@@ -95,7 +95,7 @@ void Insertion::draw(gpu::Commands& commands, const MeshView& view, const Rectan
                      const LitSphere& light) {
   const Drawn now{view, window, light.version()};
   if (kept_ == now) return;
-  kept_ = now;
+  kept_.reset();  // until it is
   ++drawn_;
   const Extent extent{static_cast<uint32_t>(window.right - window.left),
                       static_cast<uint32_t>(window.bottom - window.top)};
@@ -105,13 +105,14 @@ void Insertion::draw(gpu::Commands& commands, const MeshView& view, const Rectan
   within.x -= static_cast<float>(window.left);
   within.y -= static_cast<float>(window.top);
   rasterizer_->draw(commands, within, light.table(), {extent, picture_});
+  kept_ = now;
   commands.stage("draw");
 }
 
 void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   const Shaded now{params.pitch, params.roll, params.softness};
   if (kept_shadow_ == now) return;
-  kept_shadow_ = now;
+  kept_shadow_.reset();  // until it is
   ++shadows_;
   const Turn turn = nod(params.pitch) * about_z(params.roll);
   ground_ = 0;
@@ -126,6 +127,7 @@ void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   const struct { float ground, soft; } push{ground_, params.softness};
   commands.dispatch(occlude_, {heights_.buffer, occlusion_.buffer}, push,
                     {kOcclusion * kOcclusion});
+  kept_shadow_ = now;
   commands.stage("shadow");
 }
 

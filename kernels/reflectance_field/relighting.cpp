@@ -182,7 +182,7 @@ void Relighting::record_olat(gpu::Commands& commands, const Params& params, cons
     network().record_sum(commands, *lobe_.full(), std::span(&one, 1), stage_->share, target);
   else
     lobe_.record_sum(commands, std::span(&one, 1), target);
-  commands.stage("one light");
+  commands.stage("one-light");
 }
 
 }  // namespace inverse

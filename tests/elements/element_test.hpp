@@ -97,7 +97,7 @@ T property(GstElement* element, const char* name) {
   return value;
 }
 
-/// A field of `stats`.
+/// A field of `stats`, which can be written as text and read back.
 template <typename T>
 T stat(GstElement* element, const char* name, GType type) {
   GstStructure* stats = nullptr;
@@ -105,6 +105,11 @@ T stat(GstElement* element, const char* name, GType type) {
   T value{};
   const GValue* field = gst_structure_get_value(stats, name);
   if (field && G_VALUE_HOLDS(field, type)) gst_structure_get(stats, name, type, &value, nullptr);
+  gchar* text = gst_structure_to_string(stats);
+  GstStructure* read = gst_structure_from_string(text, nullptr);
+  EXPECT_NE(read, nullptr) << text;
+  if (read) gst_structure_free(read);
+  g_free(text);
   gst_structure_free(stats);
   return value;
 }

@@ -1,4 +1,6 @@
 // The light around limematerial's object: who gets it, the file it goes to, normals, the preview.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -64,6 +66,20 @@ TEST_F(LimeLight, NormalMapsCount) {
       run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
           .first_error();
   EXPECT_NE(error.find("/nowhere.png"), std::string::npos) << error;
+}
+
+TEST_F(LimeLight, NormalMapsThatAreOfNoUseAreRefused) {
+  const auto error_of = [this](const std::string& path) {
+    return run_line("videotestsrc num-buffers=2 ! " + line("normal-map=" + path) + " ! fakesink")
+        .first_error();
+  };
+  const NormalMapPath away;
+  away.write(png(1, 1, 3, 8, {128, 128, 0}));
+  EXPECT_NE(error_of(away.path()).find("faces the camera"), std::string::npos);
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe.png";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(error_of(pipe).find("is no file"), std::string::npos) << "it would wait for ever";
 }
 
 TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
@@ -195,6 +211,7 @@ TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
   EXPECT_TRUE(lit(ball));
   g_object_set(harness.find("limematerial"), "light", FALSE, nullptr);
   EXPECT_FALSE(lit(ball));
+  EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
   g_object_set(harness.find("limematerial"), "light", TRUE, nullptr);
   EXPECT_TRUE(lit(ball));
   harness.set_src_caps(caps(64, 96));

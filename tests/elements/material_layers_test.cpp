@@ -142,6 +142,15 @@ TEST_F(MaterialLayers, SplitSendsThem) {
       run_line(source + line() + " ! intrinsicsplit name=s s.reflectance ! fakesink").first_error();
   EXPECT_NE(refused.find("no reflectance"), std::string::npos) << refused;
   EXPECT_NE(refused.find("intrinsicdecomp"), std::string::npos) << refused;
+  const auto direct = run_line(source + line() + " ! intrinsicsplit name=s s.direct ! fakesink");
+  EXPECT_NE(direct.first_error().find("globalintrinsic"), std::string::npos)
+      << direct.first_error();
+  EXPECT_EQ(std::count_if(direct.errors.begin(), direct.errors.end(),
+                          [](const std::string& text) {
+                            return text.find("no direct") != std::string::npos;
+                          }),
+            1)
+      << "told once";
   const auto other =
       run_line(source + "intrinsicdecomp ! intrinsicsplit name=s s.mirror ! fakesink")
           .first_error();

@@ -355,7 +355,7 @@ TEST_F(NormalMapFile, IsReadAndScaled) {
     EXPECT_EQ(map.at(0, 1)[2], 0);
     EXPECT_EQ(map.at(1, 1)[2], 0);
   }
-  file.write(png(1, 1, 4, 8, {128, 128, 255, 20}));
+  file.write(png(2, 1, 4, 8, {128, 128, 255, 20, 128, 128, 255, 255}));
   EXPECT_EQ(NormalMap::load(file.path()).at(0, 0)[2], 0) << "transparent";
 }
 

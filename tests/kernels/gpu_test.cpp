@@ -100,6 +100,25 @@ TEST_F(DeviceTest, BuffersReturnTheirMemory) {
   EXPECT_EQ(device->memory_bytes(), before);
 }
 
+TEST_F(DeviceTest, WarmsUpUntilItWorkedOnce) {
+  int runs = 0;
+  const auto warm_up = [&](bool fails) {
+    device->warm_up_once("a test", [&] {
+      ++runs;
+      if (fails) throw Error(ErrorKind::limit, "too large");
+    });
+  };
+  if (!device->variant().warm_up) {
+    warm_up(true);
+    EXPECT_EQ(runs, 0);
+    return;
+  }
+  EXPECT_THROW(warm_up(true), Error);
+  warm_up(false);
+  warm_up(false);
+  EXPECT_EQ(runs, 2);
+}
+
 TEST_F(DeviceTest, StagesAreTimed) {
   if (device->limits().timestamp_ns == 0) GTEST_SKIP() << "this device has no timestamps";
   const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 1 << 20);

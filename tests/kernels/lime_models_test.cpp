@@ -28,7 +28,8 @@ TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
   };
   HandMadeLime missing, shape, cut;
   std::filesystem::remove(missing.path("mirror"));
-  EXPECT_NE(complaint(missing).find("mirror.net: No such file"), std::string::npos)
+  EXPECT_NE(complaint(missing).find("mirror.net: it cannot be read: No such file"),
+            std::string::npos)
       << complaint(missing);
   shape.write("albedo", network::to_file(HandMadeLime::models().exponent));
   EXPECT_NE(complaint(shape).find("albedo.net: it takes 2 x 32 x 32 in place of 4 x 32 x 32"),

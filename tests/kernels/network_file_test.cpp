@@ -112,7 +112,8 @@ TEST(NetworkFile, SaysWhatIsWrong) {
     network::load("/nowhere/some.net");
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("/nowhere/some.net: No such file"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("/nowhere/some.net: it cannot be read: No such file"),
+              std::string::npos);
   }
 }
 
@@ -150,9 +151,10 @@ TEST(NetworkFile, WhatCannotBeReadIsNamed) {
     return "";
   };
   const TemporaryFolder folder;
-  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it cannot be read: Is a directory");
+  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it is no file (a network file)");
   const std::string missing = folder / "a.net";
-  EXPECT_EQ(complaint_of(missing), missing + ": No such file or directory (a network file)");
+  EXPECT_EQ(complaint_of(missing),
+            missing + ": it cannot be read: No such file or directory (a network file)");
 }
 
 }  // namespace inverse::testing

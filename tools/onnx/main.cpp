@@ -2,6 +2,7 @@
 // model, or without a second name says what the model is.
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -54,6 +55,10 @@ int main(int argc, char** argv) {
     return help ? 0 : 2;
   }
   try {
+    std::error_code other;
+    if (argc == 3 && std::filesystem::equivalent(argv[1], argv[2], other))
+      throw Error(ErrorKind::unsupported,
+                  std::string(argv[2]) + ": that is the model itself, which would be lost");
     const std::vector<char> model = read(argv[1]);
     const network::Graph graph = onnx_import::graph_of(std::as_bytes(std::span(model)), argv[1]);
     if (argc == 3)

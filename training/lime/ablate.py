@@ -7,7 +7,6 @@ weights. SegmentationNet, SpecularNet and MirrorNet are those of the checkpoint 
 what is compared is what each part gives to those that decide. Scored as evaluate.py does. Other orders with --seed.
 """
 import argparse
-import math
 import os
 import pathlib
 
@@ -17,6 +16,7 @@ import torch  # noqa: E402
 
 from lime import corpus, datasets, scores, stages  # noqa: E402
 from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
+import descent  # noqa: E402
 
 BATCH, RATE, TIMES = 32, 1e-3, 3  # TIMES that each sample is used
 # Of each: options of Networks, and whether the rendering loss is used. A network that is like that of `whole` is it.
@@ -36,14 +36,9 @@ class Head:
         self.network.train()
 
     def step(self, batch, rate):
-        for group in self.optimizer.param_groups:
-            group["lr"] = rate
         with torch.autocast("cpu", torch.bfloat16):
             total = sum(self.terms(batch).values())
-        self.optimizer.zero_grad(set_to_none=True)
-        total.backward()
-        torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
-        self.optimizer.step()
+        descent.step(self.optimizer, total, rate)
 
 
 def prepare(trunk, seed):
@@ -78,6 +73,7 @@ def main():
     args = parser.parse_args()
     torch.set_num_threads(2)
     trunk = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
+    assert trunk.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
     samples = corpus.Corpus(args.hdri)
     variants, heads = prepare(trunk, args.seed)
     stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT, twice=True)
@@ -87,14 +83,13 @@ def main():
         if not batch.found:
             with torch.autocast("cpu", torch.bfloat16):
                 batch.found = stages.find_layers(trunk, batch)
-        rate = RATE * min(1, (step + 1) / 50) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * step / steps)))
         for head in heads:
-            head.step(batch, rate)
+            head.step(batch, descent.rate_of(RATE, step / steps, step))
         if step % 100 == 0:
             print(f"{step * BATCH} samples", flush=True)
     stream.close()
 
-    sets = {"Held-out shapes and maps": datasets.synthetic(samples, 1, args.count)}
+    sets = {"Held-out shapes and maps": datasets.synthetic(samples, datasets.CHOICES, args.count)}
     if (args.data / "materials").is_dir():
         sets["`materials`, Blinn-Phong"] = datasets.materials(args.data / "materials")
     parts = []

@@ -6,7 +6,6 @@ specular layer; on what a picture can show of it, clipped where the picture is w
 image. What the shipped networks reach with layers of their own is in evaluate.py's report.
 """
 import argparse
-import math
 import os
 import pathlib
 
@@ -16,8 +15,9 @@ import numpy as np  # noqa: E402
 import torch  # noqa: E402
 from torch.nn import functional  # noqa: E402
 
-from lime import corpus, encoding  # noqa: E402
+from lime import corpus, datasets, encoding  # noqa: E402
 from lime.networks import SIZES, PooledEncoder  # noqa: E402
+import descent  # noqa: E402
 
 BATCH, RATE = 64, 1e-3
 # The layers that each sees, as columns of `layers`.
@@ -75,17 +75,14 @@ def main():
         for part in np.split(order.permutation(each * BATCH), each):
             x, truth = torch.from_numpy(found[np.sort(part)]).float(), torch.from_numpy(bins[np.sort(part)])
             x = x.flip(3) if order.random() < 0.5 else x
-            rate = RATE * min(1, (step + 1) / 100) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * step / (each * args.times))))
+            rate = descent.rate_of(RATE, step / (each * args.times), step)
             for name, network in networks.items():
-                optimizers[name].param_groups[0]["lr"] = rate
                 with torch.autocast("cpu", torch.bfloat16):
                     scores = network(x[:, VARIANTS[name]])
-                optimizers[name].zero_grad(set_to_none=True)
-                functional.cross_entropy(scores.float(), truth).backward()
-                optimizers[name].step()
+                descent.step(optimizers[name], functional.cross_entropy(scores.float(), truth), rate)
             step += 1
         print(f"seen {time + 1} of {args.times} times", flush=True)
-    held_out = render(samples, 1, args.count, corpus.TEST)
+    held_out = render(samples, datasets.CHOICES, args.count, corpus.TEST)
     lines = [f"| {args.samples} samples, {args.times} times | bin exact | exact or next | cross-entropy |", "|---|---|---|---|"]
     for name, network in networks.items():
         entropy, exact, near = score(network, VARIANTS[name], *held_out)

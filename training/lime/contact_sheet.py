@@ -17,38 +17,39 @@ def srgb(linear):
     return encoding.to_srgb(torch.from_numpy(np.ascontiguousarray(linear, np.float32))).numpy()
 
 
-def strip(image, mask, shading, layer, mirror):
-    """3 × h × w pictures side by side."""
-    three = [np.broadcast_to(x, image.shape) for x in (mask, srgb(layer), srgb(mirror * 0.5))]
-    return np.concatenate([image, three[0], srgb(shading * 0.6), three[1], three[2]], 2)
+def strip(item):
+    """What the set knows of an item, 3 × h × w pictures side by side."""
+    gray = [item.mask] + [srgb(x) for x in (item.layer, None if item.mirror is None else item.mirror * 0.5) if x is not None]
+    mask, *layers = [np.broadcast_to(x, item.image.shape) for x in gray]
+    return np.concatenate([item.image, mask, *([srgb(item.shading * 0.6)] if item.shading is not None else []), *layers], 2)
 
 
 def sheet(items, path):
-    rows = [strip(i.image, i.mask, i.shading, i.layer, i.mirror) for i in items]
+    rows = [strip(i) for i in items]
     half = len(rows) // 2
     picture = np.concatenate([np.concatenate(rows[:half], 1), np.concatenate(rows[half:2 * half], 1)], 2)
     Image.fromarray((picture.transpose(1, 2, 0) * 255 + 0.5).astype(np.uint8)).save(path)
 
 
 def statistics(name, items):
+    """Of items with an object."""
+    items = [i for i in items if i.mask.any()]
     inside = [i.mask[0] > 0.5 for i in items]
-    luma = np.concatenate([i.image[:, m].mean(0) for i, m in zip(items, inside)])
-    clipped = [float((i.image[:, m] >= 1).any(0).mean()) for i, m in zip(items, inside)]
-    share = [m.mean() for m in inside]
-    d = [i.shading[:, m].mean() for i, m in zip(items, inside)]
-    ratio = [i.layer[0][m].mean() / max(i.image_linear[:, m].mean(), 1e-6) for i, m in zip(items, inside)]
-    peak = [np.percentile(i.layer[0][m], 99) for i, m in zip(items, inside)]
-    mirror = [np.percentile(i.mirror[0][m], 99) for i, m in zip(items, inside)]
-    md = np.array([i.diffuse for i in items])
-
-    def spread(x):
-        return " ".join(f"{q:7.3f}" for q in np.percentile(x, (5, 25, 50, 75, 95)))
-
+    rows = {"sRGB inside": np.concatenate([i.image[:, m].mean(0) for i, m in zip(items, inside)]),
+            "share clipped": [float((i.image[:, m] >= 1).any(0).mean()) for i, m in zip(items, inside)],
+            "share of picture": [m.mean() for m in inside]}
+    if items[0].layer is not None:
+        rows.update({"mean D": [i.shading[:, m].mean() for i, m in zip(items, inside)],
+                     "specular share": [i.layer[0][m].mean() / max(i.image_linear[:, m].mean(), 1e-6)
+                                        for i, m in zip(items, inside)],
+                     "layer, 99 %": [np.percentile(i.layer[0][m], 99) for i, m in zip(items, inside)],
+                     "mirror, 99 %": [np.percentile(i.mirror[0][m], 99) for i, m in zip(items, inside)]})
+    if items[0].shininess is not None:
+        rows.update({"md": np.array([i.diffuse for i in items]).ravel(), "alpha": [i.alpha for i in items],
+                     "log10 s": np.log10([i.shininess for i in items])})
     print(f"{name} ({len(items)}): percentiles 5, 25, 50, 75, 95")
-    for label, x in (("sRGB inside", luma), ("share clipped", clipped), ("share of picture", share), ("mean D", d),
-                     ("specular share", ratio), ("layer, 99 %", peak), ("mirror, 99 %", mirror), ("md", md.ravel()),
-                     ("alpha", [i.alpha for i in items]), ("log10 s", np.log10([i.shininess for i in items]))):
-        print(f"  {label:17} {spread(x)}")
+    for label, x in rows.items():
+        print(f"  {label:17} " + " ".join(f"{q:7.3f}" for q in np.percentile(x, (5, 25, 50, 75, 95))))
 
 
 def main():

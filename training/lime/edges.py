@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from lime import corpus, encoding
+from lime import corpus, datasets, encoding
 from lime.networks import SIZES, load_checkpoint
 
 TIMES = 4               # pixels along a point
@@ -74,7 +74,7 @@ def main():
         errors.setdefault((source, way), {}).setdefault(where, []).append(value)
 
     for first in range(0, args.count, 8):
-        rendered = samples.render(1, first, 8, TIMES * SIZES["standard"]["input"], corpus.TEST)
+        rendered = samples.render(datasets.CHOICES, first, 8, TIMES * SIZES["standard"]["input"], corpus.TEST)
         batch, exposure = corpus.Batch(rendered), 2 ** args.stops
         if args.stops:
             codes = encoding.to_srgb(encoding.to_linear(batch.image) * exposure)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scores a checkpoint, or exported networks: evaluate.py [--checkpoint out/lime/checkpoint.pt | models/lime]. Prints Markdown and writes it with --report.
 
-Sets: held-out samples of the corpus; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real
+Sets: held-out samples of the corpus, of a seed that no choice was made by; the rendered evaluation set `materials` and its path-traced GGX part; MIT's real
 objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
 objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
 """
@@ -17,16 +17,18 @@ from lime.networks import load_checkpoint
 COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
            ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
            ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
-           ("mask_iou", "mask IoU", "{:.2%}"), ("layer_mse", "MSE layer", "{:.5f}"),
+           ("mask_iou", "mask IoU", "{:.2%}"), ("found_in_empty", "found where none is", "{:.1%}"),
+           ("layer_mse", "MSE layer", "{:.5f}"),
            ("layer_relative", "of its power", "{:.2f}"), ("layer_code", "MAE code", "{:.4f}"))
 THESIS = {"bin_exact": 0.4507, "bin_adjacent": 0.8519, "diffuse_mse": 0.0674, "alpha_mse": 0.2158,
           "log_shininess_mse": 0.3073, "mask_iou": 0.9983}
 
 
 def table(rows):
-    lines = ["| | " + " | ".join(title for _, title, _ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    columns = [c for c in COLUMNS if any(c[0] in row for row in rows.values())]
+    lines = ["| | " + " | ".join(title for _, title, _ in columns) + " |", "|---" * (len(columns) + 1) + "|"]
     for name, row in rows.items():
-        cells = [form.format(row[key]) if key in row else "" for key, _, form in COLUMNS]
+        cells = [form.format(row[key]) if key in row else "" for key, _, form in columns]
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -53,24 +55,26 @@ def main():
     parser.add_argument("--checkpoint", type=pathlib.Path, help="of train.py, or a folder of exported networks: models/lime")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--hdri", default=None)
-    parser.add_argument("--count", type=int, default=1000, help="held-out samples of the corpus")
+    parser.add_argument("--count", type=int, default=4000, help="held-out samples of the corpus")
     parser.add_argument("--report", type=pathlib.Path)
     args = parser.parse_args()
     networks = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
     samples = corpus.Corpus(args.hdri)
 
-    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, 1, args.count), False),
-            "The same, every fourth object painted": (
-                datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.MAY_BE_PAINTED), False),
-            "The same, every fourth marked, every eighth matte (layers only)": (
-                datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.EVERYDAY), False),
-            "The same, in whole frames (mask only)": (
-                datasets.synthetic(samples, 1, args.count // 4, corpus.TEST | corpus.WHOLE_FRAME), False)}
+    def held_out(count, flags=0):
+        return datasets.synthetic(samples, datasets.REPORT, count, corpus.TEST | flags, networks.size), False
+
+    sets = {"Held-out shapes and maps": held_out(args.count),
+            "The same, every fourth object painted": held_out(args.count // 4, corpus.MAY_BE_PAINTED),
+            "The same, every fourth marked, every eighth matte": held_out(args.count // 4, corpus.EVERYDAY),
+            "The same, in whole frames": held_out(args.count // 4, corpus.WHOLE_FRAME)}
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),
             ("MIT objects, real", datasets.mit, "mit", True)):
-        if (args.data / folder).is_dir():
+        if networks.size != 128:
+            print(f"{title}: not scored; its pictures are 128 × 128, and these networks take {networks.size} × {networks.size}")
+        elif (args.data / folder).is_dir():
             sets[title] = (load(args.data / folder), true_mask)
     parts = []
     for number, (title, (items, true_mask)) in enumerate(sets.items()):

@@ -6,14 +6,11 @@ soft-max. Every file is checked: only operators of the project's engine, and the
 """
 import argparse
 import pathlib
-import sys
 
 from torch import nn
 
 from lime import corpus
 from lime.networks import count_flops, load_checkpoint
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import onnx_file  # noqa: E402
 
 OUTPUTS = {"segmentation": nn.Sigmoid(), "specular": nn.ReLU(), "mirror": nn.ReLU(), "albedo": nn.Sigmoid(),

@@ -13,7 +13,7 @@ import subprocess
 import torch
 from torch.nn import functional
 
-from lime import corpus, encoding
+from lime import corpus, datasets, encoding
 from lime.networks import load_checkpoint
 
 SIZES = (64, 96, 128, 192)
@@ -60,7 +60,7 @@ def main():
     sums = {size: {} for size in SIZES}
     with torch.no_grad():
         for first in range(0, args.count, 8):
-            batch = corpus.Batch(samples.render(1, first, min(8, args.count - first), RENDERED, corpus.TEST))
+            batch = corpus.Batch(samples.render(datasets.CHOICES, first, min(8, args.count - first), RENDERED, corpus.TEST))
             for size in SIZES:
                 for name, value in errors(networks, batch, size).items():
                     sums[size][name] = sums[size].get(name, 0) + value / args.count

@@ -2,13 +2,13 @@
 """Trains the five networks on the rendered corpus: train.py --minutes 60. See README.md.
 
 Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl and OUT/curves.png. The same command with
---resume goes on where the checkpoint ended. --resume --stages a,b,… goes through those stages (again), from the weights of
-the checkpoint, and shares --minutes out among them; --resume alone then goes on with that list. --start models/lime in place
-of --resume begins with exported weights, where there is no checkpoint any more.
+--resume (in place of --start and --anew, if it had these) goes on where the checkpoint ended: with its seed and losses, and
+behind the samples that were drawn. --resume --stages a,b,… goes through those stages (again), from the weights of the
+checkpoint, and shares --minutes out among them; --resume alone then goes on with that list. --start models/lime in place of
+--resume begins with exported weights, where there is no checkpoint any more.
 """
 import argparse
 import json
-import math
 import os
 import pathlib
 import time
@@ -20,8 +20,9 @@ import torch  # noqa: E402
 
 from lime import corpus, curves, stages  # noqa: E402
 from lime.networks import SIZES, Networks, exported, warm_start  # noqa: E402
+import descent  # noqa: E402
 
-VALIDATION_SEED = 2  # of the test split; the scores of evaluate.py are of seed 1
+VALIDATION_SEED = 2  # of the test split; others are datasets.CHOICES and datasets.REPORT
 HELD_BACK = 64       # validation samples
 LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped for a while, not training
 
@@ -30,7 +31,7 @@ def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
     p.add_argument("--minutes", type=float, default=60, help="of training in all; shared out among the stages")
-    p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--seed", type=int, help="of the samples; 1, or the checkpoint's")
     p.add_argument("--hdri", default=None, help="folder of CC0 environment maps; '' for rooms only")
     p.add_argument("--threads", type=int, default=2, help="of the training")
     p.add_argument("--workers", type=int, default=1, help="threads that render samples")
@@ -59,48 +60,59 @@ def validate(stage, networks, batches, perceptual):
     return sums
 
 
+def batches_of(arrays, device, batch=16):
+    return [corpus.Batch({k: a[i:i + batch] for k, a in arrays.items()}, device) for i in range(0, len(arrays["image"]), batch)]
+
+
 def learn(stage, networks):
     """Networks that a stage does not teach keep the statistics of their normalization, too."""
     for part in networks.parts():
         getattr(networks, part).train(part in stage.parts)
 
 
-def run(networks, image):
-    """A picture's way through all of them, as in use."""
-    mask = (networks.find_mask(image) > 0.5).float()
-    specular = networks.find_specular(image, mask)
-    networks.find_albedo(image, mask, specular)
-    networks.find_exponent(specular, networks.find_mirror(specular, mask) if networks.use_mirror else specular)
+def run(networks, batch, anew):
+    """The way of pictures through all networks, as in use; the truth is in place of what those in `anew`, which know nothing
+    yet, would give the next ones."""
+    mask = batch.mask if "segmentation" in anew else (networks.find_mask(batch.image) > 0.5).float()
+    specular = batch.layer_code if "specular" in anew else networks.find_specular(batch.image, mask)
+    networks.find_albedo(batch.image, mask, specular)
+    if networks.use_mirror:
+        mirror = networks.find_mirror(specular, mask)
+    networks.find_exponent(specular, batch.mirror_code if "mirror" in anew or not networks.use_mirror else mirror)
 
 
 def main():
     args = arguments()
-    torch.manual_seed(args.seed)
     torch.set_num_threads(args.threads)
     args.out.mkdir(parents=True, exist_ok=True)
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
-    networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
-    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0, "trained_seconds": 0.0}
     path, optimizer_state = args.out / "checkpoint.pt", None
-    anew = set(args.anew.split(",")) if args.anew else set()
-    assert anew <= set(networks.parts()), f"--anew {args.anew}: there are {', '.join(networks.parts())}"
+    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0, "trained_seconds": 0.0,
+             "seed": 1, "perceptual": True}
+    assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
+    assert args.resume or args.start or not args.anew, "without --start or --resume all networks begin anew"
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
-        kept = {name: tensor for name, tensor in saved.pop("networks").items() if name.split(".")[0] not in anew}
+        saved_networks, optimizer_state = saved.pop("networks"), saved.pop("optimizer")
+        state.update({"drawn": saved["samples"]}, **saved)
+    if args.seed is not None:
+        state["seed"] = args.seed
+    state["perceptual"] &= not args.no_perceptual
+    torch.manual_seed(state["seed"])
+    networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
+    anew = set(args.anew.split(",")) if args.anew else set()
+    assert anew <= set(networks.parts()), f"--anew {args.anew}: there are {', '.join(networks.parts())}"
+    if args.resume:
+        kept = {name: tensor for name, tensor in saved_networks.items() if name.split(".")[0] not in anew}
         missing, unexpected = networks.load_state_dict(kept, strict=False)
         assert not unexpected and all(name.split(".")[0] in anew for name in missing), f"{path} holds other networks"
-        optimizer_state = saved.pop("optimizer")
-        state.update({"drawn": saved["samples"]}, **saved)
-    assert args.resume or args.start or not anew, "without --start or --resume all networks begin anew"
-    assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
     if args.stages:
         state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
     if args.stages or anew:
         optimizer_state = None
     order = stages.stages_of(networks, state["stages"])
-    state["seed"], state["perceptual"] = args.seed, not args.no_perceptual
 
     samples = corpus.Corpus(args.hdri)
     maps = samples.maps(False)
@@ -108,13 +120,10 @@ def main():
           "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
     pixels = SIZES[size]["input"]
     if args.start:
-        pictures = samples.render(args.seed, 0, 64, pixels, corpus.TAUGHT, args.threads)
-        pictures = [corpus.Batch({k: a[i:i + 16] for k, a in pictures.items()}, args.device).image for i in range(0, 64, 16)]
+        first = batches_of(samples.render(state["seed"], 0, 64, pixels, corpus.TAUGHT, args.threads), args.device)
         files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
-        warm_start.load(files, lambda: [run(networks, image) for image in pictures])
-    held_back = samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads)
-    held_back = [corpus.Batch({k: a[i:i + 16] for k, a in held_back.items()}, args.device)
-                 for i in range(0, HELD_BACK, 16)]
+        warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
+    held_back = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads), args.device)
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 
     def write(**record):
@@ -122,7 +131,7 @@ def main():
         log.flush()
 
     def save(optimizer):
-        torch.save({**state, "networks": networks.state_dict(), "optimizer": optimizer.state_dict()}, str(path) + ".new")
+        torch.save({**state, "networks": networks.state_dict(), "optimizer": optimizer and optimizer.state_dict()}, str(path) + ".new")
         pathlib.Path(str(path) + ".new").replace(path)
         curves.plot(args.out / "log.jsonl", args.out / "curves.png")
 
@@ -144,27 +153,20 @@ def main():
         while state["seconds"] < budget:
             started = time.monotonic()
             progress = state["seconds"] / budget
-            warm = min(1, (count + 1) / 50)
             coarse = progress < stage.coarse
             if stream_pixels != pixels >> coarse:
                 stream_pixels, batch = pixels >> coarse, stage.batch << 2 * coarse
                 if stream:
                     stream.close()
-                stream = corpus.Stream(samples, args.seed, state["drawn"], batch, stream_pixels, flags, args.workers,
+                stream = corpus.Stream(samples, state["seed"], state["drawn"], batch, stream_pixels, flags, args.workers,
                                        args.device, twice=True)
                 batches = corpus.Again(stream, stage.times)
-            for group in optimizer.param_groups:
-                group["lr"] = stage.rate * warm * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * progress)))
             given = next(batches)
             with torch.autocast(torch.device(args.device).type, torch.bfloat16, enabled=args.bfloat16):
                 if stage.times > 1 and not given.found:
                     given.found = stages.find_layers(networks, given)
-                terms = stages.stage_losses(stage.name, networks, given, not args.no_perceptual)
-            total = sum(terms.values())
-            optimizer.zero_grad(set_to_none=True)
-            total.backward()
-            torch.nn.utils.clip_grad_norm_(learning, 1.0)
-            optimizer.step()
+                terms = stages.stage_losses(stage.name, networks, given, state["perceptual"])
+            descent.step(optimizer, sum(terms.values()), descent.rate_of(stage.rate, progress, count))
             count += 1
             state["samples"] += batch
             state["drawn"] = stream.index
@@ -178,7 +180,7 @@ def main():
                 means = {}
                 if count % 200 == 0:
                     record.update({"held_out_" + k: v for k, v in
-                                   validate(stage, networks, held_back, not args.no_perceptual).items()})
+                                   validate(stage, networks, held_back, state["perceptual"]).items()})
                 write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
                       rate=optimizer.param_groups[0]["lr"], **record)
             if time.monotonic() - saved > 60:
@@ -187,10 +189,9 @@ def main():
         if stream:
             stream.close()
         write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
-              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back, not args.no_perceptual).items()})
-        # The optimizer of an ended stage is of no use to the next one.
+              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back, state["perceptual"]).items()})
         state.update(stage=number + 1, seconds=0.0)
-        save(optimizer)
+        save(None)  # the optimizer of an ended stage is of no use to the next one
 
 
 main()

@@ -6,11 +6,9 @@ Error: mean absolute difference of codes inside the mask, held-out samples. With
 (for inverse-onnx-import), and --bench, times of the project's own engine at 128 × 128. Prints Markdown.
 """
 import argparse
-import math
 import os
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -18,11 +16,10 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 from torch import nn  # noqa: E402
 
-from lime import corpus, losses  # noqa: E402
+from lime import corpus, datasets, losses  # noqa: E402
 from lime.networks import SIZES, UNet, count_flops  # noqa: E402
 from sizes import milliseconds  # noqa: E402
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import descent  # noqa: E402
 import onnx_file  # noqa: E402
 
 FACTORS = (0.33, 0.5, 0.75, 1, 1.5)
@@ -64,13 +61,8 @@ def main():
     steps = args.samples // BATCH
     for step in range(steps):
         batch = next(stream)
-        rate = RATE * min(1, (step + 1) / 50) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * step / steps)))
         for network, optimizer in zip(networks, optimizers):
-            optimizer.param_groups[0]["lr"] = rate
-            optimizer.zero_grad(set_to_none=True)
-            error_of(network, batch).backward()
-            torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-            optimizer.step()
+            descent.step(optimizer, error_of(network, batch), descent.rate_of(RATE, step / steps, step))
         if step % 100 == 0:
             print(f"{step * BATCH} samples", flush=True)
     stream.close()
@@ -80,7 +72,7 @@ def main():
     with torch.no_grad():
         for first in range(0, args.count, 50):
             n = min(50, args.count - first)
-            batch = corpus.Batch(samples.render(1, first, n, PIXELS, corpus.TEST))
+            batch = corpus.Batch(samples.render(datasets.CHOICES, first, n, PIXELS, corpus.TEST))
             for i, network in enumerate(networks):
                 sums[i] += float(error_of(network, batch)) * n / args.count
     print("| widths | GFLOP at 128 × 128 | MAE of code |" + (" ms |" if args.bench else ""))

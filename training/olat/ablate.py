@@ -20,6 +20,7 @@ import torch  # noqa: E402
 import export  # noqa: E402
 from olat import corpus, datasets, samples, scores, teaching  # noqa: E402
 from olat.networks import DirectionNet, network  # noqa: E402
+import descent  # noqa: E402
 
 RATE, CROPS, LIGHTS, SIZE = 2e-3, 3, 4, 96
 GRADIENTS = {"fusion": "late", "input": "gradients"}
@@ -45,7 +46,7 @@ class Variant:
     def step(self, judge, batch, rate):
         started = time.process_time()
         terms = teaching.terms_of(self.net, judge, batch, self.random, **self.options)
-        teaching.step(self.net, self.optimizer, sum(terms.values()), rate)
+        descent.step(self.optimizer, sum(terms.values()), rate)
         self.average.update(self.net)
         self.seconds += time.process_time() - started
 
@@ -87,7 +88,7 @@ def main():
         progress = max(made / args.steps, (time.monotonic() - started) / (60 * args.minutes))
         batch = next(stream)
         for v in variants.values():
-            v.step(judge, batch, teaching.rate_of(RATE, progress, made))
+            v.step(judge, batch, descent.rate_of(RATE, progress, made))
         if made % 50 == 0:
             print(f"step {made}, {(time.monotonic() - started) / 60:.1f} minutes", flush=True)
         if progress >= 1:

@@ -7,7 +7,6 @@ against the network itself.
 """
 import argparse
 import pathlib
-import sys
 
 import cv2
 import numpy as np
@@ -15,8 +14,6 @@ import torch
 
 from olat import corpus, encoding
 from olat.networks import HARMONICS, HIDDEN, Late, count_flops, load_checkpoint
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import onnx_file  # noqa: E402
 
 SHAPES = {"features": (1, 6, corpus.HEIGHT, corpus.WIDTH), "light": (1, HIDDEN + HARMONICS, 32, 32)}

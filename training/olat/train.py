@@ -20,6 +20,7 @@ import torch  # noqa: E402
 
 from olat import corpus, curves, encoding, samples, teaching  # noqa: E402
 from olat.networks import DirectionNet, exported, network, warm_start  # noqa: E402
+import descent  # noqa: E402
 
 RATE = 2e-3
 LONGEST_STEP = 20  # seconds; what goes beyond is a process that was stopped for a while, not training
@@ -121,7 +122,7 @@ def main():
         started = time.monotonic()
         batch = next(stream).to(args.device)
         loss = teaching.direction_loss(judge, batch, random)
-        teaching.step(judge, judge_optimizer, loss, teaching.rate_of(RATE, state["judged"] / judge_budget, count))
+        descent.step(judge_optimizer, loss, descent.rate_of(RATE, state["judged"] / judge_budget, count))
         count += 1
         means["direction"] = means.get("direction", 0) + float(loss)
         state["judged"] += min(time.monotonic() - started, LONGEST_STEP)
@@ -140,7 +141,7 @@ def main():
         started = time.monotonic()
         batch = next(stream).to(args.device)
         terms = teaching.terms_of(net, judge, batch, random, args.input, perceptual=not args.no_perceptual, alignment=args.alignment)
-        teaching.step(net, optimizer, sum(terms.values()), teaching.rate_of(args.rate, state["seconds"] / budget, count))
+        descent.step(optimizer, sum(terms.values()), descent.rate_of(args.rate, state["seconds"] / budget, count))
         average.update(net)
         count += 1
         state["batches"] += 1

@@ -23,7 +23,8 @@ enum Stream {
   kSensor,
   kPaint,
   kSurroundings,
-  kPrint
+  kPrint,
+  kFraming
 };
 
 /// Subpixels along a pixel's side.
@@ -73,14 +74,15 @@ struct View {
 };
 
 /// The sphere around the object fills 48 … 98 % of the picture (8 % of them less; `scale` of that),
-/// seldom reaches over its edge, and may lie off the axis of the lens, as in a crop from a larger
-/// picture.
+/// seldom reaches over its edge unless it is larger than the picture, and may lie off the axis of
+/// the lens, as in a crop from a larger picture.
 View draw_view(Random& random, bool upright, float scale, int size) {
   const float half = 0.5f * float(size);
   const float focal = random.log_uniform(2.2f, 6.f) * half;  // 49° … 19° across
   const float radius =
       scale * (random.chance(0.08f) ? random.uniform(0.24f, 0.45f) : random.uniform(0.48f, 0.98f));
-  const float room = std::clamp(1.04f - radius, 0.05f, scale < 1 ? 0.7f : 0.3f);
+  const float room = scale > 1 ? std::max(radius - 0.6f, 0.3f)
+                               : std::clamp(1.04f - radius, 0.05f, scale < 1 ? 0.7f : 0.3f);
   const float x = random.uniform(-room, room), y = random.uniform(-room, room);
   const bool crop = random.chance(0.35f);
   const float off_x = crop ? random.uniform(-1.f, 1.f) : 0.f,
@@ -299,6 +301,20 @@ void expose(Random& random, int size, bool clean, std::vector<Vec>& linear, std:
   }
 }
 
+/// A frame of 16:9 to 5:4, seldom upright, in the square as limematerial has it: its first and last
+/// rows (or columns) go on beyond it.
+void letterbox(Random& random, int size, const Images& images) {
+  const int kept = int(float(size) * random.uniform(0.55f, 0.8f)), first = (size - kept) / 2;
+  const bool upright = random.chance(0.2f);
+  const int across = upright ? size : 1, along = upright ? 1 : size;
+  for (std::uint8_t* plane :
+       {images.image, images.image + size * size, images.image + 2 * size * size, images.coverage})
+    for (int line = 0; line < size; ++line)
+      for (int i = 0; i < size; ++i)
+        plane[line * along + i * across] =
+            plane[std::clamp(line, first, first + kept - 1) * along + i * across];
+}
+
 }  // namespace
 
 void render(const Request& request, const std::vector<NamedMap>& maps, const Images& images,
@@ -310,7 +326,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
          material = stream(kMaterial);
   Random background = stream(kBackground), sensor = stream(kSensor), brush = stream(kPaint),
-         surroundings = stream(kSurroundings), print = stream(kPrint);
+         surroundings = stream(kSurroundings), print = stream(kPrint), framing = stream(kFraming);
 
   parameters = {};
   const Object object = make_object(shape, held_out);
@@ -319,8 +335,11 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   parameters.family = float(object.family);
   parameters.trait = object.trait;
   parameters.map = float(lighting.name);
-  const float scale =
-      request.whole_frame && surroundings.chance(0.33f) ? surroundings.uniform(0.3f, 0.8f) : 1.f;
+  float scale = 1;
+  if (request.whole_frame)
+    scale = surroundings.chance(0.33f) ? surroundings.uniform(0.3f, 0.8f)
+            : framing.chance(0.3f)     ? framing.uniform(1.2f, 2.2f)
+                                       : 1.f;
   const View view = draw_view(pose, object.upright, scale, kOversampling * request.size);
   const bool is_empty = pose.chance(0.05f) && request.whole_frame;
   parameters.empty = float(is_empty);
@@ -368,6 +387,7 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   }
   if (request.whole_frame) misadjust(surroundings, linear);
   expose(sensor, request.size, request.clean, linear, images.image);
+  if (request.whole_frame && framing.chance(0.5f)) letterbox(framing, request.size, images);
 }
 
 }  // namespace inverse::lime

@@ -18,8 +18,9 @@ struct Request {
   bool clean =
       false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
   /// As where an object is looked for in a whole frame: every twentieth image shows none, a third
-  /// of the objects are small, many stand before something plain or black and throw a shadow, and
-  /// the camera's exposure and white balance may be off.
+  /// of the objects are small, a fifth so large that the frame cuts them, many stand before
+  /// something plain or black and throw a shadow, the camera's exposure and white balance may be
+  /// off, and half of the frames are wider or higher than the square.
   bool whole_frame = false;
   bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
   /// As many things in use are: every fourth object bears sharp-edged marks, many of them white,

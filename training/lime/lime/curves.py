@@ -1,7 +1,6 @@
 """Loss curves of a training as a picture."""
-import json
-
 import matplotlib
+import records
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  (the backend comes first)
@@ -12,19 +11,17 @@ TERMS = {"mask", "specular", "mirror", "albedo", "exponent", "rendering", "rende
 
 def plot(log, picture):
     """One panel per loss term over minutes; held-out samples as dots; stages by shade."""
-    with open(log, encoding="utf-8") as file:
-        records = [json.loads(line) for line in file]
-    records = [r for r in records if "stage" in r]
-    terms = sorted({k for r in records for k in r} & TERMS)
+    seen = [r for r in records.read(log) if "stage" in r]
+    terms = sorted({k for r in seen for k in r} & TERMS)
     if not terms:
         return
     figure, axes = pyplot.subplots(len(terms), 1, figsize=(8, 2.2 * len(terms)), sharex=True, squeeze=False)
-    order = list(dict.fromkeys(r["stage"] for r in records))
+    order = list(dict.fromkeys(r["stage"] for r in seen))
     for term, (axis,) in zip(terms, axes):
         for number, stage in enumerate(order):
             color = f"C{number}"
-            points = [(r["minutes"], r[term]) for r in records if r["stage"] == stage and term in r]
-            held = [(r["minutes"], r["held_out_" + term]) for r in records
+            points = [(r["minutes"], r[term]) for r in seen if r["stage"] == stage and term in r]
+            held = [(r["minutes"], r["held_out_" + term]) for r in seen
                     if r["stage"] == stage and "held_out_" + term in r]
             if points:
                 axis.plot(*zip(*points), color=color, label=stage)

@@ -2,7 +2,6 @@
 import dataclasses
 import json
 import os
-import pathlib
 
 import numpy as np
 
@@ -12,6 +11,7 @@ import cv2  # noqa: E402  (it reads the variable when it is loaded)
 from . import corpus  # noqa: E402
 
 DATA = corpus.ROOT.parent / "shared/data"
+CHOICES, REPORT = 1, 3  # seeds of held-out samples: those by which choices are made (ablations, sizes, …), and those of reports
 
 
 @dataclasses.dataclass
@@ -55,23 +55,26 @@ def read(path):
 
 
 def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
-    """Corpus samples that show an object; by default held-out shapes under held-out maps. Where some are matte, whose shininess
-    says nothing, only the layers are told."""
+    """Corpus samples; by default held-out shapes under held-out maps. Where some are matte, whose shininess says nothing, only
+    mask and layers are told; of whole frames, whose exposure is not that of the layers, only the mask. There are such without
+    an object, too."""
+    whole, matte = flags & corpus.WHOLE_FRAME, flags & corpus.EVERYDAY
     items = []
     for first in range(0, count, 50):
         n = min(50, count - first)
         arrays = samples.render(seed, first, n, size, flags)
         for i in range(n):
             p = dict(zip(corpus.FIELDS, arrays["parameters"][i]))
-            if p["empty"]:
-                continue
-            items.append(Item(
-                f"{first + i}", arrays["image"][i].astype(np.float32) / 255,
-                (arrays["coverage"][i] >= 128).astype(np.float32),
-                p["specular"] * arrays["specular"][i].mean(0, keepdims=True), arrays["diffuse"][i].copy(),
-                p["alpha"] * arrays["mirror"][i].mean(0, keepdims=True),
-                np.array([p["diffuse_" + c] for c in "rgb"]), float(p["alpha"]),
-                None if flags & corpus.EVERYDAY else float(p["shininess"])))
+            item = Item(f"{first + i}", arrays["image"][i].astype(np.float32) / 255,
+                        (arrays["coverage"][i] >= 128).astype(np.float32))
+            if not whole:
+                item.layer = p["specular"] * arrays["specular"][i].mean(0, keepdims=True)
+                item.shading = arrays["diffuse"][i].copy()
+                item.mirror = p["alpha"] * arrays["mirror"][i].mean(0, keepdims=True)
+            if not whole and not matte:
+                item.diffuse = np.array([p["diffuse_" + c] for c in "rgb"])
+                item.alpha, item.shininess = float(p["alpha"]), float(p["shininess"])
+            items.append(item)
     return items
 
 

@@ -4,16 +4,13 @@ Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), Re
 upsampling (half-pixel centers), concatenation, dense layers, sigmoid and soft-max.
 """
 import pathlib
-import sys
 
 import torch
+import warm_start
 from torch import nn
 from torch.nn import functional
 
 from .encoding import BINS
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))
-import warm_start  # noqa: E402
 
 # Widths of the U-Nets per level (each half as wide as the one before) and of the encoders per block, and the dense layer.
 SIZES = {

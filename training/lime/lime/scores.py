@@ -1,16 +1,18 @@
 """Predictions of the networks, and the columns of thesis Table 6.1."""
 import math
 
+import cv2
 import numpy as np
 import torch
 
 from . import encoding
 
+LEAST_SHARE = 0.005  # of a picture, that an object has to cover to count: kLeastShare of object_tracker.cpp
 LOG_CENTERS = torch.log10(torch.tensor(encoding.CENTERS))
 
 
 def predict(networks, items, device="cpu", true_mask=False):
-    """List of dictionaries, one an item: found (probability of the object, 1 × h × w), layer and mirror (linear, gray),
+    """As exported networks would (no code of a layer is below 0: export.py's ReLU). List of dictionaries, one an item: found (probability of the object, 1 × h × w), layer and mirror (linear, gray),
     diffuse, alpha, bin, log_shininess (of base 10; the mean over the bins' probabilities)."""
     networks.eval()
     out = []
@@ -22,8 +24,8 @@ def predict(networks, items, device="cpu", true_mask=False):
             mask = (found > 0.5).float()
             if true_mask:
                 mask = torch.from_numpy(np.stack([i.mask for i in part])).float().to(device)
-            specular = networks.find_specular(image, mask)
-            mirror = networks.find_mirror(specular, mask) if networks.use_mirror else torch.zeros_like(specular)
+            specular = networks.find_specular(image, mask).clamp(min=0)
+            mirror = networks.find_mirror(specular, mask).clamp(min=0) if networks.use_mirror else torch.zeros_like(specular)
             albedo = networks.find_albedo(image, mask, specular).cpu().numpy()
             scores = networks.find_exponent(specular, mirror).cpu()
             if networks.regress:
@@ -84,13 +86,26 @@ def material_errors(items, bins, logs, diffuse, alphas):
     return out
 
 
+def largest_part(mask):
+    """Share of the picture that the largest connected part of a mask (h × w) covers."""
+    count, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
+    return max(stats[1:count, cv2.CC_STAT_AREA], default=0) / mask.size
+
+
 def score(items, predictions):
-    """All columns that the items have a truth for."""
+    """All columns that the items have a truth for. Those without an object have a column of their own: the share in which
+    there is one nevertheless."""
+    empty = [not i.mask.any() for i in items]
     out = {"count": len(items)}
+    if any(empty):
+        out["found_in_empty"] = float(np.mean([largest_part(p["found"][0] > 0.5) >= LEAST_SHARE
+                                               for p, e in zip(predictions, empty) if e]))
+    items, predictions = ([a for a, e in zip(list_, empty) if not e] for list_ in (items, predictions))
     if items[0].shininess is not None:
         out.update(material_errors(items, [p["bin"] for p in predictions], [p["log_shininess"] for p in predictions],
                                    [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions]))
-    out.update(layer_errors(items, [p["layer"] for p in predictions]))
+    if items[0].layer is not None:
+        out.update(layer_errors(items, [p["layer"] for p in predictions]))
     union = [((p["found"] > 0.5) & (i.mask > 0.5)).sum() / max(((p["found"] > 0.5) | (i.mask > 0.5)).sum(), 1)
              for p, i in zip(predictions, items)]
     out["mask_iou"] = float(np.mean(union))
@@ -116,6 +131,8 @@ def baselines(items):
             gains = encoding.lobe_gain(torch.tensor([i.shininess for i in items])).numpy()
             best["log_specular_mse"] = float(np.log10([i.alpha for i in items] * gains).var())
         rows["constant"] = best
+    if items[0].layer is None:
+        return rows
     trivial = [trivial_layers(i) for i in items]
     for name in trivial[0]:
         rows[name] = layer_errors(items, [t[name] for t in trivial])

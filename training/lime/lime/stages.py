@@ -62,11 +62,12 @@ def pick_mask(networks, batch, predicted):
 
 
 def find_layers(networks, batch, predicted_mask=True):
-    """Mask, codes of the specular layer and of the mirror image as the networks find them; nothing is learned by them."""
+    """Mask, codes of the specular layer and of the mirror image as exported networks find them (none is below 0: export.py's
+    ReLU); nothing is learned by them."""
     with torch.no_grad():
         mask = pick_mask(networks, batch, predicted_mask)
-        specular = networks.find_specular(batch.image, mask)
-        return mask, specular, networks.find_mirror(specular, mask) if networks.use_mirror else batch.mirror_code
+        specular = networks.find_specular(batch.image, mask).clamp(min=0)
+        return mask, specular, networks.find_mirror(specular, mask).clamp(min=0) if networks.use_mirror else batch.mirror_code
 
 
 def exponent_terms(networks, batch, specular, mirror):

@@ -1,1 +1,5 @@
 """Deep reflectance fields (thesis chapter 7): corpus, networks, losses and scores."""
+import pathlib
+import sys
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))  # what all trainings share

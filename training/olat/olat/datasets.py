@@ -2,7 +2,6 @@
 import dataclasses
 import json
 import os
-import pathlib
 
 os.environ.setdefault("OPENCV_IO_ENABLE_OPENEXR", "1")  # read when cv2 is loaded
 

@@ -1,15 +1,12 @@
 """Networks from gradient images and a light direction to the picture under that light, from operators of the project's engine."""
 import pathlib
-import sys
 
 import torch
+import warm_start
 from torch import nn
 from torch.nn import functional
 
 from . import encoding
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[2]))
-import warm_start  # noqa: E402
 
 WIDTHS = (16, 32, 64, 96, 128, 128)  # of the U-Net's levels, each half as large as the one before
 DECODER = (24, 32, 48, 96, 128)      # of its way up

@@ -1,7 +1,4 @@
-"""One step of training, which train.py and ablate.py share."""
-import math
-
-import torch
+"""What is learned in a step of training, which train.py and ablate.py share."""
 
 from . import losses
 
@@ -28,20 +25,6 @@ def direction_loss(judge, batch, random):
     """Mean ℓ1 distance of the direction that is read off a patch to the light's (thesis 7.4.2)."""
     patch, = losses.patches_of([batch.truth.clamp(max=losses.LIMIT)], random)
     return (judge(patch) - batch.directions.flatten(0, 1)).abs().sum(1).mean()
-
-
-def rate_of(first, progress, count, warm=50):
-    """Learning rate: a short warm-up, then a cosine to a hundredth."""
-    return first * min(1, (count + 1) / warm) * (0.01 + 0.99 * 0.5 * (1 + math.cos(math.pi * min(progress, 1))))
-
-
-def step(net, optimizer, total, rate):
-    for group in optimizer.param_groups:
-        group["lr"] = rate
-    optimizer.zero_grad(set_to_none=True)
-    total.backward()
-    torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)
-    optimizer.step()
 
 
 class Average:
