@@ -110,6 +110,14 @@ View draw_view(Random& random, bool upright, float scale, int size) {
   return {camera, {turn, 1, position}};
 }
 
+/// Share of the picture that is covered.
+float share_of(const Raster& raster) {
+  int covered = 0;
+  for (int y = 0; y < raster.size(); ++y)
+    for (int x = 0; x < raster.size(); ++x) covered += raster.covered(x, y);
+  return float(covered) / float(raster.size() * raster.size());
+}
+
 /// What one pixel shows of the object; means over its covered subpixels.
 struct Pixel {
   float coverage = 0;
@@ -340,13 +348,19 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
     scale = surroundings.chance(0.33f) ? surroundings.uniform(0.3f, 0.8f)
             : framing.chance(0.3f)     ? framing.uniform(1.2f, 2.2f)
                                        : 1.f;
-  const View view = draw_view(pose, object.upright, scale, kOversampling * request.size);
-  const bool is_empty = pose.chance(0.05f) && request.whole_frame;
+  View view = draw_view(pose, object.upright, scale, kOversampling * request.size);
+  const bool is_empty = request.whole_frame && (pose.chance(0.05f) || framing.chance(0.1f));
   parameters.empty = float(is_empty);
 
   Raster raster(kOversampling * request.size);
   if (!is_empty)
     for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
+  // What fills the picture could as well be the background.
+  for (int attempt = 0; attempt < 3 && scale > 1 && share_of(raster) > 0.7f; ++attempt) {
+    view = draw_view(framing, object.upright, scale, kOversampling * request.size);
+    raster = Raster(kOversampling * request.size);
+    for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
+  }
   std::vector<Pixel> pixels = shade(raster, view.camera, lighting.map, parameters.shininess);
   const auto plane = std::size_t(request.size * request.size);
   const Vec own{parameters.diffuse[0], parameters.diffuse[1], parameters.diffuse[2]};

@@ -17,7 +17,7 @@ struct Request {
   int size = 128;  ///< Pixels on a side.
   bool clean =
       false;  ///< No lens blur and no sensor noise: the linear image is exactly ma + md D + ms S.
-  /// As where an object is looked for in a whole frame: every twentieth image shows none, a third
+  /// As where an object is looked for in a whole frame: every seventh image shows none, a third
   /// of the objects are small, a fifth so large that the frame cuts them, many stand before
   /// something plain or black and throw a shadow, the camera's exposure and white balance may be
   /// off, and half of the frames are wider or higher than the square.
