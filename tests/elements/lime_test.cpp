@@ -166,16 +166,15 @@ TEST_F(LimeElementTest, ModelsAreReadAtEveryStart) {
 }
 
 // With the networks that come along: a glossy ball of one color before a checkered wall.
-TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
-  const gchar* models = g_getenv("INVERSE_MODELS");
-  if (!models || !std::filesystem::exists(std::string(models) + "/lime/albedo.net"))
-    GTEST_SKIP() << "built without inverse-onnx-import";
-  constexpr int kSide = 256, kRadius = 85;
+namespace {
+
+/// A glossy blue ball before checks, RGBA.
+std::vector<uint8_t> ball(int width, int height, double x0, double y0, double radius) {
   const double albedo[3] = {.08, .35, .5};
-  std::vector<uint8_t> ball(size_t{4} * kSide * kSide, 255);
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
-      const double nx = (x - 128.) / kRadius, ny = (y - 128.) / kRadius, r2 = nx * nx + ny * ny;
+  std::vector<uint8_t> picture(size_t{4} * width * height, 255);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double nx = (x - x0) / radius, ny = (y - y0) / radius, r2 = nx * nx + ny * ny;
       for (int c = 0; c < 3; ++c) {
         double light = ((x / 24 + y / 24) % 2 ? .30 : .18) * (c == 2 ? .6 : 1);
         if (r2 < 1) {
@@ -186,14 +185,28 @@ TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
         }
         const double code =
             light <= .0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - .055;
-        ball[4 * (size_t{256} * y + x) + c] =
+        picture[4 * (static_cast<size_t>(width) * y + x) + c] =
             static_cast<uint8_t>(std::lround(255 * std::clamp(code, 0., 1.)));
       }
     }
+  return picture;
+}
+
+bool has_networks() {
+  const gchar* models = g_getenv("INVERSE_MODELS");
+  return models && std::filesystem::exists(std::string(models) + "/lime/albedo.net");
+}
+
+}  // namespace
+
+TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  constexpr int kSide = 256, kRadius = 85;
+  const auto picture = ball(kSide, kSide, 128, 128, kRadius);
   VideoHarness harness("limematerial show=specular", caps(kSide, kSide), caps(kSide, kSide));
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> highlights;
-  for (int i = 0; i < 8; ++i) highlights = harness.process(ball);
+  for (int i = 0; i < 8; ++i) highlights = harness.process(picture);
   ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
   EXPECT_NEAR(stat<gdouble>(lime, "left", G_TYPE_DOUBLE), 128 - kRadius, 12);
   EXPECT_NEAR(stat<gdouble>(lime, "bottom", G_TYPE_DOUBLE), 128 + kRadius, 12);
@@ -204,6 +217,24 @@ TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
   EXPECT_GT(at(104, 104), 150) << "where the highlight is";
   EXPECT_LT(at(160, 160), 90) << "where none is";
   EXPECT_EQ(at(10, 10), 0) << "outside of the ball";
+}
+
+TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABallThatTheFrameCuts) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  constexpr int kWide = 320, kHigh = 240;
+  for (const double share : {.4, .65, .8}) {  // radius over the frame's height
+    VideoHarness harness("limematerial show=input", caps(kWide, kHigh), caps(kWide, kHigh));
+    GstElement* lime = harness.find("limematerial");
+    const auto picture = ball(kWide, kHigh, 130, 120, share * kHigh);
+    for (int i = 0; i < 10; ++i) harness.process(picture);
+    ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN)) << share;
+    const auto edge = [&](const char* name) { return stat<gdouble>(lime, name, G_TYPE_DOUBLE); };
+    EXPECT_NEAR(edge("left"), std::max(130 - share * kHigh, 0.), 12) << share;
+    EXPECT_NEAR(edge("right"), std::min(130 + share * kHigh, 320.), 12) << share;
+    EXPECT_NEAR(edge("top"), std::max(120 - share * kHigh, 0.), 12) << share;
+    EXPECT_NEAR(edge("bottom"), std::min(120 + share * kHigh, 240.), 12) << share;
+    EXPECT_LT(edge("diffuse-red"), .6 * edge("diffuse-blue")) << "of a blue ball";
+  }
 }
 
 TEST_F(LimeElementTest, WorksBehindOtherFormatsAndBesideOtherElements) {
