@@ -12,8 +12,9 @@ LOG_CENTERS = torch.log10(torch.tensor(encoding.CENTERS))
 
 
 def predict(networks, items, device="cpu", true_mask=False):
-    """As exported networks would (no code of a layer is below 0: export.py's ReLU). List of dictionaries, one an item: found (probability of the object, 1 × h × w), layer and mirror (linear, gray),
-    diffuse, alpha, bin, log_shininess (of base 10; the mean over the bins' probabilities)."""
+    """As exported networks would: no code of a layer is below 0 (export.py's ReLU). List of dictionaries, one an item: found
+    (probability of the object, 1 × h × w), layer and mirror (linear, gray), diffuse, alpha, bin, log_shininess (of base 10;
+    the mean over the bins' probabilities)."""
     networks.eval()
     out = []
     with torch.no_grad():
