@@ -50,16 +50,15 @@ NormalMap NormalMap::load(const std::string& path) {
   if (channels < 3) refuse("it is gray");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   std::vector<Normal> normals(extent.pixels());
-  size_t known = 0;
   for (size_t i = 0; i < normals.size(); ++i) {
     const stbi_us* code = pixels.get() + 4 * i;
     Normal n{};
     for (size_t c = 0; c < 3; ++c) n[c] = 2 * static_cast<float>(code[c]) / 65535 - 1;
     const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (code[3] >= 32768 && length > kShortest && length < kLongest) normals[i] = normalized(n);
-    known += normals[i] != Normal{};
   }
-  if (!known) refuse("no normal in it faces the camera");
+  if (std::all_of(normals.begin(), normals.end(), [](const Normal& n) { return n == Normal{}; }))
+    refuse("no normal in it faces the camera");
   return {extent, std::move(normals)};
 }
 

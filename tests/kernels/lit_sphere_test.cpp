@@ -111,7 +111,7 @@ class LitSphereTest : public GpuTest {
   }
 };
 
-constexpr std::array<float, 7> kExponents{2, 8, 32, 39, 41, 200, 1024};
+constexpr std::array<float, 9> kExponents{2, 8, 32, 39, 41, 63, 65, 200, 1024};
 
 }  // namespace
 

@@ -19,9 +19,9 @@ def srgb(linear):
 
 def strip(item):
     """What the set knows of an item, 3 × h × w pictures side by side."""
-    gray = [item.mask] + [srgb(x) for x in (item.layer, None if item.mirror is None else item.mirror * 0.5) if x is not None]
-    mask, *layers = [np.broadcast_to(x, item.image.shape) for x in gray]
-    return np.concatenate([item.image, mask, *([srgb(item.shading * 0.6)] if item.shading is not None else []), *layers], 2)
+    linear = ((item.shading, 0.6), (item.layer, 1), (item.mirror, 0.5))
+    parts = [item.image, item.mask, *(srgb(x * gain) for x, gain in linear if x is not None)]
+    return np.concatenate([np.broadcast_to(x, item.image.shape) for x in parts], 2)
 
 
 def sheet(items, path):

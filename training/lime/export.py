@@ -11,7 +11,7 @@ from torch import nn
 
 from lime import corpus
 from lime.networks import count_flops, load_checkpoint
-import onnx_file  # noqa: E402
+import onnx_file
 
 OUTPUTS = {"segmentation": nn.Sigmoid(), "specular": nn.ReLU(), "mirror": nn.ReLU(), "albedo": nn.Sigmoid(),
            "exponent": nn.Softmax(1)}

@@ -14,7 +14,7 @@ import torch
 
 from olat import corpus, encoding
 from olat.networks import HARMONICS, HIDDEN, Late, count_flops, load_checkpoint
-import onnx_file  # noqa: E402
+import onnx_file
 
 SHAPES = {"features": (1, 6, corpus.HEIGHT, corpus.WIDTH), "light": (1, HIDDEN + HARMONICS, 32, 32)}
 

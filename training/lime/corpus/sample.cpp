@@ -352,14 +352,17 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   const bool is_empty = request.whole_frame && (pose.chance(0.05f) || framing.chance(0.1f));
   parameters.empty = float(is_empty);
 
-  Raster raster(kOversampling * request.size);
-  if (!is_empty)
-    for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
+  const auto drawn = [&] {
+    Raster raster(kOversampling * request.size);
+    if (!is_empty)
+      for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
+    return raster;
+  };
+  Raster raster = drawn();
   // What fills the picture could as well be the background.
   for (int attempt = 0; attempt < 3 && scale > 1 && share_of(raster) > 0.7f; ++attempt) {
     view = draw_view(framing, object.upright, scale, kOversampling * request.size);
-    raster = Raster(kOversampling * request.size);
-    for (const Grid& part : object.parts) raster.draw(part, view.pose, view.camera);
+    raster = drawn();
   }
   std::vector<Pixel> pixels = shade(raster, view.camera, lighting.map, parameters.shininess);
   const auto plane = std::size_t(request.size * request.size);
