@@ -12,6 +12,7 @@ enum class ErrorKind {
   limit,          ///< the request exceeds a limit of the device (the text names it)
   unsupported,    ///< a format, colorimetry or option that this build cannot handle
   file,           ///< a file that is missing, damaged, or not what it should be
+  output,         ///< a file that cannot be written
   connection,     ///< a controller or a port that cannot be reached, or does not answer
   internal,       ///< a broken promise inside this library
 };

@@ -10,10 +10,12 @@ def rate_of(first, progress, count, warm=50):
 
 
 def step(optimizer, total, rate):
-    """Down the gradient of a loss, whose norm counts as at most 1."""
+    """Down the gradient of a loss, whose norm counts as at most 1. Raises RuntimeError where it is no finite number, before it
+    spoils a weight."""
     for group in optimizer.param_groups:
         group["lr"] = rate
     optimizer.zero_grad(set_to_none=True)
     total.backward()
-    torch.nn.utils.clip_grad_norm_([p for group in optimizer.param_groups for p in group["params"]], 1.0)
+    torch.nn.utils.clip_grad_norm_([p for group in optimizer.param_groups for p in group["params"]], 1.0,
+                                   error_if_nonfinite=True)
     optimizer.step()

@@ -1,5 +1,9 @@
 """Networks as ONNX files that the project's own engine runs."""
+import contextlib
 import copy
+import pathlib
+import shutil
+import tempfile
 
 import cv2
 import numpy as np
@@ -37,23 +41,38 @@ def tidy(path):
 def check(path, network, shape):
     graph = onnx.load(str(path)).graph
     unknown = {node.op_type for node in graph.node} - OPERATORS
-    assert not unknown, f"{path}: the engine does not run {unknown}"
+    if unknown:
+        raise ValueError(f"{path}: the engine does not run {unknown}")
     x = torch.rand(shape) * 2 - 0.5
     with torch.no_grad():
         expected = network(x).numpy()
     other = cv2.dnn.readNetFromONNX(str(path))
     other.setInput(x.numpy())
     error = np.abs(other.forward() - expected).max() / max(1, np.abs(expected).max())
-    assert error < 1e-3, f"{path}: OpenCV's dnn differs by {error}"
+    if not error < 1e-3:  # nor where it is no number
+        raise ValueError(f"{path}: OpenCV's dnn differs by {error}")
     return error
 
 
 def write(network, shape, path, last=None):
     """Writes a network, with `last` behind it where there is one, in evaluation mode. The file is checked: only operators of
-    the engine, and the same output from OpenCV's dnn; returns by how much that differs, relative where numbers exceed 1."""
+    the engine, and the same output from OpenCV's dnn; returns by how much that differs, relative where numbers exceed 1. Raises
+    ValueError where that is too much."""
     network = fold(copy.deepcopy(network))
     network = (nn.Sequential(network, last) if last else network).eval()
     torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
                       output_names=["output"], do_constant_folding=True)
     tidy(path)
     return check(path, network, shape)
+
+
+@contextlib.contextmanager
+def together(folder):
+    """A folder to write files to that belong together; all of them go to `folder` in the end, or, where something is amiss
+    with one, none."""
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as draft:
+        yield pathlib.Path(draft)
+        for path in sorted(pathlib.Path(draft).iterdir()):
+            shutil.copyfile(path, folder / path.name)

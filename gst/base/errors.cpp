@@ -21,6 +21,9 @@ void post_error(GstElement* element, const Error& error) {
     case ErrorKind::file:
       GST_ELEMENT_ERROR(element, RESOURCE, READ, ("%s", error.what()), (nullptr));
       break;
+    case ErrorKind::output:
+      GST_ELEMENT_ERROR(element, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+      break;
     case ErrorKind::connection:
       GST_ELEMENT_ERROR(element, RESOURCE, OPEN_READ_WRITE, ("%s", error.what()), (nullptr));
       break;

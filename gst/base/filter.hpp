@@ -34,6 +34,9 @@ struct FrameWork {
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.
   std::vector<StructurePtr>& messages;
+  /// Out: read-only properties that are worth looking at anew, of which bindings are told
+  /// (GObject::notify).
+  std::vector<const char*> news = {};
   /// Out: what is amiss with how the element is set or what reaches it, in words for who built the
   /// pipeline; posted as warning messages. Each is worth telling once.
   std::vector<std::string> warnings = {};
@@ -74,6 +77,8 @@ class Filter {
   /// Whether frames are to be compared with the ones before them, for FrameWork::repeated and
   /// `changed`.
   virtual bool looks_for_repeats() const { return false; }
+  /// Whether it takes pixels to be square; where they are not, a warning says what to do.
+  virtual bool takes_pixels_for_square() const { return false; }
   /// Records the work for one frame.
   virtual void process(FrameWork& frame) = 0;
   /// What a completed frame took, its wait for the device included; `number` is FrameWork's. Called

@@ -47,6 +47,7 @@ bool FilterElement::open() {
 bool FilterElement::restart() {
   return guarded(element_, [&] {
     context_.renew(device_name());
+    told_shape_ = {1, 1};
     filter_->start();
   });
 }
@@ -145,6 +146,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     return false;
   }
   if (!can_be_cut()) return false;
+  look_at_shape_of_pixels();
   // What is known of the frames so far stays: sources of variable rate tell it ever anew.
   if (!refused_ && asked_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
@@ -172,6 +174,18 @@ bool FilterElement::can_be_cut() {
                      info_.factory, parts, width),
                     (nullptr));
   return false;
+}
+
+void FilterElement::look_at_shape_of_pixels() {
+  const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
+  const auto told = std::exchange(told_shape_, shape);
+  if (shape.first == shape.second || shape == told || !filter_->takes_pixels_for_square()) return;
+  GST_ELEMENT_WARNING(
+      element_, STREAM, FORMAT,
+      ("%s takes pixels to be square, and these are %d:%d: what is round is an ellipse to it; put "
+       "videoscale ! video/x-raw,pixel-aspect-ratio=1/1 before it",
+       info_.factory, shape.first, shape.second),
+      (nullptr));
 }
 
 void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
@@ -348,6 +362,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
     for (StructurePtr& message : messages)
       gst_element_post_message(element_,
                                gst_message_new_element(GST_OBJECT(element_), message.release()));
+    for (const char* property : frame.news) g_object_notify(G_OBJECT(element_), property);
     for (const std::string& warning : frame.warnings)
       GST_ELEMENT_WARNING(element_, LIBRARY, SETTINGS, ("%s", warning.c_str()), (nullptr));
   };

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "device_context.hpp"
 #include "filter.hpp"
@@ -73,6 +74,8 @@ class FilterElement {
   bool try_caps(GstCaps* in, GstCaps* out);
   /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
   bool can_be_cut();
+  /// Warns of pixels that are not square, once a shape, where the filter takes them for it.
+  void look_at_shape_of_pixels();
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Has the device build the kernels for frames of which only tiles are converted.
   void warm_up();
@@ -101,8 +104,9 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  CapsPair asked_;        // last
-  bool refused_ = false;  // asked_ was answered with an error
+  CapsPair asked_;                        // last
+  bool refused_ = false;                  // asked_ was answered with an error
+  std::pair<int, int> told_shape_{1, 1};  // of pixels, in the caps before
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

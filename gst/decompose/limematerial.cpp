@@ -1,11 +1,9 @@
 // limematerial: the material of the object in front of the camera (thesis chapter 6).
 #include <gst/gst.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -53,7 +51,7 @@ const PropertyTable<Params>& table() {
            {static_cast<int>(LimeShow::diffuse), "diffuse",
             "The frame without the object's highlights"},
            {static_cast<int>(LimeShow::mirror), "mirror",
-            "What the object would reflect if it were a perfect mirror, as gray"},
+            "What the object would reflect if it were a mirror of its specular albedo, as gray"},
            {static_cast<int>(LimeShow::mosaic), "mosaic",
             "Input, diffuse, specular and mirror at half size, side by side"},
            {static_cast<int>(LimeShow::preview), "preview",
@@ -108,19 +106,6 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
-/// Throws Error(file) where a file cannot be made at a path that will be written to much later.
-void check_writable(const std::string& path) {
-  std::string folder = std::filesystem::path(path).parent_path().string();
-  if (folder.empty()) folder = ".";
-  const bool there = std::filesystem::exists(path);
-  if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(path) ||
-      access(there ? path.c_str() : folder.c_str(), W_OK) != 0)
-    throw Error(ErrorKind::file, path + " cannot be written: " +
-                                     (std::filesystem::is_directory(path) ? "it is a folder"
-                                      : there                             ? "that is not allowed"
-                                              : "no file can be made in " + folder));
-}
-
 /// Whether a tile of the frame that changed lies in the square.
 bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
   if (changed.empty()) return true;
@@ -141,11 +126,13 @@ class LimeElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
   bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+  bool takes_pixels_for_square() const override { return true; }
 
   void start() override {
     const Params params = parameters_.snapshot();
     models_ = LimeModels::load(models_folder(params.models, "lime"));  // files may be others
-    if (!params.environment_location.empty()) check_writable(params.environment_location);
+    if (!params.environment_location.empty())
+      Environment::check_target(params.environment_location);
     {
       std::lock_guard lock(light_mutex_);
       light_ = nullptr;
@@ -191,9 +178,9 @@ class LimeElement final : public Filter {
       std::lock_guard lock(light_mutex_);
       light = light_;
     }
-    if (path.empty()) throw Error(ErrorKind::file, "no file to write the light to was named");
+    if (path.empty()) throw Error(ErrorKind::output, "no file to write the light to was named");
     if (!light)
-      throw Error(ErrorKind::file,
+      throw Error(ErrorKind::output,
                   path +
                       " was not written, as there is no light yet: it takes an object whose "
                       "material is known and normals (normals=silhouette or normal-map)" +
@@ -357,6 +344,7 @@ class LimeElement final : public Filter {
     StructurePtr message(gst_structure_new_empty("material"));
     describe_object(message.get(), known ? object : LimeMaterial::Object{});
     frame.messages.push_back(std::move(message));
+    frame.news.insert(frame.news.end(), kMaterialNews.begin(), kMaterialNews.end());
   }
   static bool near(const Material& a, const Material& b) {
     constexpr float kAlbedo = 0.02F, kOctaves = 0.25F;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <mutex>
 #include <optional>
 
@@ -7,6 +8,9 @@
 #include "material/material.hpp"
 
 namespace inverse {
+
+/// The names of those read-only properties.
+inline constexpr std::array kMaterialNews{"diffuse-albedo", "specular-albedo", "shininess"};
 
 /// The parameters of an element that estimates a material, and behind them read-only properties
 /// that say what it found. Thread-safe.
@@ -29,13 +33,15 @@ class MaterialProperties final : public PropertyStore {
     const auto add = [&](GParamSpec* spec) {
       g_object_class_install_property(object_class, id++, spec);
     };
-    add(g_param_spec_uint("diffuse-albedo", "diffuse albedo",
-                          "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is none",
+    const auto& [diffuse, specular, shininess] = kMaterialNews;
+    add(g_param_spec_uint(diffuse, "diffuse albedo",
+                          "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is "
+                          "none. Notified, as the next two, with the message material",
                           0, G_MAXUINT, 0, flags));
-    add(g_param_spec_float("specular-albedo", "specular albedo",
+    add(g_param_spec_float(specular, "specular albedo",
                            "Specular albedo of the object, white; 0 where there is none", 0, 1, 0,
                            flags));
-    add(g_param_spec_float("shininess", "shininess",
+    add(g_param_spec_float(shininess, "shininess",
                            "Exponent of the object's highlights (Blinn-Phong), 2 to 1024; 0 where "
                            "there is no object",
                            0, 1024, 0, flags));

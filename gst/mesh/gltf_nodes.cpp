@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 #include <vector>
 
 namespace inverse {
@@ -34,16 +35,44 @@ std::string json_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Indices of the nodes below each node; other things than indices of nodes are the reader's.
+/// How deep brackets lie in each other.
+int depth_of(const std::string& json) {
+  int depth = 0, deepest = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quoted) {
+      if (c == '\\')
+        ++i;
+      else
+        quoted = c != '"';
+      continue;
+    }
+    quoted = c == '"';
+    if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
+    if (c == ']' || c == '}') --depth;
+  }
+  return deepest;
+}
+
+/// Indices of the nodes below each node; other things than nodes that are there are the reader's.
+/// In glTF 1.0 nodes have names in place of numbers.
 std::vector<std::vector<size_t>> children_of(const json& nodes) {
-  std::vector<std::vector<size_t>> children(nodes.size());
-  for (size_t n = 0; n < nodes.size(); ++n) {
-    if (!nodes[n].is_object()) continue;
-    const auto list = nodes[n].find("children");
-    if (list == nodes[n].end() || !list->is_array()) continue;
-    for (const json& child : *list)
-      if (child.is_number_unsigned() && child.get<uint64_t>() < nodes.size())
-        children[n].push_back(child.get<size_t>());
+  std::unordered_map<std::string, size_t> names;
+  if (nodes.is_object())
+    for (const auto& [name, node] : nodes.items()) names.emplace(name, names.size());
+  std::vector<std::vector<size_t>> children;
+  for (const json& node : nodes) {
+    std::vector<size_t>& below = children.emplace_back();
+    if (!node.is_object()) continue;
+    const auto list = node.find("children");
+    if (list == node.end() || !list->is_array()) continue;
+    for (const json& child : *list) {
+      if (nodes.is_array() && child.is_number_unsigned() && child.get<uint64_t>() < nodes.size())
+        below.push_back(child.get<size_t>());
+      const auto found = child.is_string() ? names.find(child.get<std::string>()) : names.end();
+      if (found != names.end()) below.push_back(found->second);
+    }
   }
   return children;
 }
@@ -51,16 +80,11 @@ std::vector<std::vector<size_t>> children_of(const json& nodes) {
 }  // namespace
 
 std::string gltf_nodes_fault(const std::string& path) {
-  bool deep = false;
-  const json file = json::parse(
-      json_of(path),
-      [&deep](int depth, json::parse_event_t, json&) {
-        deep = deep || depth > kDeepestJson;
-        return !deep;
-      },
-      false);
-  if (deep) return "nests its JSON more than " + std::to_string(kDeepestJson) + " deep";
-  if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_array()) return "";
+  const std::string text = json_of(path);
+  if (depth_of(text) > kDeepestJson)
+    return "nests its JSON more than " + std::to_string(kDeepestJson) + " deep";
+  const json file = json::parse(text, nullptr, false);
+  if (!file.is_object() || !file.contains("nodes") || !file["nodes"].is_structured()) return "";
   const auto children = children_of(file["nodes"]);
   std::vector<int> parents(children.size(), 0);
   for (const auto& list : children)

@@ -3,6 +3,7 @@
 #include <gst/gst.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -122,6 +123,7 @@ std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
 class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
+  bool takes_pixels_for_square() const override { return true; }
 
   void start() override {
     const Params params = parameters_.snapshot();
@@ -131,7 +133,7 @@ class CloneElement final : public Filter {
     seen_.reset();
     estimate_.reset();
     estimated_.reset();
-    warned_ = false;
+    warned_ = timeless_ = false;
     given_.reset();
     if (!params.environment_location.empty())
       given_.emplace(Environment::load(params.environment_location));
@@ -140,7 +142,6 @@ class CloneElement final : public Filter {
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     sphere_.emplace(device);
     insertion_.emplace(device, extent);
-    planes_.emplace(device, extent);
     insertion_->set_mesh(*mesh_);
     {
       std::lock_guard lock(mouse_mutex_);
@@ -149,12 +150,11 @@ class CloneElement final : public Filter {
     light_.reset();
     news_of_light_ = true;
     take_light(nullptr);
-    device->warm_up_once("materialclone", [&] { warm_up(device, extent); });
+    device->warm_up_once("materialclone", [&] { warm_up(device); });
   }
   void release() override {
     insertion_.reset();
     sphere_.reset();
-    planes_.reset();
   }
 
   std::vector<Setting> point(Mouse mouse, double x, double y) override {
@@ -190,48 +190,61 @@ class CloneElement final : public Filter {
         {std::exp2(params.exposure), params.rotation * std::numbers::pi_v<float> / 180});
     frame.commands.stage("light");
 
-    PlanePtr& plane = frame.layers[Role::input];
-    if (plane.use_count() > 1) {  // somebody else's, too
-      PlanePtr own = planes_->acquire();
-      frame.commands.copy(plane->buffer, own->buffer, plane->buffer->bytes());
-      plane = std::move(own);
-    }
-    Insertion::Params place = params.place;
-    if (params.spin != 0 && GST_CLOCK_TIME_IS_VALID(frame.time))
-      place.yaw = static_cast<float>(std::fmod(
-          place.yaw + params.spin * (static_cast<double>(frame.time) / GST_SECOND), 360.0));
-    insertion_->record(frame.commands, *plane, place, *sphere_);
+    const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
+    insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
     frame.picture = {plane};
+    told_[frame.number % told_.size()] = {*shown_, material_from_, light_from_, insertion_->drawn(),
+                                          insertion_->shadows()};
   }
 
-  void describe(GstStructure* stats, uint64_t) const override {
-    const Surface surface = shown_.value_or(Surface{});
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const Told& told = told_[number % told_.size()];
+    const Surface& surface = told.surface;
     const auto real = [](float v) { return static_cast<gdouble>(v); };
-    gst_structure_set(
-        stats, "triangles", G_TYPE_UINT64, static_cast<guint64>(mesh_ ? mesh_->triangles() : 0),
-        "drawn", G_TYPE_UINT64, insertion_ ? insertion_->drawn() : 0, "shadows", G_TYPE_UINT64,
-        insertion_ ? insertion_->shadows() : 0, "material", G_TYPE_STRING, material_from_, "light",
-        G_TYPE_STRING, light_from_, "diffuse-red", G_TYPE_DOUBLE, real(surface.diffuse[0]),
-        "diffuse-green", G_TYPE_DOUBLE, real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
-        real(surface.diffuse[2]), "specular", G_TYPE_DOUBLE, real(surface.specular), "shininess",
-        G_TYPE_DOUBLE, real(surface.shininess), nullptr);
+    gst_structure_set(stats, "triangles", G_TYPE_UINT64,
+                      static_cast<guint64>(mesh_ ? mesh_->triangles() : 0), "drawn", G_TYPE_UINT64,
+                      told.drawn, "shadows", G_TYPE_UINT64, told.shadows, "material", G_TYPE_STRING,
+                      told.material_from, "light", G_TYPE_STRING, told.light_from, "diffuse-red",
+                      G_TYPE_DOUBLE, real(surface.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
+                      real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
+                      real(surface.diffuse[2]), "specular", G_TYPE_DOUBLE, real(surface.specular),
+                      "shininess", G_TYPE_DOUBLE, real(surface.shininess), nullptr);
   }
 
  private:
+  /// What stats say of a frame.
+  struct Told {
+    Surface surface;
+    const char *material_from = "", *light_from = "";
+    uint64_t drawn = 0, shadows = 0;
+  };
+
+  /// Where the object is in this frame, which spin turns.
+  Insertion::Params placed(FrameWork& frame, const Params& params) {
+    Insertion::Params place = params.place;
+    if (params.spin == 0) return place;
+    if (GST_CLOCK_TIME_IS_VALID(frame.time))
+      place.yaw = static_cast<float>(std::fmod(
+          place.yaw + params.spin * (static_cast<double>(frame.time) / GST_SECOND), 360.0));
+    else if (!std::exchange(timeless_, true))
+      frame.warnings.emplace_back(
+          "spin turns with stream time, and the frames have none: give them timestamps in a "
+          "segment of format time (appsrc: format=time)");
+    return place;
+  }
+
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
-    if (params.source == MaterialFrom::stream) {
-      const bool told = meta && meta->found && meta->estimates > 0;
-      if (told) {
-        seen_ = Surface{};
-        std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
-        seen_->specular = meta->specular;
-        seen_->shininess = meta->shininess;
-      }
-      if (seen_) {
-        material_from_ = told ? "stream" : "held";
-        return *seen_;
-      }
+    const bool told = meta && meta->found && meta->estimates > 0;
+    if (told) {
+      seen_ = Surface{};
+      std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
+      seen_->specular = meta->specular;
+      seen_->shininess = meta->shininess;
+    }
+    if (params.source == MaterialFrom::stream && seen_) {
+      material_from_ = told ? "stream" : "held";
+      return *seen_;
     }
     material_from_ = "properties";
     return {linear_color(params.diffuse), params.specular, params.shininess};
@@ -262,14 +275,18 @@ class CloneElement final : public Filter {
   }
 
   /// Has the device build all kernels.
-  void warm_up(const std::shared_ptr<gpu::Device>& device, Extent extent) {
+  static void warm_up(const std::shared_ptr<gpu::Device>& device) {
+    constexpr Extent kExtent{32, 32};
     gpu::Commands commands(device);
-    Insertion::Params place;
-    place.size = 16.0F / static_cast<float>(extent.height);
-    const PlanePtr plane = planes_->acquire();
+    LitSphere sphere(device);
+    sphere.set_light(Environment::studio());
+    Insertion insertion(device, kExtent);
+    insertion.set_mesh(Mesh::sphere());
+    const PlanePtr plane = PlanePool(device, kExtent).acquire();
     commands.begin();
-    sphere_->record(commands, {}, {});
-    insertion_->record(commands, *plane, place, *sphere_);
+    commands.fill(plane->buffer);
+    sphere.record(commands, {}, {});
+    insertion.record(commands, *plane, {}, sphere);
     commands.submit();
     commands.wait();
   }
@@ -284,8 +301,9 @@ class CloneElement final : public Filter {
   bool news_of_light_ = true;              // estimated_ may be another since light_ was chosen
   std::optional<Surface> seen_;            // what the stream told last
   std::optional<Surface> shown_;
-  bool warned_ = false;  // of light that is none
-  bool looked_ = false;  // whether the stream brings a material, once
+  bool warned_ = false;    // of light that is none
+  bool timeless_ = false;  // it was told that frames have no time
+  bool looked_ = false;    // whether the stream brings a material, once
   std::mutex mouse_mutex_;
   Extent extent_;      // of frames
   bool held_ = false;  // the mouse's button is down
@@ -293,7 +311,7 @@ class CloneElement final : public Filter {
   const char* light_from_ = "studio";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
-  std::optional<PlanePool> planes_;
+  std::array<Told, gpu::kFramesInFlight> told_;  // by the frame's number
 };
 
 }  // namespace

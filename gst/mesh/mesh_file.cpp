@@ -34,6 +34,15 @@ constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "gltf", "glb
   throw Error(ErrorKind::file, "mesh " + path + " " + what);
 }
 
+/// Why a file is not read, be it the mesh or one that it names; empty where it may be.
+std::string why_no_mesh(const std::string& path) {
+  if (const std::string why = why_no_file(path); !why.empty()) return why;
+  std::error_code status;
+  return std::filesystem::file_size(path, status) > kMaxBytes
+             ? "is larger than 1 GiB; simplify it, with Blender's Decimate for example"
+             : "";
+}
+
 /// A file as Assimp reads it. Behind its end some of Assimp's readers look for more forever: this
 /// one throws then.
 class BoundedStream final : public Assimp::IOStream {
@@ -64,7 +73,14 @@ class BoundedStream final : public Assimp::IOStream {
 
 class BoundedSystem final : public Assimp::DefaultIOSystem {
  public:
+  bool Exists(const char* file) const override {  // Assimp's own opens it
+    return why_no_mesh(file).empty();
+  }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
+    const std::string name = file;
+    if (name.ends_with(".mtl")) return nullptr;  // only the shape is used
+    if (const std::string why = why_no_mesh(name); !why.empty())
+      throw std::runtime_error(name + " " + why);
     Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
     return inner ? new BoundedStream(files_, inner) : nullptr;
   }
@@ -75,16 +91,13 @@ class BoundedSystem final : public Assimp::DefaultIOSystem {
 };
 
 void check_file(const std::string& path) {
-  if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
+  if (const std::string why = why_no_mesh(path); !why.empty()) fail(path, why);
   std::string extension = std::filesystem::path(path).extension().string();
   if (!extension.empty()) extension.erase(0, 1);
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");
-  std::error_code status;
-  if (std::filesystem::file_size(path, status) > kMaxBytes)
-    fail(path, "is larger than 1 GiB; simplify it, with Blender's Decimate for example");
   if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
   if (extension.starts_with("gl"))
     if (const std::string fault = gltf_nodes_fault(path); !fault.empty()) fail(path, fault);

@@ -41,8 +41,11 @@ class Environment {
   /// A map of such radiance, of any origin.
   static Environment bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                              const std::string& name = "environment map");
-  /// Writes a Radiance file, with 8 bits of mantissa. Throws Error(file).
+  /// Writes a Radiance file, with 8 bits of mantissa. An earlier file there stays where this one
+  /// cannot be written whole, unless its folder takes no other. Throws Error(output).
   void save(const std::string& path) const;
+  /// Throws what `save` would, as far as can be told before; nothing is written.
+  static void check_target(const std::string& path);
 
   Extent extent() const { return extent_; }
   const std::vector<float>& rgb() const { return rgb_; }

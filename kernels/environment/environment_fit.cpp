@@ -122,7 +122,7 @@ EnvironmentFit::EnvironmentFit() : texels_(size_t{kWidth} * kHeight) {
 }
 
 void EnvironmentFit::reset() {
-  count_ = 0;
+  count_ = averaged_ = 0;
   weight_ = 0;
   products_.fill(0);
   seen_ = {};
@@ -172,8 +172,8 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
   }
   if (used < kFewest) return;
   ++count_;
-  const double share =
-      1.0 / static_cast<double>(std::min<uint64_t>(count_, std::max(params.memory, uint32_t{1})));
+  averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
+  const double share = 1.0 / static_cast<double>(averaged_);
   const auto mix = [share](double& mean, double now) { mean += share * (now - mean); };
   mix(weight_, all);
   for (size_t i = 0; i < kTerms; ++i)

@@ -69,7 +69,7 @@ class EnvironmentFit {
   Terms project(std::span<const float> map, size_t stride) const;
 
   std::vector<Texel> texels_;
-  uint64_t count_ = 0;
+  uint64_t count_ = 0, averaged_ = 0;                 // views; those that the means are of
   double weight_ = 0;                                 // of points in a view, mean
   std::array<double, kTerms * kTerms> products_{};    // mean of w f f^T over points
   std::array<std::array<double, kTerms>, 3> seen_{};  // mean of w f diffuse

@@ -35,6 +35,38 @@ namespace {
   throw Error(ErrorKind::file, "environment map " + path + " " + what);
 }
 
+[[noreturn]] void fail_to_write(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::output, "environment map " + path + " cannot be written: " + why);
+}
+
+/// Where a file is to be written.
+struct Target {
+  std::filesystem::path path;  ///< of the file itself, where the name is that of a link
+  bool there;                  ///< an earlier file is
+  bool in_place;               ///< over what is there, and not beside it first
+};
+
+/// Throws where nothing can be written under this name.
+Target target_of(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code none, status;
+  const fs::file_status found = fs::status(path, status);
+  if (found.type() == fs::file_type::none) fail_to_write(path, status.message());
+  if (fs::is_directory(found)) fail_to_write(path, "it is a folder");
+  if (fs::is_fifo(found) || fs::is_socket(found))
+    fail_to_write(path, "it is a pipe, which waits for somebody who reads it");
+  const bool there = fs::exists(found);
+  const fs::path target = there ? fs::canonical(path, none) : fs::path(path);
+  const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
+  const bool takes_another = access(folder.c_str(), W_OK | X_OK) == 0;
+  if (there && takes_another && fs::is_regular_file(found)) return {target, true, false};
+  if (there && access(target.c_str(), W_OK) != 0) fail_to_write(path, strerror(errno));
+  if (there) return {target, true, true};
+  if (!fs::is_directory(folder, none)) fail_to_write(path, "there is no folder " + folder);
+  if (!takes_another) fail_to_write(path, "no file can be made in " + folder);
+  return {target, false, false};
+}
+
 /// A file as stb reads it. Where bytes are missing at its end, stb would wait for them forever, or
 /// take them for zeros: it gets others, that end lines and runs, and this notes it.
 struct Reader {
@@ -121,22 +153,16 @@ Environment Environment::load(const std::string& path, size_t& changed) {
   return bounded(panorama.extent, std::move(panorama.rgb), changed, "environment map " + path);
 }
 
+void Environment::check_target(const std::string& path) { target_of(path); }
+
 void Environment::save(const std::string& path) const {
-  // An earlier file stays where this one cannot be written whole, if its folder takes another;
-  // devices and pipes are no files.
-  std::error_code none;
-  const bool there = std::filesystem::exists(path, none);
-  const std::filesystem::path target =
-      there ? std::filesystem::canonical(path, none) : std::filesystem::path(path);
-  const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
-  const bool in_place = there && (!std::filesystem::is_regular_file(target, none) ||
-                                  access(folder.c_str(), W_OK) != 0);
+  const auto [target, there, in_place] = target_of(path);
   static std::atomic<unsigned> drafts{0};  // others may save to the same file meanwhile
   const std::string draft = in_place ? path
                                      : target.string() + "." + std::to_string(getpid()) + "-" +
                                            std::to_string(drafts++) + ".new";
   std::ofstream file(draft, std::ios::binary | std::ios::trunc);
-  if (!file) fail(path, std::string("cannot be written: ") + strerror(errno));
+  if (!file) fail_to_write(path, strerror(errno));
   const auto write = [](void* to, void* data, int bytes) {
     static_cast<std::ofstream*>(to)->write(static_cast<const char*>(data), bytes);
   };
@@ -146,15 +172,16 @@ void Environment::save(const std::string& path) const {
   file.close();
   if (!done || !file) {
     if (!in_place) std::remove(draft.c_str());
-    fail(path, "cannot be written whole; is the disk full?");
+    fail_to_write(path, "the file is not whole; is the disk full?");
   }
   if (in_place) return;
+  std::error_code none;
   if (there)
-    std::filesystem::permissions(draft, std::filesystem::status(target).permissions(), none);
+    std::filesystem::permissions(draft, std::filesystem::status(target, none).permissions(), none);
   if (std::rename(draft.c_str(), target.c_str()) != 0) {
     const std::string why = strerror(errno);
     std::remove(draft.c_str());
-    fail(path, "cannot be written: " + why);
+    fail_to_write(path, why);
   }
 }
 

@@ -241,7 +241,8 @@ std::string LightProgram::json() const {
 void LightProgram::save(const std::string& path) const {
   std::ofstream file(path, std::ios::binary);
   file << json();
-  if (!file.flush()) throw Error(ErrorKind::file, "the light program cannot be written to " + path);
+  if (!file.flush())
+    throw Error(ErrorKind::output, "the light program cannot be written to " + path);
 }
 
 }  // namespace inverse

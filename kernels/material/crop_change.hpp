@@ -15,6 +15,7 @@ class CropChange {
   /// each.
   void keep(std::span<const float> image, uint32_t side);
   void reset() { kept_.clear(); }
+  bool kept() const { return !kept_.empty(); }
 
   /// The largest difference of means, in any channel, between a block of this picture and of the
   /// kept one; of blocks that have at least an eighth of their points on the object (`mask`, a byte

@@ -104,7 +104,9 @@ bool LimeMaterial::rests(const Params& params) const {
   const bool steady =
       fusion_.count() >= kFewest &&
       fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.averaged()));
-  return steady && tracker_.moved() < kMoved && !(drawn_ && changed_ > kChanged);
+  // Whoever begins to draw layers finds those of a picture that nobody has kept.
+  const bool stale = drawn_ && (!change_.kept() || changed_ > kChanged);
+  return steady && tracker_.moved() < kMoved && !stale;
 }
 
 void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot) {
@@ -116,7 +118,11 @@ void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& fra
   commands.copy(segmentation_.output(0), slot.probability, slot.probability->bytes());
   // Layers and material are the followed object's alone.
   const std::vector<uint8_t> foreign = tracker_.foreign(slot.square, side_);
-  if (foreign.empty()) return;
+  if (!foreign.empty()) leave_out(commands, foreign, slot);
+}
+
+void LimeMaterial::leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign,
+                             Slot& slot) {
   if (!slot.foreign)
     slot.foreign =
         gpu::Buffer::create(device_, gpu::Element::word, foreign.size(), gpu::Memory::upload);
@@ -200,6 +206,7 @@ void LimeMaterial::warm_up() {
   commands.begin();
   commands.fill(frame->buffer);
   record_segmentation(commands, *frame, slots_[0]);
+  leave_out(commands, std::vector<uint8_t>(size_t{side_} * side_), slots_[0]);
   record_networks(commands, slots_[0]);
   for (const bool known : {false, true}) draw_layers(commands, *frame, known);
   commands.submit();
@@ -228,17 +235,14 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
-    report.lit = params.lit && (totals_.estimates < kEarlyViews || light_.views() < kEarlyViews ||
-                                totals_.estimates % kViewEvery == 0);
+    report.lit = params.lit && (light_.views() < kEarlyViews || estimates_ % kViewEvery == 0);
     if (report.lit) read_back(commands, exponent_.input(0), slot.codes);
   }
   report.compared = report.segmented && params.adaptive && drawn_;
   if (report.lit || report.compared) read_back(commands, segmentation_.input(0), slot.image);
   drawn_ = false;
-  totals_.segmentations += report.segmented;
-  totals_.estimates += report.estimated;
-  report.segmentations = totals_.segmentations;
-  report.estimates = totals_.estimates;
+  report.segmentations = segmentations_ += report.segmented;
+  report.estimates = estimates_ += report.estimated;
   slot.report = report;
   ++recorded_;
 }
@@ -260,7 +264,10 @@ void LimeMaterial::done(uint64_t number) {
     fusion_.reset();
     have_layers_ = false;
   }
-  if (slot.report.compared) compare(slot);
+  if (slot.report.compared)
+    compare(slot);
+  else if (slot.report.estimated)
+    change_.reset();  // the layers are of another picture than the one that is kept
   const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty();
   if (seen && slot.report.estimated) {
     const float *albedo = slot.albedo->map_as<float>() + 4,

@@ -110,6 +110,7 @@ class LimeMaterial {
   const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
   bool rests(const Params& params) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
+  void leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
@@ -140,7 +141,7 @@ class LimeMaterial {
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;
-  Report totals_;
+  uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   ObjectLight light_;
   std::shared_ptr<const Environment> lit_by_;

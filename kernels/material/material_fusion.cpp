@@ -88,7 +88,8 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
     window_.push_back(estimate);
   }
   ++count_;
-  averaged_ = std::min<uint64_t>(count_, std::max(params.memory, uint32_t{1}));
+  // Not of count_: a memory that grows does not bring back what a shorter one forgot.
+  averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const float alpha = 1.0F / static_cast<float>(averaged_);
   const Numbers now = numbers_of(count_ == 1 ? estimate : middle), before = numbers_of(mean_);
   Numbers mixed{};

@@ -5,8 +5,10 @@
 // channels of the result.
 #define ENTERING (STRIDE * (ROWS - 1) + 3)  // rows of the input that ROWS of the result see
 
+#if STRIDE == 1  // plan.cpp fuses nothing into the others
 layout(constant_id = 2) const bool kUpsampled = false;  // the first source, as it is read
 layout(constant_id = 3) const bool kSecond = false;     // there are two sources, one channel behind the other
+#endif
 PLANE_IN(0, first);
 PLANE_IN(1, second);
 PLANE_IN(2, weights);
@@ -73,19 +75,24 @@ void main() {
   int area = push.source.x * push.source.y;
   for (int i = 0; i < push.first_blocks; ++i)
     for (int dx = 0; dx < 3; ++dx) {
+#if STRIDE == 1
       if (kUpsampled) {
         READ_UPSAMPLED(left + dx, top, 1 + i * (area / 4))
-      } else {
+      } else
+#endif
+      {
         READ_COLUMN(first, left + dx, top, 1 + i * area)
       }
       ADD_COLUMN
     }
+#if STRIDE == 1
   if (kSecond)
     for (int i = 0; i < push.second_blocks; ++i)
       for (int dx = 0; dx < 3; ++dx) {
         READ_COLUMN(second, left + dx, top, 1 + i * area)
         ADD_COLUMN
       }
+#endif
   int at = 1 + (block * push.size.y + strip * ROWS) * push.size.x + x;
   for (int y = 0; y < ROWS; ++y)
     if (strip * ROWS + y < push.size.y) STORE(result, at + y * push.size.x, activated(sums[y], push.slope));

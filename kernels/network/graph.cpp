@@ -11,6 +11,7 @@ namespace {
 constexpr size_t kMostNodes = 4096;
 constexpr size_t kMostPorts = 64;  // inputs of a graph, and outputs
 constexpr uint32_t kMostChannels = 1 << 16;
+constexpr uint32_t kMostSide = 1 << 14;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
   throw Error(ErrorKind::unsupported, "network: " + what + ": " + why);
@@ -23,7 +24,9 @@ std::string text(const Shape& s) {
 
 std::string named(const Node& node) { return "node \"" + node.name + "\""; }
 
-void validate_weights(const Graph& graph, const Node& node) {
+/// `from`: behind the weights of the nodes before it. No number is two nodes', so that a small file
+/// cannot ask for more memory and time than its size.
+void validate_weights(const Graph& graph, const Node& node, uint64_t from) {
   if (node.channels < 1 || node.channels > kMostChannels)
     refuse(named(node), std::to_string(node.channels) + " channels");
   if (node.fan_in < 1) refuse(named(node), "no input channels");
@@ -31,6 +34,7 @@ void validate_weights(const Graph& graph, const Node& node) {
   if (node.weights > graph.weights.size() || count > graph.weights.size() - node.weights)
     refuse(named(node), "its weights lie outside of the " + std::to_string(graph.weights.size()) +
                             " that there are");
+  if (node.weights < from) refuse(named(node), "its weights are those of a node before it, too");
   const auto first = graph.weights.begin() + static_cast<ptrdiff_t>(node.weights);
   const auto finite = [](float w) { return std::isfinite(w); };
   const auto bias = first + static_cast<ptrdiff_t>(node.weight_count());
@@ -39,11 +43,13 @@ void validate_weights(const Graph& graph, const Node& node) {
     refuse(named(node), "a bias is not a finite number");
 }
 
-void validate_node(const Graph& graph, uint32_t index) {
+void validate_node(const Graph& graph, uint32_t index, uint64_t& weights_from) {
   const Node& node = graph.nodes[index];
   if (static_cast<uint32_t>(node.op) >= kOps) refuse(named(node), "an unknown operation");
   if (static_cast<uint32_t>(node.activation) >= kActivations)
     refuse(named(node), "an unknown activation");
+  if (node.activation != Activation::none && !node.has_weights() && node.op != Op::activation)
+    refuse(named(node), "an activation where none is taken");
   if (!std::isfinite(node.slope)) refuse(named(node), "its slope is not a finite number");
   const size_t inputs = node.op == Op::concat ? 2 : 1;
   if (node.inputs.size() != inputs)
@@ -56,7 +62,9 @@ void validate_node(const Graph& graph, uint32_t index) {
     refuse(named(node), "a kernel of size " + std::to_string(node.kernel));
   if (node.op == Op::convolution ? node.stride != 1 && node.stride != 2 : node.stride != 1)
     refuse(named(node), "a stride of " + std::to_string(node.stride));
-  if (node.has_weights()) validate_weights(graph, node);
+  if (!node.has_weights()) return;
+  validate_weights(graph, node, weights_from);
+  weights_from = node.weights + node.weight_count() + node.channels;
 }
 
 /// Where the channels of an image are not those that a node was made for.
@@ -111,7 +119,8 @@ void validate(const Graph& graph) {
   for (const Input& input : graph.inputs)
     if (input.channels < 1 || input.channels > kMostChannels)
       refuse("input \"" + input.name + "\"", std::to_string(input.channels) + " channels");
-  for (uint32_t i = 0; i < graph.nodes.size(); ++i) validate_node(graph, i);
+  uint64_t weights_from = 0;
+  for (uint32_t i = 0; i < graph.nodes.size(); ++i) validate_node(graph, i, weights_from);
   for (const Output& output : graph.outputs)
     if (output.value >= graph.values() || output.value < graph.inputs.size())
       refuse("output \"" + output.name + "\"", "it is the result of no node");
@@ -127,9 +136,10 @@ std::vector<Shape> shapes_of(const Graph& graph, std::span<const Shape> inputs) 
       refuse("input \"" + graph.inputs[i].name + "\"",
              "it has " + std::to_string(graph.inputs[i].channels) + " channels and gets " +
                  text(inputs[i]));
+    if (inputs[i].height > kMostSide || inputs[i].width > kMostSide)
+      refuse("input \"" + graph.inputs[i].name + "\"", text(inputs[i]) + " is too large");
     shapes.push_back(inputs[i]);
   }
-  constexpr uint32_t kMostSide = 1 << 14;
   for (const Node& node : graph.nodes) {
     shapes.push_back(shape_of(node, shapes));
     const Shape& s = shapes.back();

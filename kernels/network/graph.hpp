@@ -72,7 +72,8 @@ struct Graph {
   uint32_t values() const { return static_cast<uint32_t>(inputs.size() + nodes.size()); }
 };
 
-/// Sanity of a graph of any origin: indices, counts, ranges, finite weights. Throws
+/// Sanity of a graph of any origin: indices, counts, ranges, finite weights, which lie one node's
+/// behind the other's. Throws
 /// Error(unsupported) naming the node, input or output, and what is wrong.
 void validate(const Graph& graph);
 

@@ -123,6 +123,7 @@ std::span<const std::byte> body_of(std::span<const std::byte> bytes, const std::
   if (header.version != kVersion)
     file.refuse("it is of version " + std::to_string(header.version) + ", not " +
                 std::to_string(kVersion) + "; import it again with inverse-onnx-import");
+  if (header.zero != 0) file.refuse("its header was changed");
   if (header.bytes != bytes.size() - sizeof(Header))
     file.refuse("it has " + std::to_string(bytes.size()) + " bytes in place of " +
                 std::to_string(header.bytes + sizeof(Header)) + ": cut short, or changed");

@@ -125,8 +125,9 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
       const uint32_t rows = half ? kHalfRows : kRows;
       const uint64_t strips = (out.height + rows - 1) / rows;
       add(step,
-          device_->kernel(half ? shaders::network_convolve3_half : shaders::network_convolve3,
-                          {activation, step.sources[0].upsampled, two}),
+          half ? device_->kernel(shaders::network_convolve3_half, {activation})
+               : device_->kernel(shaders::network_convolve3,
+                                 {activation, step.sources[0].upsampled, two}),
           {first, second, weights, result}, push, strips * out.width * blocks);
       return;
     }

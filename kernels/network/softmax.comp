@@ -17,9 +17,9 @@ vec4 present(vec4 v, int block, float else_) {
 void main() {
   int pixel = int(gl_GlobalInvocationID.x), blocks = (push.channels + 3) / 4;
   if (pixel >= push.area) return;
-  float largest = -3.4e38, sum = 0.0;
+  float largest = FETCH(image, 1 + pixel).r, sum = 0.0;
   for (int i = 0; i < blocks; ++i)
-    largest = max(largest, component_max(present(FETCH(image, 1 + i * push.area + pixel), i, -3.4e38)));
+    largest = max(largest, component_max(present(FETCH(image, 1 + i * push.area + pixel), i, largest)));
   for (int i = 0; i < blocks; ++i)
     sum += dot(vec4(1.0), present(exp(FETCH(image, 1 + i * push.area + pixel) - largest), i, 0.0));
   for (int i = 0; i < blocks; ++i)

@@ -38,11 +38,11 @@ Times measure(const network::Network& net, const std::shared_ptr<gpu::Device>& d
       if (!stages) {
         walls.push_back(bench::milliseconds(Clock::now() - start));
         processor.push_back(bench::processor_ms() - before);
+        continue;
       }
       times.by_stage.resize(commands.stages().size());
-      if (stages)
-        for (size_t s = 0; s < commands.stages().size(); ++s)
-          times.by_stage[s].push_back(commands.stages()[s].milliseconds);
+      for (size_t s = 0; s < commands.stages().size(); ++s)
+        times.by_stage[s].push_back(commands.stages()[s].milliseconds);
     }
   times.run = bench::median(walls);
   times.processor = bench::median(processor);

@@ -40,32 +40,36 @@ std::string complaint(GstMessage* message) {
 
 }  // namespace
 
-LineResult run_line(const std::string& line, unsigned seconds,
-                    const std::function<void(GstElement* pipeline)>& prepare) {
-  LineResult result;
-  gst_video_info_init(&result.info);
+namespace {
+
+/// The pipeline of a line; null where there is none, as `result` says then.
+GstElement* parsed(const std::string& line, LineResult& result) {
   GError* error = nullptr;
   GstElement* pipeline = gst_parse_launch(line.c_str(), &error);
-  if (error) {
-    result.errors.push_back(std::string("parse: ") + error->message);
-    g_error_free(error);
-    if (pipeline) gst_object_unref(pipeline);
-    return result;
-  }
+  if (!error) return pipeline;
+  result.errors.push_back(std::string("parse: ") + error->message);
+  g_error_free(error);
+  if (pipeline) gst_object_unref(pipeline);
+  return nullptr;
+}
+
+/// Runs a pipeline to its end.
+void play(GstElement* pipeline, const std::string& line, unsigned seconds, LineResult& result) {
+  gst_video_info_init(&result.info);
   GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  gulong handler = 0;
   if (sink) {
     g_object_set(sink, "sync", FALSE, "emit-signals", TRUE, nullptr);
-    g_signal_connect(sink, "new-sample",
-                     G_CALLBACK(+[](GstAppSink* app, LineResult* kept) -> GstFlowReturn {
-                       GstSample* sample = gst_app_sink_pull_sample(app);
-                       kept->frames.push_back(bytes_of(gst_sample_get_buffer(sample)));
-                       gst_video_info_from_caps(&kept->info, gst_sample_get_caps(sample));
-                       gst_sample_unref(sample);
-                       return GST_FLOW_OK;
-                     }),
-                     &result);
+    handler = g_signal_connect(sink, "new-sample",
+                               G_CALLBACK(+[](GstAppSink* app, LineResult* kept) -> GstFlowReturn {
+                                 GstSample* sample = gst_app_sink_pull_sample(app);
+                                 kept->frames.push_back(bytes_of(gst_sample_get_buffer(sample)));
+                                 gst_video_info_from_caps(&kept->info, gst_sample_get_caps(sample));
+                                 gst_sample_unref(sample);
+                                 return GST_FLOW_OK;
+                               }),
+                               &result);
   }
-  if (prepare) prepare(pipeline);
   GstBus* bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   const gint64 deadline = g_get_monotonic_time() + seconds * G_USEC_PER_SEC;
@@ -73,7 +77,8 @@ LineResult run_line(const std::string& line, unsigned seconds,
     const gint64 left = deadline - g_get_monotonic_time();
     GstMessage* message = gst_bus_timed_pop_filtered(
         bus, left > 0 ? static_cast<GstClockTime>(left) * 1000 : 0,
-        static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_WARNING));
+        static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR | GST_MESSAGE_WARNING |
+                                    GST_MESSAGE_ELEMENT));
     if (!message) {
       ADD_FAILURE() << "neither ended nor complained within " << seconds << " s: " << line;
       break;
@@ -82,6 +87,8 @@ LineResult run_line(const std::string& line, unsigned seconds,
       result.eos = true;
     else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
       result.errors.push_back(complaint(message));
+    else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ELEMENT)
+      result.messages.push_back(gst_structure_get_name(gst_message_get_structure(message)));
     else
       result.warnings.push_back(complaint(message));
     gst_message_unref(message);
@@ -92,9 +99,34 @@ LineResult run_line(const std::string& line, unsigned seconds,
     gst_message_unref(message);
   }
   gst_object_unref(bus);
+  if (handler) g_signal_handler_disconnect(sink, handler);
   if (sink) gst_object_unref(sink);
+}
+
+}  // namespace
+
+LineResult run_line(const std::string& line, unsigned seconds,
+                    const std::function<void(GstElement* pipeline)>& prepare) {
+  LineResult result;
+  GstElement* pipeline = parsed(line, result);
+  if (!pipeline) return result;
+  if (prepare) prepare(pipeline);
+  play(pipeline, line, seconds, result);
   gst_object_unref(pipeline);
   return result;
+}
+
+std::vector<LineResult> run_line_again(const std::string& line, size_t times,
+                                       const std::function<void()>& between) {
+  std::vector<LineResult> results(times);
+  GstElement* pipeline = parsed(line, results.front());
+  if (!pipeline) return results;
+  for (size_t i = 0; i < times; ++i) {
+    if (i > 0 && between) between();
+    play(pipeline, line, 60, results[i]);
+  }
+  gst_object_unref(pipeline);
+  return results;
 }
 
 VideoHarness::VideoHarness(const std::string& line, const std::string& src_caps,

@@ -20,6 +20,7 @@ struct LineResult {
   bool eos = false;
   std::vector<std::string> errors;  ///< "factory: text", in the order of arrival
   std::vector<std::string> warnings;
+  std::vector<std::string> messages;  ///< names of element messages
   std::vector<std::vector<uint8_t>> frames;
   GstVideoInfo info;  ///< of the last frame
   /// The error of our own elements, or of the first complaint.
@@ -31,6 +32,11 @@ struct LineResult {
 /// an application does before it starts.
 LineResult run_line(const std::string& line, unsigned seconds = 60,
                     const std::function<void(GstElement* pipeline)>& prepare = {});
+
+/// The same line run to its end so many times, by one pipeline that is stopped (NULL) in between.
+/// `between` is called before each run but the first.
+std::vector<LineResult> run_line_again(const std::string& line, size_t times,
+                                       const std::function<void()>& between);
 
 /// The tests share the plugin's device, whose kernels are then built once for all of them. While
 /// one of these lives, nobody holds it between streams: each begins with no kernel built.

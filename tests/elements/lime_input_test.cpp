@@ -47,6 +47,20 @@ TEST_F(LimeInput, AnObjectThatTheFrameCutsIsFound) {
   }
 }
 
+TEST_F(LimeInput, PixelsThatAreNotSquareAreWarnedOfOnce) {
+  const auto shape = [](const char* ratio) {
+    return VideoHarness::caps("RGBA", kWidth, kHeight, std::string("pixel-aspect-ratio=") + ratio);
+  };
+  VideoHarness harness(line(), shape("16/15"));
+  for (int i = 0; i < 3; ++i) ASSERT_FALSE(harness.process(scene(48, 32, 20)).empty());
+  const auto warnings = harness.warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.front().find("16:15"), std::string::npos) << warnings.front();
+  harness.set_src_caps(shape("1/1"));
+  ASSERT_FALSE(harness.process(scene(48, 32, 20)).empty());
+  EXPECT_TRUE(harness.warnings().empty());
+}
+
 TEST_F(LimeInput, FramesOfOneValueGiveFrames) {
   for (const char* show : {"diffuse", "mosaic", "preview"})
     for (const uint8_t value : {0, 255}) {

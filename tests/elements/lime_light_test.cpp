@@ -130,6 +130,15 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
       run_line(ball() + line("environment-location=/nowhere/light.hdr") + " ! fakesink");
   EXPECT_NE(refused.first_error().find("/nowhere/light.hdr"), std::string::npos)
       << refused.first_error();
+  const TemporaryFolder here;
+  const std::string pipe = here / "pipe.hdr";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const auto& [path, why] :
+       {std::pair{pipe, "it is a pipe"}, {here.path(), "it is a folder"}}) {
+    const auto error =
+        run_line(ball() + line("environment-location=" + path) + " ! fakesink").first_error();
+    EXPECT_NE(error.find(path + " cannot be written: " + why), std::string::npos) << error;
+  }
   std::optional<TemporaryFolder> gone(std::in_place);
   VideoHarness harness(line("environment-location=" + (*gone / "light.hdr")), caps(), caps());
   for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));

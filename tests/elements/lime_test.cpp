@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 
@@ -141,6 +142,42 @@ TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
           harness.process(scene(width / 2, height / 2, height / 3, width, height)).empty());
   }
   EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(LimeElementTest, ASecondRunIsAsTheFirst) {
+  const TemporaryFolder folder;
+  const std::string light = folder / "light.hdr";
+  const auto runs = run_line_again(
+      "videotestsrc num-buffers=8 pattern=solid-color foreground-color=0xffe66464 ! "
+      "video/x-raw,format=RGBA,width=96,height=64 ! " +
+          line("show=specular environment-location=" + light) + " ! appsink name=out",
+      3, [&] { EXPECT_TRUE(std::filesystem::remove(light)) << "nothing was written"; });
+  for (const LineResult& run : runs) {
+    EXPECT_TRUE(run.eos) << run.first_error();
+    ASSERT_EQ(run.frames.size(), 8u);
+    EXPECT_EQ(run.frames, runs[0].frames);
+    EXPECT_EQ(run.messages, std::vector<std::string>{"material"});
+    EXPECT_TRUE(run.warnings.empty());
+  }
+  EXPECT_TRUE(std::filesystem::exists(light));
+}
+
+TEST_F(LimeElementTest, BindingsHearOfTheMaterial) {
+  VideoHarness harness(line(), caps());
+  GstElement* lime = harness.find("limematerial");
+  std::vector<std::string> heard;
+  g_signal_connect(lime, "notify",
+                   G_CALLBACK(+[](GObject* object, GParamSpec* spec, gpointer names) {
+                     GValue value = G_VALUE_INIT;
+                     g_object_get_property(object, spec->name, &value);  // must not wait
+                     g_value_unset(&value);
+                     static_cast<std::vector<std::string>*>(names)->emplace_back(spec->name);
+                   }),
+                   &heard);
+  for (int i = 0; i < 8; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_EQ(heard, (std::vector<std::string>{"diffuse-albedo", "specular-albedo", "shininess"}));
+  for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_EQ(heard.size(), 6u);
 }
 
 TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {

@@ -2,6 +2,7 @@
 #include "mesh/mesh_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -115,7 +116,6 @@ class MeshFile : public ::testing::Test {
     return "";
   }
 
- private:
   TemporaryFolder folder_;
 };
 
@@ -257,6 +257,44 @@ TEST_F(MeshFile, NodesOfGltfThatAreNoTreeAreRefused) {
             std::string::npos);
   EXPECT_NE(error(written("brackets.gltf", std::string(100000, '['))).find("nests its JSON"),
             std::string::npos);
+}
+
+// Of glTF 1.0, which names what 2.0 numbers, too.
+TEST_F(MeshFile, NamedNodesOfGltfThatAreNoTreeAreRefused) {
+  const auto file = [](const std::string& nodes) {
+    return R"({"asset":{"version":"1.0"},"scene":"s","scenes":{"s":{"nodes":["n0"]}},"nodes":{)" +
+           nodes + "}}";
+  };
+  const auto node = [](int i, const std::string& children) {
+    return "\"n" + std::to_string(i) + R"(":{"children":[)" + children + "]}";
+  };
+  EXPECT_NE(error(written("ring.gltf", file(node(0, R"("n1")") + "," + node(1, R"("n0")"))))
+                .find("below themselves"),
+            std::string::npos);
+  std::string chain;
+  for (int i = 0; i < 20000; ++i) chain += node(i, "\"n" + std::to_string(i + 1) + "\"") + ",";
+  EXPECT_NE(error(written("chain.gltf", file(chain + node(20000, "")))).find("below each other"),
+            std::string::npos);
+}
+
+// It names another file, which is no better than the first.
+TEST_F(MeshFile, FilesThatAMeshNamesAreLookedAtToo) {
+  const std::string pipe = folder_ / "pipe.bin";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
+  EXPECT_EQ(load_mesh(written("painted.obj",
+                              "mtllib pipe.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\n"
+                              "v 0 1 0\nf 1 2 3\n"))
+                .triangles(),
+            1U);
+  const std::string text = error(written(
+      "far.gltf",
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],)"
+      R"("buffers":[{"byteLength":36,"uri":"pipe.bin"}]})"));
+  EXPECT_NE(text.find("pipe.bin"), std::string::npos) << text;
 }
 
 }  // namespace inverse::testing

@@ -25,11 +25,11 @@ class EnvironmentTest : public ::testing::Test {
   std::string written(const std::string& name, const std::string& bytes) const {
     return folder_.write(name, bytes);
   }
-  static std::string error(const std::function<void()>& action) {
+  static std::string error(const std::function<void()>& action, ErrorKind kind = ErrorKind::file) {
     try {
       action();
     } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::file) << e.what();
+      EXPECT_EQ(e.kind(), kind) << e.what();
       return e.what();
     }
     return "";
@@ -144,7 +144,8 @@ TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
   const std::string huge = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000 +X 2000000\n";
   EXPECT_FALSE(load_error(written("huge.hdr", huge + std::string(64, '\1'))).empty());
   const Environment map = Environment::uniform({1, 1, 1});
-  EXPECT_NE(error([&] { map.save("/nowhere/map.hdr"); }).find("cannot be written"),
+  EXPECT_NE(error([&] { map.save("/nowhere/map.hdr"); }, ErrorKind::output)
+                .find("cannot be written: there is no folder /nowhere"),
             std::string::npos);
 }
 

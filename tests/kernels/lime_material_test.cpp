@@ -191,6 +191,33 @@ TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {
   EXPECT_GE(lime.report(lime.recorded() - 1).estimates, estimates + 6);
 }
 
+TEST_F(LimeTest, LayersThatBeginToBeDrawnAreOfThePictureThatIsThere) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.recheck = 1000;
+  params.fusion.other = 1;
+  const auto unseen = [&](float blue) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(50, 30, 20, .5F, blue), params, false);
+    });
+    lime.done(lime.recorded() - 1);
+  };
+  const auto gloss = [&](float blue) {
+    return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
+  };
+  for (int i = 0; i < 30; ++i) unseen(.4F);
+  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated);
+  unseen(.5F);
+  ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated) << "nobody draws what has changed";
+  gloss(.5F);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
+  // Drawn, then not, while estimates go on; then drawn again.
+  params.adaptive = false;
+  for (int i = 0; i < 8; ++i) unseen(.4F);
+  params.adaptive = true;
+  gloss(.5F);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
+}
+
 TEST_F(LimeTest, ASteadyObjectThatLeavesIsMissedAtOnce) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
@@ -311,8 +338,9 @@ TEST_F(LimeTest, TheLightExplainsWhatIsSeen) {
 class LimeWarmUp : public OnANewDevice<LimeTest> {};
 
 TEST_F(LimeWarmUp, NoKernelIsBuiltWhileFramesCome) {
+  // A square frame, all of which is looked at, and one where some of the square lies beyond it.
+  LimeMaterial(device, {64, 64}, HandMadeLime::models()).warm_up();
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  lime.warm_up();
   const uint64_t before = device->kernels_used();
   EXPECT_GT(before, 5u);
   for (int i = 0; i < 6; ++i) frame(lime, scene(60, 30, i < 2 ? 0 : 20));

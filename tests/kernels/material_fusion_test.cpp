@@ -63,6 +63,19 @@ TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
   }
 }
 
+TEST(MaterialFusion, AMemoryThatGrowsDoesNotCountWhatAShorterOneForgot) {
+  MaterialFusion fusion;
+  MaterialFusion::Params params;
+  params.memory = 1;
+  for (int i = 0; i < 50; ++i) fusion.add(material(.3F, .4F, 2), params);
+  params.memory = 1000;
+  for (int i = 0; i < 20; ++i) fusion.add(material(.4F, .4F, 2), params);
+  EXPECT_EQ(fusion.averaged(), 21u);
+  EXPECT_EQ(fusion.count(), 70u);
+  // The median takes three of the old ones with it, and the mean had one.
+  EXPECT_NEAR(fusion.material().diffuse[0], (3 * .3F + 18 * .4F) / 21, .005F);
+}
+
 TEST(MaterialFusion, AnotherObjectIsTakenUpAfterFiveFrames) {
   MaterialFusion fusion;
   for (int i = 0; i < 50; ++i) fusion.add(material(.2F, .4F, 2), {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "../reference/network.hpp"
 #include "error.hpp"
@@ -173,14 +174,39 @@ TEST_F(NetworkTest, WholeNetworksAgreeWithReference) {
 
 TEST_F(NetworkTest, ExtremeValuesAgreeWithReference) {
   NetworkBuilder b(8);
-  const uint32_t input = b.input(4);
-  b.output(b.convolution(input, 4, 3, 1, Activation::sigmoid));
-  b.output(b.simple(Op::softmax, input));
-  b.output(b.simple(Op::global_mean, input));
+  const uint32_t small = b.input(4), large = b.input(5);
+  b.output(b.convolution(large, 4, 3, 1, Activation::sigmoid));
+  b.output(b.convolution(large, 4, 3, 1, Activation::leaky_relu, .1f));
+  b.output(b.convolution(large, 4, 3, 1));
+  b.output(b.convolution(large, 4, 3, 2));
+  b.output(b.convolution(large, 4, 1, 1, Activation::relu));
+  b.output(b.convolution(b.concat(b.simple(Op::upsample, small), large), 4, 3));
+  b.output(b.concat(large, b.simple(Op::upsample, small)));
+  b.output(b.dense(large, 5 * 20 * 12, 3));
+  for (const Op op : {Op::softmax, Op::global_mean, Op::max_pool, Op::upsample})
+    b.output(b.simple(op, large));
+  for (const Activation a : {Activation::relu, Activation::leaky_relu, Activation::sigmoid})
+    b.output(b.activation(large, a, .1f));
   for (const double scale : {0.0, 1e-30, 1e-6, 1e3, 1e6, 1e30}) {
     SCOPED_TRACE(scale);
-    expect_same(b.graph(), {random_image({4, 20, 12}, 5, -scale, scale)}, 2e-5);
+    expect_same(
+        b.graph(),
+        {random_image({4, 10, 6}, 6, -scale, scale), random_image({5, 20, 12}, 5, -scale, scale)},
+        2e-5);
   }
+}
+
+// What only picks, or counts from the largest, takes every number that there is.
+TEST_F(NetworkTest, TheLargestNumbersAgreeWithReference) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  NetworkBuilder b(8);
+  const uint32_t input = b.input(6);
+  for (const Op op : {Op::softmax, Op::max_pool}) b.output(b.simple(op, input));
+  b.output(b.concat(input, input));
+  b.output(b.activation(input, Activation::relu));
+  b.output(b.activation(input, Activation::sigmoid));
+  for (const auto& [low, high] : {std::pair{-kMost, -kMost}, {-kMost, kMost}, {kMost, kMost}})
+    expect_same(b.graph(), {random_image({6, 6, 4}, 5, low, high)}, 2e-5);
 }
 
 TEST_F(NetworkTest, RunsAgainWithOtherInputs) {
@@ -239,6 +265,7 @@ TEST_F(NetworkTest, RefusesSizesThatDoNotFitSayingWhere) {
   EXPECT_NE(message({4, 32, 32}).find("input 0"), std::string::npos);
   EXPECT_NE(message({3, 0, 32}), "");
   EXPECT_NE(message({3, 1 << 15, 8}), "");
+  EXPECT_NE(message({3, 8, 1u << 31}).find("too large"), std::string::npos);
   EXPECT_THROW(Network(device, graph, std::vector<Shape>{{3, 1 << 14, 1 << 14}}), Error);
   NetworkBuilder b(1);
   b.output(b.dense(b.input(2), 2 * 9, 4));

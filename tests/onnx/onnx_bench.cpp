@@ -67,6 +67,10 @@ void compare_layers(const network::Network& net, cv::dnn::Net& peer, const cv::M
     net.record(commands, true);
     commands.submit();
     commands.wait();
+    if (commands.stages().size() != ours.size())
+      throw Error(ErrorKind::unsupported, "--layers: the device times " +
+                                              std::to_string(commands.stages().size()) + " of " +
+                                              std::to_string(ours.size()) + " nodes");
     peer.setInput(image);
     peer.forward();
     if (i < 0) continue;
@@ -146,6 +150,7 @@ int main(int argc, char** argv) {
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
     for (const std::string& path : asked.files) {
       std::ifstream file(path, std::ios::binary);
+      if (!file) throw Error(ErrorKind::file, path + ": it cannot be read");
       compare(path, {std::istreambuf_iterator<char>(file), {}}, size, asked.runs, layers, device);
     }
     if (asked.files.empty())

@@ -17,12 +17,13 @@ class OnnxBuilder {
     model_.mutable_graph()->set_name("test");
   }
 
-  std::string input(const std::string& name, std::vector<int64_t> shape) {
-    describe(model_.mutable_graph()->add_input(), name, shape);
+  std::string input(const std::string& name, std::vector<int64_t> shape,
+                    int32_t type = onnx::TensorProto::FLOAT) {
+    describe(model_.mutable_graph()->add_input(), name, shape, type);
     return name;
   }
   void output(const std::string& name, std::vector<int64_t> shape) {
-    describe(model_.mutable_graph()->add_output(), name, shape);
+    describe(model_.mutable_graph()->add_output(), name, shape, onnx::TensorProto::FLOAT);
   }
   /// A float tensor of random numbers around `middle`.
   std::string tensor(std::vector<int64_t> shape, float spread, float middle = 0) {
@@ -66,6 +67,12 @@ class OnnxBuilder {
     a->set_type(onnx::AttributeProto::INT);
     a->set_i(value);
   }
+  static void set_number(onnx::NodeProto* n, const std::string& name, float value) {
+    onnx::AttributeProto* a = n->add_attribute();
+    a->set_name(name);
+    a->set_type(onnx::AttributeProto::FLOAT);
+    a->set_f(value);
+  }
   static void set_word(onnx::NodeProto* n, const std::string& name, const std::string& value) {
     onnx::AttributeProto* a = n->add_attribute();
     a->set_name(name);
@@ -100,10 +107,10 @@ class OnnxBuilder {
  private:
   std::string fresh(const std::string& stem) { return stem + std::to_string(count_++); }
   static void describe(onnx::ValueInfoProto* info, const std::string& name,
-                       const std::vector<int64_t>& shape) {
+                       const std::vector<int64_t>& shape, int32_t of) {
     info->set_name(name);
     auto* type = info->mutable_type()->mutable_tensor_type();
-    type->set_elem_type(onnx::TensorProto::FLOAT);
+    type->set_elem_type(of);
     for (const int64_t side : shape) type->mutable_shape()->add_dim()->set_dim_value(side);
   }
 

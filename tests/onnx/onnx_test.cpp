@@ -114,6 +114,7 @@ class OnnxTest : public GpuTest {
     const network::Shape result = network.output_shape(0);
     ASSERT_EQ(want.total(), result.size());
     const double largest = cv::norm(want.reshape(1, 1), cv::NORM_INF);
+    ASSERT_GT(largest, 0.01) << "nothing to compare";
     const size_t result_area = size_t{result.height} * result.width;
     for (uint32_t c = 0; c < result.channels; ++c)
       for (size_t i = 0; i < result_area; ++i)
@@ -282,6 +283,120 @@ TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {
         return b.op("Conv", {i, b.constant({1, 4, 1, 1}, {1, 2, NAN, 4})});
       },
       "Conv_1\"\": a weight is not a finite number");
+}
+
+// Each of these is a network that runs, and gives other numbers than ONNX says where the attribute
+// is not looked at.
+TEST_F(OnnxTest, RefusesEveryAttributeThatMeansSomethingElse) {
+  using Proto = onnx::NodeProto;
+  using Spoil = std::function<void(Proto*)>;
+  const auto one = [](const char* name, int64_t value) -> Spoil {
+    return [=](Proto* n) { OnnxBuilder::set(n, name, value); };
+  };
+  const auto list = [](const char* name, std::vector<int64_t> values) -> Spoil {
+    return [=](Proto* n) { OnnxBuilder::set_list(n, name, values); };
+  };
+  const auto word = [](const char* name, const char* value) -> Spoil {
+    return [=](Proto* n) { OnnxBuilder::set_word(n, name, value); };
+  };
+  const auto number = [](const char* name, float value) -> Spoil {
+    return [=](Proto* n) { OnnxBuilder::set_number(n, name, value); };
+  };
+  const auto another = [](const char* name) -> Spoil {
+    return [=](Proto* n) { n->add_output(name); };
+  };
+  const Spoil foreign = [](Proto* n) { n->set_domain("com.example"); };
+
+  const auto node_of = [](OnnxBuilder& b, const std::string& type) -> Proto* {
+    const std::string image = b.input("image", {1, 4, 8, 8});
+    const auto numbers = [&b] { return b.tensor({4}, .1F, 1); };
+    if (type == "Conv") return b.node(type, {image, b.tensor({4, 4, 1, 1}, 1)});
+    if (type == "Gemm")
+      return b.node(type,
+                    {b.op("Flatten", {image}), b.tensor({4 * 8 * 8, 3}, 1), b.tensor({3}, 1)});
+    if (type == "MaxPool") {
+      Proto* n = b.node(type, {image});
+      for (const char* two : {"kernel_shape", "strides"}) OnnxBuilder::set_list(n, two, {2, 2});
+      return n;
+    }
+    if (type == "Resize") {
+      Proto* n = b.node(type, {image, "", b.constant({4}, {1, 1, 2, 2})});
+      OnnxBuilder::set_word(n, "mode", "linear");
+      return n;
+    }
+    if (type == "BatchNormalization")
+      return b.node(type,
+                    {b.convolution(image, 4, 4, 1), numbers(), numbers(), numbers(), numbers()});
+    return b.node(type, {b.convolution(image, 4, 4, 1)});
+  };
+  const auto complaint_of = [&](const std::string& type, const Spoil& spoil) {
+    OnnxBuilder b(1);
+    Proto* n = node_of(b, type);
+    if (spoil) spoil(n);
+    b.output(n->output(0), {});
+    return complaint(b);
+  };
+  struct Row {
+    const char* type;
+    Spoil spoil;
+    const char* says;
+  };
+  for (const Row& row : std::vector<Row>{
+           {"Conv", one("group", 2), "groups"},
+           {"Conv", word("auto_pad", "SAME_UPPER"), "auto_pad"},
+           {"Conv", list("strides", {1, 2}), "stride"},
+           {"Conv", list("pads", {0, 0, 1, 1}), "padding"},
+           {"Conv", list("dilations", {2, 1}), "dilated"},
+           {"Gemm", number("alpha", .5F), "alpha"},
+           {"Gemm", number("beta", .5F), "beta"},
+           {"Gemm", one("transA", 1), "transA"},
+           {"MaxPool", one("ceil_mode", 1), "ceil_mode"},
+           {"MaxPool", list("pads", {0, 0, 1, 1}), "padding"},
+           {"MaxPool", word("auto_pad", "SAME_LOWER"), "auto_pad"},
+           {"MaxPool", list("dilations", {2, 2}), "dilated"},
+           {"MaxPool", another("indices"), "indices"},
+           {"Resize", word("coordinate_transformation_mode", "align_corners"), "align_corners"},
+           {"Resize", word("coordinate_transformation_mode", "asymmetric"), "asymmetric"},
+           {"Resize", [](Proto* n) { n->mutable_input()->RemoveLast(); }, "scales, not sizes"},
+           {"BatchNormalization", another("mean"), "training"},
+           {"Dropout", another("mask"), "mask"},
+           {"Dropout",
+            [](Proto* n) {
+              for (int i = 0; i < 2; ++i) n->add_input("image");
+            },
+            "training"},
+           {"Flatten", one("axis", 2), "axis 1"},
+           {"Relu", foreign, "com.example"},
+           {"Conv", foreign, "com.example"}}) {
+    EXPECT_EQ(complaint_of(row.type, nullptr), "") << row.type;
+    const std::string text = complaint_of(row.type, row.spoil);
+    EXPECT_NE(text.find(row.type), std::string::npos) << text;
+    EXPECT_NE(text.find(row.says), std::string::npos)
+        << row.type << ": " << row.says << " is not in: " << text;
+  }
+  // The same, as constants.
+  for (const std::vector<float>& scales :
+       {std::vector<float>{1, 1, 3, 3}, {1, 1, 2, 1}, {1, 2, 2, 2}}) {
+    OnnxBuilder b(1);
+    Proto* n = b.node("Resize", {b.input("image", {1, 4, 8, 8}), "", b.constant({4}, scales)});
+    OnnxBuilder::set_word(n, "mode", "linear");
+    b.output(n->output(0), {});
+    EXPECT_NE(complaint(b).find("twice as large"), std::string::npos) << complaint(b);
+  }
+}
+
+TEST_F(OnnxTest, RefusesInputsOfOtherKinds) {
+  OnnxBuilder of_bytes(1);
+  const std::string image = of_bytes.input("image", {1, 4, 8, 8}, onnx::TensorProto::UINT8);
+  of_bytes.output(of_bytes.convolution(image, 4, 4, 1), {});
+  EXPECT_NE(complaint(of_bytes).find("input \"image\": it is not of float32"), std::string::npos)
+      << complaint(of_bytes);
+  for (const std::vector<int64_t>& shape :
+       {std::vector<int64_t>{1, (int64_t{1} << 32) + 4, 8, 8}, {1, 4, int64_t{1} << 32, 8}}) {
+    OnnxBuilder huge(1);
+    huge.output(huge.convolution(huge.input("image", shape), 4, 4, 1), {});
+    EXPECT_NE(complaint(huge).find("too large"), std::string::npos) << complaint(huge);
+  }
 }
 
 TEST_F(OnnxTest, RefusesBatchesAndOperatorSetsThatItDoesNotKnow) {

@@ -19,6 +19,7 @@ using network::Op;
 
 // Versions of ONNX' operators whose meaning we know. Before 11, Resize and others had other inputs.
 constexpr int64_t kFirstOpset = 11, kLastOpset = 21;
+constexpr int64_t kMostSide = 1 << 16;  // of an input, channels too; a network takes less
 
 /// The version of ONNX' own operators that a model is written in.
 int64_t opset_of(const onnx::ModelProto& model) {
@@ -57,7 +58,15 @@ class Importer {
 
  private:
   void add_input(const onnx::ValueInfoProto& input) {
-    const onnx::TensorShapeProto& shape = input.type().tensor_type().shape();
+    const onnx::TypeProto_Tensor& type = input.type().tensor_type();
+    if (type.elem_type() != onnx::TensorProto::FLOAT)
+      throw Error(ErrorKind::unsupported,
+                  "input \"" + input.name() + "\": it is not of float32 (FLOAT)");
+    const onnx::TensorShapeProto& shape = type.shape();
+    for (const onnx::TensorShapeProto_Dimension& side : shape.dim())
+      if (side.dim_value() > kMostSide)
+        throw Error(ErrorKind::unsupported, "input \"" + input.name() + "\": a side of " +
+                                                std::to_string(side.dim_value()) + " is too large");
     if (shape.dim_size() != 4 || shape.dim(1).dim_value() < 1 || shape.dim(0).dim_value() > 1)
       throw Error(
           ErrorKind::unsupported,
@@ -162,7 +171,8 @@ class Importer {
     Node* node = only_mine(op, 0);
     op.expect(node && node->op == Op::convolution && node->activation == Activation::none,
               "it does not follow a Conv that nothing else reads");
-    op.expect(op.integer("training_mode", 0) == 0, "it is in training");
+    // Before opset 14 it was in training where it had more results than one.
+    op.expect(op.integer("training_mode", 0) == 0 && op.outputs() == 1, "it is in training");
     std::array<const float*, 4> parts{};
     for (int i = 0; i < 4; ++i) {
       const std::vector<float>& part = constant(op, i + 1).floats;
@@ -252,6 +262,11 @@ class Importer {
     return from >= graph_.inputs.size() && graph_.nodes[from - graph_.inputs.size()].op == kind;
   }
 
+  void dropout(const Operator& op) {
+    op.expect(op.inputs() < 3, "it may be in training");
+    op.expect(op.outputs() == 1, "its mask is wanted");
+    pass(op);
+  }
   void pass(const Operator& op) {
     values_[op.output()] = value(op, 0);
     readers_[op.output()] += readers_[op.input(0)] - 1;  // whoever reads one name reads the other
@@ -282,7 +297,9 @@ class Importer {
         {"Flatten", &Importer::flatten},    {"Reshape", &Importer::flatten},
         {"Gemm", &Importer::dense},         {"GlobalAveragePool", &Importer::global_mean},
         {"Softmax", &Importer::softmax},    {"Identity", &Importer::pass},
-        {"Dropout", &Importer::pass}};
+        {"Dropout", &Importer::dropout}};
+    op.expect(op.domain().empty() || op.domain() == "ai.onnx",
+              "an operator of \"" + op.domain() + "\", not of ONNX itself");
     if (op.type() == "Constant") return;
     const auto found = known.find(op.type());
     if (found == known.end())

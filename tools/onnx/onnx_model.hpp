@@ -31,6 +31,8 @@ class Operator {
   explicit Operator(const onnx::NodeProto& node) : node_(node) {}
 
   const std::string& type() const { return node_.op_type(); }
+  /// Whose operator it is; empty or "ai.onnx": ONNX' own.
+  const std::string& domain() const { return node_.domain(); }
   /// "Conv \"name\"", for messages.
   std::string text() const;
   int inputs() const { return node_.input_size(); }

@@ -23,13 +23,13 @@ def main():
     parser.add_argument("--models", type=pathlib.Path, default=corpus.ROOT / "models/lime")
     args = parser.parse_args()
     networks = load_checkpoint(args.checkpoint)
-    args.models.mkdir(parents=True, exist_ok=True)
-    for name, (part, shape) in networks.parts().items():
-        last = None if name == "exponent" and networks.regress else OUTPUTS[name]
-        path = args.models / f"{name}.onnx"
-        error = onnx_file.write(part, shape, path, last)
-        print(f"{path}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
-              f"OpenCV dnn within {error:.1e}")
+    with onnx_file.together(args.models) as draft:
+        for name, (part, shape) in networks.parts().items():
+            last = None if name == "exponent" and networks.regress else OUTPUTS[name]
+            path = draft / f"{name}.onnx"
+            error = onnx_file.write(part, shape, path, last)
+            print(f"{args.models / path.name}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
+                  f"OpenCV dnn within {error:.1e}")
 
 
 main()

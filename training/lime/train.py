@@ -2,10 +2,10 @@
 """Trains the five networks on the rendered corpus: train.py --minutes 60. See README.md.
 
 Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl and OUT/curves.png. The same command with
---resume (in place of --start and --anew, if it had these) goes on where the checkpoint ended: with its seed and losses, and
-behind the samples that were drawn. --resume --stages a,b,… goes through those stages (again), from the weights of the
-checkpoint, and shares --minutes out among them; --resume alone then goes on with that list. --start models/lime in place of
---resume begins with exported weights, where there is no checkpoint any more.
+--resume (in place of --start and --anew, if it had these), or --resume alone, goes on where the checkpoint ended: with its
+stages, minutes, seed and losses, and behind the samples that were drawn. --resume --stages a,b,… goes through other stages
+than those that the checkpoint is amid, or through the same once more when it has ended, from its weights, and shares --minutes
+out among them. --start models/lime in place of --resume begins with exported weights, where there is no checkpoint any more.
 """
 import argparse
 import json
@@ -21,6 +21,7 @@ import torch  # noqa: E402
 from lime import corpus, curves, stages  # noqa: E402
 from lime.networks import SIZES, Networks, exported, warm_start  # noqa: E402
 import descent  # noqa: E402
+import records  # noqa: E402
 
 VALIDATION_SEED = 2  # of the test split; others are datasets.CHOICES and datasets.REPORT
 HELD_BACK = 64       # validation samples
@@ -30,15 +31,16 @@ LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped f
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
-    p.add_argument("--minutes", type=float, default=60, help="of training in all; shared out among the stages")
-    p.add_argument("--seed", type=int, help="of the samples; 1, or the checkpoint's")
+    p.add_argument("--minutes", type=float, help="of training in all, shared out among the stages; 60, or the checkpoint's")
+    p.add_argument("--seed", type=int, help="of the samples; 1, or the checkpoint's; --start wants another than its weights had")
     p.add_argument("--hdri", default=None, help="folder of CC0 environment maps; '' for rooms only")
     p.add_argument("--threads", type=int, default=2, help="of the training")
     p.add_argument("--workers", type=int, default=1, help="threads that render samples")
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     p.add_argument("--wide", action="store_true", help="the 256 × 256 variant, for GPUs")
     p.add_argument("--resume", action="store_true")
-    p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime, on samples of another --seed than theirs (1)")
+    p.add_argument("--overwrite", action="store_true", help="begin where OUT has a checkpoint, which is lost then")
+    p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime")
     p.add_argument("--anew", help="with --start or --resume: networks that begin with random weights all the same, separated by commas; leave it out to go on after an interruption")
     p.add_argument("--bfloat16", action="store_true", help="compute in 16 bits: twice as fast on a CPU with AVX512-BF16")
     p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
@@ -81,6 +83,17 @@ def run(networks, batch, anew):
     networks.find_exponent(specular, batch.mirror_code if "mirror" in anew or not networks.use_mirror else mirror)
 
 
+def check(args, path):
+    if args.resume and args.start:
+        raise SystemExit("--resume goes on with a checkpoint, --start with exported weights")
+    if args.anew and not (args.resume or args.start):
+        raise SystemExit("without --start or --resume all networks begin anew")
+    if args.start and args.seed is None:
+        raise SystemExit("--start wants a --seed, another than its weights were trained with (their README tells)")
+    if path.exists() and not args.resume and not args.overwrite:
+        raise SystemExit(f"{path} is there already: --resume goes on with it, --overwrite begins anew, --out takes another folder")
+
+
 def main():
     args = arguments()
     torch.set_num_threads(args.threads)
@@ -88,13 +101,13 @@ def main():
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
     path, optimizer_state = args.out / "checkpoint.pt", None
-    state = {"variant": variant, "stages": None, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0, "trained_seconds": 0.0,
-             "seed": 1, "perceptual": True}
-    assert not (args.resume and args.start), "--resume goes on with a checkpoint, --start with exported weights"
-    assert args.resume or args.start or not args.anew, "without --start or --resume all networks begin anew"
+    state = {"variant": variant, "stages": None, "minutes": 60, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
+             "trained_seconds": 0.0, "seed": 1, "perceptual": True}
+    check(args, path)
     if args.resume:
         saved = torch.load(path, map_location=args.device)
-        assert saved["variant"] == variant, f"{path} holds another variant: {saved['variant']}"
+        if saved["variant"] != variant:
+            raise SystemExit(f"{path} holds another variant: {saved['variant']}")
         saved_networks, optimizer_state = saved.pop("networks"), saved.pop("optimizer")
         state.update({"drawn": saved["samples"]}, **saved)
     if args.seed is not None:
@@ -103,14 +116,23 @@ def main():
     torch.manual_seed(state["seed"])
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
     anew = set(args.anew.split(",")) if args.anew else set()
-    assert anew <= set(networks.parts()), f"--anew {args.anew}: there are {', '.join(networks.parts())}"
+    if not anew <= set(networks.parts()):
+        raise SystemExit(f"--anew {args.anew}: there are {', '.join(networks.parts())}")
     if args.resume:
         kept = {name: tensor for name, tensor in saved_networks.items() if name.split(".")[0] not in anew}
         missing, unexpected = networks.load_state_dict(kept, strict=False)
-        assert not unexpected and all(name.split(".")[0] in anew for name in missing), f"{path} holds other networks"
-    if args.stages:
-        state.update(stages=args.stages.split(","), stage=0, seconds=0.0)
-    if args.stages or anew:
+        if unexpected or any(name.split(".")[0] not in anew for name in missing):
+            raise SystemExit(f"{path} holds other networks")
+    asked = args.stages.split(",") if args.stages else None
+    amid = args.resume and state["stage"] < len(stages.stages_of(networks, state["stages"]))
+    if asked and not (amid and asked == state["stages"]):
+        state.update(stages=asked, minutes=60, stage=0, seconds=0.0)
+        optimizer_state = None
+    elif args.resume and not amid:
+        raise SystemExit(f"{path}: this training has ended; --stages goes on")
+    if args.minutes is not None:
+        state["minutes"] = args.minutes
+    if anew:
         optimizer_state = None
     order = stages.stages_of(networks, state["stages"])
 
@@ -123,7 +145,8 @@ def main():
         first = batches_of(samples.render(state["seed"], 0, 64, pixels, corpus.TAUGHT, args.threads), args.device)
         files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
         warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
-    held_back = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST, args.threads), args.device)
+    if args.resume:
+        records.cut(args.out / "log.jsonl", state["trained_seconds"] / 60)
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 
     def write(**record):
@@ -140,14 +163,16 @@ def main():
         stage = order[number]
         if number != state["stage"]:
             state.update(stage=number, seconds=0.0)
-        budget = 60 * args.minutes * stage.share
+        budget = 60 * state["minutes"] * stage.share
         learn(stage, networks)
         learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
         optimizer = torch.optim.Adam(learning, lr=stage.rate)
         if optimizer_state:
             optimizer.load_state_dict(optimizer_state)
             optimizer_state = None
-        flags = corpus.TAUGHT | (corpus.WHOLE_FRAME if stage.name == "segmentation" else 0)
+        kind = corpus.WHOLE_FRAME if stage.name == "segmentation" else 0
+        flags = corpus.TAUGHT | kind
+        held_back = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST | kind, args.threads), args.device)
         stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:

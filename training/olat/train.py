@@ -21,6 +21,7 @@ import torch  # noqa: E402
 from olat import corpus, curves, encoding, samples, teaching  # noqa: E402
 from olat.networks import DirectionNet, exported, network, warm_start  # noqa: E402
 import descent  # noqa: E402
+import records  # noqa: E402
 
 RATE = 2e-3
 LONGEST_STEP = 20  # seconds; what goes beyond is a process that was stopped for a while, not training
@@ -35,6 +36,7 @@ def arguments():
     p.add_argument("--threads", type=int, default=2)
     p.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     p.add_argument("--resume", action="store_true")
+    p.add_argument("--overwrite", action="store_true", help="begin where OUT has a checkpoint, which is lost then")
     p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/olat")
     p.add_argument("--rate", type=float, default=RATE, help="largest learning rate")
     p.add_argument("--fusion", choices=("late", "early"), default="late")
@@ -83,14 +85,19 @@ def main():
     average = teaching.Average(net)
     state = {"variant": variant, "judged": 0.0, "seconds": 0.0, "batches": 0, "lit": 0, "arguments": vars(args)}
     path = args.out / "checkpoint.pt"
+    if path.exists() and not args.resume and not args.overwrite:
+        raise SystemExit(f"{path} is there already: --resume goes on with it, --overwrite begins anew, --out takes another folder")
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         was = {"width": 1, **saved["variant"]}
-        assert was == variant, f"{path} holds another variant: {was}"
+        if was != variant:
+            raise SystemExit(f"{path} holds another variant: {was}")
         for part, name in ((judge, "judge"), (net, "network"), (judge_optimizer, "judge_optimizer"), (optimizer, "optimizer")):
             part.load_state_dict(saved[name])
         average.state, average.steps = saved["average"], saved["batches"]
         state.update({k: saved[k] for k in ("judged", "seconds", "batches", "lit")})
+    if args.resume:
+        records.cut(args.out / "log.jsonl", (state["judged"] + state["seconds"]) / 60)
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 
     def write(**record):

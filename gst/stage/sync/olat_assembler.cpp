@@ -36,7 +36,7 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
     file.writePixels(1);
   }
 } catch (const std::exception& error) {
-  throw Error(ErrorKind::file, "cannot write " + path + ": " + error.what());
+  throw Error(ErrorKind::output, "cannot write " + path + ": " + error.what());
 }
 
 constexpr double kMuchClipped = 0.1;
@@ -281,7 +281,7 @@ void OlatAssembler::save_list() const {
   const std::string path = draft() + "/lights.json";
   std::ofstream file(path);
   file << list.dump(2) << "\n";
-  if (!file.flush()) throw Error(ErrorKind::file, "cannot write " + path);
+  if (!file.flush()) throw Error(ErrorKind::output, "cannot write " + path);
 }
 
 /// The draft takes the place of an earlier capture. One that was cut short, whatever by, is put

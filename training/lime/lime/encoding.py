@@ -19,8 +19,8 @@ def encode(linear):
 
 
 def decode(code):
-    """Linear values of codes; negative codes count as 0."""
-    return torch.expm1(2 * code.clamp(min=0)) / 4
+    """Linear values of codes; negative codes count as 0, and those beyond any light (10) as 10, so that a loss stays finite."""
+    return torch.expm1(2 * code.clamp(0, 10)) / 4
 
 
 def to_linear(srgb):

@@ -1,4 +1,5 @@
-"""The order of the training (thesis 6.5.4): each network apart, with the truth as its input, then chained step by step."""
+"""The order of the training (thesis 6.5.4): each network apart, with the true layers as its input, then chained step by step.
+In all of them but `segmentation` every second sample has the mask that SegmentationNet finds, as in use."""
 import dataclasses
 
 import torch
@@ -46,10 +47,8 @@ def stages_of(networks, names=None):
                                 parts=tuple(p for p in s.parts if networks.use_mirror or p != "mirror")) for s in chosen]
 
 
-def pick_mask(networks, batch, predicted):
-    """The true mask, and in every second sample the predicted one where `predicted`, as in use."""
-    if not predicted:
-        return batch.mask
+def pick_mask(networks, batch):
+    """The true mask, and in every second sample the predicted one, as in use."""
     with torch.no_grad():
         was_training = networks.segmentation.training
         networks.segmentation.eval()
@@ -61,11 +60,11 @@ def pick_mask(networks, batch, predicted):
     return torch.where(use.view(-1, 1, 1, 1), found, batch.mask)
 
 
-def find_layers(networks, batch, predicted_mask=True):
+def find_layers(networks, batch):
     """Mask, codes of the specular layer and of the mirror image as exported networks find them (none is below 0: export.py's
     ReLU); nothing is learned by them."""
     with torch.no_grad():
-        mask = pick_mask(networks, batch, predicted_mask)
+        mask = pick_mask(networks, batch)
         specular = networks.find_specular(batch.image, mask).clamp(min=0)
         return mask, specular, networks.find_mirror(specular, mask).clamp(min=0) if networks.use_mirror else batch.mirror_code
 
@@ -84,20 +83,22 @@ def albedo_terms(networks, batch, mask, specular, perceptual):
     return terms
 
 
-def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
+def stage_losses(stage, networks, batch, perceptual):
     """Dictionary of the loss terms of one batch in one stage; their sum is what the stage minimizes."""
     terms = {}
     if stage == "segmentation":
         terms["mask"] = losses.mask_loss(networks.find_mask(batch.image), batch)
         return terms
     if stage == "heads":
-        mask, specular, mirror = batch.found or find_layers(networks, batch, predicted_mask)
+        mask, specular, mirror = batch.found or find_layers(networks, batch)
         return {**exponent_terms(networks, batch, specular, mirror),
                 **albedo_terms(networks, batch, mask, specular, perceptual)}
-    mask = pick_mask(networks, batch, predicted_mask)
+    specular, mirror = batch.layer_code, batch.mirror_code
+    if stage == "exponent":  # layers are all that it sees
+        return exponent_terms(networks, batch, specular, mirror)
+    mask = pick_mask(networks, batch)
     inside = mask * batch.mask
     chained = stage.startswith("chain")
-    specular, mirror = batch.layer_code, batch.mirror_code
     if stage == "specular" or chained:
         specular = networks.find_specular(batch.image, mask)
         terms["specular"] = losses.code_loss(specular, batch.layer_code, inside)
@@ -106,7 +107,7 @@ def stage_losses(stage, networks, batch, perceptual, predicted_mask=True):
     if networks.use_mirror and (stage == "mirror" or chained):
         mirror = networks.find_mirror(specular, mask)
         terms["mirror"] = losses.code_loss(mirror, batch.mirror_code, inside)
-    if stage in ("exponent", "chain-exponent", "chain-albedo"):
+    if stage in ("chain-exponent", "chain-albedo"):
         terms.update(exponent_terms(networks, batch, specular, mirror))
     if stage in ("albedo", "chain-albedo"):
         terms.update(albedo_terms(networks, batch, mask, specular, perceptual))
