@@ -180,7 +180,7 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
   if (weights > bytes.size() / sizeof(float)) in.refuse("it ends in the middle");
   const auto data = in.take(weights * sizeof(float));
   graph.weights.resize(weights);
-  memcpy(graph.weights.data(), data.data(), data.size());
+  if (weights) memcpy(graph.weights.data(), data.data(), data.size());
   if (!in.done()) in.refuse("there is more in it than a network");
   try {
     validate(graph);
