@@ -1,8 +1,10 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "gpu/commands.hpp"
@@ -43,6 +45,16 @@ class GpuTest : public ::testing::Test {
     run([&](gpu::Commands& commands) { commands.copy(buffer, host, buffer->bytes()); });
     const float* data = host->map_as<float>();
     return {data, data + buffer->bytes() / 4};
+  }
+  /// Tolerance is relative where numbers exceed 1.
+  static void expect_near(const Pixels& got, const reference::Plane& expected, double tolerance,
+                          const std::string& what) {
+    ASSERT_EQ(got.size(), 4 * expected.size());
+    for (size_t i = 0; i < got.size(); ++i) {
+      const double e = expected.data[i / 4][i % 4];
+      ASSERT_NEAR(double{got[i]}, e, tolerance * std::max(1.0, std::abs(e)))
+          << what << ", value " << i;
+    }
   }
 
   std::shared_ptr<gpu::Device> device;

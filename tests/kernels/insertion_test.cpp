@@ -4,8 +4,12 @@
 #include <limits>
 #include <numbers>
 
+#include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
 #include "tests/reference/raster.hpp"
+
+INVERSE_SHADER(raster_blend);
+INVERSE_SHADER(raster_occlude);
 
 namespace inverse::testing {
 namespace {
@@ -133,6 +137,91 @@ TEST_F(InsertionTest, TheShadowIsTheLightOfTheSkyThatIsHidden) {
     hidden += reference::hidden_by(2 * M_PI * r * radius / 400, height, r);
   }
   EXPECT_NEAR(hidden, radius * radius / (radius * radius + height * height), .01);
+}
+
+TEST_F(InsertionTest, HiddenLightAgreesWithReference) {
+  constexpr Extent kHeights{reference::kUnderside, reference::kUnderside};
+  constexpr uint32_t kPoints = reference::kGround * reference::kGround;
+  unsigned seed = 1;
+  for (const float far : {0.0F, 16.0F, 1e4F})  // 16 are as far as an object reaches
+    for (const float ground : {-1.0F, 0.0F, 1.0F})
+      for (const float soft : {.05F, 1.0F}) {
+        Pixels heights = random_pixels(kHeights, ++seed, -1, 1);
+        for (size_t i = 0; i < heights.size(); i += 4) {
+          heights[i] *= far;
+          heights[i + 1] = std::max(heights[i + 1], 0.0F);
+        }
+        const gpu::BufferPtr occlusion = plane({reference::kGround, reference::kGround}).buffer;
+        const struct { float ground, soft; } push{ground, soft};
+        run([&](gpu::Commands& commands) {
+          commands.dispatch(device->kernel(shaders::raster_occlude),
+                            {plane(kHeights, heights).buffer, occlusion}, push, {kPoints});
+        });
+        expect_near(
+            download(occlusion),
+            reference::hidden_light(to_reference(kHeights, heights), double{ground}, double{soft}),
+            1e-3, "heights of " + std::to_string(far));
+      }
+}
+
+TEST_F(InsertionTest, ObjectsOverShadowsAgreeWithReference) {
+  constexpr Extent kGrid{reference::kGround, reference::kGround}, kWindow{40, 30};
+  constexpr int kLeft = 50, kTop = 45;
+  unsigned seed = 9;
+  for (const reference::GroundView& view : {reference::GroundView{70, 60, 30, -.8, .34, .6, .8},
+                                            {75.3, 40, 12, -.2, .02, -2, 1},
+                                            {0, 0, 200, .5, 1, 3, .5},
+                                            {80, 60, 1e-3, -1, .5, 0, 1},
+                                            {80, 60, 1e6, -1, .5, 1, 1},
+                                            {80, 60, 40, -1, .7, 1, 0}}) {
+    // Light that is hidden ends before its grid does.
+    Pixels hidden = random_pixels(kGrid, ++seed, 0, 1);
+    for (uint32_t i = 0; i < kGrid.pixels(); ++i)
+      if (const uint32_t x = i % kGrid.width, y = i / kGrid.width;
+          x < 2 || y < 2 || x > kGrid.width - 4 || y > kGrid.width - 4)
+        hidden[4 * i] = 0;
+    Pixels object = random_pixels(kWindow, ++seed, 0, 1);
+    for (size_t i = 0; i < object.size(); i += 12)
+      for (size_t c = 0; c < 4; ++c) object[i + c] = 0;  // nothing there
+    for (size_t i = 4; i < object.size(); i += 12) object[i + 3] = 1;
+    Pixels before = random_pixels(kFrame, ++seed, 0, 2);
+    for (size_t i = 3; i < before.size(); i += 4) before[i] = std::min(before[i], 1.0F);
+    const Plane frame = plane(kFrame, before);
+    const struct {
+      int32_t origin[2], size[2], window[2], window_size[2];
+      uint32_t stride;
+      float center[2], radius, ground, sine, turn[2], strength;
+    } push{{0, 0},
+           {kFrame.width, kFrame.height},
+           {kLeft, kTop},
+           {kWindow.width, kWindow.height},
+           kFrame.width,
+           {static_cast<float>(view.x), static_cast<float>(view.y)},
+           static_cast<float>(view.radius),
+           static_cast<float>(view.ground),
+           static_cast<float>(view.sine),
+           {static_cast<float>(std::cos(view.yaw)), static_cast<float>(std::sin(view.yaw))},
+           static_cast<float>(view.strength)};
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(device->kernel(shaders::raster_blend),
+                        {plane(kWindow, object).buffer, plane(kGrid, hidden).buffer, frame.buffer},
+                        push, {kFrame.width, kFrame.height});
+    });
+    reference::Plane expected(static_cast<int>(kFrame.width), static_cast<int>(kFrame.height));
+    const reference::Plane grid = to_reference(kGrid, hidden), own = to_reference(kWindow, object),
+                           below = to_reference(kFrame, before);
+    for (int y = 0; y < expected.height; ++y)
+      for (int x = 0; x < expected.width; ++x) {
+        const int u = x - kLeft, v = y - kTop;
+        const bool drawn = u >= 0 && v >= 0 && u < own.width && v < own.height;
+        expected.at(x, y) =
+            reference::over(drawn ? own.at(u, v) : reference::Vec4{},
+                            reference::darkness(grid, view, x + .5, y + .5), below.at(x, y));
+      }
+    // A pixel of the flattest view is fifty along the ground.
+    expect_near(download(frame.buffer), expected, view.sine < .1 ? 5e-3 : 1e-3,
+                "radius " + std::to_string(view.radius));
+  }
 }
 
 TEST_F(InsertionTest, DrawsAgainOnlyWhatChanged) {

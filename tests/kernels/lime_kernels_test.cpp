@@ -61,15 +61,6 @@ class LimeKernels : public GpuTest {
     Pixels all = download(buffer);
     return {all.begin() + 4, all.end()};
   }
-  void expect_near(const Pixels& got, const reference::Plane& expected, double tolerance,
-                   const std::string& what) {
-    ASSERT_EQ(got.size(), 4 * expected.size());
-    for (size_t i = 0; i < got.size(); ++i) {
-      const double e = expected.data[i / 4][i % 4];
-      ASSERT_NEAR(double{got[i]}, e, tolerance * std::max(1.0, std::abs(e)))
-          << what << ", value " << i;
-    }
-  }
 };
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(),
@@ -380,6 +371,19 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
                   "diffuse of " + std::to_string(extent.width));
       expect_near(download(gloss), expected.gloss, 1e-3,
                   "gloss of " + std::to_string(extent.width));
+      // Without an object there is light alone, whatever the rest holds.
+      run([&](gpu::Commands& commands) {
+        commands.dispatch(device->kernel(shaders::material_layers, {0}),
+                          {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
+                           plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
+                          place, {extent.width, extent.height});
+      });
+      const auto bare = reference::lime_layers(
+          to_reference(extent, frame), {0, 0, 1, 0}, to_reference(side, planes),
+          to_reference(side, codes), to_reference(side, lines), to_reference(side, under));
+      expect_near(download(diffuse), bare.diffuse, 1e-3,
+                  "light of " + std::to_string(extent.width));
+      expect_near(download(gloss), bare.gloss, 1e-3, "no gloss of " + std::to_string(extent.width));
     }
 }
 

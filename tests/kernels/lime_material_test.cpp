@@ -239,6 +239,21 @@ TEST_F(LimeTest, ForgetsTheObjectOnReset) {
   for (const float v : download(frame(lime, scene(50, 30, 20)).gloss->buffer)) ASSERT_EQ(v, 0);
 }
 
+TEST_F(LimeTest, FramesInFlightWhenItIsResetAreNotLookedAt) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
+  ASSERT_TRUE(lime.object().found);
+  for (int i = 0; i < 2; ++i)
+    run([&](gpu::Commands& commands) { lime.record(commands, scene(50, 30, 20), params, false); });
+  const uint64_t last = lime.recorded() - 1;
+  lime.reset();
+  for (const uint64_t number : {last - 1, last}) lime.done(number);
+  EXPECT_FALSE(lime.object().found);
+  EXPECT_EQ(lime.square().size, kFrame.width);
+  for (int i = 0; i < 2; ++i) frame(lime, scene(50, 30, 20));
+  EXPECT_TRUE(lime.object().found) << "it goes on";
+}
+
 TEST_F(LimeTest, BadFramesLeaveNumbers) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   Pixels pixels(kFrame.pixels() * 4);

@@ -28,4 +28,28 @@ extern const std::array<std::array<double, 2>, 8> kSamplePoints;
 /// disc where they are near.
 double hidden_by(double area, double height, double distance);
 
+/// The grids around an object of radius 1 on the ground, x right, rows towards the camera: its
+/// underside from -1 to 1, and the light that is hidden from -2 to 2.
+constexpr int kUnderside = 32, kGround = 64;
+
+/// What share of the light of an even sky an object hides from the points of the ground (x), down
+/// to nothing at a distance of 2. underside: depth from below in cells (x), coverage (y); ground:
+/// its height; soft: added to heights.
+Plane hidden_light(const Plane& underside, double ground, double soft);
+
+/// Where the ground is in the picture.
+struct GroundView {
+  double x, y;      ///< the object's center, pixels
+  double radius;    ///< of the object, pixels
+  double ground;    ///< height of the ground as it is seen, in radii from the center up
+  double sine;      ///< of the camera's elevation
+  double yaw;       ///< of the object, radians
+  double strength;  ///< of the shadow
+};
+/// How dark the ground is that a point of the picture shows.
+double darkness(const Plane& hidden, const GroundView& view, double x, double y);
+/// An object (RGB times coverage, coverage) over its shadow, black that covers as much as light is
+/// missing, over a pixel (RGB, alpha).
+Vec4 over(const Vec4& object, double dark, const Vec4& below);
+
 }  // namespace inverse::reference
