@@ -13,7 +13,7 @@ std::vector<T> values_of(const onnx::TensorProto& proto, const Field& field, siz
   std::vector<T> values(field.begin(), field.end());
   if (proto.has_raw_data()) {
     values.resize(proto.raw_data().size() / sizeof(T));
-    memcpy(values.data(), proto.raw_data().data(), values.size() * sizeof(T));
+    if (!values.empty()) memcpy(values.data(), proto.raw_data().data(), values.size() * sizeof(T));
   }
   if (values.size() != count)
     throw Error(ErrorKind::unsupported, "tensor \"" + name + "\" has " +
