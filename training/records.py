@@ -4,15 +4,14 @@ import pathlib
 
 
 def read(path):
-    """All records but a last line that a power cut has left incomplete. Raises ValueError for another that is none."""
-    lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
+    """All records but for lines that a power cut has left incomplete."""
     found = []
-    for number, line in enumerate(lines, 1):
-        try:
-            found.append(json.loads(line))
-        except json.JSONDecodeError as error:
-            if number < len(lines):
-                raise ValueError(f"{path}, line {number}: no record") from error
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            try:
+                found.append(json.loads(line))
+            except json.JSONDecodeError:
+                pass
     return found
 
 
@@ -22,4 +21,6 @@ def cut(path, minutes):
     if not path.exists():
         return
     kept = [r for r in read(path) if r.get("minutes", 0) <= minutes + 1e-3]
-    path.write_text("".join(json.dumps(r) + "\n" for r in kept), encoding="utf-8")
+    new = path.with_suffix(".new")
+    new.write_text("".join(json.dumps(r) + "\n" for r in kept), encoding="utf-8")
+    new.replace(path)

@@ -178,8 +178,8 @@ bool FilterElement::can_be_cut() {
 
 void FilterElement::look_at_shape_of_pixels() {
   const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
-  const auto told = std::exchange(told_shape_, shape);
-  if (shape.first == shape.second || shape == told || !filter_->takes_pixels_for_square()) return;
+  if (shape.first == shape.second || !filter_->takes_pixels_for_square()) return;
+  if (std::exchange(told_shape_, shape) == shape) return;
   GST_ELEMENT_WARNING(
       element_, STREAM, FORMAT,
       ("%s takes pixels to be square, and these are %d:%d: what is round is an ellipse to it; put "

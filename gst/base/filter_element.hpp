@@ -74,7 +74,7 @@ class FilterElement {
   bool try_caps(GstCaps* in, GstCaps* out);
   /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
   bool can_be_cut();
-  /// Warns of pixels that are not square, once a shape, where the filter takes them for it.
+  /// Warns of pixels that are not square where the filter takes them for it, once of one shape.
   void look_at_shape_of_pixels();
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Has the device build the kernels for frames of which only tiles are converted.
@@ -106,7 +106,7 @@ class FilterElement {
   GstVideoInfo in_info_, out_info_;
   CapsPair asked_;                        // last
   bool refused_ = false;                  // asked_ was answered with an error
-  std::pair<int, int> told_shape_{1, 1};  // of pixels, in the caps before
+  std::pair<int, int> told_shape_{1, 1};  // of pixels, that was warned of last
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

@@ -9,7 +9,7 @@
 
 namespace inverse {
 
-/// The names of those read-only properties.
+/// The read-only properties of an element that estimates a material.
 inline constexpr std::array kMaterialNews{"diffuse-albedo", "specular-albedo", "shininess"};
 
 /// The parameters of an element that estimates a material, and behind them read-only properties

@@ -34,6 +34,15 @@ constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "gltf", "glb
   throw Error(ErrorKind::file, "mesh " + path + " " + what);
 }
 
+/// In small letters, without the dot.
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
 /// Why a file is not read, be it the mesh or one that it names; empty where it may be.
 std::string why_no_mesh(const std::string& path) {
   if (const std::string why = why_no_file(path); !why.empty()) return why;
@@ -71,31 +80,37 @@ class BoundedStream final : public Assimp::IOStream {
   int in_vain_ = 0;
 };
 
+/// The files of a mesh.
 class BoundedSystem final : public Assimp::DefaultIOSystem {
  public:
+  explicit BoundedSystem(const std::string& mesh)
+      : mesh_(mesh), obj_(extension_of(mesh) == "obj") {}
+
   bool Exists(const char* file) const override {  // Assimp's own opens it
-    return why_no_mesh(file).empty();
+    return asks_for_shape(file) && why_no_mesh(file).empty();
   }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    const std::string name = file;
-    if (name.ends_with(".mtl")) return nullptr;  // only the shape is used
-    if (const std::string why = why_no_mesh(name); !why.empty())
-      throw std::runtime_error(name + " " + why);
+    if (!asks_for_shape(file) || !std::filesystem::exists(file, none_)) return nullptr;
+    if (const std::string why = why_no_mesh(file); !why.empty())
+      throw std::runtime_error(file + (" " + why));
     Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
     return inner ? new BoundedStream(files_, inner) : nullptr;
   }
   void Close(Assimp::IOStream* stream) override { delete stream; }
 
  private:
+  /// What an OBJ names are materials.
+  bool asks_for_shape(const std::string& file) const { return !obj_ || file == mesh_; }
+
   Assimp::DefaultIOSystem files_;
+  std::string mesh_;
+  bool obj_;
+  std::error_code none_;
 };
 
 void check_file(const std::string& path) {
   if (const std::string why = why_no_mesh(path); !why.empty()) fail(path, why);
-  std::string extension = std::filesystem::path(path).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     fail(path, "is not named as an OBJ, PLY or glTF file (.obj, .ply, .gltf, .glb)");
   if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
@@ -259,7 +274,7 @@ void append(Mesh& mesh, const aiMesh& part) {
 Mesh read(const std::string& path) {
   Assimp::Importer importer;
   keep_our_formats(importer);
-  importer.SetIOHandler(new BoundedSystem);
+  importer.SetIOHandler(new BoundedSystem(path));
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
                               aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |

@@ -41,7 +41,7 @@ namespace {
 
 /// Where a file is to be written.
 struct Target {
-  std::filesystem::path path;  ///< of the file itself, where the name is that of a link
+  std::filesystem::path path;  ///< of the file itself, where the name is that of a link to one
   bool there;                  ///< an earlier file is
   bool in_place;               ///< over what is there, and not beside it first
 };
@@ -59,9 +59,8 @@ Target target_of(const std::string& path) {
   const fs::path target = there ? fs::canonical(path, none) : fs::path(path);
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
   const bool takes_another = access(folder.c_str(), W_OK | X_OK) == 0;
-  if (there && takes_another && fs::is_regular_file(found)) return {target, true, false};
   if (there && access(target.c_str(), W_OK) != 0) fail_to_write(path, strerror(errno));
-  if (there) return {target, true, true};
+  if (there) return {target, true, !takes_another || !fs::is_regular_file(found)};
   if (!fs::is_directory(folder, none)) fail_to_write(path, "there is no folder " + folder);
   if (!takes_another) fail_to_write(path, "no file can be made in " + folder);
   return {target, false, false};

@@ -24,8 +24,8 @@ std::string text(const Shape& s) {
 
 std::string named(const Node& node) { return "node \"" + node.name + "\""; }
 
-/// `from`: behind the weights of the nodes before it. No number is two nodes', so that a small file
-/// cannot ask for more memory and time than its size.
+/// `from`: behind the weights of the nodes before it. No number is two nodes', so that a file
+/// cannot ask for more weights than it holds.
 void validate_weights(const Graph& graph, const Node& node, uint64_t from) {
   if (node.channels < 1 || node.channels > kMostChannels)
     refuse(named(node), std::to_string(node.channels) + " channels");
@@ -34,7 +34,8 @@ void validate_weights(const Graph& graph, const Node& node, uint64_t from) {
   if (node.weights > graph.weights.size() || count > graph.weights.size() - node.weights)
     refuse(named(node), "its weights lie outside of the " + std::to_string(graph.weights.size()) +
                             " that there are");
-  if (node.weights < from) refuse(named(node), "its weights are those of a node before it, too");
+  if (node.weights < from)
+    refuse(named(node), "its weights do not lie behind those of the nodes before it");
   const auto first = graph.weights.begin() + static_cast<ptrdiff_t>(node.weights);
   const auto finite = [](float w) { return std::isfinite(w); };
   const auto bias = first + static_cast<ptrdiff_t>(node.weight_count());

@@ -22,7 +22,7 @@ struct LineResult {
   std::vector<std::string> warnings;
   std::vector<std::string> messages;  ///< names of element messages
   std::vector<std::vector<uint8_t>> frames;
-  GstVideoInfo info;  ///< of the last frame
+  GstVideoInfo info{};  ///< of the last frame
   /// The error of our own elements, or of the first complaint.
   std::string first_error() const { return errors.empty() ? "" : errors.front(); }
 };

@@ -165,19 +165,23 @@ TEST_F(LimeElementTest, ASecondRunIsAsTheFirst) {
 TEST_F(LimeElementTest, BindingsHearOfTheMaterial) {
   VideoHarness harness(line(), caps());
   GstElement* lime = harness.find("limematerial");
-  std::vector<std::string> heard;
+  std::vector<std::pair<std::string, bool>> heard;  // and whether there is a value
   g_signal_connect(lime, "notify",
                    G_CALLBACK(+[](GObject* object, GParamSpec* spec, gpointer names) {
                      GValue value = G_VALUE_INIT;
                      g_object_get_property(object, spec->name, &value);  // must not wait
+                     const bool known = !g_param_value_defaults(spec, &value);
                      g_value_unset(&value);
-                     static_cast<std::vector<std::string>*>(names)->emplace_back(spec->name);
+                     static_cast<decltype(heard)*>(names)->emplace_back(spec->name, known);
                    }),
                    &heard);
   for (int i = 0; i < 8; ++i) harness.process(scene(60, 30, 20));
-  EXPECT_EQ(heard, (std::vector<std::string>{"diffuse-albedo", "specular-albedo", "shininess"}));
+  decltype(heard) expected{
+      {"diffuse-albedo", true}, {"specular-albedo", true}, {"shininess", true}};
+  EXPECT_EQ(heard, expected);
   for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
-  EXPECT_EQ(heard.size(), 6u);
+  for (size_t i = 0; i < 3; ++i) expected.emplace_back(expected[i].first, false);
+  EXPECT_EQ(heard, expected);
 }
 
 TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {

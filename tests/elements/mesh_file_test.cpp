@@ -282,11 +282,13 @@ TEST_F(MeshFile, FilesThatAMeshNamesAreLookedAtToo) {
   const std::string pipe = folder_ / "pipe.bin";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   ASSERT_EQ(mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
-  EXPECT_EQ(load_mesh(written("painted.obj",
-                              "mtllib pipe.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\n"
-                              "v 0 1 0\nf 1 2 3\n"))
-                .triangles(),
-            1U);
+  for (const char* library : {"pipe.mtl", "PIPE.MTL", "pipe.mtl ", "nowhere.mat"})
+    EXPECT_EQ(load_mesh(written("painted.obj", std::string("mtllib ") + library +
+                                                   "\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                                   "f 1 2 3\n"))
+                  .triangles(),
+              1U)
+        << library;
   const std::string text = error(written(
       "far.gltf",
       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"

@@ -19,7 +19,7 @@ using network::Op;
 
 // Versions of ONNX' operators whose meaning we know. Before 11, Resize and others had other inputs.
 constexpr int64_t kFirstOpset = 11, kLastOpset = 21;
-constexpr int64_t kMostSide = 1 << 16;  // of an input, channels too; a network takes less
+constexpr int64_t kMostDimension = 1 << 16;  // of an input; graph.cpp takes no more
 
 /// The version of ONNX' own operators that a model is written in.
 int64_t opset_of(const onnx::ModelProto& model) {
@@ -64,7 +64,7 @@ class Importer {
                   "input \"" + input.name() + "\": it is not of float32 (FLOAT)");
     const onnx::TensorShapeProto& shape = type.shape();
     for (const onnx::TensorShapeProto_Dimension& side : shape.dim())
-      if (side.dim_value() > kMostSide)
+      if (side.dim_value() > kMostDimension)
         throw Error(ErrorKind::unsupported, "input \"" + input.name() + "\": a side of " +
                                                 std::to_string(side.dim_value()) + " is too large");
     if (shape.dim_size() != 4 || shape.dim(1).dim_value() < 1 || shape.dim(0).dim_value() > 1)
@@ -96,6 +96,11 @@ class Importer {
     const uint32_t from = value(op, index);
     if (from < graph_.inputs.size() || readers_[op.input(index)] != 1) return nullptr;
     return &graph_.nodes[from - graph_.inputs.size()];
+  }
+  /// Whether somebody reads a result behind the first.
+  bool wanted(const Operator& op, int index) const {
+    const std::string name = op.output(index);
+    return !name.empty() && readers_.count(name) > 0;
   }
   Node make(const Operator& op, Op kind, std::vector<uint32_t> inputs) const {
     Node node;
@@ -171,8 +176,8 @@ class Importer {
     Node* node = only_mine(op, 0);
     op.expect(node && node->op == Op::convolution && node->activation == Activation::none,
               "it does not follow a Conv that nothing else reads");
-    // Before opset 14 it was in training where it had more results than one.
-    op.expect(op.integer("training_mode", 0) == 0 && op.outputs() == 1, "it is in training");
+    // Before opset 14 it was in training where it had more results that are used.
+    op.expect(op.integer("training_mode", 0) == 0 && !wanted(op, 1), "it is in training");
     std::array<const float*, 4> parts{};
     for (int i = 0; i < 4; ++i) {
       const std::vector<float>& part = constant(op, i + 1).floats;
@@ -213,7 +218,7 @@ class Importer {
 
   void max_pool(const Operator& op) {
     const std::vector<int64_t> two = {2, 2};
-    op.expect(op.outputs() == 1, "its indices are wanted");
+    op.expect(!wanted(op, 1), "its indices are wanted");
     op.expect(op.integers("kernel_shape", {}) == two && op.integers("strides", {1, 1}) == two,
               "only 2 x 2 with stride 2 is taken");
     op.expect(op.integers("pads", {0, 0, 0, 0}) == std::vector<int64_t>(4, 0), "it has padding");
@@ -263,8 +268,8 @@ class Importer {
   }
 
   void dropout(const Operator& op) {
-    op.expect(op.inputs() < 3, "it may be in training");
-    op.expect(op.outputs() == 1, "its mask is wanted");
+    op.expect(op.input(2).empty(), "it may be in training");
+    op.expect(!wanted(op, 1), "its mask is wanted");
     pass(op);
   }
   void pass(const Operator& op) {

@@ -72,6 +72,10 @@ std::string Operator::input(int index) const {
   return index < node_.input_size() ? node_.input(index) : std::string();
 }
 
+std::string Operator::output(int index) const {
+  return index < node_.output_size() ? node_.output(index) : std::string();
+}
+
 const onnx::AttributeProto* Operator::find(const char* attribute) const {
   for (const onnx::AttributeProto& a : node_.attribute())
     if (a.name() == attribute) return &a;

@@ -39,6 +39,8 @@ class Operator {
   /// The name of an input; empty where there is none.
   std::string input(int index) const;
   const std::string& output() const { return node_.output(0); }
+  /// The name of another; empty where there is none.
+  std::string output(int index) const;
   int outputs() const { return node_.output_size(); }
 
   int64_t integer(const char* attribute, int64_t otherwise) const;

@@ -28,7 +28,7 @@ def main():
             last = None if name == "exponent" and networks.regress else OUTPUTS[name]
             path = draft / f"{name}.onnx"
             error = onnx_file.write(part, shape, path, last)
-            print(f"{args.models / path.name}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
+            print(f"{path.name}: {path.stat().st_size / 1e6:.2f} MB, {count_flops(part, shape) / 1e9:.3f} GFLOP, "
                   f"OpenCV dnn within {error:.1e}")
 
 

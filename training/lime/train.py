@@ -25,13 +25,14 @@ import records  # noqa: E402
 
 VALIDATION_SEED = 2  # of the test split; others are datasets.CHOICES and datasets.REPORT
 HELD_BACK = 64       # validation samples
+MINUTES = 60         # where nobody says
 LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped for a while, not training
 
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
-    p.add_argument("--minutes", type=float, help="of training in all, shared out among the stages; 60, or the checkpoint's")
+    p.add_argument("--minutes", type=float, help=f"of training in all, shared out among the stages; {MINUTES}, or the checkpoint's")
     p.add_argument("--seed", type=int, help="of the samples; 1, or the checkpoint's; --start wants another than its weights had")
     p.add_argument("--hdri", default=None, help="folder of CC0 environment maps; '' for rooms only")
     p.add_argument("--threads", type=int, default=2, help="of the training")
@@ -101,7 +102,7 @@ def main():
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
     path, optimizer_state = args.out / "checkpoint.pt", None
-    state = {"variant": variant, "stages": None, "minutes": 60, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
+    state = {"variant": variant, "stages": None, "minutes": MINUTES, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
              "trained_seconds": 0.0, "seed": 1, "perceptual": True}
     check(args, path)
     if args.resume:
@@ -126,7 +127,7 @@ def main():
     asked = args.stages.split(",") if args.stages else None
     amid = args.resume and state["stage"] < len(stages.stages_of(networks, state["stages"]))
     if asked and not (amid and asked == state["stages"]):
-        state.update(stages=asked, minutes=60, stage=0, seconds=0.0)
+        state.update(stages=asked, minutes=MINUTES, stage=0, seconds=0.0)
         optimizer_state = None
     elif args.resume and not amid:
         raise SystemExit(f"{path}: this training has ended; --stages goes on")
@@ -135,6 +136,7 @@ def main():
     if anew:
         optimizer_state = None
     order = stages.stages_of(networks, state["stages"])
+    print(f"{state['minutes']:g} minutes of {', '.join(s.name for s in order)}", flush=True)
 
     samples = corpus.Corpus(args.hdri)
     maps = samples.maps(False)

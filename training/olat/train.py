@@ -96,7 +96,6 @@ def main():
             part.load_state_dict(saved[name])
         average.state, average.steps = saved["average"], saved["batches"]
         state.update({k: saved[k] for k in ("judged", "seconds", "batches", "lit")})
-    if args.resume:
         records.cut(args.out / "log.jsonl", (state["judged"] + state["seconds"]) / 60)
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 

@@ -115,8 +115,9 @@ void OlatAssembler::check(const SyncParams& params, const LightProgram& program)
   std::error_code failed;
   std::filesystem::create_directories(params.location, failed);
   if (failed || !std::filesystem::is_directory(params.location))
-    throw Error(ErrorKind::file, "the folder " + params.location + " cannot be made: " +
-                                     (failed ? failed.message() : "there is a file of this name"));
+    throw Error(ErrorKind::output,
+                "the folder " + params.location + " cannot be made: " +
+                    (failed ? failed.message() : "there is a file of this name"));
 }
 
 uint64_t OlatAssembler::longest_pass(const LightProgram& program) {
@@ -247,7 +248,8 @@ void OlatAssembler::save(const Held& held, const cv::Mat& light) {
   std::error_code failed;
   std::filesystem::create_directories(draft() + "/olat", failed);
   if (failed)
-    throw Error(ErrorKind::file, "the folder " + draft() + " cannot be made: " + failed.message());
+    throw Error(ErrorKind::output,
+                "the folder " + draft() + " cannot be made: " + failed.message());
   const LightStep& step = labels_->program().steps[held.label.position.index];
   const std::string name = file_name(step);
   write_exr(draft() + "/" + name, cv::max(light, 0));
@@ -306,7 +308,7 @@ void OlatAssembler::publish(bool ended) try {
   move_file(draft() + "/lights.json", to + "/lights.json");
   clear_capture(to, fresh);
 } catch (const std::filesystem::filesystem_error& error) {
-  throw Error(ErrorKind::file,
+  throw Error(ErrorKind::output,
               std::string("the capture cannot be put where it belongs: ") + error.what());
 }
 
