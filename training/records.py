@@ -1,6 +1,12 @@
-"""The log of a training: a JSON object a line."""
+"""What a training leaves behind: its checkpoint, and its log, a JSON object a line."""
 import json
 import pathlib
+
+
+def keep(checkpoint, args):
+    """Ends the program where a training that begins would take the place of another one's checkpoint."""
+    if checkpoint.exists() and not args.resume and not args.overwrite:
+        raise SystemExit(f"{checkpoint} is there already: --resume goes on with it, --overwrite begins anew, --out takes another folder")
 
 
 def read(path):

@@ -90,7 +90,8 @@ class BoundedSystem final : public Assimp::DefaultIOSystem {
     return asks_for_shape(file) && why_no_mesh(file).empty();
   }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    if (!asks_for_shape(file) || !std::filesystem::exists(file, none_)) return nullptr;
+    std::error_code status;
+    if (!asks_for_shape(file) || !std::filesystem::exists(file, status)) return nullptr;
     if (const std::string why = why_no_mesh(file); !why.empty())
       throw std::runtime_error(file + (" " + why));
     Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
@@ -105,7 +106,6 @@ class BoundedSystem final : public Assimp::DefaultIOSystem {
   Assimp::DefaultIOSystem files_;
   std::string mesh_;
   bool obj_;
-  std::error_code none_;
 };
 
 void check_file(const std::string& path) {

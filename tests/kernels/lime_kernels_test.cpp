@@ -358,32 +358,23 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
                    lines = random_pixels(side, ++seed, -.1F, 1.1F);
       const Pixels under = random_pixels(side, ++seed, 0, .6F);
       const gpu::BufferPtr diffuse = empty(extent.pixels()), gloss = empty(extent.pixels());
-      run([&](gpu::Commands& commands) {
-        commands.dispatch(device->kernel(shaders::material_layers, {1}),
-                          {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
-                           plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
-                          place, {extent.width, extent.height});
-      });
-      const auto expected = reference::lime_layers(
-          to_reference(extent, frame), square(place), to_reference(side, planes),
-          to_reference(side, codes), to_reference(side, lines), to_reference(side, under));
-      expect_near(download(diffuse), expected.diffuse, 1e-3,
-                  "diffuse of " + std::to_string(extent.width));
-      expect_near(download(gloss), expected.gloss, 1e-3,
-                  "gloss of " + std::to_string(extent.width));
       // Without an object there is light alone, whatever the rest holds.
-      run([&](gpu::Commands& commands) {
-        commands.dispatch(device->kernel(shaders::material_layers, {0}),
-                          {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
-                           plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
-                          place, {extent.width, extent.height});
-      });
-      const auto bare = reference::lime_layers(
-          to_reference(extent, frame), {0, 0, 1, 0}, to_reference(side, planes),
-          to_reference(side, codes), to_reference(side, lines), to_reference(side, under));
-      expect_near(download(diffuse), bare.diffuse, 1e-3,
-                  "light of " + std::to_string(extent.width));
-      expect_near(download(gloss), bare.gloss, 1e-3, "no gloss of " + std::to_string(extent.width));
+      for (const bool found : {true, false}) {
+        run([&](gpu::Commands& commands) {
+          commands.dispatch(device->kernel(shaders::material_layers, {found}),
+                            {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
+                             plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
+                            place, {extent.width, extent.height});
+        });
+        const auto expected = reference::lime_layers(
+            to_reference(extent, frame), found ? square(place) : reference::LimeSquare{},
+            to_reference(side, planes), to_reference(side, codes), to_reference(side, lines),
+            to_reference(side, under));
+        const std::string what =
+            (found ? " of " : " without an object of ") + std::to_string(extent.width);
+        expect_near(download(diffuse), expected.diffuse, 1e-3, "diffuse" + what);
+        expect_near(download(gloss), expected.gloss, 1e-3, "gloss" + what);
+      }
     }
 }
 

@@ -91,8 +91,7 @@ def check(args, path):
         raise SystemExit("without --start or --resume all networks begin anew")
     if args.start and args.seed is None:
         raise SystemExit("--start wants a --seed, another than its weights were trained with (their README tells)")
-    if path.exists() and not args.resume and not args.overwrite:
-        raise SystemExit(f"{path} is there already: --resume goes on with it, --overwrite begins anew, --out takes another folder")
+    records.keep(path, args)
 
 
 def main():
@@ -161,6 +160,7 @@ def main():
         curves.plot(args.out / "log.jsonl", args.out / "curves.png")
 
     write(event="start", maps=samples.maps(False), arguments={k: str(v) for k, v in vars(args).items()})
+    held_back = {}  # by the kind of pictures that a stage learns from
     for number in range(state["stage"], len(order)):
         stage = order[number]
         if number != state["stage"]:
@@ -174,7 +174,8 @@ def main():
             optimizer_state = None
         kind = corpus.WHOLE_FRAME if stage.name == "segmentation" else 0
         flags = corpus.TAUGHT | kind
-        held_back = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST | kind, args.threads), args.device)
+        if kind not in held_back:
+            held_back[kind] = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST | kind, args.threads), args.device)
         stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:
@@ -207,7 +208,7 @@ def main():
                 means = {}
                 if count % 200 == 0:
                     record.update({"held_out_" + k: v for k, v in
-                                   validate(stage, networks, held_back, state["perceptual"]).items()})
+                                   validate(stage, networks, held_back[kind], state["perceptual"]).items()})
                 write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
                       rate=optimizer.param_groups[0]["lr"], **record)
             if time.monotonic() - saved > 60:
@@ -216,7 +217,7 @@ def main():
         if stream:
             stream.close()
         write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
-              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back, state["perceptual"]).items()})
+              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back[kind], state["perceptual"]).items()})
         state.update(stage=number + 1, seconds=0.0)
         save(None)  # the optimizer of an ended stage is of no use to the next one
 

@@ -85,8 +85,7 @@ def main():
     average = teaching.Average(net)
     state = {"variant": variant, "judged": 0.0, "seconds": 0.0, "batches": 0, "lit": 0, "arguments": vars(args)}
     path = args.out / "checkpoint.pt"
-    if path.exists() and not args.resume and not args.overwrite:
-        raise SystemExit(f"{path} is there already: --resume goes on with it, --overwrite begins anew, --out takes another folder")
+    records.keep(path, args)
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         was = {"width": 1, **saved["variant"]}
