@@ -6,6 +6,7 @@ path-traced GGX part; MIT's real objects with measured specular images. The mask
 objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
 """
 import argparse
+import functools
 import pathlib
 
 import numpy as np
@@ -66,12 +67,14 @@ def main():
 
     sets = {"Held-out shapes and maps": held_out(args.count),
             "The same, every fourth object painted": held_out(args.count // 4, corpus.MAY_BE_PAINTED),
-            "The same, every fourth marked, every eighth matte": held_out(args.count // 4, corpus.EVERYDAY),
+            "The same, some of them pale, marked or matte": held_out(args.count // 4, corpus.EVERYDAY),
             "The same, in whole frames": held_out(args.count // 4, corpus.WHOLE_FRAME)}
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),
-            ("MIT objects, real", datasets.mit, "mit", True)):
+            ("MIT objects, real", datasets.mit, "mit", True),
+            ("The same, white all over", functools.partial(datasets.mit, color=(0.8, 0.8, 0.8)), "mit", True),
+            ("The same, green all over", functools.partial(datasets.mit, color=(0.2, 0.5, 0.3)), "mit", True)):
         if networks.size != 128:
             print(f"{title}: not scored; its pictures are 128 × 128, and these networks take {networks.size} × {networks.size}")
         elif (args.data / folder).is_dir():

@@ -24,7 +24,8 @@ enum Stream {
   kPaint,
   kSurroundings,
   kPrint,
-  kFraming
+  kFraming,
+  kPale
 };
 
 /// Subpixels along a pixel's side.
@@ -66,6 +67,13 @@ void draw_material(Random& random, Parameters& p) {
   p.shininess = std::exp2(1 + 9 * (float(bin) + random.uniform()) / 8);
   p.specular = p.shininess > 8 ? p.alpha * (p.shininess + 8) / 16 : p.alpha;
   p.ambient = random.chance(0.5f) ? 0.f : random.uniform(0.f, 0.05f);
+}
+
+/// What most things are that people make: white, gray or black, with a hint of m_d's color.
+void make_pale(Random& random, Parameters& p) {
+  const float gray = random.uniform(0.04f, 0.9f), share = random.uniform(0.f, 0.3f);
+  const float mean = (p.diffuse[0] + p.diffuse[1] + p.diffuse[2]) / 3;
+  for (float& c : p.diffuse) c = std::clamp(gray + share * (c - mean), 0.02f, 0.95f);
 }
 
 struct View {
@@ -334,12 +342,15 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   Random shape = stream(kShape), pose = stream(kPose), light = stream(kLight),
          material = stream(kMaterial);
   Random background = stream(kBackground), sensor = stream(kSensor), brush = stream(kPaint),
-         surroundings = stream(kSurroundings), print = stream(kPrint), framing = stream(kFraming);
+         surroundings = stream(kSurroundings), print = stream(kPrint), framing = stream(kFraming),
+         pale = stream(kPale);
 
   parameters = {};
   const Object object = make_object(shape, held_out);
   const Lighting lighting = draw_light(light, maps, held_out);
   draw_material(material, parameters);
+  const bool is_pale = request.everyday && pale.chance(0.3f);
+  if (is_pale) make_pale(pale, parameters);
   parameters.family = float(object.family);
   parameters.trait = object.trait;
   parameters.map = float(lighting.name);
@@ -370,12 +381,14 @@ void render(const Request& request, const std::vector<NamedMap>& maps, const Ima
   std::vector<Vec> albedo;
   if (request.may_be_painted && brush.chance(0.25f))
     albedo = paint(brush, lighting.map, request.size, own);
-  if (request.everyday && print.chance(0.25f)) {
+  const bool is_marked = request.everyday && print.chance(0.25f);
+  if (is_marked) {
     if (albedo.empty()) albedo.assign(plane, own);
     print_marks(print, request.size, albedo);
   }
   if (!albedo.empty()) wear(albedo, pixels, parameters);
-  if (request.everyday && print.chance(0.12f)) parameters.alpha = parameters.specular = 0;
+  if (request.everyday && print.chance(is_pale || is_marked ? 0.4f : 0.12f))
+    parameters.alpha = parameters.specular = 0;
   const float k = parameters.exposure = draw_exposure(sensor, pixels, parameters);
 
   std::vector<Vec> linear = request.whole_frame && surroundings.chance(0.4f)

@@ -23,14 +23,16 @@ struct Request {
   /// off, and half of the frames are wider or higher than the square.
   bool whole_frame = false;
   bool may_be_painted = false;  ///< Every fourth object has paint of several colors.
-  /// As many things in use are: every fourth object bears sharp-edged marks, many of them white,
-  /// and every eighth is matte (alpha and m_s are 0, and its shininess says nothing).
+  /// As many things in use are: three in ten are white, gray or black or nearly so, which uniform
+  /// in YUV is seldom, and every fourth bears sharp-edged marks, many of them white. Of both 40 %
+  /// are matte (alpha and m_s are 0, and their shininess says nothing), of the others an eighth.
   bool everyday = false;
 };
 
 /// Material and circumstances; the order of these floats is the C interface's.
 struct Parameters {
-  float diffuse[3];  ///< m_d, linear RGB, uniform in YUV; of painted objects the mean.
+  float diffuse[3];  ///< m_d, linear RGB, uniform in YUV but for pale ones; of painted objects the
+                     ///< mean.
   float alpha;       ///< Specular albedo before the lobe's normalization, 0.03 … 0.9; 0: matte.
   float shininess;   ///< s, log-uniform in its bin.
   float bin;         ///< 0 … 7 of the edges 2^(1 + 9 b / 8).

@@ -106,13 +106,16 @@ def ggx(folder):
     return items
 
 
-def mit(folder, size=128):
+def mit(folder, size=128, color=None):
     """Real objects with measured specular images (Grosse et al. 2009): cropped to the object with a margin of a tenth,
-    exposed so that 98 % of its values are below white, as the corpus is."""
+    exposed so that 98 % of its values are below white, as the corpus is. `color`, linear RGB: an albedo in place of their paint."""
     items = []
     for path in sorted(p for p in folder.iterdir() if (p / "specular.png").exists()):
         mask = (read(path / "mask.png")[:1] > 0).astype(np.float32)
-        original, specular = (read(path / f"{k}.png").astype(np.float32) / 65535 for k in ("original", "specular"))
+        original, specular, shading = (read(path / f"{k}.png").astype(np.float32) / 65535
+                                       for k in ("original", "specular", "shading"))
+        if color is not None:
+            original = np.reshape(color, (3, 1, 1)).astype(np.float32) * shading.mean(0) + specular.mean(0)
         rows, columns = np.nonzero(mask[0])
         side = int(1.2 * max(np.ptp(rows), np.ptp(columns)) + 1)
         top, left = (int(round((a.min() + a.max() - side) / 2)) for a in (rows, columns))
