@@ -110,7 +110,7 @@ class Filter {
   /// streaming thread or while it rests; may come twice. What it throws becomes a warning.
   virtual void ended() {}
   /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
-  /// Error(file) where it cannot.
+  /// Error(output) where it cannot.
   virtual void save_environment(const std::string& /*path*/) {}
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.

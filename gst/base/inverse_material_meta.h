@@ -27,7 +27,7 @@ G_BEGIN_DECLS
  * diffuse * D + specular * g * S, with g = (shininess + 8) / 16 above 8, else 1. The mean, in log2,
  * over the probabilities of all bins: it need not lie in the most probable one
  * @bins: probabilities of eight bins of the shininess, even in log2 from 2 to 1024
- * @estimates: frames that it is the mean of; 0 with the frame in which the object is found: only
+ * @averaged: frames that it is the mean of; 0 with the frame in which the object is found: only
  * its box is known then, and the numbers of its material are 0
  * @left: the object's box, in pixels of the frame
  * @top: the same
@@ -49,7 +49,7 @@ typedef struct {
   gfloat specular;
   gfloat shininess;
   gfloat bins[GST_MATERIAL_BINS];
-  guint64 estimates;
+  guint64 averaged;
   gfloat left, top, right, bottom;
   guint environment_width, environment_height;
   GBytes* environment;

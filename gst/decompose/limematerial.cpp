@@ -67,7 +67,8 @@ const PropertyTable<Params>& table() {
               Mutable::ready),
       number<P>(
           "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
-          "Frames over which the material is averaged, at most (thesis Eq. 6.5)"),
+          "Frames over which the material is averaged, at most (thesis Eq. 6.5), and views over "
+          "which the light is (one estimate in four): lower where the camera turns"),
       number<P>(
           "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
           "A diffuse albedo that is so far from the average (largest channel, linear) for "
@@ -95,10 +96,11 @@ const PropertyTable<Params>& table() {
               "from -1 to 1 (8 or 16 bits), x right, y up, z to the camera; scaled to the frame. "
               "Empty = none",
               Mutable::ready),
-      text<P>("environment-location", &P::environment_location,
-              "Radiance file (.hdr) that the light is written to when the stream ends or stops; "
-              "empty = none",
-              Mutable::ready),
+      text<P>(
+          "environment-location", &P::environment_location,
+          "Radiance file (.hdr) that is written, in place of one that is there: the light, when "
+          "the stream ends or stops; empty = none. (materialclone's is read)",
+          Mutable::ready),
       number<P>("steady", &P::steady, 0, 1,
                 "A material is known when its standard error (of albedos; of log2 of the "
                 "shininess, a sixth) is below this"),
@@ -141,6 +143,7 @@ class LimeElement final : public Filter {
                       ? nullptr
                       : std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
     told_.reset();
+    written_ = true;  // until there is a frame
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
@@ -289,7 +292,7 @@ class LimeElement final : public Filter {
         s, "diffuse-red", G_TYPE_DOUBLE, real(m.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
         real(m.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE, real(m.diffuse[2]), "specular",
         G_TYPE_DOUBLE, real(m.specular), "shininess", G_TYPE_DOUBLE, real(m.shininess()), "bin",
-        G_TYPE_UINT, static_cast<guint>(m.bin()), "averaged", G_TYPE_UINT64, object.estimates,
+        G_TYPE_UINT, static_cast<guint>(m.bin()), "averaged", G_TYPE_UINT64, object.averaged,
         "spread", G_TYPE_DOUBLE, real(object.spread), "left", G_TYPE_DOUBLE, real(object.box.left),
         "top", G_TYPE_DOUBLE, real(object.box.top), "right", G_TYPE_DOUBLE, real(object.box.right),
         "bottom", G_TYPE_DOUBLE, real(object.box.bottom), nullptr);
@@ -310,7 +313,7 @@ class LimeElement final : public Filter {
     std::copy(object.material.bins.begin(), object.material.bins.end(), meta->bins);
     meta->specular = object.material.specular;
     meta->shininess = object.material.shininess();
-    meta->estimates = object.estimates;
+    meta->averaged = object.averaged;
     meta->left = object.box.left;
     meta->top = object.box.top;
     meta->right = object.box.right;

@@ -69,11 +69,13 @@ const PropertyTable<Params>& table() {
           "drag", &P::drag,
           "Follow the mouse: the object goes where its first button is pressed, and with it until "
           "it is released (navigation events of video sinks); x and y follow"),
-      text<P>("environment-location", &P::environment_location,
-              "Radiance file (.hdr) of the light, a panorama as seen from the object, its middle "
-              "towards the camera; empty = the light that limematerial estimates, else a neutral "
-              "studio",
-              Mutable::ready),
+      text<P>(
+          "environment-location", &P::environment_location,
+          "Radiance file (.hdr) that is read: the light, a panorama as seen from the object, its "
+          "middle towards the camera; empty = the light that limematerial estimates, else a "
+          "neutral "
+          "studio",
+          Mutable::ready),
       number<P>("environment-rotation", &P::rotation, -360, 360,
                 "Turn of the light about the vertical in degrees; positive: what comes from the "
                 "camera comes from the right"),
@@ -116,7 +118,7 @@ std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
   gsize bytes = 0;
   const void* data = g_bytes_get_data(meta.environment, &bytes);
   std::vector<float> rgb(bytes / sizeof(float));
-  memcpy(rgb.data(), data, rgb.size() * sizeof(float));
+  if (!rgb.empty()) memcpy(rgb.data(), data, rgb.size() * sizeof(float));
   return Environment(extent, std::move(rgb), "the estimated environment map");
 }
 
@@ -184,7 +186,9 @@ class CloneElement final : public Filter {
           "and nothing that crops, pads or turns the picture between them; source=properties draws "
           "diffuse-color, specular and shininess");
     const Surface surface = material(meta, params);
-    if (!shown_ || !alike(surface, *shown_)) shown_ = surface;
+    // Estimates that hardly differ are not worth a new picture; what somebody sets is.
+    if (!shown_ || !(surface_is_set_ ? surface == *shown_ : alike(surface, *shown_)))
+      shown_ = surface;
     sphere_->record(
         frame.commands, *shown_,
         {std::exp2(params.exposure), params.rotation * std::numbers::pi_v<float> / 180});
@@ -235,18 +239,16 @@ class CloneElement final : public Filter {
 
   /// The material of this frame.
   Surface material(const GstMaterialMeta* meta, const Params& params) {
-    const bool told = meta && meta->found && meta->estimates > 0;
+    const bool told = meta && meta->found && meta->averaged > 0;
     if (told) {
       seen_ = Surface{};
       std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
       seen_->specular = meta->specular;
       seen_->shininess = meta->shininess;
     }
-    if (params.source == MaterialFrom::stream && seen_) {
-      material_from_ = told ? "stream" : "held";
-      return *seen_;
-    }
-    material_from_ = "properties";
+    surface_is_set_ = params.source == MaterialFrom::properties || !seen_;
+    material_from_ = surface_is_set_ ? "properties" : told ? "stream" : "held";
+    if (!surface_is_set_) return *seen_;
     return {linear_color(params.diffuse), params.specular, params.shininess};
   }
 
@@ -305,8 +307,9 @@ class CloneElement final : public Filter {
   bool timeless_ = false;  // it was told that frames have no time
   bool looked_ = false;    // whether the stream brings a material, once
   std::mutex mouse_mutex_;
-  Extent extent_;      // of frames
-  bool held_ = false;  // the mouse's button is down
+  Extent extent_;                // of frames
+  bool held_ = false;            // the mouse's button is down
+  bool surface_is_set_ = false;  // by properties
   const char* material_from_ = "properties";
   const char* light_from_ = "studio";
   std::optional<LitSphere> sphere_;

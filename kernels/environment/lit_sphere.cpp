@@ -60,10 +60,15 @@ std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
 }  // namespace
 
 bool alike(const Surface& a, const Surface& b) {
-  constexpr float kAlbedo = 0.002F, kRatio = 1.01F;
+  constexpr float kRatio = 1.01F;
+  // A ratio, as exposure and the lobe's gain may make much of little; of what is nearly black less
+  // than half a code value.
+  const auto near = [](float p, float q) {
+    return std::fabs(p - q) <= 1e-4F + 0.005F * std::max(p, q);
+  };
   for (size_t c = 0; c < 3; ++c)
-    if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
-  return std::fabs(a.specular - b.specular) <= kAlbedo && a.shininess <= kRatio * b.shininess &&
+    if (!near(a.diffuse[c], b.diffuse[c])) return false;
+  return near(a.specular, b.specular) && a.shininess <= kRatio * b.shininess &&
          b.shininess <= kRatio * a.shininess;
 }
 

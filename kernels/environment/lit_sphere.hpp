@@ -21,8 +21,8 @@ struct Surface {
   static float lobe_gain(float shininess) { return shininess > 8 ? (shininess + 8) / 16 : 1; }
 };
 
-/// Whether two surfaces look the same, to half a code value and what an exponent can tell: who
-/// draws one need not be told of the other.
+/// Whether two surfaces look the same, to half a hundredth of their albedos and what an exponent
+/// can tell: who draws one need not be told of the other.
 bool alike(const Surface& a, const Surface& b);
 /// Whether two maps differ by less than a hundredth of what light there is.
 bool alike(const Environment& a, const Environment& b);
@@ -31,9 +31,9 @@ bool alike(const Environment& a, const Environment& b);
 /// else matters (a lit sphere). A table over the normals that face the camera holds linear RGB
 /// md D(n) + ms S(n); kernels look into it through lit_sphere.glsl.
 ///
-/// D is a sum over 512 cells of the map, exact where a cell is seen whole or not at all. S takes
-/// samples of the lobe around the normal (h·n)^s over half vectors, from levels of the map that are
-/// as blurred as the samples are far apart.
+/// D is a sum over 512 cells of the map, exact where a cell is seen whole or not at all, and so is
+/// S of wide lobes. Of narrower ones it takes samples around the normal, (h·n)^s over half vectors,
+/// from levels of the map that are as blurred as the samples are far apart.
 class LitSphere {
  public:
   /// `side`: of the table. Normals are 2.3 / side apart, the same everywhere.

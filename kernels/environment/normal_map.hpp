@@ -19,7 +19,6 @@ class NormalMap {
   /// The normal at a place of the frame, 0…1 from the left and from the top, between the four
   /// nearest; z = 0 where there is none.
   Normal at(float x, float y) const;
-  Extent extent() const { return extent_; }
 
  private:
   Extent extent_;

@@ -13,6 +13,13 @@ struct Stopped {};
 constexpr double kClocks = 2e-3;       ///< seconds by which a camera's clock may be off ours
 constexpr uint32_t kUnaskedSteps = 4;  ///< in a row: then it is no accident
 
+Error runs_freely(const TriggeredCamera& camera) {
+  return {ErrorKind::unsupported,
+          "the camera " + camera.name() +
+              " sends frames that nobody triggered: switch its frame rate, its other triggers and "
+              "other programs' off"};
+}
+
 }  // namespace
 
 TriggeredCapture::TriggeredCapture(const LightProgram& program, LightDriver& driver,
@@ -168,11 +175,7 @@ void TriggeredCapture::step(uint64_t trigger) {
     state.earlier += std::exchange(state.owed, 0);
     state.missing = state.there ? 0 : state.missing + 1;
     state.unasked_steps = std::exchange(state.unasked, false) ? state.unasked_steps + 1 : 0;
-    if (state.unasked_steps >= kUnaskedSteps)
-      throw Error(ErrorKind::unsupported,
-                  "the camera " + state.camera->name() +
-                      " sends frames that nobody triggered: switch its frame rate, its other "
-                      "triggers and other programs' off");
+    if (state.unasked_steps >= kUnaskedSteps) throw runs_freely(*state.camera);
   }
   if (lost.empty()) {
     ++stats_.triggers;
@@ -181,13 +184,17 @@ void TriggeredCapture::step(uint64_t trigger) {
   ++stats_.dropped;
   lock.unlock();
   if (listener_.lost) listener_.lost(trigger, lost);
-  for (const size_t i : lost)
-    if (cameras_[i].missing >= params_.patience)
-      throw Error(ErrorKind::connection,
-                  "no frame came from the camera " + cameras_[i].camera->name() + " in " +
-                      std::to_string(cameras_[i].missing) + " steps, each triggered " +
-                      std::to_string(params_.retries + 1) +
-                      " times: is it set to software triggers, and does its stream arrive?");
+  for (const size_t i : lost) {
+    const State& state = cameras_[i];
+    if (state.missing < params_.patience) continue;
+    // Frames came, but none that is surely of a trigger.
+    if (state.unasked_steps >= params_.patience) throw runs_freely(*state.camera);
+    throw Error(ErrorKind::connection,
+                "no frame came from the camera " + state.camera->name() + " in " +
+                    std::to_string(state.missing) + " steps, each triggered " +
+                    std::to_string(params_.retries + 1) +
+                    " times: is it set to software triggers, and does its stream arrive?");
+  }
 }
 
 /// Whether a frame can be of another trigger than the one that is waited for; counts what it says

@@ -93,9 +93,16 @@ void LimeMaterial::reset() {
   change_.reset();
   changed_ = 0;
   rested_ = 0;
+  was_resting_ = false;
+  searched_.reset();
   light_.reset();
   lit_by_ = nullptr;
   ++epoch_;
+}
+
+/// Where normals can be known.
+bool LimeMaterial::wants_light(const Params& params) const {
+  return params.lit && (normal_map_ || params.light.inflate);
 }
 
 bool LimeMaterial::rests(const Params& params) const {
@@ -104,8 +111,10 @@ bool LimeMaterial::rests(const Params& params) const {
   const bool steady =
       fusion_.count() >= kFewest &&
       fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.averaged()));
+  if (wants_light(params) && !light_.settled()) return false;
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
-  const bool stale = drawn_ && (!change_.kept() || changed_ > kChanged);
+  const bool watched = drawn_ || wants_light(params);
+  const bool stale = watched && (!change_.kept() || changed_ > kChanged);
   return steady && tracker_.moved() < kMoved && !stale;
 }
 
@@ -220,11 +229,18 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   slot.square = tracker_.square();
   slot.epoch = epoch_;
   Report report;
-  const bool rest = rests(params) && ++rested_ < std::max(params.recheck, uint32_t{1});
+  const bool resting = rests(params);
+  const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
   if (!rest) rested_ = 0;
-  report.segmented = !rest || !still;
+  const bool woken = std::exchange(was_resting_, resting) && !resting;
+  // What had no object has none when it comes again.
+  const bool empty = params.adaptive && still && !object_.found && searched_ == slot.square;
+  report.segmented = !empty && (!rest || !still);
+  if (report.segmented) searched_ = slot.square;
   report.estimated = !rest && (object_.found || !params.adaptive);
-  if (!report.segmented)
+  if (empty)
+    report.skipped = "networks: the picture rests and has no object";
+  else if (!report.segmented)
     report.skipped = "networks: the picture rests and its material is known";
   else if (rest)
     report.skipped = "networks of the material: the object rests and its material is known";
@@ -235,10 +251,11 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
-    report.lit = params.lit && (light_.views() < kEarlyViews || estimates_ % kViewEvery == 0);
+    report.lit = wants_light(params) && (light_.views() < kEarlyViews || !light_.settled() ||
+                                         woken || estimates_ % kViewEvery == 0);
     if (report.lit) read_back(commands, exponent_.input(0), slot.codes);
   }
-  report.compared = report.segmented && params.adaptive && drawn_;
+  report.compared = report.segmented && params.adaptive && (drawn_ || wants_light(params));
   if (report.lit || report.compared) read_back(commands, segmentation_.input(0), slot.image);
   drawn_ = false;
   report.segmentations = segmentations_ += report.segmented;

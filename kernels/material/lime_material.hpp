@@ -25,7 +25,8 @@ namespace inverse {
 /// square that is looked at, and the material, follow by as many frames as are in flight. Where the
 /// last frame that is done had no object, SegmentationNet runs alone; so it does where an object
 /// rests and its material is known, but for one frame in `recheck`; and where the picture rests as
-/// well, not even that. Where layers are drawn an object whose picture changes does not rest.
+/// well, not even that. Where layers or the light are wanted an object whose picture changes does
+/// not rest.
 class LimeMaterial {
  public:
   struct Params {
@@ -49,14 +50,14 @@ class LimeMaterial {
   /// What is known of the object now.
   struct Object {
     bool found = false;
-    Material material;       ///< all zero until there is an estimate
-    Material latest;         ///< the last estimate alone
-    uint64_t estimates = 0;  ///< in the material; none with the frame in which it is found
+    Material material;      ///< all zero until there is an estimate
+    Material latest;        ///< the last estimate alone
+    uint64_t averaged = 0;  ///< estimates in the material; none with the frame in which it is found
     float spread = 0;
     float share = 0;  ///< of the square that was looked at
     ObjectTracker::Box box;
     /// Whether its material is.
-    bool known() const { return found && estimates > 0; }
+    bool known() const { return found && averaged > 0; }
   };
 
   /// For frames of this size. Throws as network::Network.
@@ -108,6 +109,7 @@ class LimeMaterial {
     uint64_t epoch = 0;
   };
   const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
+  bool wants_light(const Params& params) const;
   bool rests(const Params& params) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign, Slot& slot);
@@ -138,6 +140,8 @@ class LimeMaterial {
   CropChange change_;         // since the frame that they are of
   float changed_ = 0;
   bool drawn_ = false;                         // layers of the last frame were
+  bool was_resting_ = false;                   // with the last frame
+  std::optional<Square> searched_;             // where the last search was
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;
   uint32_t rested_ = 0;

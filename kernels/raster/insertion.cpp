@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "../error.hpp"
@@ -115,7 +116,7 @@ void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   kept_shadow_.reset();  // until it is
   ++shadows_;
   const Turn turn = nod(params.pitch) * about_z(params.roll);
-  ground_ = 0;
+  ground_ = std::numeric_limits<float>::max();
   for (const Mesh::Vec3& p : corners_)
     ground_ = std::min(ground_, turn[1][0] * p[0] + turn[1][1] * p[1] + turn[1][2] * p[2]);
   // Seen from below: right is right, and what is near the camera is at the bottom.

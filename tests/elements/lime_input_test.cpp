@@ -82,12 +82,13 @@ TEST_F(LimeInput, ASaturatedObjectHasAMaterialAndSoundLight) {
   ASSERT_EQ(harness.push(frame), GST_FLOW_OK);
   GstBuffer* out = gst_harness_pull(harness.harness());
   const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
-  if (meta->environment) {
-    gsize size = 0;
-    const auto* light = static_cast<const float*>(g_bytes_get_data(meta->environment, &size));
-    for (size_t i = 0; i < size / sizeof(float); ++i)
-      ASSERT_TRUE(std::isfinite(light[i]) && light[i] >= 0);
-  }
+  EXPECT_GT(meta->averaged, 0u);
+  ASSERT_NE(meta->environment, nullptr);
+  gsize size = 0;
+  const auto* light = static_cast<const float*>(g_bytes_get_data(meta->environment, &size));
+  ASSERT_GT(size, 0u);
+  for (size_t i = 0; i < size / sizeof(float); ++i)
+    ASSERT_TRUE(std::isfinite(light[i]) && light[i] >= 0);
   gst_buffer_unref(out);
 }
 
@@ -138,7 +139,7 @@ TEST_F(LimeInput, NewCapsMidStreamStartAfresh) {
 }
 
 TEST_F(LimeInput, NetworksOfNoNumbersGiveNoNumbersOut) {
-  const auto nan = [](network::Graph& graph) {
+  const auto make_huge = [](network::Graph& graph) {
     for (size_t i = 0; i < graph.weights.size(); ++i) graph.weights[i] = i % 2 ? 3e38F : -3e38F;
   };
   const auto spoil = [&](const char* name, LimeModels& m) {
@@ -147,7 +148,7 @@ TEST_F(LimeInput, NetworksOfNoNumbersGiveNoNumbersOut) {
                             : std::string(name) == "mirror"     ? m.mirror
                             : std::string(name) == "albedo"     ? m.albedo
                                                                 : m.exponent;
-    nan(graph);
+    make_huge(graph);
     return network::to_file(graph);
   };
   for (const char* name : {"segmentation", "specular", "mirror", "albedo", "exponent"}) {

@@ -37,7 +37,7 @@ class MetaTest : public ::testing::Test {
     const GstMaterialMeta* m = material();
     ASSERT_NE(m, nullptr);
     EXPECT_TRUE(m->found);
-    EXPECT_EQ(m->estimates, 7u);
+    EXPECT_EQ(m->averaged, 7u);
     EXPECT_EQ(m->diffuse[1], .5F);
     EXPECT_EQ(m->shininess, 60);
     EXPECT_EQ(m->bins[4], 1);
@@ -60,7 +60,7 @@ class MetaTest : public ::testing::Test {
     auto* m = reinterpret_cast<GstMaterialMeta*>(
         gst_buffer_add_meta(buffer, gst_meta_get_info("GstMaterialMeta"), nullptr));
     m->found = TRUE;
-    m->estimates = 7;
+    m->averaged = 7;
     m->diffuse[1] = .5F;
     m->shininess = 60;
     m->bins[4] = 1;
@@ -101,7 +101,7 @@ TEST_F(MetaTest, OfSeveralLimematerialsTheLastOneCounts) {
   ASSERT_NE(material(), nullptr);
   EXPECT_EQ(gst_buffer_get_n_meta(out_, g_type_from_name(GST_MATERIAL_META_API_NAME)), 1u);
   EXPECT_EQ(material()->environment, nullptr) << "not what the frame brought";
-  EXPECT_NE(material()->estimates, 7u);
+  EXPECT_NE(material()->averaged, 7u);
 }
 
 TEST_F(MetaTest, WhoCropsOrTurnsFramesDropsTheMaterial) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "../kernels/lime_models.hpp"
 #include "element_test.hpp"
 #include "vulkan_listener.hpp"
 
@@ -144,6 +145,28 @@ TEST_F(VulkanMemory, AlphaAndTransferCurveCarryOver) {
                       "vulkanupload ! intrinsicdecomp show=input ! vulkandownload ! " + caps +
                       " ! appsink name=out");
     }
+}
+
+TEST_F(VulkanMemory, MaterialsAndWhatWearsThemAreTheSame) {
+  const HandMadeLime networks;
+  const std::string red = source(VideoHarness::caps("RGBA", 64, 48), "red", 16),
+                    lime = "limematerial light=true models=" + networks.folder(),
+                    clone = "materialclone size=0.5";
+  const auto last = [&](const std::string& line) {
+    const LineResult result = run(red + line + " ! appsink name=out");
+    EXPECT_TRUE(result.errors.empty()) << result.first_error() << "\n" << line;
+    EXPECT_EQ(result.frames.size(), 16u) << line;
+    return result.frames.empty() ? std::vector<uint8_t>{} : result.frames.back();
+  };
+  const std::string out = " ! " + VideoHarness::caps("RGBA", 64, 48);
+  const auto expected = last(lime + " ! " + clone + out);
+  EXPECT_NE(expected, last(lime + out)) << "the clone is seen";
+  // Results follow some frames later here: those of the last are there in any case.
+  EXPECT_LE(largest_difference(last("vulkanupload ! " + lime + " ! " + clone + " ! vulkandownload"),
+                               expected),
+            1);
+  EXPECT_LE(largest_difference(last("vulkanupload ! " + lime + " ! " + clone + out), expected), 1);
+  EXPECT_LE(largest_difference(last(lime + " ! " + clone + " ! vulkandownload"), expected), 1);
 }
 
 TEST_F(VulkanMemory, InputAndOutputAreIndependent) {

@@ -139,6 +139,44 @@ TEST_F(InsertionTest, TheShadowIsTheLightOfTheSkyThatIsHidden) {
   EXPECT_NEAR(hidden, radius * radius / (radius * radius + height * height), .01);
 }
 
+/// A corner of a cube that stands on the face across from it: all of it is above the middle of its
+/// box.
+TEST_F(InsertionTest, TheGroundIsBelowWhateverIsAboveTheMiddle) {
+  Mesh corner;
+  corner.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  corner.indices = {0, 1, 2, 0, 2, 3, 0, 3, 1};
+  corner.prepare("corner");
+  Insertion insertion(device, kFrame);
+  insertion.set_mesh(corner);
+  Insertion::Params params;
+  params.size = .6F;
+  params.shadow = 1;
+  params.softness = .3F;
+  params.pitch = static_cast<float>(std::atan(std::sqrt(.5)) * 180 / M_PI);
+  params.roll = 225;
+  const Pixels drawn = draw(insertion, flat(.5F, 1), params);
+  // That face is level, a third above the middle; one of its corners is towards the camera.
+  const double bottom = 1. / 3, inside = std::sqrt(2.) / 3;
+  const auto across = [](double angle, double x, double z) {
+    return x * std::cos(angle * M_PI / 180) + z * std::sin(angle * M_PI / 180);
+  };
+  const double scale = .3 * 120, c = std::cos(20 * M_PI / 180), s = std::sin(20 * M_PI / 180);
+  for (const auto& [x, z] : {std::pair{.52, .3}, {-.52, .3}, {0., 1.1}}) {
+    double hidden = 0;
+    constexpr int kGrid = 200;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const double u = 2 * (i + .5) / kGrid - 1, v = 2 * (j + .5) / kGrid - 1;
+        if (across(-90, u, v) < inside && across(30, u, v) < inside && across(150, u, v) < inside)
+          hidden +=
+              reference::hidden_by(4. / (kGrid * kGrid), params.softness, std::hypot(u - x, v - z));
+      }
+    const int px = static_cast<int>(80 + scale * x);
+    const int py = static_cast<int>(60 - scale * (bottom * c - z * s));
+    EXPECT_NEAR(at(drawn, px, py)[1], .5 * (1 - hidden), .02) << x;
+  }
+}
+
 TEST_F(InsertionTest, HiddenLightAgreesWithReference) {
   constexpr Extent kHeights{reference::kUnderside, reference::kUnderside};
   constexpr uint32_t kPoints = reference::kGround * reference::kGround;

@@ -79,11 +79,11 @@ TEST_F(LimeTest, AnObjectThatIsGoneLeavesNoEstimates) {
   const Plane object = scene(60, 30, 20), nothing = scene(60, 30, 0);
   frame(lime, object);
   frame(lime, object);
-  const uint64_t estimates = lime.object().estimates;
+  const uint64_t estimates = lime.object().averaged;
   const Material before = lime.object().latest;
   frame(lime, nothing);
   ASSERT_TRUE(lime.object().found) << "it may be back in a moment";
-  EXPECT_EQ(lime.object().estimates, estimates);
+  EXPECT_EQ(lime.object().averaged, estimates);
   EXPECT_EQ(lime.object().latest.specular, before.specular);
 }
 
@@ -129,6 +129,30 @@ TEST_F(LimeTest, WithoutAnObjectOnlyTheSearchRuns) {
   frame(lime, scene(60, 30, 20));
   frame(lime, scene(60, 30, 20));
   EXPECT_TRUE(lime.report(lime.recorded() - 1).estimated);
+}
+
+TEST_F(LimeTest, APictureWithoutAnObjectIsSearchedOnce) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  const Plane empty = scene(0, 0, 0), disc = scene(50, 30, 20);
+  const auto searched = [&] { return lime.report(lime.recorded() - 1).segmentations; };
+  frame(lime, empty);
+  for (int i = 0; i < 5; ++i) frame(lime, empty, true);
+  EXPECT_EQ(searched(), 1u);
+  frame(lime, empty);
+  EXPECT_EQ(searched(), 2u) << "another one";
+  for (int i = 0; i < 5; ++i) frame(lime, disc, i > 0);
+  EXPECT_TRUE(lime.object().found);
+  EXPECT_EQ(searched(), 7u);
+  // It goes: it is missed where it was, and then once in the whole frame.
+  for (int i = 0; i < 9; ++i) frame(lime, empty, i > 0);
+  EXPECT_FALSE(lime.object().found);
+  EXPECT_EQ(searched(), 11u);
+  lime.reset();
+  frame(lime, empty, true);
+  EXPECT_EQ(searched(), 12u) << "what was known is forgotten";
+  params.adaptive = false;
+  for (int i = 0; i < 5; ++i) frame(lime, empty, true);
+  EXPECT_EQ(searched(), 17u);
 }
 
 TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
@@ -304,6 +328,35 @@ TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
   EXPECT_NE(lime.light(), nullptr);
   lime.reset();
   EXPECT_EQ(lime.light(), nullptr);
+}
+
+TEST_F(LimeTest, TheLightOfARestingObjectIsThatOfTheLamps) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.lit = true;
+  params.recheck = 1000;
+  params.fusion.other = params.steady = 1;  // the material does not begin anew
+  const auto unseen = [&](float blue) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(50, 30, 20, .4F, blue), params, false);
+    });
+    lime.done(lime.recorded() - 1);
+    return lime.report(lime.recorded() - 1);
+  };
+  const auto blueness = [&] {
+    double blue = 0;
+    const auto rgb = lime.light()->rgb();
+    for (size_t i = 2; i < rgb.size(); i += 3) blue += double{rgb[i]};
+    return blue / static_cast<double>(rgb.size() / 3);
+  };
+  for (int i = 0; i < 40; ++i) unseen(.4F);
+  ASSERT_FALSE(unseen(.4F).estimated);
+  ASSERT_NE(lime.light(), nullptr);
+  const double before = blueness();
+  // Lamps of another color: seen a frame later, sure with three views.
+  for (int i = 0; i < 5; ++i) unseen(.9F);
+  EXPECT_GT(blueness(), 2 * before);
+  EXPECT_LE(lime.light_views(), 2u) << "none of the lamps before";
+  EXPECT_FALSE(unseen(.9F).estimated) << "and then it rests again";
 }
 
 TEST_F(LimeTest, WithoutNormalsThereIsNoLight) {

@@ -35,7 +35,7 @@ class Lights : public LightDriver {
 /// A camera: each trigger is an exposure in the light of that moment, whose frame comes later.
 class Camera : public TriggeredCamera {
  public:
-  enum class Deed { frame, lost_trigger, lost_frame, late_frame, same_again, another };
+  enum class Deed { frame, lost_trigger, lost_frame, late_frame, same_again, another, amid_others };
 
   Camera(Lights& lights, uint32_t bits, uint64_t first_id)
       : lights_(lights), bits_(bits), id_(first_id) {}
@@ -49,10 +49,11 @@ class Camera : public TriggeredCamera {
     const Deed deed = deeds.empty() ? Deed::frame : deeds.front();
     if (!deeds.empty()) deeds.pop_front();
     if (deed == Deed::lost_trigger) return;
+    if (deed == Deed::amid_others) expose(milliseconds(0), false);
     expose(deed == Deed::late_frame ? milliseconds(late) : milliseconds(1),
            deed != Deed::lost_frame);
     if (deed == Deed::same_again) expose(milliseconds(late), true, true);
-    if (deed == Deed::another) expose(milliseconds(late), true);
+    if (deed == Deed::another || deed == Deed::amid_others) expose(milliseconds(late), true);
   }
   void plan(const std::deque<Deed>& next) {
     const std::lock_guard lock(mutex_);
@@ -314,6 +315,17 @@ TEST_F(Capture, ACameraThatRunsFreelyIsAnError) {
   camera.slow = 1;
   meanwhile_ = [&] { camera.fire_unasked(); };
   run(small_program(5000), {&camera}, {}, 30);
+  EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
+}
+
+/// Nor is it one of whose frames none is surely of a trigger a camera that sends nothing.
+TEST_F(Capture, ACameraThatRunsFreelyAndHidesTheTriggeredFramesIsThatErrorToo) {
+  Camera camera(lights_, 16, 1);
+  camera.late = 10;
+  camera.deeds = std::deque<Deed>(60, Deed::amid_others);
+  TriggeredCapture::Params params;
+  params.timeout = .1;
+  run(small_program(5000), {&camera}, params, 30);
   EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
 }
 
