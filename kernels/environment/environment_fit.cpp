@@ -24,7 +24,6 @@ constexpr double kLevelVariance = 100, kColorVariance = .1;
 constexpr float kCertain = 0.05F;
 constexpr double kBlack = 1e-4;     // light, linear, that is none
 constexpr float kBrightest = 1e6F;  // radiance
-constexpr double kOther = 0.25;     // of what is seen: differs by more only under another light
 constexpr double kDark = 0.03;      // albedo from which diffuse light says nothing of the lamps'
 
 double mean3(const std::array<double, 3>& v) { return (v[0] + v[1] + v[2]) / 3; }
@@ -124,7 +123,6 @@ EnvironmentFit::EnvironmentFit() : texels_(size_t{kWidth} * kHeight) {
 
 void EnvironmentFit::reset() {
   count_ = averaged_ = 0;
-  others_ = 0;
   weight_ = 0;
   products_.fill(0);
   seen_ = {};
@@ -133,29 +131,9 @@ void EnvironmentFit::reset() {
   mirror_sum_.assign(texels_.size(), 0);
 }
 
-/// Whether a view shows what the mean makes of its normals. Albedos stay in: they are the same.
-bool EnvironmentFit::explains(const Products& products, const Seen& seen) const {
-  const Eigen::Map<const Matrix> before(products_.data());
-  // Held to nothing where no normal tells.
-  const Matrix held = before + 1e-3 * before.trace() * Matrix::Identity();
-  const Eigen::LDLT<Matrix> factors(held);
-  const Matrix half = Eigen::Map<const Eigen::Matrix<float, kTerms, kTerms>>(products.data())
-                          .cast<double>();  // of a symmetric matrix, columns are rows
-  double difference = 0, largest = 0;
-  for (size_t c = 0; c < 3; ++c) {
-    const Vector light = factors.solve(Eigen::Map<const Vector>(seen_[c].data()));
-    const Vector then = half.selfadjointView<Eigen::Lower>() * light;
-    const Vector now =
-        Eigen::Map<const Eigen::Matrix<float, kTerms, 1>>(seen[c].data()).cast<double>();
-    difference += (now - then).squaredNorm();
-    largest += std::max(now.squaredNorm(), then.squaredNorm());
-  }
-  return difference <= kOther * kOther * largest;
-}
-
 void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
-  Products products{};
-  Seen seen{};
+  std::array<float, kTerms * kTerms> products{};
+  std::array<std::array<float, kTerms>, 3> seen{};
   std::array<float, 3> level{};
   std::vector<float> mirror_weight(texels_.size(), 0), mirror_sum(texels_.size(), 0);
   float all = 0;
@@ -193,8 +171,6 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
     }
   }
   if (used < kFewest) return;
-  others_ = count_ && !explains(products, seen) ? others_ + 1 : 0;
-  if (others_ >= kOthers) reset();
   ++count_;
   averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const double share = 1.0 / static_cast<double>(averaged_);

@@ -12,7 +12,7 @@ namespace inverse {
 
 /// The light around an object, from what it shows of it (thesis 6.8, Live Material Cloning): low
 /// frequencies as spherical harmonics of order 2 from its diffuse layer, high ones from its mirror
-/// image, added; over time the mean of Eq. 6.5, which begins anew where the light is another.
+/// image, added; over time the mean of Eq. 6.5.
 ///
 /// Low frequencies: diffuse light is m_d D(n), D(n) = Σ A_l/π L_lm Y_lm(n), A_l/π = 1, 2/3, 1/4.
 /// The normals that a camera sees are half of all, and on these the nine functions are nearly
@@ -48,12 +48,7 @@ class EnvironmentFit {
   /// kFewest points.
   void add(std::span<const Point> points, const Params& params);
   void reset();
-  /// Views that the light is of.
   uint64_t count() const { return count_; }
-  /// False where the last view was of another light than the mean of those before: so many in a row
-  /// begin it anew.
-  bool settled() const { return others_ == 0; }
-  static constexpr uint32_t kOthers = 3;
   static constexpr size_t kFewest = 24;
 
   /// The light, for an object of these albedos; nothing where nothing was seen, or where the object
@@ -70,15 +65,11 @@ class EnvironmentFit {
     float solid_angle;
     std::array<float, kTerms> harmonics;
   };
-  using Products = std::array<float, kTerms * kTerms>;
-  using Seen = std::array<std::array<float, kTerms>, 3>;
-  bool explains(const Products& products, const Seen& seen) const;
   std::vector<float> filled_mirror() const;
   Terms project(std::span<const float> map, size_t stride) const;
 
   std::vector<Texel> texels_;
   uint64_t count_ = 0, averaged_ = 0;                 // views; those that the means are of
-  uint32_t others_ = 0;                               // views in a row of another light
   double weight_ = 0;                                 // of points in a view, mean
   std::array<double, kTerms * kTerms> products_{};    // mean of w f f^T over points
   std::array<std::array<double, kTerms>, 3> seen_{};  // mean of w f diffuse

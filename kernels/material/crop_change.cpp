@@ -10,10 +10,11 @@ void CropChange::keep(std::span<const float> image, uint32_t side) {
   kept_.assign(image.begin(), image.begin() + size_t{4} * side * side);
 }
 
-float CropChange::since(std::span<const float> image, std::span<const uint8_t> mask,
-                        uint32_t side) const {
-  if (kept_.size() != size_t{4} * side * side) return 0;
-  float largest = 0;
+CropChange::Difference CropChange::since(std::span<const float> image,
+                                         std::span<const uint8_t> mask, uint32_t side) const {
+  if (kept_.size() != size_t{4} * side * side) return {};
+  Difference difference;
+  uint32_t blocks = 0;
   for (uint32_t top = 0; top < side; top += kBlock)
     for (uint32_t left = 0; left < side; left += kBlock) {
       std::array<float, 3> sum{};
@@ -27,10 +28,15 @@ float CropChange::since(std::span<const float> image, std::span<const uint8_t> m
           for (size_t c = 0; c < 3; ++c) sum[c] += image[4 * at + c] - kept_[4 * at + c];
         }
       if (8 * points < all || !points) continue;
-      for (const float s : sum)
-        largest = std::max(largest, std::abs(s) / static_cast<float>(points));
+      float largest = 0;
+      for (const float s : sum) largest = std::max(largest, std::abs(s));
+      largest /= static_cast<float>(points);
+      difference.largest = std::max(difference.largest, largest);
+      difference.mean += largest;
+      ++blocks;
     }
-  return largest;
+  if (blocks) difference.mean /= static_cast<float>(blocks);
+  return difference;
 }
 
 }  // namespace inverse

@@ -17,10 +17,15 @@ class CropChange {
   void reset() { kept_.clear(); }
   bool kept() const { return !kept_.empty(); }
 
-  /// The largest difference of means, in any channel, between a block of this picture and of the
-  /// kept one; of blocks that have at least an eighth of their points on the object (`mask`, a byte
-  /// each; empty: all have). 0 where none was kept.
-  float since(std::span<const float> image, std::span<const uint8_t> mask, uint32_t side) const;
+  /// Differences of means, in the channel that differs most, between blocks of this picture and of
+  /// the kept one: the largest, which one highlight makes, and their mean, which lamps make. Of
+  /// blocks that have at least an eighth of their points on the object (`mask`, a byte each; empty:
+  /// all have). 0 where none was kept.
+  struct Difference {
+    float largest = 0, mean = 0;
+  };
+  Difference since(std::span<const float> image, std::span<const uint8_t> mask,
+                   uint32_t side) const;
 
  private:
   std::vector<float> kept_;

@@ -21,10 +21,14 @@ constexpr float kMoved = 0.02F;  // share of the object's points: less is rest
 // Layers of a resting object are of an earlier frame while no part of its picture differs by more:
 // sRGB, five code values.
 constexpr float kChanged = 0.02F;
+// The same in the mean, more than what of the object has moved: its lamps changed, not it.
+constexpr float kRelit = 0.01F;
 constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
 // The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views each
 // is taken, then one in so many.
 constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
+// Estimates after the picture of a resting object changed whose light is theirs alone, at most.
+constexpr uint32_t kFollow = 30;
 
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
@@ -91,9 +95,10 @@ void LimeMaterial::reset() {
   object_ = {};
   have_layers_ = false;
   change_.reset();
-  changed_ = 0;
+  changed_ = {};
   rested_ = 0;
   was_resting_ = false;
+  follow_ = 0;
   searched_.reset();
   light_.reset();
   lit_by_ = nullptr;
@@ -111,10 +116,9 @@ bool LimeMaterial::rests(const Params& params) const {
   const bool steady =
       fusion_.count() >= kFewest &&
       fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.averaged()));
-  if (wants_light(params) && !light_.settled()) return false;
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
   const bool watched = drawn_ || wants_light(params);
-  const bool stale = watched && (!change_.kept() || changed_ > kChanged);
+  const bool stale = watched && (!change_.kept() || changed_.largest > kChanged);
   return steady && tracker_.moved() < kMoved && !stale;
 }
 
@@ -176,6 +180,7 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
 
 void LimeMaterial::take_light(const Slot& slot) {
   const size_t numbers = size_t{4} * side_ * side_;
+  if (slot.alone) light_.reset();
   light_.add({{slot.image->map_as<float>() + 4, numbers},
               {slot.codes->map_as<float>() + 4, numbers},
               tracker_.mask(),
@@ -232,14 +237,18 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   const bool resting = rests(params);
   const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
   if (!rest) rested_ = 0;
-  const bool woken = std::exchange(was_resting_, resting) && !resting;
-  // What had no object has none when it comes again.
-  const bool empty = params.adaptive && still && !object_.found && searched_ == slot.square;
-  report.segmented = !empty && (!rest || !still);
+  if (resting)
+    follow_ = 0;
+  else if (was_resting_ && changed_.mean > kRelit + tracker_.moved())
+    follow_ = kFollow;
+  was_resting_ = resting;
+  // What had no object has none when it comes again, or what is found in it is on its way.
+  const bool again = params.adaptive && still && !object_.found && searched_ == slot.square;
+  report.segmented = !again && (!rest || !still);
   if (report.segmented) searched_ = slot.square;
   report.estimated = !rest && (object_.found || !params.adaptive);
-  if (empty)
-    report.skipped = "networks: the picture rests and has no object";
+  if (again)
+    report.skipped = "networks: the picture rests and was searched";
   else if (!report.segmented)
     report.skipped = "networks: the picture rests and its material is known";
   else if (rest)
@@ -251,8 +260,10 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
-    report.lit = wants_light(params) && (light_.views() < kEarlyViews || !light_.settled() ||
-                                         woken || estimates_ % kViewEvery == 0);
+    slot.alone = follow_ > 0;
+    report.lit = wants_light(params) &&
+                 (slot.alone || light_.views() < kEarlyViews || estimates_ % kViewEvery == 0);
+    if (slot.alone) --follow_;
     if (report.lit) read_back(commands, exponent_.input(0), slot.codes);
   }
   report.compared = report.segmented && params.adaptive && (drawn_ || wants_light(params));

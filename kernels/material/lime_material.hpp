@@ -107,6 +107,7 @@ class LimeMaterial {
     Report report;
     Params params;
     uint64_t epoch = 0;
+    bool alone = false;  // views before this one are of another light
   };
   const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
   bool wants_light(const Params& params) const;
@@ -138,9 +139,10 @@ class LimeMaterial {
   Square estimated_in_;       // the square that the networks' results are of
   bool have_layers_ = false;  // of the object, from some frame since the last reset
   CropChange change_;         // since the frame that they are of
-  float changed_ = 0;
+  CropChange::Difference changed_;
   bool drawn_ = false;                         // layers of the last frame were
   bool was_resting_ = false;                   // with the last frame
+  uint32_t follow_ = 0;                        // estimates to come whose light is theirs alone
   std::optional<Square> searched_;             // where the last search was
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;

@@ -35,9 +35,7 @@ class ObjectLight {
   /// The light that this material and what was taken so far make likely; null where nothing does.
   std::shared_ptr<const Environment> light(const Material& material, const Params& params) const;
   void reset() { fit_.reset(); }
-  /// Views that the light is of, and whether the last one was of the same as those before.
   uint64_t views() const { return fit_.count(); }
-  bool settled() const { return fit_.settled(); }
 
  private:
   const std::vector<Normal>& normals(const View& view, const NormalMap* map);

@@ -16,12 +16,12 @@ std::vector<float> gray(float value) {
 
 TEST(CropChange, NothingIsKnownBeforeAPictureIsKept) {
   CropChange change;
-  EXPECT_EQ(change.since(gray(1), {}, kSide), 0);
+  EXPECT_EQ(change.since(gray(1), {}, kSide).largest, 0);
   change.keep(gray(.5F), kSide);
-  EXPECT_FLOAT_EQ(change.since(gray(.75F), {}, kSide), .25F);
-  EXPECT_EQ(change.since(gray(.5F), {}, kSide), 0);
+  EXPECT_FLOAT_EQ(change.since(gray(.75F), {}, kSide).largest, .25F);
+  EXPECT_EQ(change.since(gray(.5F), {}, kSide).largest, 0);
   change.reset();
-  EXPECT_EQ(change.since(gray(1), {}, kSide), 0);
+  EXPECT_EQ(change.since(gray(1), {}, kSide).largest, 0);
 }
 
 TEST(CropChange, OneBlockOfOneChannelIsEnough) {
@@ -30,10 +30,11 @@ TEST(CropChange, OneBlockOfOneChannelIsEnough) {
   auto other = gray(.5F);
   for (uint32_t y = 16; y < 20; ++y)
     for (uint32_t x = 16; x < 20; ++x) other[4 * (y * kSide + x) + 2] = .4F;
-  EXPECT_NEAR(change.since(other, {}, kSide), .1, 1e-5);
+  EXPECT_NEAR(change.since(other, {}, kSide).largest, .1, 1e-5);
+  EXPECT_NEAR(change.since(other, {}, kSide).mean, .1 / 9, 1e-5) << "one of nine";
   other = gray(.5F);
   for (size_t i = 3; i < other.size(); i += 4) other[i] = 9;  // not a color
-  EXPECT_EQ(change.since(other, {}, kSide), 0);
+  EXPECT_EQ(change.since(other, {}, kSide).largest, 0);
 }
 
 TEST(CropChange, OnlyTheObjectCounts) {
@@ -46,11 +47,11 @@ TEST(CropChange, OnlyTheObjectCounts) {
       mask[y * kSide + x] = 0;
       for (size_t c = 0; c < 3; ++c) other[4 * (y * kSide + x) + c] = 1;
     }
-  EXPECT_EQ(change.since(other, mask, kSide), 0);
+  EXPECT_EQ(change.since(other, mask, kSide).largest, 0);
   // A few of its points say little.
   std::fill(mask.begin(), mask.end(), uint8_t{0});
   mask[0] = 1;
-  EXPECT_EQ(change.since(other, mask, kSide), 0);
+  EXPECT_EQ(change.since(other, mask, kSide).largest, 0);
 }
 
 TEST(CropChange, NoiseAveragesOut) {
@@ -61,8 +62,8 @@ TEST(CropChange, NoiseAveragesOut) {
   for (float& v : b) v += noise(random);
   CropChange change;
   change.keep(a, 16);
-  EXPECT_LT(change.since(b, {}, 16), .02F);
-  EXPECT_GT(change.since(b, {}, 16), 0);
+  EXPECT_LT(change.since(b, {}, 16).largest, .02F);
+  EXPECT_GT(change.since(b, {}, 16).largest, 0);
 }
 
 }  // namespace

@@ -112,10 +112,12 @@ def mit(folder, size=128, color=None):
     items = []
     for path in sorted(p for p in folder.iterdir() if (p / "specular.png").exists()):
         mask = (read(path / "mask.png")[:1] > 0).astype(np.float32)
-        original, specular, shading = (read(path / f"{k}.png").astype(np.float32) / 65535
-                                       for k in ("original", "specular", "shading"))
-        if color is not None:
-            original = np.reshape(color, (3, 1, 1)).astype(np.float32) * shading.mean(0) + specular.mean(0)
+        original, specular = (read(path / f"{k}.png").astype(np.float32) / 65535 for k in ("original", "specular"))
+        if color is not None:  # shading is known up to a factor
+            shading, reflectance = (read(path / f"{k}.png").astype(np.float32) / 65535 for k in ("shading", "reflectance"))
+            product = shading.mean(0) * reflectance * mask
+            factor = ((original - specular) * product).sum() / (product * product).sum()
+            original = np.reshape(color, (3, 1, 1)).astype(np.float32) * factor * shading.mean(0) + specular.mean(0)
         rows, columns = np.nonzero(mask[0])
         side = int(1.2 * max(np.ptp(rows), np.ptp(columns)) + 1)
         top, left = (int(round((a.min() + a.max() - side) / 2)) for a in (rows, columns))
