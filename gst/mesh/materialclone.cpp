@@ -72,9 +72,8 @@ const PropertyTable<Params>& table() {
       text<P>(
           "environment-location", &P::environment_location,
           "Radiance file (.hdr) that is read: the light, a panorama as seen from the object, its "
-          "middle towards the camera; empty = the light that limematerial estimates, else a "
-          "neutral "
-          "studio",
+          "middle towards the camera; empty = the light that limematerial estimates, before that a "
+          "neutral studio",
           Mutable::ready),
       number<P>("environment-rotation", &P::rotation, -360, 360,
                 "Turn of the light about the vertical in degrees; positive: what comes from the "
