@@ -47,9 +47,9 @@ class LimeTest : public GpuTest {
     return layers;
   }
   /// A frame whose layers nobody looks at.
-  LimeMaterial::Report unseen(LimeMaterial& lime, float blue) {
+  LimeMaterial::Report unseen(LimeMaterial& lime, float blue, float green = .4F) {
     run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, .4F, blue), params, false);
+      lime.record(commands, scene(50, 30, 20, green, blue), params, false);
     });
     if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);
     return lime.report(lime.recorded() - 1);
@@ -216,13 +216,7 @@ TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates + 2);
   // Nobody looks at the layers: the material is what it was.
-  const auto unseen = [&](float blue) {
-    run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, .5F, blue), params, false);
-    });
-    lime.done(lime.recorded() - 1);
-  };
-  for (int i = 0; i < 10; ++i) unseen(i % 2 ? .5F : .47F);
+  for (int i = 0; i < 10; ++i) unseen(lime, i % 2 ? .5F : .47F, .5F);
   EXPECT_LE(lime.report(lime.recorded() - 1).estimates, estimates + 4);
   for (int i = 0; i < 10; ++i) gloss(i % 2 ? .5F : .47F);
   EXPECT_GE(lime.report(lime.recorded() - 1).estimates, estimates + 6);
@@ -232,24 +226,18 @@ TEST_F(LimeTest, LayersThatBeginToBeDrawnAreOfThePictureThatIsThere) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
   params.fusion.other = 1;
-  const auto unseen = [&](float blue) {
-    run([&](gpu::Commands& commands) {
-      lime.record(commands, scene(50, 30, 20, .5F, blue), params, false);
-    });
-    lime.done(lime.recorded() - 1);
-  };
   const auto gloss = [&](float blue) {
     return download(frame(lime, scene(50, 30, 20, .5F, blue)).gloss->buffer)[4 * (30 * 96 + 50)];
   };
-  for (int i = 0; i < 30; ++i) unseen(.4F);
+  for (int i = 0; i < 30; ++i) unseen(lime, .4F, .5F);
   ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated);
-  unseen(.5F);
+  unseen(lime, .5F, .5F);
   ASSERT_FALSE(lime.report(lime.recorded() - 1).estimated) << "nobody draws what has changed";
   gloss(.5F);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   // Drawn, then not, while estimates go on; then drawn again.
   params.adaptive = false;
-  for (int i = 0; i < 8; ++i) unseen(.4F);
+  for (int i = 0; i < 8; ++i) unseen(lime, .4F, .5F);
   params.adaptive = true;
   gloss(.5F);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
