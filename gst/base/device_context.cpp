@@ -1,6 +1,7 @@
 #include "device_context.hpp"
 
 #include "error.hpp"
+#include "registered_once.hpp"
 
 namespace inverse {
 namespace {
@@ -8,17 +9,13 @@ namespace {
 using DevicePtr = std::shared_ptr<gpu::Device>;
 
 GType device_type() {
-  // Several of our plugins may be in one process, and share devices.
   constexpr const char* kName = "GstInverseDevice";
-  static const GType known = g_type_from_name(kName);
-  static const GType type =
-      known ? known
-            : g_boxed_type_register_static(
-                  kName,
-                  [](gpointer device) -> gpointer {
-                    return new DevicePtr(*static_cast<DevicePtr*>(device));
-                  },
-                  [](gpointer device) { delete static_cast<DevicePtr*>(device); });
+  static const GType type = type_registered_once(kName, [] {
+    return g_boxed_type_register_static(
+        kName,
+        [](gpointer device) -> gpointer { return new DevicePtr(*static_cast<DevicePtr*>(device)); },
+        [](gpointer device) { delete static_cast<DevicePtr*>(device); });
+  });
   return type;
 }
 

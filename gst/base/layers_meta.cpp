@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gpu/commands.hpp"
+#include "registered_once.hpp"
 
 namespace inverse {
 namespace {
@@ -89,20 +90,18 @@ gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark type, gp
 
 GType meta_api() {
   static const gchar* tags[] = {GST_META_TAG_MEMORY_STR, nullptr};
-  static const GType known = g_type_from_name(GST_INVERSE_LAYERS_META_API_NAME);
-  static const GType type =
-      known ? known : gst_meta_api_type_register(GST_INVERSE_LAYERS_META_API_NAME, tags);
+  static const GType type = type_registered_once(GST_INVERSE_LAYERS_META_API_NAME, [] {
+    return gst_meta_api_type_register(GST_INVERSE_LAYERS_META_API_NAME, tags);
+  });
   return type;
 }
 
 const GstMetaInfo* meta_info() {
   constexpr const char* kName = "GstInverseLayersMeta";
-  // Several of our plugins may be in one process: the first one's serves all.
-  static const GstMetaInfo* known = gst_meta_get_info(kName);
-  static const GstMetaInfo* info =
-      known ? known
-            : gst_meta_register(meta_api(), kName, sizeof(GstInverseLayersMeta), init, release,
-                                transform);
+  static const GstMetaInfo* info = meta_registered_once(kName, [] {
+    return gst_meta_register(meta_api(), kName, sizeof(GstInverseLayersMeta), init, release,
+                             transform);
+  });
   return info;
 }
 

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "registered_once.hpp"
+
 namespace inverse {
 namespace {
 
@@ -30,14 +32,12 @@ gboolean transform(GstBuffer* target, GstMeta* meta, GstBuffer*, GQuark, gpointe
 }
 
 const GstMetaInfo* meta_info() {
-  // Several of our plugins may be in one process: the first one's serves all.
   constexpr const char* kName = "GstLightStageMeta";
   static const gchar* tags[] = {nullptr};
-  static const GstMetaInfo* known = gst_meta_get_info(kName);
-  static const GstMetaInfo* info =
-      known ? known
-            : gst_meta_register(gst_meta_api_type_register(GST_LIGHT_STAGE_META_API_NAME, tags),
-                                kName, sizeof(GstLightStageMeta), init, release, transform);
+  static const GstMetaInfo* info = meta_registered_once(kName, [] {
+    return gst_meta_register(gst_meta_api_type_register(GST_LIGHT_STAGE_META_API_NAME, tags), kName,
+                             sizeof(GstLightStageMeta), init, release, transform);
+  });
   return info;
 }
 

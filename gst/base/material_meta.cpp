@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "registered_once.hpp"
+
 namespace inverse {
 namespace {
 
@@ -46,13 +48,11 @@ const GstMetaInfo* meta_info() {
   // that box and light would be wrong, drops the meta.
   static const gchar* tags[] = {GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_ORIENTATION_STR,
                                 GST_META_TAG_VIDEO_SIZE_STR, nullptr};
-  // Several of our plugins may be in one process: the first one's serves all.
   constexpr const char* kName = "GstMaterialMeta";
-  static const GstMetaInfo* known = gst_meta_get_info(kName);
-  static const GstMetaInfo* info =
-      known ? known
-            : gst_meta_register(gst_meta_api_type_register(GST_MATERIAL_META_API_NAME, tags), kName,
-                                sizeof(GstMaterialMeta), init, release, transform);
+  static const GstMetaInfo* info = meta_registered_once(kName, [] {
+    return gst_meta_register(gst_meta_api_type_register(GST_MATERIAL_META_API_NAME, tags), kName,
+                             sizeof(GstMaterialMeta), init, release, transform);
+  });
   return info;
 }
 

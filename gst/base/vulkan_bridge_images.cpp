@@ -3,6 +3,7 @@
 #include <string>
 
 #include "frame_io.hpp"
+#include "registered_once.hpp"
 #include "vulkan_bridge.hpp"
 #include "vulkan_bridge_detail.hpp"
 
@@ -124,9 +125,8 @@ GstMemory* allocate(const ImagePool& pool) {
 }
 
 GType image_pool_type() {
-  static const GType type = [] {
-    constexpr const char* kName = "GstInverseVulkanImagePool";
-    if (const GType known = g_type_from_name(kName)) return known;  // another plugin's of ours
+  constexpr const char* kName = "GstInverseVulkanImagePool";
+  static const GType type = type_registered_once(kName, [] {
     GTypeInfo info{};
     info.class_size = sizeof(GstBufferPoolClass);
     info.instance_size = sizeof(ImagePool);
@@ -147,7 +147,7 @@ GType image_pool_type() {
       };
     };
     return g_type_register_static(GST_TYPE_BUFFER_POOL, kName, &info, static_cast<GTypeFlags>(0));
-  }();
+  });
   return type;
 }
 

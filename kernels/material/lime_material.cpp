@@ -1,7 +1,6 @@
 #include "lime_material.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -16,19 +15,6 @@ INVERSE_SHADER(material_specular_out);
 
 namespace inverse {
 namespace {
-
-constexpr float kMoved = 0.02F;  // share of the object's points: less is rest
-// Layers of a resting object are of an earlier frame while no part of its picture differs by more:
-// sRGB, five code values.
-constexpr float kChanged = 0.02F;
-// The same in the mean, more than what of the object has moved: its lamps changed, not it.
-constexpr float kRelit = 0.01F;
-constexpr uint64_t kFewest = 12;  // estimates before a material may be steady
-// The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views each
-// is taken, then one in so many.
-constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
-// Estimates after the picture of a resting object changed whose light is theirs alone, at most.
-constexpr uint32_t kFollow = 30;
 
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
@@ -96,10 +82,7 @@ void LimeMaterial::reset() {
   have_layers_ = false;
   change_.reset();
   changed_ = {};
-  rested_ = 0;
-  was_resting_ = false;
-  follow_ = 0;
-  searched_.reset();
+  schedule_.restart();
   light_.reset();
   lit_by_ = nullptr;
   ++epoch_;
@@ -110,16 +93,21 @@ bool LimeMaterial::wants_light(const Params& params) const {
   return params.lit && (normal_map_ || params.light.inflate);
 }
 
-bool LimeMaterial::rests(const Params& params) const {
-  if (!params.adaptive || !object_.found || !have_layers_) return false;
-  if (!(tracker_.square() == estimated_in_)) return false;
-  const bool steady =
-      fusion_.count() >= kFewest &&
-      fusion_.spread() < params.steady * std::sqrt(static_cast<float>(fusion_.averaged()));
-  // Whoever begins to draw layers finds those of a picture that nobody has kept.
-  const bool watched = drawn_ || wants_light(params);
-  const bool stale = watched && (!change_.kept() || changed_.largest > kChanged);
-  return steady && tracker_.moved() < kMoved && !stale;
+NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) const {
+  NetworkSchedule::Known known{.square = tracker_.square(),
+                               .still = still,
+                               .found = object_.found,
+                               .placed = have_layers_ && tracker_.square() == estimated_in_,
+                               .moved = tracker_.moved(),
+                               .estimates = fusion_.count(),
+                               .averaged = fusion_.averaged(),
+                               .spread = fusion_.spread(),
+                               .drawn = drawn_,
+                               .lit = wants_light(params),
+                               .views = light_.views(),
+                               .changed = {}};
+  if (change_.kept()) known.changed = changed_;
+  return known;
 }
 
 void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot) {
@@ -180,7 +168,7 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
 
 void LimeMaterial::take_light(const Slot& slot) {
   const size_t numbers = size_t{4} * side_ * side_;
-  if (slot.alone) light_.reset();
+  if (slot.plan.light_anew) light_.reset();
   light_.add({{slot.image->map_as<float>() + 4, numbers},
               {slot.codes->map_as<float>() + 4, numbers},
               tracker_.mask(),
@@ -233,45 +221,20 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   slot.params = params;
   slot.square = tracker_.square();
   slot.epoch = epoch_;
-  Report report;
-  const bool resting = rests(params);
-  const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
-  if (!rest) rested_ = 0;
-  if (resting)
-    follow_ = 0;
-  else if (was_resting_ && changed_.mean > kRelit + tracker_.moved())
-    follow_ = kFollow;
-  was_resting_ = resting;
-  // What had no object has none when it comes again, or what is found in it is on its way.
-  const bool again = params.adaptive && still && !object_.found && searched_ == slot.square;
-  report.segmented = !again && (!rest || !still);
-  if (report.segmented) searched_ = slot.square;
-  report.estimated = !rest && (object_.found || !params.adaptive);
-  if (again)
-    report.skipped = "networks: the picture rests and was searched";
-  else if (!report.segmented)
-    report.skipped = "networks: the picture rests and its material is known";
-  else if (rest)
-    report.skipped = "networks of the material: the object rests and its material is known";
-  else if (!report.estimated)
-    report.skipped = "networks of the material: no object was found";
-  if (report.segmented) record_segmentation(commands, frame, slot);
-  if (report.estimated) {
+  const NetworkSchedule::Plan plan = slot.plan =
+      schedule_.next({params.adaptive, params.recheck, params.steady}, known(params, still));
+  drawn_ = false;
+  if (plan.segments) record_segmentation(commands, frame, slot);
+  if (plan.estimates) {
     record_networks(commands, slot);
     estimated_in_ = slot.square;
     have_layers_ = true;
-    slot.alone = follow_ > 0;
-    report.lit = wants_light(params) &&
-                 (slot.alone || light_.views() < kEarlyViews || estimates_ % kViewEvery == 0);
-    if (slot.alone) --follow_;
-    if (report.lit) read_back(commands, exponent_.input(0), slot.codes);
   }
-  report.compared = report.segmented && params.adaptive && (drawn_ || wants_light(params));
-  if (report.lit || report.compared) read_back(commands, segmentation_.input(0), slot.image);
-  drawn_ = false;
-  report.segmentations = segmentations_ += report.segmented;
-  report.estimates = estimates_ += report.estimated;
-  slot.report = report;
+  if (plan.lights) read_back(commands, exponent_.input(0), slot.codes);
+  if (plan.lights || plan.compares) read_back(commands, segmentation_.input(0), slot.image);
+  segmentations_ += plan.segments;
+  estimates_ += plan.estimates;
+  slot.report = {plan.segments, plan.estimates, segmentations_, estimates_, plan.skipped};
   ++recorded_;
 }
 
@@ -279,12 +242,12 @@ void LimeMaterial::compare(const Slot& slot) {
   const std::span image(slot.image->map_as<float>() + 4, size_t{4} * side_ * side_);
   // What has just been found anew was another picture: the next one may be, too.
   if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side_);
-  if (slot.report.estimated) change_.keep(image, side_);
+  if (slot.plan.estimates) change_.keep(image, side_);
 }
 
 void LimeMaterial::done(uint64_t number) {
   const Slot& slot = this->slot(number);
-  if (slot.epoch != epoch_ || !slot.report.segmented) return;
+  if (slot.epoch != epoch_ || !slot.plan.segments) return;
   const bool was_found = tracker_.found();
   tracker_.update({slot.probability->map_as<float>() + 4, size_t{4} * side_ * side_}, side_, 4,
                   slot.square);
@@ -292,12 +255,12 @@ void LimeMaterial::done(uint64_t number) {
     fusion_.reset();
     have_layers_ = false;
   }
-  if (slot.report.compared)
+  if (slot.plan.compares)
     compare(slot);
-  else if (slot.report.estimated)
+  else if (slot.plan.estimates)
     change_.reset();  // the layers are of another picture than the one that is kept
   const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty();
-  if (seen && slot.report.estimated) {
+  if (seen && slot.plan.estimates) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;
     Material estimate;
@@ -307,7 +270,7 @@ void LimeMaterial::done(uint64_t number) {
     latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
     if (fusion_.count() <= 1) light_.reset();  // another object, of another material
-    if (slot.report.lit && fusion_.count()) take_light(slot);
+    if (slot.plan.lights && fusion_.count()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.averaged(),
              fusion_.spread(), tracker_.share(),   tracker_.box()};

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "../gpu/commands.hpp"
@@ -12,6 +11,7 @@
 #include "guided_layers.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
+#include "network_schedule.hpp"
 #include "object_light.hpp"
 #include "object_tracker.hpp"
 #include "under_highlights.hpp"
@@ -44,8 +44,6 @@ class LimeMaterial {
     bool segmented = false, estimated = false;
     uint64_t segmentations = 0, estimates = 0;  ///< so far
     const char* skipped = "";                   ///< what was left out, and why
-    bool lit = false;                           ///< whether it is to tell of the light
-    bool compared = false;                      ///< whether its picture is kept or compared
   };
   /// What is known of the object now.
   struct Object {
@@ -104,14 +102,14 @@ class LimeMaterial {
     gpu::BufferPtr image, codes;                   // the same, made when needed
     gpu::BufferPtr foreign;                        // what the tracker says of it, likewise
     Square square;
+    NetworkSchedule::Plan plan;
     Report report;
     Params params;
     uint64_t epoch = 0;
-    bool alone = false;  // views before this one are of another light
   };
   const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
   bool wants_light(const Params& params) const;
-  bool rests(const Params& params) const;
+  NetworkSchedule::Known known(const Params& params, bool still) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
   void leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
@@ -140,13 +138,10 @@ class LimeMaterial {
   bool have_layers_ = false;  // of the object, from some frame since the last reset
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
+  NetworkSchedule schedule_;
   bool drawn_ = false;                         // layers of the last frame were
-  bool was_resting_ = false;                   // with the last frame
-  uint32_t follow_ = 0;                        // estimates to come whose light is theirs alone
-  std::optional<Square> searched_;             // where the last search was
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;
-  uint32_t rested_ = 0;
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   ObjectLight light_;

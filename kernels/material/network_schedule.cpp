@@ -1,0 +1,58 @@
+#include "network_schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse {
+namespace {
+
+bool is_watched(const NetworkSchedule::Known& known) { return known.drawn || known.lit; }
+
+bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
+  if (!params.adaptive || !known.found || !known.placed) return false;
+  const bool steady = known.estimates >= NetworkSchedule::kFewest &&
+                      known.spread < params.steady * std::sqrt(static_cast<float>(known.averaged));
+  // Whoever begins to draw layers finds those of a picture that nobody has kept.
+  const bool stale =
+      is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
+  return steady && known.moved < NetworkSchedule::kMoved && !stale;
+}
+
+}  // namespace
+
+NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& known) {
+  const bool resting = rests(params, known);
+  const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
+  if (!rest) rested_ = 0;
+  if (resting)
+    follow_ = 0;
+  else if (was_resting_ && known.changed && known.changed->mean > kRelit + known.moved)
+    follow_ = kFollow;
+  was_resting_ = resting;
+  // What had no object has none when it comes again, or what is found in it is on its way.
+  const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
+
+  Plan plan;
+  plan.segments = !again && (!rest || !known.still);
+  plan.estimates = !rest && (known.found || !params.adaptive);
+  if (plan.segments) searched_ = known.square;
+  if (plan.estimates) {
+    plan.light_anew = follow_ > 0;
+    plan.lights =
+        known.lit && (plan.light_anew || known.views < kEarlyViews || estimates_ % kViewEvery == 0);
+    if (follow_) --follow_;
+    ++estimates_;
+  }
+  plan.compares = plan.segments && params.adaptive && is_watched(known);
+  if (again)
+    plan.skipped = "networks: the picture rests and was searched";
+  else if (!plan.segments)
+    plan.skipped = "networks: the picture rests and its material is known";
+  else if (rest)
+    plan.skipped = "networks of the material: the object rests and its material is known";
+  else if (!plan.estimates)
+    plan.skipped = "networks of the material: no object was found";
+  return plan;
+}
+
+}  // namespace inverse
