@@ -1,0 +1,20 @@
+// ONNX models from anybody: refused with an Error, or a graph that can be written and read again.
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "error.hpp"
+#include "network/graph_file.hpp"
+#include "onnx_import.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace inverse;
+  try {
+    const network::Graph graph =
+        onnx_import::graph_of(std::as_bytes(std::span(data, size)), "model");
+    const auto file = network::to_file(graph);
+    if (network::to_file(network::from_file(file, "written")) != file) abort();
+  } catch (const Error&) {
+  }
+  return 0;
+}
