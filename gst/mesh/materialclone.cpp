@@ -15,6 +15,7 @@
 #include "base/filter.hpp"
 #include "base/inverse_material_meta.h"
 #include "environment/lit_sphere.hpp"
+#include "exr/environment_file.hpp"
 #include "mesh_file.hpp"
 #include "raster/insertion.hpp"
 
@@ -71,9 +72,9 @@ const PropertyTable<Params>& table() {
           "it is released (navigation events of video sinks); x and y follow"),
       text<P>(
           "environment-location", &P::environment_location,
-          "Radiance file (.hdr) that is read: the light, a panorama as seen from the object, its "
-          "middle towards the camera; empty = the light that limematerial estimates, before that a "
-          "neutral studio",
+          "Radiance (.hdr) or OpenEXR file that is read: the light, a panorama as seen from the "
+          "object, its middle towards the camera; empty = the light that limematerial estimates, "
+          "before that a neutral studio",
           Mutable::ready),
       number<P>("environment-rotation", &P::rotation, -360, 360,
                 "Turn of the light about the vertical in degrees; positive: what comes from the "
@@ -136,8 +137,9 @@ class CloneElement final : public Filter {
     estimated_.reset();
     warned_ = timeless_ = false;
     given_.reset();
+    warning_.clear();
     if (!params.environment_location.empty())
-      given_.emplace(Environment::load(params.environment_location));
+      given_.emplace(load_environment(params.environment_location, warning_));
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
@@ -172,6 +174,7 @@ class CloneElement final : public Filter {
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
+    if (!warning_.empty()) frame.warnings.push_back(std::exchange(warning_, {}));
     try {
       take_light(meta);
     } catch (const Error& error) {  // of the stream's, not ours: the light before stays
@@ -302,6 +305,7 @@ class CloneElement final : public Filter {
   bool news_of_light_ = true;              // estimated_ may be another since light_ was chosen
   std::optional<Surface> seen_;            // what the stream told last
   std::optional<Surface> shown_;
+  std::string warning_;    // of the file, to be told with the first frame
   bool warned_ = false;    // of light that is none
   bool timeless_ = false;  // it was told that frames have no time
   bool looked_ = false;    // whether the stream brings a material, once

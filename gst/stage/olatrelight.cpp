@@ -12,7 +12,7 @@
 #include "base/filter.hpp"
 #include "base/inverse_light_stage_meta.h"
 #include "base/models.hpp"
-#include "environment_file.hpp"
+#include "exr/environment_file.hpp"
 #include "gray_gradients.hpp"
 #include "image/mosaic.hpp"
 #include "light_stage/light_program.hpp"

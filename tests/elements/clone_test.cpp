@@ -1,10 +1,12 @@
 // materialclone.
+#include <ImfRgbaFile.h>
 #include <gst/app/gstappsrc.h>
 #include <gst/video/navigation.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
@@ -46,6 +48,24 @@ class CloneTest : public LimeElementTest {
   std::string lamp_file(float red, float green, float blue) const {
     const std::string path = folder_ / "lamp.hdr";
     lamp(4, red, green, blue).save(path);
+    return path;
+  }
+
+  /// The same in OpenEXR; `odd` in the red of its last pixel, where that is given.
+  std::string lamp_exr(float red, float green, float blue, std::optional<float> odd = {}) const {
+    const Environment map = lamp(4, red, green, blue);
+    const auto [width, height] = map.extent();
+    std::vector<Imf::Rgba> pixels(map.extent().pixels());
+    for (size_t i = 0; i < pixels.size(); ++i) {  // as somebody sees it who looks at the camera
+      const float* rgb = &map.rgb()[3 * (i / width * width + width - 1 - i % width)];
+      pixels[i] = Imf::Rgba(rgb[0], rgb[1], rgb[2]);
+    }
+    if (odd) pixels.back().r = *odd;
+    const std::string path = folder_ / "lamp.exr";
+    Imf::RgbaOutputFile file(path.c_str(), static_cast<int>(width), static_cast<int>(height),
+                             Imf::WRITE_RGB);
+    file.setFrameBuffer(pixels.data(), 1, width);
+    file.writePixels(static_cast<int>(height));
     return path;
   }
 
@@ -151,6 +171,26 @@ TEST_F(CloneTest, LightOfAFileComesFromWhereItIs) {
   g_object_set(clone, "exposure", 0.0F, "environment-rotation", 180.0F, nullptr);
   out = harness.process(gray());
   EXPECT_GT(at(out, 26, 48)[0], at(out, 70, 48)[0] + 40) << "turned to the left";
+}
+
+TEST_F(CloneTest, LightOfAnOpenExrFileIsThatOfTheSameMapInRadiance) {
+  const auto drawn = [](const std::string& path) {
+    VideoHarness harness("materialclone specular=0.5 size=0.8 environment-location=" + path,
+                         frame_caps(), frame_caps());
+    return harness.process(gray());
+  };
+  EXPECT_EQ(drawn(lamp_exr(8, 4, 2)), drawn(lamp_file(8, 4, 2)));
+  const auto warnings = [](const std::string& path) {
+    return run_line(
+               "videotestsrc num-buffers=2 ! materialclone source=properties "
+               "environment-location=" +
+               path + " ! fakesink")
+        .warnings;
+  };
+  EXPECT_TRUE(warnings(lamp_exr(8, 4, 2)).empty());
+  const auto told = warnings(lamp_exr(8, 4, 2, -1.0F));
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("1 values that are no radiance"), std::string::npos) << told[0];
 }
 
 TEST_F(CloneTest, LightOfTheStreamIsTakenAndWhatIsNoneIsNot) {

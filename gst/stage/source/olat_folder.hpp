@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "../exr_picture.hpp"
+#include "exr/exr_picture.hpp"
 #include "image/plane.hpp"
 #include "light_stage/light_program.hpp"
 
