@@ -40,7 +40,7 @@ Environment load_exr(const std::string& path, size_t& changed) {
 Environment load_environment(const std::string& path, std::string& warning) {
   size_t changed = 0;
   Environment environment =
-      is_exr(path) ? load_exr(path, changed) : Environment::load(path, changed);
+      is_exr(path) ? load_exr(path, changed) : Environment::load(path, &changed);
   warning = changed == 0 ? ""
                          : "environment map " + path + " holds " + std::to_string(changed) +
                                " values that are no radiance (negative, infinite or no number); "

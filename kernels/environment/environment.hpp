@@ -32,13 +32,12 @@ class Environment {
   /// Reads a Radiance file (.hdr). A panorama in a file is what somebody sees who stands in the
   /// place of the object and looks at the camera, as cameras, Blender and collections of
   /// panoramas have it: further right in it is further left for the camera, so that columns are
-  /// mirrored here and in `save`. Throws Error(file).
-  static Environment load(const std::string& path);
-  /// The same, with radiance that is not allowed made so: what is no number or below 0 becomes 0,
-  /// what is above kMaxRadiance becomes that, but infinity the largest of the others, or the
-  /// largest half float where they are less; `changed` is how many values were.
-  static Environment load(const std::string& path, size_t& changed);
-  /// A map of such radiance, of any origin.
+  /// mirrored here and in `save`. Radiance as `bounded`. Throws Error(file).
+  static Environment load(const std::string& path, size_t* changed = nullptr);
+  /// A map of radiance of any origin, which is made such as is allowed: what is no number or below
+  /// 0 becomes 0, what is above kMaxRadiance becomes that, but infinity the largest of the others,
+  /// or the largest half float where they are less; `changed` is how many values were. Throws as
+  /// the constructor.
   static Environment bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                              const std::string& name = "environment map");
   /// Writes a Radiance file, with 8 bits of mantissa. An earlier file there stays where this one

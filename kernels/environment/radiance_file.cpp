@@ -142,14 +142,11 @@ Panorama read(const std::string& path, Check check) {
 
 }  // namespace
 
-Environment Environment::load(const std::string& path) {
+Environment Environment::load(const std::string& path, size_t* changed) {
   Panorama panorama = read(path, check_size);
-  return {panorama.extent, std::move(panorama.rgb), "environment map " + path};
-}
-
-Environment Environment::load(const std::string& path, size_t& changed) {
-  Panorama panorama = read(path, check_size);
-  return bounded(panorama.extent, std::move(panorama.rgb), changed, "environment map " + path);
+  size_t values = 0;
+  return bounded(panorama.extent, std::move(panorama.rgb), changed ? *changed : values,
+                 "environment map " + path);
 }
 
 void Environment::check_target(const std::string& path) { target_of(path); }
