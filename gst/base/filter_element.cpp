@@ -235,7 +235,9 @@ void FilterElement::warm_up() {
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
   if (guarded(element_, [&] { run(in, out); })) return GST_FLOW_OK;
-  forget_repeats();  // of a frame that was never computed
+  // What was recorded of it was never computed.
+  forget_repeats();
+  fresh_ = true;
   return GST_FLOW_ERROR;
 }
 
@@ -385,7 +387,8 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   // Those before it that are done by now, the oldest first, and this one where it was waited for.
   for (size_t i = 0; i < slots_.size(); ++i) {
     Slot& older = slots_[(next_slot_ + i) % slots_.size()];
-    if (older.pending && older.commands->done()) finish(older);
+    if (older.pending && !older.commands->done()) break;  // it may be while the next one is asked
+    finish(older);
   }
 }
 

@@ -167,6 +167,7 @@ class LimeElement final : public Filter {
   }
   void reset() override {
     method_->reset();
+    preview_.reset();  // what was recorded of it may not have been computed
     publish();
   }
   void ended() override {

@@ -6,6 +6,7 @@
 
 #include "error.hpp"
 #include "exr_picture.hpp"
+#include "regular_file.hpp"
 
 namespace inverse {
 namespace {
@@ -38,13 +39,15 @@ Environment load_exr(const std::string& path, size_t& changed) {
 }  // namespace
 
 Environment load_environment(const std::string& path, std::string& warning) {
+  if (const std::string why = why_no_file(path); !why.empty())
+    throw Error(ErrorKind::file, "environment map " + path + " " + why);
   size_t changed = 0;
   Environment environment =
       is_exr(path) ? load_exr(path, changed) : Environment::load(path, &changed);
   warning = changed == 0 ? ""
                          : "environment map " + path + " holds " + std::to_string(changed) +
-                               " values that are no radiance (negative, infinite or no number); "
-                               "they were clamped to what is";
+                               " values that are no radiance (negative, above 1e9, infinite or no "
+                               "number); they were clamped to what is";
   return environment;
 }
 

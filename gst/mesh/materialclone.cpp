@@ -160,6 +160,11 @@ class CloneElement final : public Filter {
     sphere_.reset();
   }
 
+  void reset() override {
+    insertion_->forget();
+    sphere_->forget();
+  }
+
   std::vector<Setting> point(Mouse mouse, double x, double y) override {
     std::vector<Setting> place;
     std::lock_guard lock(mouse_mutex_);

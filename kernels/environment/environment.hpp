@@ -32,7 +32,8 @@ class Environment {
   /// Reads a Radiance file (.hdr). A panorama in a file is what somebody sees who stands in the
   /// place of the object and looks at the camera, as cameras, Blender and collections of
   /// panoramas have it: further right in it is further left for the camera, so that columns are
-  /// mirrored here and in `save`. Radiance as `bounded`. Throws Error(file).
+  /// mirrored here and in `save`. Radiance as `bounded`, `changed` too where it is wanted. Throws
+  /// Error(file).
   static Environment load(const std::string& path, size_t* changed = nullptr);
   /// A map of radiance of any origin, which is made such as is allowed: what is no number or below
   /// 0 becomes 0, what is above kMaxRadiance becomes that, but infinity the largest of the others,

@@ -54,6 +54,8 @@ class LitSphere {
   /// where they are. What is not finite or out of range is bounded. Throws Error(internal) without
   /// a light.
   void record(gpu::Commands& commands, const Surface& surface, const View& view);
+  /// What was recorded may not have been computed: the next `record` records all.
+  void forget() { recorded_.reset(); }
   /// The table of the last `record`: side x side, rows from the top (y up). One buffer, written
   /// again with each change, in the order of submits.
   const Plane& table() const { return table_; }

@@ -82,6 +82,8 @@ void LimeMaterial::reset() {
   have_layers_ = false;
   change_.reset();
   changed_ = {};
+  relit_.reset();
+  relit_by_ = 0;
   schedule_.restart();
   light_.reset();
   lit_by_ = nullptr;
@@ -105,7 +107,8 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
                                .drawn = drawn_,
                                .lit = wants_light(params),
                                .views = light_.views(),
-                               .changed = {}};
+                               .changed = {},
+                               .relit = relit_by_};
   if (change_.kept()) known.changed = changed_;
   return known;
 }
@@ -243,6 +246,12 @@ void LimeMaterial::compare(const Slot& slot) {
   // What has just been found anew was another picture: the next one may be, too.
   if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side_);
   if (slot.plan.estimates) change_.keep(image, side_);
+  // Lamps that fade change little from one estimate to the next.
+  if (slot.plan.light_anew || (slot.plan.rests && !relit_.kept()))
+    relit_.keep(image, side_);
+  else if (!slot.plan.rests)
+    relit_.reset();
+  relit_by_ = relit_.since(image, tracker_.mask(), side_).mean;
 }
 
 void LimeMaterial::done(uint64_t number) {

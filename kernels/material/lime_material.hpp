@@ -138,6 +138,8 @@ class LimeMaterial {
   bool have_layers_ = false;  // of the object, from some frame since the last reset
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
+  CropChange relit_;  // since the object rests or its light began
+  float relit_by_ = 0;
   NetworkSchedule schedule_;
   bool drawn_ = false;                         // layers of the last frame were
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them

@@ -8,6 +8,12 @@ namespace {
 
 bool is_watched(const NetworkSchedule::Known& known) { return known.drawn || known.lit; }
 
+/// Whether its lamps changed, at once or little by little.
+bool is_relit(const NetworkSchedule::Known& known) {
+  const float mean = std::max(known.changed ? known.changed->mean : 0, known.relit);
+  return known.lit && mean > NetworkSchedule::kRelit + known.moved;
+}
+
 bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
   if (!params.adaptive || !known.found || !known.placed) return false;
   const bool steady = known.estimates >= NetworkSchedule::kFewest &&
@@ -15,7 +21,7 @@ bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& 
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
-  return steady && known.moved < NetworkSchedule::kMoved && !stale;
+  return steady && known.moved < NetworkSchedule::kMoved && !stale && !is_relit(known);
 }
 
 }  // namespace
@@ -24,15 +30,16 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
   const bool resting = rests(params, known);
   const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
   if (!rest) rested_ = 0;
-  if (resting)
+  if (resting || !known.found)
     follow_ = 0;
-  else if (was_resting_ && known.changed && known.changed->mean > kRelit + known.moved)
+  else if (was_resting_ && is_relit(known))
     follow_ = kFollow;
   was_resting_ = resting;
   // What had no object has none when it comes again, or what is found in it is on its way.
   const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
 
   Plan plan;
+  plan.rests = resting;
   plan.segments = !again && (!rest || !known.still);
   plan.estimates = !rest && (known.found || !params.adaptive);
   if (plan.segments) searched_ = known.square;

@@ -31,8 +31,11 @@ class NetworkSchedule {
     uint64_t views = 0;                    ///< of it that are in the light
     /// Its picture, since it had those layers; none: nobody has kept that picture.
     std::optional<CropChange::Difference> changed;
+    /// In the mean, since it rests or its light began; 0 where nobody has kept that one.
+    float relit = 0;
   };
   struct Plan {
+    bool rests = false;        ///< the object does; it may be looked at all the same
     bool segments = false;     ///< SegmentationNet runs
     bool estimates = false;    ///< the other four do
     bool lights = false;       ///< that view of the object goes into the light
@@ -50,7 +53,8 @@ class NetworkSchedule {
   /// Layers of a resting object are of an earlier frame while no part of its picture differs by
   /// more: sRGB, five code values.
   static constexpr float kChanged = 0.02F;
-  /// The same in the mean, beyond what of the object has moved: its lamps changed, not it.
+  /// The same in the mean, of any time since it rests, beyond what of the object has moved: its
+  /// lamps changed, not it.
   static constexpr float kRelit = 0.01F;
   /// Estimates after that whose light is theirs alone, at most.
   static constexpr uint32_t kFollow = 30;

@@ -80,6 +80,10 @@ Insertion::Insertion(std::shared_ptr<gpu::Device> device, Extent frame)
 void Insertion::set_mesh(const Mesh& mesh) {
   rasterizer_ = std::make_unique<Rasterizer>(device_, mesh);
   corners_ = mesh.positions;
+  forget();
+}
+
+void Insertion::forget() {
   kept_.reset();
   kept_shadow_.reset();
 }

@@ -39,6 +39,8 @@ class Insertion {
   /// are not finite count as their defaults.
   void record(gpu::Commands& commands, const Plane& frame, const Params& params,
               const LitSphere& light);
+  /// What was recorded may not have been computed: the next picture is drawn anew.
+  void forget();
   /// How often the object and its shadow were drawn anew.
   uint64_t drawn() const { return drawn_; }
   uint64_t shadows() const { return shadows_; }

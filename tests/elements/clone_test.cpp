@@ -2,6 +2,7 @@
 #include <ImfRgbaFile.h>
 #include <gst/app/gstappsrc.h>
 #include <gst/video/navigation.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -387,6 +388,9 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
       << error("mesh=/nowhere/a.obj");
   EXPECT_NE(error("environment-location=/nowhere/a.hdr").find("/nowhere/a.hdr cannot be read"),
             std::string::npos);
+  const std::string pipe = folder_ / "pipe.hdr";  // waits for somebody who writes into it
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(error("environment-location=" + pipe).find("pipe.hdr is no file"), std::string::npos);
   const std::string empty = written("empty.ply", "");
   EXPECT_NE(error("mesh=" + empty).find(empty), std::string::npos);
   const std::string good = written("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -67,9 +67,11 @@ std::string ring(int corners) {
 }
 
 /// A binary glTF with two triangles that share an edge, moved by a node: `squares` times over each
-/// other, and by so many nodes.
-std::string glb(size_t squares = 1, size_t nodes = 1) {
-  const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+/// other, and by so many nodes; with `loose` vertices of no triangle.
+std::string glb(size_t squares = 1, size_t nodes = 1, size_t loose = 0) {
+  std::vector<float> positions{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  positions.resize(positions.size() + 3 * loose, 0.5F);
+  const size_t place = positions.size() * sizeof(float);
   const uint16_t indices[] = {0, 1, 2, 0, 2, 3};
   std::string shown = "0", list = R"({"mesh":0,"translation":[5,6,7]})", corners;
   for (size_t i = 1; i < nodes; ++i) {
@@ -82,19 +84,22 @@ std::string glb(size_t squares = 1, size_t nodes = 1) {
       list +
       R"(],)"
       R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
-      R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+      std::to_string(4 + loose) +
+      R"(,"type":"VEC3",)"
       R"("min":[0,0,0],"max":[1,1,0]},)"
       R"({"bufferView":1,"componentType":5123,"count":)" +
       std::to_string(6 * squares) +
-      R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},)"
-      R"({"buffer":0,"byteOffset":48,"byteLength":)" +
-      std::to_string(corners.size()) + R"(}],"buffers":[{"byteLength":)" +
-      std::to_string(48 + corners.size()) + "}]}";
+      R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":)" +
+      std::to_string(place) + R"(},{"buffer":0,"byteOffset":)" + std::to_string(place) +
+      R"(,"byteLength":)" + std::to_string(corners.size()) + R"(}],"buffers":[{"byteLength":)" +
+      std::to_string(place + corners.size()) + "}]}";
   while (json.size() % 4) json += ' ';
   const auto word = [](uint32_t value) {
     return std::string(reinterpret_cast<const char*>(&value), 4);
   };
-  const std::string binary = std::string(reinterpret_cast<const char*>(positions), 48) + corners;
+  const std::string binary =
+      std::string(reinterpret_cast<const char*>(positions.data()), place) + corners;
   return "glTF" + word(2) + word(static_cast<uint32_t>(28 + json.size() + binary.size())) +
          word(static_cast<uint32_t>(json.size())) + "JSON" + json +
          word(static_cast<uint32_t>(binary.size())) + std::string("BIN\0", 4) + binary;
@@ -199,6 +204,9 @@ TEST_F(MeshFile, TheLimitCountsTrianglesNotFacesAndWhatIsShownTwiceTwice) {
   const std::string copies = error(written("copies.glb", glb(1000, 501)));
   EXPECT_NE(copies.find("1002000 triangles; at most 1000000"), std::string::npos) << copies;
   EXPECT_EQ(load_mesh(written("few.glb", glb(10, 3))).triangles(), 60u);
+  const std::string points = error(written("points.glb", glb(1, 301, 10000)));
+  EXPECT_NE(points.find("3011204 vertices; at most 3000000"), std::string::npos) << points;
+  EXPECT_EQ(load_mesh(written("loose.glb", glb(1, 3, 10000))).triangles(), 6u);
 }
 
 TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {

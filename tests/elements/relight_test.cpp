@@ -1,6 +1,7 @@
 // olatrelight.
 #include <gst/controller/controller.h>
 #include <gst/video/navigation.h>
+#include <sys/stat.h>
 
 #include <limits>
 
@@ -302,6 +303,10 @@ TEST_F(RelightTest, FilesThatAreAmissAreErrorsThatSayWhy) {
   EXPECT_NE(error.find("map.exr"), std::string::npos) << error;
   warnings_of(line("environment=" + exr(1, 60)), &error);
   EXPECT_NE(error.find("60x32"), std::string::npos) << error;
+  const std::string pipe = folder / "pipe.hdr";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  warnings_of(line("environment=" + pipe), &error);
+  EXPECT_NE(error.find("pipe.hdr is no file"), std::string::npos) << error;
   EXPECT_TRUE(warnings_of(line("environment=" + exr(1)), &error).empty());
   EXPECT_EQ(error, "");
 }

@@ -9,12 +9,13 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;
+  network::Graph graph;
   try {
-    const network::Graph graph =
-        onnx_import::graph_of(std::as_bytes(std::span(data, size)), "model");
-    const auto file = network::to_file(graph);
-    if (network::to_file(network::from_file(file, "written")) != file) abort();
+    graph = onnx_import::graph_of(std::as_bytes(std::span(data, size)), "model");
   } catch (const Error&) {
+    return 0;
   }
+  const auto file = network::to_file(graph);
+  if (network::to_file(network::from_file(file, "written")) != file) abort();
   return 0;
 }

@@ -39,6 +39,9 @@ class InsertionTest : public GpuTest {
  protected:
   void SetUp() override {
     GpuTest::SetUp();
+    make_light();
+  }
+  void make_light() {
     light.emplace(device, 32);
     light->set_light(Environment::uniform({1, 1, 1}));
   }
@@ -282,6 +285,26 @@ TEST_F(InsertionTest, DrawsAgainOnlyWhatChanged) {
   draw(insertion, before, params);
   EXPECT_EQ(insertion.drawn(), 3u);
   EXPECT_EQ(insertion.shadows(), 2u);
+}
+
+TEST_F(InsertionTest, WhatWasNeverComputedIsDrawnWhenItIsForgotten) {
+  const Pixels before = flat(.5F, 1);
+  const auto inserted = [&](bool fails) {
+    make_light();
+    Insertion insertion(device, kFrame);
+    insertion.set_mesh(Mesh::sphere());
+    if (fails) {
+      const Plane picture = plane(kFrame, before);
+      gpu::Commands commands(device);
+      commands.begin();
+      light->record(commands, {{.25F, .5F, .75F}, 0, 2}, {});
+      insertion.record(commands, picture, {}, *light);
+      light->forget();
+      insertion.forget();
+    }
+    return draw(insertion, before, {});
+  };
+  EXPECT_EQ(inserted(true), inserted(false));
 }
 
 TEST_F(InsertionTest, CoversWhatIsTransparent) {

@@ -157,6 +157,20 @@ TEST(NetworkSchedule, LampsThatChangeOverARestingObjectBeginAnotherLight) {
   EXPECT_EQ(video.lit_anew(5), 5U);
   video.known.changed = same;
   EXPECT_EQ(video.lit_anew(16), 0U) << "its lamps rest: views are averaged";
+  // The same where they fade: little from one estimate to the next, and more since it rests.
+  video.known.relit = 1.01F * NetworkSchedule::kRelit;
+  EXPECT_EQ(video.lit_anew(3), 3U);
+  video.known.relit = 0;  // since that light
+  EXPECT_EQ(video.lit_anew(16), 0U);
+  // What has gone has no light, and the next object's is a mean again.
+  video.known.changed = lamps;
+  EXPECT_EQ(video.lit_anew(5), 5U);
+  video.known.found = false;
+  EXPECT_EQ(video.lit_anew(1), 0U);
+  video.known.found = true;
+  EXPECT_EQ(video.lit_anew(16), 0U);
+  video.known.changed = same;
+  EXPECT_EQ(video.lit_anew(16), 0U);
   // A picture that changes as the object moves is not of other lamps.
   video.known.changed = {.largest = 0.3F, .mean = 0.05F};
   video.known.moved = 0.05F;

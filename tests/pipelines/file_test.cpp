@@ -137,7 +137,7 @@ TEST_F(Files, HighlightsOfAFile) {
 
 TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
   if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
-  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp";
+  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   make_ball(file(""), file("in.mkv"));
   ASSERT_EQ(run("clone", {file("in.mkv")}, {{"SINK", raw_file(file("out.mkv"))}}), 0) << output_;
   EXPECT_EQ(output_.find("WARNING"), std::string::npos) << output_;
@@ -151,7 +151,7 @@ TEST_F(Files, CloneDrawsAnObjectOfTheMaterialThatIsSeen) {
 }
 
 TEST_F(Files, CloneSaysWhatIsMissing) {
-  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp";
+  if (!has("materialclone")) GTEST_SKIP() << "built without Assimp or OpenEXR";
   EXPECT_EQ(run("clone", {"/dev/video97"}, {{"SINK", "fakesink"}}), 1);
   EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
   make_silent_clip(file("in.mkv"));

@@ -153,11 +153,18 @@ Plan of_thesis(const char* decomposer) {
   return plan;
 }
 
+bool has_element(const char* name) {
+  GstElementFactory* factory = gst_element_factory_find(name);
+  if (factory) gst_object_unref(factory);
+  return factory;
+}
+
 /// Objects come and go with the scenes; their light and their clone with them.
 Plan of_materials() {
   Plan plan;
   plan.decomposer = "limematerial";
-  plan.chain = " name=decomposer show=input light=true ! materialclone";
+  plan.chain = " name=decomposer show=input light=true";
+  if (has_element("materialclone")) plan.chain += " ! materialclone";
   plan.frames = 600;
   plan.caps_changes = 24;
   plan.cycles = 8;
@@ -221,7 +228,8 @@ std::vector<Plan> parse(int count, char** words) {
       plans.push_back(of_thesis(name));
   if (others) {
     plans.push_back(of_materials());
-    for (const char* model : {"cosine-lobe", "network"}) plans.push_back(of_relighting(model));
+    if (has_element("olatrelight"))
+      for (const char* model : {"cosine-lobe", "network"}) plans.push_back(of_relighting(model));
   }
   return plans;
 }
