@@ -14,10 +14,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include "error.hpp"
 #include "gltf_nodes.hpp"
@@ -133,6 +135,29 @@ void keep_our_formats(Assimp::Importer& importer) {
   }
 }
 
+/// Leaves the vertices that faces have; of channels that are removed anyway, anything. Assimp's
+/// later steps copy all that there are wherever a mesh is shown, and its reader of glTF makes all
+/// of an accessor part of each mesh that has some of it.
+void compact(aiMesh& part) {
+  constexpr unsigned kUnused = std::numeric_limits<unsigned>::max();
+  std::vector<unsigned> place(part.mNumVertices, kUnused);
+  std::vector<aiVector3D> positions, normals;
+  for (unsigned i = 0; i < part.mNumFaces; ++i)
+    for (unsigned corner = 0; corner < part.mFaces[i].mNumIndices; ++corner) {
+      unsigned& index = part.mFaces[i].mIndices[corner];
+      unsigned& now = place[index];
+      if (now == kUnused) {
+        now = static_cast<unsigned>(positions.size());
+        positions.push_back(part.mVertices[index]);
+        if (part.mNormals) normals.push_back(part.mNormals[index]);
+      }
+      index = now;
+    }
+  std::copy(positions.begin(), positions.end(), part.mVertices);
+  std::copy(normals.begin(), normals.end(), part.mNormals);
+  part.mNumVertices = static_cast<unsigned>(positions.size());
+}
+
 /// Leaves the faces that are areas of corners that exist. Assimp's later steps end the process on
 /// what its readers may let through.
 void sanitize(aiMesh& part) {
@@ -155,6 +180,7 @@ void sanitize(aiMesh& part) {
     std::swap(place.mNumIndices, face.mNumIndices);
   }
   part.mNumFaces = kept;
+  compact(part);
 }
 
 /// Takes meshes that are gone (`place` has −1 for them) out of a node and those below it.
@@ -185,51 +211,31 @@ void sanitize(aiScene& scene) {
   if (scene.mRootNode) renumber(*scene.mRootNode, place);
 }
 
-/// What Assimp will make of a mesh, or of meshes: it copies vertices of no face, too.
-struct Size {
-  size_t triangles = 0, vertices = 0;
-};
-
-/// Of each mesh. Throws where one has a polygon of too many corners.
-std::vector<Size> sizes_of(const aiScene& scene, const std::string& path) {
-  std::vector<Size> sizes(scene.mNumMeshes);
+/// How many triangles will be made of each mesh. Throws where one has a polygon of too many
+/// corners.
+std::vector<size_t> triangles_of(const aiScene& scene, const std::string& path) {
+  std::vector<size_t> triangles(scene.mNumMeshes, 0);
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
     const aiMesh& part = *scene.mMeshes[i];
-    sizes[i].vertices = part.mNumVertices;
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const unsigned corners = part.mFaces[f].mNumIndices;
       if (corners > kMaxCorners)
         fail(path, "has a polygon of " + std::to_string(corners) + " corners; at most " +
                        std::to_string(kMaxCorners) +
                        " are taken: triangulate it, with Blender's Triangulate for example");
-      sizes[i].triangles += corners > 2 ? corners - 2 : 0;
+      triangles[i] += corners > 2 ? corners - 2 : 0;
     }
   }
-  return sizes;
+  return triangles;
 }
 
-/// Adds those of a node and those below it, which may show one mesh many times.
-void add_sizes(const aiNode& node, const std::vector<Size>& sizes, Size& sum) {
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    sum.triangles += sizes[node.mMeshes[i]].triangles;
-    sum.vertices += sizes[node.mMeshes[i]].vertices;
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) add_sizes(*node.mChildren[i], sizes, sum);
-}
-
-/// Throws where more would be made of the scene than can be drawn, or than its triangles have.
-void check_size(const aiScene& scene, const std::string& path) {
-  constexpr size_t kMaxVertices = 3 * Mesh::kMaxTriangles;
-  Size all;
-  if (scene.mRootNode) add_sizes(*scene.mRootNode, sizes_of(scene, path), all);
-  if (all.triangles > Mesh::kMaxTriangles)
-    fail(path, "has " + std::to_string(all.triangles) + " triangles; at most " +
-                   std::to_string(Mesh::kMaxTriangles) +
-                   " can be drawn: simplify it, with Blender's Decimate for example");
-  if (all.vertices > kMaxVertices)
-    fail(path, "has " + std::to_string(all.vertices) + " vertices; at most " +
-                   std::to_string(kMaxVertices) +
-                   " are taken: remove those of no face, with Blender's Delete Loose for example");
+/// The same of a node and those below it, which may show one mesh many times.
+size_t triangles_below(const aiNode& node, const std::vector<size_t>& triangles) {
+  size_t sum = 0;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) sum += triangles[node.mMeshes[i]];
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    sum += triangles_below(*node.mChildren[i], triangles);
+  return sum;
 }
 
 /// How often Assimp will compare corners with each other to give them normals: each with all that
@@ -308,7 +314,13 @@ Mesh read(const std::string& path) {
   if (importer.GetScene()->mNumMeshes == 0)
     fail(path, "has no triangle with an area; nothing can be drawn");
   // Before work is put into it.
-  check_size(*importer.GetScene(), path);
+  const std::vector<size_t> of_each = triangles_of(*importer.GetScene(), path);
+  const aiNode* root = importer.GetScene()->mRootNode;
+  const size_t triangles = root ? triangles_below(*root, of_each) : 0;
+  if (triangles > Mesh::kMaxTriangles)
+    fail(path, "has " + std::to_string(triangles) + " triangles; at most " +
+                   std::to_string(Mesh::kMaxTriangles) +
+                   " can be drawn: simplify it, with Blender's Decimate for example");
   const aiScene* scene = importer.ApplyPostProcessing(
       aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene) {

@@ -6,8 +6,9 @@
 
 namespace inverse {
 
-void CropChange::keep(std::span<const float> image, uint32_t side) {
+void CropChange::keep(std::span<const float> image, std::span<const uint8_t> mask, uint32_t side) {
   kept_.assign(image.begin(), image.begin() + size_t{4} * side * side);
+  kept_mask_.assign(mask.begin(), mask.end());
 }
 
 CropChange::Difference CropChange::since(std::span<const float> image,
@@ -36,6 +37,16 @@ CropChange::Difference CropChange::since(std::span<const float> image,
       ++blocks;
     }
   if (blocks) difference.mean /= static_cast<float>(blocks);
+  if (mask.size() == kept_mask_.size()) {
+    size_t points = 0, other = 0;
+    for (size_t i = 0; i < mask.size(); ++i) {
+      points += mask[i] != 0;
+      other += (mask[i] != 0) != (kept_mask_[i] != 0);
+    }
+    if (other)
+      difference.moved =
+          static_cast<float>(other) / static_cast<float>(std::max(points, size_t{1}));
+  }
   return difference;
 }
 

@@ -82,12 +82,17 @@ void LimeMaterial::reset() {
   have_layers_ = false;
   change_.reset();
   changed_ = {};
-  relit_.reset();
-  relit_by_ = 0;
   schedule_.restart();
-  light_.reset();
+  forget_light();
   lit_by_ = nullptr;
   ++epoch_;
+}
+
+/// But not what was told of it.
+void LimeMaterial::forget_light() {
+  light_.reset();
+  relit_.reset();
+  relit_by_ = {};
 }
 
 /// Where normals can be known.
@@ -108,8 +113,9 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
                                .lit = wants_light(params),
                                .views = light_.views(),
                                .changed = {},
-                               .relit = relit_by_};
+                               .relit = {}};
   if (change_.kept()) known.changed = changed_;
+  if (relit_.kept()) known.relit = relit_by_;
   return known;
 }
 
@@ -227,6 +233,7 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   const NetworkSchedule::Plan plan = slot.plan =
       schedule_.next({params.adaptive, params.recheck, params.steady}, known(params, still));
   drawn_ = false;
+  if (!wants_light(params)) forget_light();
   if (plan.segments) record_segmentation(commands, frame, slot);
   if (plan.estimates) {
     record_networks(commands, slot);
@@ -245,13 +252,18 @@ void LimeMaterial::compare(const Slot& slot) {
   const std::span image(slot.image->map_as<float>() + 4, size_t{4} * side_ * side_);
   // What has just been found anew was another picture: the next one may be, too.
   if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side_);
-  if (slot.plan.estimates) change_.keep(image, side_);
-  // Lamps that fade change little from one estimate to the next.
+  if (slot.plan.estimates) change_.keep(image, tracker_.mask(), side_);
+  if (wants_light(slot.params)) compare_light(slot, image);
+}
+
+/// Lamps that fade change little from one estimate to the next.
+void LimeMaterial::compare_light(const Slot& slot, std::span<const float> image) {
   if (slot.plan.light_anew || (slot.plan.rests && !relit_.kept()))
-    relit_.keep(image, side_);
-  else if (!slot.plan.rests)
-    relit_.reset();
-  relit_by_ = relit_.since(image, tracker_.mask(), side_).mean;
+    relit_.keep(image, tracker_.mask(), side_);
+  relit_by_ = relit_.since(image, tracker_.mask(), side_);
+  const bool rests = tracker_.moved() < NetworkSchedule::kMoved &&
+                     relit_by_.moved < NetworkSchedule::kMoved && slot.square == estimated_in_;
+  if (!rests) relit_.reset();
 }
 
 void LimeMaterial::done(uint64_t number) {

@@ -116,7 +116,9 @@ class LimeMaterial {
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
+  void forget_light();
   void compare(const Slot& slot);
+  void compare_light(const Slot& slot, std::span<const float> image);
   Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
@@ -139,7 +141,7 @@ class LimeMaterial {
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
   CropChange relit_;  // since the object rests or its light began
-  float relit_by_ = 0;
+  CropChange::Difference relit_by_;
   NetworkSchedule schedule_;
   bool drawn_ = false;                         // layers of the last frame were
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them

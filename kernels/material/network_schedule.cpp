@@ -10,8 +10,11 @@ bool is_watched(const NetworkSchedule::Known& known) { return known.drawn || kno
 
 /// Whether its lamps changed, at once or little by little.
 bool is_relit(const NetworkSchedule::Known& known) {
-  const float mean = std::max(known.changed ? known.changed->mean : 0, known.relit);
-  return known.lit && mean > NetworkSchedule::kRelit + known.moved;
+  const auto beyond = [](const auto& difference, float moved) {
+    return difference && difference->mean > NetworkSchedule::kRelit + moved;
+  };
+  return known.lit && (beyond(known.changed, known.moved) ||
+                       (known.relit && beyond(known.relit, known.relit->moved)));
 }
 
 bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
@@ -21,20 +24,22 @@ bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& 
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
-  return steady && known.moved < NetworkSchedule::kMoved && !stale && !is_relit(known);
+  return steady && known.moved < NetworkSchedule::kMoved && !stale;
 }
 
 }  // namespace
 
 NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& known) {
-  const bool resting = rests(params, known);
+  // Other lamps are looked at once; what then goes on changing turns in its place.
+  const bool relit = rested_in_place_ && is_relit(known);
+  const bool resting = rests(params, known) && !relit;
   const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
   if (!rest) rested_ = 0;
   if (resting || !known.found)
     follow_ = 0;
-  else if (was_resting_ && is_relit(known))
+  else if (relit)
     follow_ = kFollow;
-  was_resting_ = resting;
+  rested_in_place_ = resting || (rested_in_place_ && !relit && known.found && known.moved < kMoved);
   // What had no object has none when it comes again, or what is found in it is on its way.
   const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
 
@@ -44,7 +49,7 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
   plan.estimates = !rest && (known.found || !params.adaptive);
   if (plan.segments) searched_ = known.square;
   if (plan.estimates) {
-    plan.light_anew = follow_ > 0;
+    plan.light_anew = known.lit && follow_ > 0;
     plan.lights =
         known.lit && (plan.light_anew || known.views < kEarlyViews || estimates_ % kViewEvery == 0);
     if (follow_) --follow_;

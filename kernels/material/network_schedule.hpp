@@ -31,8 +31,8 @@ class NetworkSchedule {
     uint64_t views = 0;                    ///< of it that are in the light
     /// Its picture, since it had those layers; none: nobody has kept that picture.
     std::optional<CropChange::Difference> changed;
-    /// In the mean, since it rests or its light began; 0 where nobody has kept that one.
-    float relit = 0;
+    /// The same since it rests, or its light began; none: it moves.
+    std::optional<CropChange::Difference> relit;
   };
   struct Plan {
     bool rests = false;        ///< the object does; it may be looked at all the same
@@ -66,7 +66,7 @@ class NetworkSchedule {
 
  private:
   std::optional<Square> searched_;  // where the last look was
-  bool was_resting_ = false;        // with the last frame
+  bool rested_in_place_ = false;    // since its light began, and has not moved since
   uint32_t rested_ = 0;             // frames since it was looked at last
   uint32_t follow_ = 0;             // estimates to come whose light is theirs alone
   uint64_t estimates_ = 0;

@@ -17,7 +17,7 @@ std::vector<float> gray(float value) {
 TEST(CropChange, NothingIsKnownBeforeAPictureIsKept) {
   CropChange change;
   EXPECT_EQ(change.since(gray(1), {}, kSide).largest, 0);
-  change.keep(gray(.5F), kSide);
+  change.keep(gray(.5F), {}, kSide);
   EXPECT_FLOAT_EQ(change.since(gray(.75F), {}, kSide).largest, .25F);
   EXPECT_EQ(change.since(gray(.5F), {}, kSide).largest, 0);
   change.reset();
@@ -26,7 +26,7 @@ TEST(CropChange, NothingIsKnownBeforeAPictureIsKept) {
 
 TEST(CropChange, OneBlockOfOneChannelIsEnough) {
   CropChange change;
-  change.keep(gray(.5F), kSide);
+  change.keep(gray(.5F), {}, kSide);
   auto other = gray(.5F);
   for (uint32_t y = 16; y < 20; ++y)
     for (uint32_t x = 16; x < 20; ++x) other[4 * (y * kSide + x) + 2] = .4F;
@@ -37,9 +37,22 @@ TEST(CropChange, OneBlockOfOneChannelIsEnough) {
   EXPECT_EQ(change.since(other, {}, kSide).largest, 0);
 }
 
+TEST(CropChange, WhatHasMovedIsToldByTheMasks) {
+  CropChange change;
+  std::vector<uint8_t> mask(kSide * kSide, 0);
+  std::fill(mask.begin(), mask.begin() + 100, 1);
+  change.keep(gray(.5F), mask, kSide);
+  EXPECT_EQ(change.since(gray(.9F), mask, kSide).moved, 0);
+  mask[0] = 0;
+  mask[100] = 1;
+  EXPECT_FLOAT_EQ(change.since(gray(.5F), mask, kSide).moved, .02F);
+  std::fill(mask.begin(), mask.end(), 0);
+  EXPECT_FLOAT_EQ(change.since(gray(.5F), mask, kSide).moved, 100);
+}
+
 TEST(CropChange, OnlyTheObjectCounts) {
   CropChange change;
-  change.keep(gray(.5F), kSide);
+  change.keep(gray(.5F), {}, kSide);
   auto other = gray(.5F);
   std::vector<uint8_t> mask(size_t{kSide} * kSide, 1);
   for (uint32_t y = 0; y < kSide; ++y)
@@ -61,7 +74,7 @@ TEST(CropChange, NoiseAveragesOut) {
   for (float& v : a) v += noise(random);
   for (float& v : b) v += noise(random);
   CropChange change;
-  change.keep(a, 16);
+  change.keep(a, {}, 16);
   EXPECT_LT(change.since(b, {}, 16).largest, .02F);
   EXPECT_GT(change.since(b, {}, 16).largest, 0);
 }

@@ -364,26 +364,44 @@ TEST_F(LimeTest, TheLightOfARestingObjectIsThatOfTheLamps) {
 TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
   params.lit = true;
   params.fusion.other = params.steady = 1;
+  for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
+    LimeMaterial lime(device, kFrame, HandMadeLime::models());
+    const auto blueness = [&] {
+      double blue = 0;
+      const auto& rgb = lime.light()->rgb();
+      for (size_t i = 2; i < rgb.size(); i += 3) blue += double{rgb[i]};
+      return blue;
+    };
+    const auto estimates = [&] { return lime.report(lime.recorded() - 1).estimates; };
+    for (int i = 0; i < 60; ++i) unseen(lime, .4F);
+    const uint64_t known = estimates();
+    for (int i = 0; i < 16; ++i) unseen(lime, .4F);
+    ASSERT_EQ(estimates(), known + 2) << "it rests";
+    const double before = blueness();
+    for (int i = 0; i < 600; ++i) unseen(lime, .4F + .4F * static_cast<float>(i) / 600);
+    const double faded = blueness();
+    EXPECT_LT(estimates(), known + 400) << "and between the steps";
+    for (int i = 0; i < 200; ++i) unseen(lime, .8F);
+    EXPECT_GT(faded, 2 * before);
+    EXPECT_NEAR(faded / blueness(), 1, .05) << "as those lamps make it";
+  }
+}
+
+TEST_F(LimeTest, ALightThatNobodyAsksForIsForgotten) {
+  params.lit = true;
+  params.fusion.other = params.steady = 1;
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  const auto blueness = [&] {
-    double blue = 0;
-    for (size_t i = 2; i < lime.light()->rgb().size(); i += 3)
-      blue += double{lime.light()->rgb()[i]};
-    return blue;
-  };
-  for (int i = 0; i < 60; ++i) unseen(lime, .4F);
-  uint64_t estimates = lime.report(lime.recorded() - 1).estimates;
-  for (int i = 0; i < 16; ++i) unseen(lime, .4F);
-  ASSERT_EQ(lime.report(lime.recorded() - 1).estimates, estimates + 2) << "it rests";
-  const double before = blueness();
-  estimates += 2;
-  for (int i = 0; i < 600; ++i) unseen(lime, .4F + .4F * static_cast<float>(i) / 600);
-  const double faded = blueness();
-  for (int i = 0; i < 200; ++i) unseen(lime, .8F);
-  EXPECT_GT(faded, 2 * before);
-  EXPECT_NEAR(faded / blueness(), 1, .05) << "as those lamps make it";
-  // Between its steps the object rests.
-  EXPECT_LT(lime.report(lime.recorded() - 1).estimates, estimates + 400);
+  for (int i = 0; i < 40; ++i) unseen(lime, .4F);
+  ASSERT_GE(lime.light_views(), 4U);
+  const auto light = lime.light();
+  params.lit = false;
+  unseen(lime, .8F);
+  EXPECT_EQ(lime.light_views(), 0U);
+  EXPECT_EQ(lime.light(), light) << "what was told stays told";
+  params.lit = true;
+  for (int i = 0; i < 4; ++i) unseen(lime, .8F);
+  EXPECT_GE(lime.light_views(), 1U);
+  EXPECT_NE(lime.light(), light);
 }
 
 TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {

@@ -158,9 +158,20 @@ TEST(NetworkSchedule, LampsThatChangeOverARestingObjectBeginAnotherLight) {
   video.known.changed = same;
   EXPECT_EQ(video.lit_anew(16), 0U) << "its lamps rest: views are averaged";
   // The same where they fade: little from one estimate to the next, and more since it rests.
-  video.known.relit = 1.01F * NetworkSchedule::kRelit;
-  EXPECT_EQ(video.lit_anew(3), 3U);
-  video.known.relit = 0;  // since that light
+  video.known.relit = {.largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0};
+  EXPECT_EQ(video.lit_anew(1), 1U);
+  video.known.relit = same;  // since that light
+  EXPECT_EQ(video.lit_anew(16), 0U);
+  video.known.relit = {.largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0.01F};
+  EXPECT_EQ(video.lit_anew(16), 0U) << "it drifts";
+  // Where one side of it fades, its picture is another one sooner than its mean is.
+  const CropChange::Difference side{.largest = 0.03F, .mean = 0.005F};
+  video.known.changed = video.known.relit = side;
+  EXPECT_EQ(video.lit_anew(2), 0U);
+  EXPECT_EQ(video.estimated(2), 2U);
+  video.known.relit->mean = 0.011F;
+  EXPECT_EQ(video.lit_anew(1), 1U);
+  video.known.changed = video.known.relit = same;
   EXPECT_EQ(video.lit_anew(16), 0U);
   // What has gone has no light, and the next object's is a mean again.
   video.known.changed = lamps;
