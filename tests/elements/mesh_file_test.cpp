@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -218,10 +217,8 @@ TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {
   const std::string more = error(written("rounder.obj", ring(1001)));
   EXPECT_NE(more.find("a polygon of 1001 corners; at most 1000"), std::string::npos) << more;
   EXPECT_NE(more.find("triangulate it"), std::string::npos) << more;
-  // Assimp would take half a minute to cut it up.
-  const auto start = std::chrono::steady_clock::now();
+  // Before Assimp cuts it up, which would take half a minute, and leave no polygon.
   EXPECT_NE(error(written("far.obj", ring(60000))).find("60000 corners"), std::string::npos);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 // Corners in one place are compared with each other to find normals: of 80 000, half a minute.
