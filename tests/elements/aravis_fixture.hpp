@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "has_element.hpp"
 #include "pipelines/process.hpp"
 
 namespace inverse::testing {
@@ -20,9 +21,8 @@ class FakeCamera : public ::testing::Test {
   void SetUp() override {
     if (system("command -v arv-fake-gv-camera-0.8 >/dev/null") != 0)
       GTEST_SKIP() << "arv-fake-gv-camera-0.8 is missing: install aravis-tools";
-    GstElementFactory* factory = gst_element_factory_find("lightstagearavissrc");
-    if (!factory) GTEST_SKIP() << "the plugin was built without Aravis: install libaravis-dev";
-    gst_object_unref(factory);
+    if (!has_element("lightstagearavissrc"))
+      GTEST_SKIP() << "the plugin was built without Aravis: install libaravis-dev";
   }
   void TearDown() override {
     for (GstBuffer* buffer : frames_) gst_buffer_unref(buffer);

@@ -105,12 +105,6 @@ void play(GstElement* pipeline, const std::string& line, unsigned seconds, LineR
 
 }  // namespace
 
-bool has_element(const char* name) {
-  GstElementFactory* factory = gst_element_factory_find(name);
-  if (factory) gst_object_unref(factory);
-  return factory;
-}
-
 LineResult run_line(const std::string& line, unsigned seconds,
                     const std::function<void(GstElement* pipeline)>& prepare) {
   LineResult result;

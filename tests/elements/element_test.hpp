@@ -27,9 +27,6 @@ struct LineResult {
   std::string first_error() const { return errors.empty() ? "" : errors.front(); }
 };
 
-/// Whether there is such an element: some are built only where their libraries are.
-bool has_element(const char* name);
-
 /// Runs a launch line to its end. Frames are kept where it has an `appsink name=out`. Fails the
 /// test where it neither ends nor complains within `seconds`. `prepare` may do to the pipeline what
 /// an application does before it starts.

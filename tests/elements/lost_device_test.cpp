@@ -2,6 +2,7 @@
 // environment variables decide (INVERSE_LOSE_DEVICE=N loses the device with the Nth submit).
 #include <set>
 
+#include "../has_element.hpp"
 #include "../kernels/lime_models.hpp"
 #include "element_test.hpp"
 #include "own_process.hpp"

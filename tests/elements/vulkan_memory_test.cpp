@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "../has_element.hpp"
 #include "../kernels/lime_models.hpp"
 #include "element_test.hpp"
 #include "vulkan_listener.hpp"

@@ -22,6 +22,7 @@
 #include <thread>
 #include <vector>
 
+#include "../has_element.hpp"
 #include "growth.hpp"
 #include "line.hpp"
 #include "scenes.hpp"
@@ -153,18 +154,12 @@ Plan of_thesis(const char* decomposer) {
   return plan;
 }
 
-bool has_element(const char* name) {
-  GstElementFactory* factory = gst_element_factory_find(name);
-  if (factory) gst_object_unref(factory);
-  return factory;
-}
-
 /// Objects come and go with the scenes; their light and their clone with them.
 Plan of_materials() {
   Plan plan;
   plan.decomposer = "limematerial";
   plan.chain = " name=decomposer show=input light=true";
-  if (has_element("materialclone")) plan.chain += " ! materialclone";
+  if (testing::has_element("materialclone")) plan.chain += " ! materialclone";
   plan.frames = 600;
   plan.caps_changes = 24;
   plan.cycles = 8;
@@ -228,7 +223,7 @@ std::vector<Plan> parse(int count, char** words) {
       plans.push_back(of_thesis(name));
   if (others) {
     plans.push_back(of_materials());
-    if (has_element("olatrelight"))
+    if (testing::has_element("olatrelight"))
       for (const char* model : {"cosine-lobe", "network"}) plans.push_back(of_relighting(model));
   }
   return plans;
