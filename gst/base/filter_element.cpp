@@ -57,12 +57,17 @@ void FilterElement::close() {
   context_.release();
 }
 
-void FilterElement::stop() {
+void FilterElement::finish_all() {
+  if (device_ && device_->silent()) return;  // somebody has waited for it already
   try {
     for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
   }
+}
+
+void FilterElement::stop() {
+  finish_all();
   slots_ = {};
   forget_repeats();
   input_.reset();
@@ -80,11 +85,7 @@ void FilterElement::stop() {
 
 void FilterElement::ended() {
   if (!info_.lights) return;
-  try {
-    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
-  } catch (const Error& error) {
-    GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
-  }
+  finish_all();
   try {
     filter_->ended();
   } catch (const std::exception& error) {

@@ -1,6 +1,9 @@
 #include "models.hpp"
 
 #include <cstdlib>
+#include <filesystem>
+
+#include "error.hpp"
 
 namespace inverse {
 
@@ -9,7 +12,13 @@ std::string models_folder(const std::string& set, const char* part) {
   const std::string all = !set.empty()                  ? set
                           : environment && *environment ? environment
                                                         : MODELS_FOLDER;
-  return all + "/" + part;
+  const std::string folder = all + "/" + part;
+  std::error_code status;
+  if (!std::filesystem::is_directory(folder, status))
+    throw Error(ErrorKind::file, "there is no folder " + folder +
+                                     " of networks; the property models or INVERSE_MODELS may name "
+                                     "another place (a build with libonnx makes them, in models/)");
+  return folder;
 }
 
 }  // namespace inverse

@@ -203,8 +203,10 @@ class LimeElement final : public Filter {
     tell(frame);
     numbers_[frame.number % numbers_.size()] = method_->recorded();
     method_->record(frame.commands, *input, params, still);
-    frame.decorate = [object = method_->object(), light = params.lit ? light_bytes_ : nullptr](
-                         GstBuffer* buffer) { attach(buffer, object, light.get()); };
+    frame.decorate = [object = method_->object(),
+                      light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
+      attach(buffer, object, light.get());
+    };
     if (!frame.draw) {
       const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
       frame.layers = material_layers(input, layers.diffuse, layers.gloss);

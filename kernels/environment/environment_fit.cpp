@@ -114,7 +114,6 @@ EnvironmentFit::EnvironmentFit() : texels_(size_t{kWidth} * kHeight) {
       const auto d = map.direction(column + 0.5, row + 0.5);
       const Terms terms = harmonics(d[0], d[1], d[2]);
       Texel& texel = texels_[size_t{row} * kWidth + column];
-      for (size_t c = 0; c < 3; ++c) texel.direction[c] = static_cast<float>(d[c]);
       texel.solid_angle = static_cast<float>(map.solid_angle(row));
       for (size_t k = 0; k < kTerms; ++k) texel.harmonics[k] = static_cast<float>(terms[k]);
     }

@@ -61,7 +61,6 @@ class EnvironmentFit {
 
  private:
   struct Texel {
-    std::array<float, 3> direction;
     float solid_angle;
     std::array<float, kTerms> harmonics;
   };

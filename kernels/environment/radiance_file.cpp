@@ -1,8 +1,11 @@
 // Environment maps in Radiance files, through stb.
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -100,6 +103,35 @@ std::vector<float> mirrored(const float* rgb, uint32_t width, uint32_t height) {
   return result;
 }
 
+/// Multiplies by the numbers that a line holds behind its key, one or three; keys may come again.
+void multiply(std::array<float, 3>& factors, std::string_view line) {
+  const size_t key = line.find('=');
+  std::array<float, 3> by{};
+  size_t count = 0;
+  for (const char *at = line.data() + key + 1, *end = line.data() + line.size(); count < 3;) {
+    while (at < end && (*at == ' ' || *at == '\t')) ++at;
+    const auto [rest, error] = std::from_chars(at, end, by[count]);  // whatever the locale
+    if (error != std::errc()) break;
+    at = rest;
+    ++count;
+  }
+  if (count == 0) return;
+  for (size_t c = 0; c < 3; ++c) factors[c] *= by[count == 3 ? c : 0];
+}
+
+/// What a file's header says that the radiance of red, green and blue was multiplied by.
+std::array<float, 3> exposure_of(const std::string& path) {
+  std::array<float, 3> factors{1, 1, 1};
+  std::ifstream file(path, std::ios::binary);
+  for (char line[1024]; file.getline(line, sizeof line) && *line;)  // no header's are longer
+    if (const std::string_view text(line);
+        text.starts_with("EXPOSURE=") || text.starts_with("COLORCORR="))
+      multiply(factors, text);
+  for (const float f : factors)
+    if (!std::isnormal(f) || f < 0) fail(path, "has an exposure of no use in its header");
+  return factors;
+}
+
 struct Panorama {
   Extent extent;
   std::vector<float> rgb;
@@ -137,7 +169,10 @@ Panorama read(const std::string& path, Check check) {
         stbi_image_free);
   });
   const auto columns = static_cast<uint32_t>(width), rows = static_cast<uint32_t>(height);
-  return {{columns, rows}, mirrored(rgb.get(), columns, rows)};
+  Panorama panorama{{columns, rows}, mirrored(rgb.get(), columns, rows)};
+  const auto exposure = exposure_of(path);
+  for (size_t i = 0; i < panorama.rgb.size(); ++i) panorama.rgb[i] /= exposure[i % 3];
+  return panorama;
 }
 
 }  // namespace

@@ -84,13 +84,12 @@ void LimeMaterial::reset() {
   changed_ = {};
   schedule_.restart();
   forget_light();
-  lit_by_ = nullptr;
   ++epoch_;
 }
 
-/// But not what was told of it.
 void LimeMaterial::forget_light() {
   light_.reset();
+  lit_by_ = nullptr;
   relit_.reset();
   relit_by_ = {};
 }

@@ -79,8 +79,8 @@ class LimeMaterial {
 
   /// Normals of the frames to come, for the light; null: none are known.
   void set_normal_map(std::shared_ptr<const NormalMap> map) { normal_map_ = std::move(map); }
-  /// The light, by the last frame that is done and told of it; null while it is not known. It stays
-  /// when the object goes, until another one tells of it.
+  /// The light, by the last frame that is done and told of it; null while it is not known, or not
+  /// wanted. It stays when the object goes, until another one tells of it.
   const std::shared_ptr<const Environment>& light() const { return lit_by_; }
   /// Views of the object that are in the light.
   uint64_t light_views() const { return light_.views(); }

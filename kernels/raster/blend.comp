@@ -31,7 +31,8 @@ float shadow(vec2 at) {
   int i = cell.y * kOcclusion + cell.x;
   float top = mix(FETCH(occlusion, i).x, FETCH(occlusion, i + 1).x, f.x);
   float bottom = mix(FETCH(occlusion, i + kOcclusion).x, FETCH(occlusion, i + kOcclusion + 1).x, f.x);
-  return inside ? push.strength * mix(top, bottom, f.y) : 0.0;
+  // Without a shadow the grid was never written.
+  return inside && push.strength > 0.0 ? push.strength * mix(top, bottom, f.y) : 0.0;
 }
 
 void main() {

@@ -234,6 +234,13 @@ TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
   EXPECT_FALSE(lit(ball));
   EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
   g_object_set(harness.find("limematerial"), "light", TRUE, nullptr);
+  EXPECT_FALSE(lit(ball)) << "what was known is old";
+  for (int i = 0; i < 6; ++i) lit(ball);
+  EXPECT_TRUE(lit(ball));
+  gst_util_set_object_arg(G_OBJECT(harness.find("limematerial")), "normals", "none");
+  EXPECT_FALSE(lit(ball));
+  gst_util_set_object_arg(G_OBJECT(harness.find("limematerial")), "normals", "silhouette");
+  for (int i = 0; i < 6; ++i) lit(ball);
   EXPECT_TRUE(lit(ball));
   harness.set_src_caps(caps(64, 96));
   EXPECT_FALSE(lit(scene(0, 0, 0, 64, 96)));

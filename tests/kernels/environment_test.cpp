@@ -120,6 +120,22 @@ TEST_F(EnvironmentTest, APanoramaIsWhatTheObjectSees) {
   EXPECT_GT(map.direction(3.5 - .01, 1)[0], 0) << "x right";
 }
 
+TEST_F(EnvironmentTest, WhatAFileWasMultipliedByIsTakenFromItAgain) {
+  const auto file = [&](const std::string& header) {
+    std::string bytes = "#?RADIANCE\n" + header + "FORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+    for (int i = 0; i < 8; ++i) bytes += "\x80\x80\x80\x81";
+    return written("exposed.hdr", bytes);
+  };
+  const auto rgb = Environment::load(file("EXPOSURE= 4\nCOLORCORR= 1 2 .5\nEXPOSURE=0.5\n")).rgb();
+  for (const auto& [channel, value] : {std::pair{0u, .5}, {1u, .25}, {2u, 1.}})
+    EXPECT_FLOAT_EQ(rgb[channel], value);
+  for (const char* none : {"0", "-1", "nan", "inf", "1e-40"})
+    EXPECT_NE(load_error(file(std::string("EXPOSURE=") + none + "\n")).find("exposure"),
+              std::string::npos)
+        << none;
+  EXPECT_FLOAT_EQ(Environment::load(file("EXPOSURE=of no number\n")).rgb()[0], 1);
+}
+
 TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
   EXPECT_NE(load_error("/nowhere/map.hdr").find("/nowhere/map.hdr"), std::string::npos);
   EXPECT_NE(load_error(path(".")).find("is no file"), std::string::npos);
