@@ -10,19 +10,10 @@ import numpy as np
 import onnx
 import torch
 from torch import nn
-from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+import warm_start
 
 OPERATORS = {"Conv", "Relu", "Sigmoid", "MaxPool", "GlobalAveragePool", "Resize", "Concat", "Gemm", "Flatten", "Softmax"}
-
-
-def fold(module):
-    """Convolution + batch normalization → convolution with bias, throughout."""
-    for name, child in module.named_children():
-        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
-            setattr(module, name, nn.Sequential(fuse_conv_bn_eval(child[0], child[1]), *child[2:]))
-        else:
-            fold(child)
-    return module
 
 
 def tidy(path):
@@ -58,7 +49,7 @@ def write(network, shape, path, last=None):
     """Writes a network, with `last` behind it where there is one, in evaluation mode. The file is checked: only operators of
     the engine, and the same output from OpenCV's dnn; returns by how much that differs, relative where numbers exceed 1. Raises
     ValueError where that is too much."""
-    network = fold(copy.deepcopy(network))
+    network = warm_start.settle(copy.deepcopy(network))
     network = (nn.Sequential(network, last) if last else network).eval()
     torch.onnx.export(network, torch.zeros(shape), str(path), opset_version=11, input_names=["input"],
                       output_names=["output"], do_constant_folding=True)

@@ -6,6 +6,7 @@ import onnx
 import onnx.numpy_helper
 import torch
 from torch import nn
+from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 
 def weights_of(path):
@@ -21,6 +22,15 @@ def normalized(module):
     for child in module.modules():
         if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
             yield child[0], child[1]
+
+
+def settle(module):
+    """Normalization becomes part of the convolutions before it, for good: what it has measured until now is what it does. The
+    module gets a bias for each, under the names that exported networks have, and is in evaluation mode."""
+    for child in list(module.eval().modules()):
+        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
+            child[0], child[1] = fuse_conv_bn_eval(child[0], child[1]), nn.Identity()
+    return module
 
 
 @contextlib.contextmanager

@@ -7,7 +7,8 @@ import numpy as np
 import torch
 
 from lime import corpus, encoding
-from lime.networks import Networks, count_flops
+from lime.networks import Networks, count_flops, warm_start
+import descent
 
 FLOP_BUDGET = 1.5e9  # of all five networks at 128 × 128
 
@@ -106,6 +107,15 @@ def check_networks():
         total += flops
         print(f"      {name:13} {flops / 1e9:6.3f} GFLOP  {weights / 1e3:7.0f} k weights")
     expect(total <= FLOP_BUDGET, f"five networks: {total / 1e9:.3f} GFLOP at 128 × 128")
+    picture, network = torch.rand(4, 4, 128, 128), networks.specular
+    for _ in range(3):  # normalization measures something
+        network(picture)
+    expected = network.eval()(picture)
+    error = (warm_start.settle(network)(picture) - expected).abs().max() / expected.abs().max()
+    expect(error < 1e-4, f"settled networks give the same, within {error:.1e}")
+    for shape in ((24, 108), (80, 40)):
+        values = torch.linalg.svdvals(descent.Muon.orthogonal(torch.randn(shape)))
+        expect(0.5 < values.min() and values.max() < 1.5, f"Muon goes {values.min():.2f} … {values.max():.2f} far in all directions")
     x = torch.rand(50) * 30
     error = (encoding.decode(encoding.encode(x)) - x).abs().max()
     expect(error < 1e-4, "codes decode to what was encoded")

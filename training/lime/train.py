@@ -26,6 +26,7 @@ import records  # noqa: E402
 VALIDATION_SEED = 2  # of the test split; others are datasets.CHOICES and datasets.REPORT
 HELD_BACK = 64       # validation samples
 MINUTES = 60         # where nobody says
+MUON = 3             # rate of settled networks, of Adam's (whose own share of it is Muon.ADAM)
 LONGEST_STEP = 20    # seconds; what goes beyond is a process that was stopped for a while, not training
 
 
@@ -43,6 +44,8 @@ def arguments():
     p.add_argument("--overwrite", action="store_true", help="begin where OUT has a checkpoint, which is lost then")
     p.add_argument("--start", type=pathlib.Path, help="folder of exported weights (export.py) to begin with, such as models/lime")
     p.add_argument("--anew", help="with --start or --resume: networks that begin with random weights all the same, separated by commas; leave it out to go on after an interruption")
+    p.add_argument("--settled", action="store_true", help="with --start: normalization stays as it is, folded into the convolutions, and Muon (descent.py) takes Adam's place")
+    p.add_argument("--plain", action="store_true", help="half of the samples are of one color and shiny, as most of those are that are scored")
     p.add_argument("--bfloat16", action="store_true", help="compute in 16 bits: twice as fast on a CPU with AVX512-BF16")
     p.add_argument("--stages", help="go through these only, separated by commas (lime/stages.py); default: all")
     p.add_argument("--no-perceptual", action="store_true", help="ablation: without the rendering loss")
@@ -91,6 +94,8 @@ def check(args, path):
         raise SystemExit("without --start or --resume all networks begin anew")
     if args.start and args.seed is None:
         raise SystemExit("--start wants a --seed, another than its weights were trained with (their README tells)")
+    if args.settled and (args.anew or not (args.start or args.resume)):
+        raise SystemExit("--settled goes on with weights that know much already, all of them (--start)")
     records.keep(path, args)
 
 
@@ -99,13 +104,14 @@ def main():
     torch.set_num_threads(args.threads)
     args.out.mkdir(parents=True, exist_ok=True)
     size = "wide" if args.wide else "standard"
-    variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress}
+    variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress, "settled": args.settled}
     path, optimizer_state = args.out / "checkpoint.pt", None
     state = {"variant": variant, "stages": None, "minutes": MINUTES, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
-             "trained_seconds": 0.0, "seed": 1, "perceptual": True}
+             "trained_seconds": 0.0, "seed": 1, "perceptual": True, "plain": False}
     check(args, path)
     if args.resume:
         saved = torch.load(path, map_location=args.device)
+        variant["settled"] |= saved["variant"].setdefault("settled", False)
         if saved["variant"] != variant:
             raise SystemExit(f"{path} holds another variant: {saved['variant']}")
         saved_networks, optimizer_state = saved.pop("networks"), saved.pop("optimizer")
@@ -113,6 +119,8 @@ def main():
     if args.seed is not None:
         state["seed"] = args.seed
     state["perceptual"] &= not args.no_perceptual
+    state["plain"] |= args.plain
+    settled = variant["settled"]
     torch.manual_seed(state["seed"])
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
     anew = set(args.anew.split(",")) if args.anew else set()
@@ -143,9 +151,12 @@ def main():
           "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
     pixels = SIZES[size]["input"]
     if args.start:
-        first = batches_of(samples.render(state["seed"], 0, 64, pixels, corpus.TAUGHT, args.threads), args.device)
         files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
-        warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
+        if settled:
+            warm_start.take(files)
+        else:
+            first = batches_of(samples.render(state["seed"], 0, 64, pixels, corpus.TAUGHT, args.threads), args.device)
+            warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
     if args.resume:
         records.cut(args.out / "log.jsonl", state["trained_seconds"] / 60)
     log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
@@ -168,7 +179,8 @@ def main():
         budget = 60 * state["minutes"] * stage.share
         learn(stage, networks)
         learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
-        optimizer = torch.optim.Adam(learning, lr=stage.rate)
+        rate = stage.rate * (MUON if settled else 1)
+        optimizer = (descent.Muon if settled else torch.optim.Adam)(learning, lr=rate)
         if optimizer_state:
             optimizer.load_state_dict(optimizer_state)
             optimizer_state = None
@@ -187,14 +199,14 @@ def main():
                 if stream:
                     stream.close()
                 stream = corpus.Stream(samples, state["seed"], state["drawn"], batch, stream_pixels, flags, args.workers,
-                                       args.device, twice=True)
+                                       args.device, twice=True, second_flags=0 if state["plain"] else None)
                 batches = corpus.Again(stream, stage.times)
             given = next(batches)
             with torch.autocast(torch.device(args.device).type, torch.bfloat16, enabled=args.bfloat16):
                 if stage.times > 1 and not given.found:
                     given.found = stages.find_layers(networks, given)
                 terms = stages.stage_losses(stage.name, networks, given, state["perceptual"])
-            descent.step(optimizer, sum(terms.values()), descent.rate_of(stage.rate, progress, count))
+            descent.step(optimizer, sum(terms.values()), descent.rate_of(rate, progress, count))
             count += 1
             state["samples"] += batch
             state["drawn"] = stream.index

@@ -112,10 +112,11 @@ def mirrored(arrays):
 
 
 class Stream:
-    """Batches of one seed from sample `first` on, rendered ahead by a thread. `twice`: each comes a second time, in a mirror,
-    some batches later, which halves what rendering costs. `index`: the first sample that was not drawn yet."""
+    """Batches of one seed from sample `first` on, rendered ahead by a thread. `second_flags`: those of each batch' second half;
+    None: `flags`, as of the first. `twice`: each comes a second time, in a mirror, some batches later, which halves
+    what rendering costs. `index`: the first sample that was not drawn yet."""
 
-    def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4, twice=False):
+    def __init__(self, corpus, seed, first, batch, size=128, flags=0, threads=1, device="cpu", ahead=4, twice=False, second_flags=None):
         self.queue = queue.Queue(ahead)
         self.index = first
         self.stopped = False
@@ -128,11 +129,19 @@ class Stream:
                 except queue.Full:
                     pass
 
+        def render(index):
+            if second_flags is None:
+                return corpus.render(seed, index, batch, size, flags, threads)
+            half = batch // 2
+            first_half = corpus.render(seed, index, half, size, flags, threads)
+            second_half = corpus.render(seed, index + half, batch - half, size, second_flags, threads)
+            return {name: np.concatenate([a, second_half[name]]) for name, a in first_half.items()}
+
         def work():
             index, seen = first, []
             while not self.stopped:
                 try:
-                    arrays = corpus.render(seed, index, batch, size, flags, threads)
+                    arrays = render(index)
                 except Exception as error:  # pylint: disable=broad-except
                     return put(index, error)  # whoever waits for samples hears of it
                 index += batch

@@ -99,10 +99,11 @@ class PooledEncoder(nn.Module):
 class Networks(nn.Module):
     """All five, and the way of a picture through them. Codes are those of encoding.encode.
 
-    use_mirror=False leaves MirrorNet out; regress=True lets ExponentNet give log10 of the shininess instead of bins.
+    use_mirror=False leaves MirrorNet out; regress=True lets ExponentNet give log10 of the shininess instead of bins; settled
+    ones have no normalization any more, but biases in its place.
     """
 
-    def __init__(self, size="standard", use_mirror=True, regress=False):
+    def __init__(self, size="standard", use_mirror=True, regress=False, settled=False):
         super().__init__()
         s = SIZES[size]
         self.size, self.use_mirror, self.regress = s["input"], use_mirror, regress
@@ -111,6 +112,8 @@ class Networks(nn.Module):
         self.mirror = UNet(1, 1, s["mirror"])
         self.albedo = Encoder(4, 4, s["albedo"], s["dense"], s["input"])
         self.exponent = PooledEncoder(1 + use_mirror, 1 if regress else BINS, s["exponent"], s["input"])
+        if settled:  # what it does will be loaded
+            warm_start.settle(self).train()
 
     def find_mask(self, image):
         """sRGB n × 3 × h × w → probability of the object, n × 1 × h × w."""

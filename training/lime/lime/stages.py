@@ -49,15 +49,17 @@ def stages_of(networks, names=None):
 
 def pick_mask(networks, batch):
     """The true mask, and in every second sample the predicted one, as in use."""
+    true = batch.mask[::2]
     with torch.no_grad():
         was_training = networks.segmentation.training
         networks.segmentation.eval()
-        found = (networks.find_mask(batch.image) > 0.5).float()
+        found = (networks.find_mask(batch.image[::2]) > 0.5).float()
         networks.segmentation.train(was_training)
     # An object that was not found leaves nothing to learn from.
-    use = (found * batch.mask).sum((1, 2, 3)) > 0.5 * batch.mask.sum((1, 2, 3))
-    use &= torch.arange(len(use), device=use.device) % 2 == 0
-    return torch.where(use.view(-1, 1, 1, 1), found, batch.mask)
+    usable = (found * true).sum((1, 2, 3), keepdim=True) > 0.5 * true.sum((1, 2, 3), keepdim=True)
+    mask = batch.mask.clone()
+    mask[::2] = torch.where(usable, found, true)
+    return mask
 
 
 def find_layers(networks, batch):
