@@ -12,7 +12,7 @@ std::string models_folder(const std::string& set, const char* part) {
   const std::string all = !set.empty()                  ? set
                           : environment && *environment ? environment
                                                         : MODELS_FOLDER;
-  const std::string folder = all + "/" + part;
+  std::string folder = all + "/" + part;
   std::error_code status;
   if (!std::filesystem::is_directory(folder, status))
     throw Error(ErrorKind::file, "there is no folder " + folder +
