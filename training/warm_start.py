@@ -18,18 +18,16 @@ def weights_of(path):
 
 
 def normalized(module):
-    """Every convolution with the batch normalization behind it."""
-    for child in module.modules():
-        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
-            yield child[0], child[1]
+    """The parts of a module that begin with a convolution and the batch normalization behind it."""
+    return [child for child in module.modules()
+            if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d)]
 
 
 def settle(module):
     """Normalization becomes part of the convolutions before it, for good: what it has measured until now is what it does. The
     module gets a bias for each, under the names that exported networks have, and is in evaluation mode."""
-    for child in list(module.eval().modules()):
-        if isinstance(child, nn.Sequential) and len(child) >= 2 and isinstance(child[1], nn.BatchNorm2d):
-            child[0], child[1] = fuse_conv_bn_eval(child[0], child[1]), nn.Identity()
+    for part in normalized(module.eval()):
+        part[0], part[1] = fuse_conv_bn_eval(part[0], part[1]), nn.Identity()
     return module
 
 
@@ -66,7 +64,7 @@ def take(files):
     folded = []
     for network, path in files.items():
         stored, names = weights_of(path), {module: name for name, module in network.named_modules()}
-        pairs = list(normalized(network))
+        pairs = [(part[0], part[1]) for part in normalized(network)]
         for convolution, normalization in pairs:
             normalization.reset_running_stats()
             normalization.weight.fill_((1 + normalization.eps) ** 0.5)

@@ -92,6 +92,7 @@ class FilterElement {
   bool breaks_off(GstBuffer* in);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
+  /// So with all slots, the oldest first; what goes wrong is logged.
   void finish_all();
   void announce_latency(GstClockTime latency);
   std::optional<double> take_lateness();

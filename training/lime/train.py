@@ -94,8 +94,8 @@ def check(args, path):
         raise SystemExit("without --start or --resume all networks begin anew")
     if args.start and args.seed is None:
         raise SystemExit("--start wants a --seed, another than its weights were trained with (their README tells)")
-    if args.settled and (args.anew or not (args.start or args.resume)):
-        raise SystemExit("--settled goes on with weights that know much already, all of them (--start)")
+    if args.settled and not (args.start or args.resume):
+        raise SystemExit("--settled goes on with weights that know much already (--start)")
     records.keep(path, args)
 
 
@@ -124,6 +124,8 @@ def main():
     torch.manual_seed(state["seed"])
     networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
     anew = set(args.anew.split(",")) if args.anew else set()
+    if anew and settled:
+        raise SystemExit("--anew: settled networks have no normalization to begin with")
     if not anew <= set(networks.parts()):
         raise SystemExit(f"--anew {args.anew}: there are {', '.join(networks.parts())}")
     if args.resume:
