@@ -33,7 +33,7 @@ struct FrameWork {
   bool draw;   ///< pixels go out: set `picture`
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.
-  std::vector<StructurePtr>& messages;
+  std::vector<StructurePtr> messages = {};
   /// Out: read-only properties that are worth looking at anew, of which bindings are told
   /// (GObject::notify).
   std::vector<const char*> news = {};

@@ -26,6 +26,16 @@ Extent extent_of(const GstVideoInfo& info) {
           static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
 }
 
+/// Posts what a filter had to say of a frame.
+void tell(GstElement* element, FrameWork& frame) {
+  for (StructurePtr& message : frame.messages)
+    gst_element_post_message(element,
+                             gst_message_new_element(GST_OBJECT(element), message.release()));
+  for (const char* property : frame.news) g_object_notify(G_OBJECT(element), property);
+  for (const std::string& warning : frame.warnings)
+    GST_ELEMENT_WARNING(element, LIBRARY, SETTINGS, ("%s", warning.c_str()), (nullptr));
+}
+
 }  // namespace
 
 FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
@@ -356,27 +366,18 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  std::vector<StructurePtr> messages;
-  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_, messages};
+  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_};
   frame.in = in;
   frame.gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_);
   frame.time = stream_time(in);
-  const auto post = [&] {
-    for (StructurePtr& message : messages)
-      gst_element_post_message(element_,
-                               gst_message_new_element(GST_OBJECT(element_), message.release()));
-    for (const char* property : frame.news) g_object_notify(G_OBJECT(element_), property);
-    for (const std::string& warning : frame.warnings)
-      GST_ELEMENT_WARNING(element_, LIBRARY, SETTINGS, ("%s", warning.c_str()), (nullptr));
-  };
   read_input(in, slot, frame);
   try {
     filter_->process(frame);
   } catch (...) {
-    post();
+    tell(element_, frame);
     throw;
   }
-  post();
+  tell(element_, frame);
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,

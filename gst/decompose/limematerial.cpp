@@ -103,7 +103,8 @@ const PropertyTable<Params>& table() {
           Mutable::ready),
       number<P>("steady", &P::steady, 0, 1,
                 "A material is known when its standard error (of albedos; of log2 of the "
-                "shininess, a sixth) is below this"),
+                "shininess, a sixth) is below this, and the last estimates differ from it by no "
+                "more (and by what they scatter)"),
   };
   return table;
 }

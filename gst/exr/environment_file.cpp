@@ -1,6 +1,5 @@
 #include "environment_file.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <vector>
 
@@ -18,22 +17,13 @@ bool is_exr(const std::string& path) {
   return file && head[0] == 0x76 && head[1] == 0x2f && head[2] == 0x31 && head[3] == 0x01;
 }
 
-/// As Environment::load: columns are mirrored, from the subject's point of view to the camera's.
 Environment load_exr(const std::string& path, size_t& changed) {
   const std::string name = "environment map " + path;
   const ExrPicture picture(path, name, Environment::kMaxWidth);
-  const auto [width, height] = picture.extent();
-  if (width < 4 || height < 2 || width != 2 * height)
-    throw Error(ErrorKind::file,
-                name + " is " + std::to_string(width) + "x" + std::to_string(height) +
-                    "; a latitude-longitude map is twice as wide as high, from 4x2 to "
-                    "16384x8192: convert other projections first");
+  Environment::check_size(picture.extent(), name);
   std::vector<float> rgb = picture.rgb();
-  for (size_t row = 0; row < height; ++row)
-    for (size_t x = 0; x < width / 2; ++x)
-      std::swap_ranges(&rgb[3 * (row * width + x)], &rgb[3 * (row * width + x)] + 3,
-                       &rgb[3 * (row * width + width - 1 - x)]);
-  return Environment::bounded({width, height}, std::move(rgb), changed, name);
+  mirror_columns(rgb, picture.extent());
+  return Environment::bounded(picture.extent(), std::move(rgb), changed, name);
 }
 
 }  // namespace

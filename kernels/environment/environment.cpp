@@ -71,6 +71,15 @@ Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& 
   return {extent, std::move(rgb), name};
 }
 
+void mirror_columns(std::vector<float>& rgb, Extent extent) {
+  const size_t width = extent.width;
+  for (size_t row = 0; row < extent.height; ++row) {
+    float* const left = &rgb[3 * width * row];
+    for (size_t x = 0; x < width / 2; ++x)
+      std::swap_ranges(left + 3 * x, left + 3 * x + 3, left + 3 * (width - 1 - x));
+  }
+}
+
 Environment Environment::uniform(std::array<float, 3> radiance) {
   constexpr Extent kExtent{16, 8};
   std::vector<float> rgb;

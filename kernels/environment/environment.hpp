@@ -41,6 +41,8 @@ class Environment {
   /// the constructor.
   static Environment bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                              const std::string& name = "environment map");
+  /// Throws Error(file) where the size is not that of a map; `name` as of the constructor.
+  static void check_size(Extent extent, const std::string& name);
   /// Writes a Radiance file, with 8 bits of mantissa. An earlier file there stays where this one
   /// cannot be written whole, unless its folder takes no other. Throws Error(output).
   void save(const std::string& path) const;
@@ -57,10 +59,12 @@ class Environment {
   double solid_angle(uint32_t row) const;
 
  private:
-  static void check_size(Extent extent, const std::string& name);
-
   Extent extent_;
   std::vector<float> rgb_;
 };
+
+/// Left and right of a map change places: from a file's point of view to the camera's, and back
+/// (Environment::load). `rgb` is row by row.
+void mirror_columns(std::vector<float>& rgb, Extent extent);
 
 }  // namespace inverse

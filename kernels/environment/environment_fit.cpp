@@ -130,6 +130,11 @@ void EnvironmentFit::reset() {
   mirror_sum_.assign(texels_.size(), 0);
 }
 
+void EnvironmentFit::shorten(uint64_t views) {
+  count_ = std::min(count_, views);
+  averaged_ = std::min(averaged_, views);
+}
+
 void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
   std::array<float, kTerms * kTerms> products{};
   std::array<std::array<float, kTerms>, 3> seen{};

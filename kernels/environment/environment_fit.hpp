@@ -48,6 +48,8 @@ class EnvironmentFit {
   /// kFewest points.
   void add(std::span<const Point> points, const Params& params);
   void reset();
+  /// What was taken so far counts as so many views at most.
+  void shorten(uint64_t views);
   uint64_t count() const { return count_; }
   static constexpr size_t kFewest = 24;
 

@@ -93,16 +93,6 @@ struct Reader {
   }
 };
 
-/// Left and right change places: from the file's point of view to the camera's, and back.
-std::vector<float> mirrored(const float* rgb, uint32_t width, uint32_t height) {
-  std::vector<float> result(size_t{3} * width * height);
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      memcpy(&result[3 * (size_t{y} * width + x)], rgb + 3 * (size_t{y} * width + (width - 1 - x)),
-             3 * sizeof(float));
-  return result;
-}
-
 /// Multiplies by the numbers that a line holds behind its key, one or three; keys may come again.
 void multiply(std::array<float, 3>& factors, std::string_view line) {
   const size_t key = line.find('=');
@@ -138,8 +128,7 @@ struct Panorama {
 };
 
 /// The pixels of a file, as the camera sees them.
-template <typename Check>
-Panorama read(const std::string& path, Check check) {
+Panorama read(const std::string& path) {
   const std::string name = "environment map " + path;
   if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
   const stbi_io_callbacks callbacks{Reader::read, Reader::skip, Reader::ended};
@@ -157,7 +146,8 @@ Panorama read(const std::string& path, Check check) {
   open([&](Reader* reader) {
     return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
   });
-  check({static_cast<uint32_t>(width), static_cast<uint32_t>(height)}, name);
+  const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+  Environment::check_size(extent, name);
   std::error_code status;
   // A header may promise anything: at the least, a pair of bytes stands for 127 of a row's.
   if (std::filesystem::file_size(path, status) <
@@ -168,8 +158,8 @@ Panorama read(const std::string& path, Check check) {
         stbi_loadf_from_callbacks(&callbacks, reader, &width, &height, &channels, 3),
         stbi_image_free);
   });
-  const auto columns = static_cast<uint32_t>(width), rows = static_cast<uint32_t>(height);
-  Panorama panorama{{columns, rows}, mirrored(rgb.get(), columns, rows)};
+  Panorama panorama{extent, {rgb.get(), rgb.get() + 3 * extent.pixels()}};
+  mirror_columns(panorama.rgb, extent);
   const auto exposure = exposure_of(path);
   for (size_t i = 0; i < panorama.rgb.size(); ++i) panorama.rgb[i] /= exposure[i % 3];
   return panorama;
@@ -178,7 +168,7 @@ Panorama read(const std::string& path, Check check) {
 }  // namespace
 
 Environment Environment::load(const std::string& path, size_t* changed) {
-  Panorama panorama = read(path, check_size);
+  Panorama panorama = read(path);
   size_t values = 0;
   return bounded(panorama.extent, std::move(panorama.rgb), changed ? *changed : values,
                  "environment map " + path);
@@ -197,7 +187,8 @@ void Environment::save(const std::string& path) const {
   const auto write = [](void* to, void* data, int bytes) {
     static_cast<std::ofstream*>(to)->write(static_cast<const char*>(data), bytes);
   };
-  const std::vector<float> picture = mirrored(rgb_.data(), extent_.width, extent_.height);
+  std::vector<float> picture = rgb_;
+  mirror_columns(picture, extent_);
   const int done = stbi_write_hdr_to_func(write, &file, static_cast<int>(extent_.width),
                                           static_cast<int>(extent_.height), 3, picture.data());
   file.close();

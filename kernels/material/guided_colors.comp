@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
+#include "../image/finite.glsl"
 #include "../image/srgb.glsl"
 
 // What a guided filter compares at each point to find the mask: the picture's color, of which `guide_of` says how, and the
@@ -13,5 +14,5 @@ layout(push_constant) uniform Push { int count; } push;
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i < push.count)
-    STORE(result, i, vec4(guide_of(to_linear(FETCH(image, 1 + i).rgb)), FETCH(probability, 1 + i).x));
+    STORE(result, i, vec4(guide_of(to_linear(FETCH(image, 1 + i).rgb)), finite(FETCH(probability, 1 + i)).x));
 }

@@ -16,6 +16,8 @@ INVERSE_SHADER(material_specular_out);
 namespace inverse {
 namespace {
 
+constexpr float kElsewhere = 0.25F;  // of an object's size: so far away it is in other light
+
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
       : width(static_cast<int32_t>(extent.width)),
@@ -89,6 +91,7 @@ void LimeMaterial::reset() {
 
 void LimeMaterial::forget_light() {
   light_.reset();
+  rested_at_.reset();
   lit_by_ = nullptr;
   relit_.reset();
   relit_by_ = {};
@@ -105,9 +108,7 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
                                .found = object_.found,
                                .placed = have_layers_ && tracker_.square() == estimated_in_,
                                .moved = tracker_.moved(),
-                               .estimates = fusion_.count(),
-                               .averaged = fusion_.averaged(),
-                               .spread = fusion_.spread(),
+                               .steady = fusion_.steady(params.steady),
                                .drawn = drawn_,
                                .lit = wants_light(params),
                                .views = light_.views(),
@@ -174,6 +175,15 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
   commands.copy(source, copy, copy->bytes());
 }
 
+/// Where an object rests anew, other light falls on it: however long it rested where it was before,
+/// that is one view.
+void LimeMaterial::rest_light() {
+  const ObjectTracker::Box& here = tracker_.box();
+  if (rested_at_ && rested_at_->distance(here) < kElsewhere) return;
+  if (rested_at_) light_.shorten(1);
+  rested_at_ = here;
+}
+
 void LimeMaterial::take_light(const Slot& slot) {
   const size_t numbers = size_t{4} * side_ * side_;
   if (slot.plan.light_anew) light_.reset();
@@ -230,7 +240,7 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   slot.square = tracker_.square();
   slot.epoch = epoch_;
   const NetworkSchedule::Plan plan = slot.plan =
-      schedule_.next({params.adaptive, params.recheck, params.steady}, known(params, still));
+      schedule_.next({params.adaptive, params.recheck}, known(params, still));
   drawn_ = false;
   if (!wants_light(params)) forget_light();
   if (plan.segments) record_segmentation(commands, frame, slot);
@@ -271,7 +281,7 @@ void LimeMaterial::done(uint64_t number) {
   const bool was_found = tracker_.found();
   tracker_.update({slot.probability->map_as<float>() + 4, size_t{4} * side_ * side_}, side_, 4,
                   slot.square);
-  if (was_found && !tracker_.found()) {
+  if (was_found && (!tracker_.found() || tracker_.jumped())) {
     fusion_.reset();
     have_layers_ = false;
   }
@@ -280,6 +290,7 @@ void LimeMaterial::done(uint64_t number) {
   else if (slot.plan.estimates)
     change_.reset();  // the layers are of another picture than the one that is kept
   const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty();
+  if (seen && slot.plan.rests && tracker_.moved() < NetworkSchedule::kMoved) rest_light();
   if (seen && slot.plan.estimates) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;
@@ -289,7 +300,10 @@ void LimeMaterial::done(uint64_t number) {
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
     latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
-    if (fusion_.count() <= 1) light_.reset();  // another object, of another material
+    if (fusion_.count() <= 1) {  // another object, of another material
+      light_.reset();
+      rested_at_.reset();
+    }
     if (slot.plan.lights && fusion_.count()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.averaged(),

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "../gpu/commands.hpp"
@@ -33,8 +34,7 @@ class LimeMaterial {
     MaterialFusion::Params fusion;
     uint32_t recheck =
         8;  ///< a resting object with a steady material is looked at every so many frames
-    float steady = 0.02F;  ///< spread of estimates (MaterialFusion) over the root of their number
-                           ///< below which a material is steady
+    float steady = 0.02F;  ///< MaterialFusion::steady's limit, below which a material is known
     bool adaptive = true;  ///< whether anything is left out at all
     bool lit = false;      ///< whether the light is wanted
     ObjectLight::Params light;
@@ -116,6 +116,7 @@ class LimeMaterial {
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
+  void rest_light();
   void forget_light();
   void compare(const Slot& slot);
   void compare_light(const Slot& slot, std::span<const float> image);
@@ -149,6 +150,7 @@ class LimeMaterial {
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   ObjectLight light_;
+  std::optional<ObjectTracker::Box> rested_at_;  // since that light began
   std::shared_ptr<const Environment> lit_by_;
   std::shared_ptr<const NormalMap> normal_map_;
 };

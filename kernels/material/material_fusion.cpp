@@ -68,10 +68,20 @@ Material median(const std::deque<Material>& window) {
   return m;
 }
 
+/// `share` of one and the rest of another.
+Material mix(const Material& one, float share, const Material& other) {
+  const Numbers a = numbers_of(one), b = numbers_of(other);
+  Numbers mixed{};
+  for (size_t n = 0; n < kNumbers; ++n) mixed[n] = share * a[n] + (1 - share) * b[n];
+  return material_of(mixed);
+}
+
 bool finite(const Material& m) {
   const Numbers all = numbers_of(m);
   return std::all_of(all.begin(), all.end(), [](float v) { return std::isfinite(v); });
 }
+
+constexpr float kRecent = 0.1F;  // share of the last estimate in what goes by the last ones
 
 }  // namespace
 
@@ -91,13 +101,21 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
   // Not of count_: a memory that grows does not bring back what a shorter one forgot.
   averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const float alpha = 1.0F / static_cast<float>(averaged_);
-  const Numbers now = numbers_of(count_ == 1 ? estimate : middle), before = numbers_of(mean_);
-  Numbers mixed{};
-  for (size_t n = 0; n < kNumbers; ++n) mixed[n] = alpha * now[n] + (1 - alpha) * before[n];
-  mean_ = material_of(mixed);
+  mean_ = mix(count_ == 1 ? estimate : middle, alpha, mean_);
+  recent_ = mix(estimate, count_ == 1 ? 1 : kRecent, recent_);
   const float off = distance(estimate, mean_);
-  constexpr float kRecent = 0.1F;
   spread_ = std::sqrt((1 - kRecent) * spread_ * spread_ + kRecent * off * off);
+}
+
+float MaterialFusion::drift() const { return count_ ? distance(recent_, mean_) : 0; }
+
+bool MaterialFusion::steady(float limit) const {
+  const float drift = this->drift();
+  // Of estimates that scatter by s a mean like `recent_` is off by s sqrt(kRecent / (2 - kRecent)):
+  // twice that is about a half.
+  const float scatter = std::sqrt(std::max(spread_ * spread_ - drift * drift, 0.0F));
+  return count_ >= kFewest && spread_ < limit * std::sqrt(static_cast<float>(averaged_)) &&
+         drift < limit + scatter / 2;
 }
 
 }  // namespace inverse

@@ -33,12 +33,19 @@ class MaterialFusion {
   /// How far single estimates are from the mean: root mean square over the last ones of the largest
   /// difference in diffuse albedo, specular albedo, and a sixth of log2 of the shininess.
   float spread() const { return spread_; }
+  /// How far the mean of the last ten or so estimates is from the mean, in the same measure.
+  float drift() const;
+  /// Whether the mean is what estimates say, give or take `limit`: their scatter over the root of
+  /// their number is below it, and they are to no side of the mean by more than that and what
+  /// their scatter explains. Not before kFewest.
+  bool steady(float limit) const;
+  static constexpr uint64_t kFewest = 12;
 
  private:
   static constexpr size_t kWindow = 5;
 
   std::deque<Material> window_;
-  Material mean_;
+  Material mean_, recent_;
   uint64_t count_ = 0, averaged_ = 0;
   uint32_t others_ = 0;
   float spread_ = 0;

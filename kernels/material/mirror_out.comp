@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
+#include "../image/finite.glsl"
 
 // What ExponentNet takes: codes of the specular layer and of the mirror image, where the object is.
 PLANE_IN(0, masked);
@@ -12,5 +13,5 @@ layout(push_constant) uniform Push { int count; } push;
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.count) return;
-  STORE(result, 1 + i, vec4(FETCH(specular, 1 + i).x, FETCH(masked, 1 + i).w * FETCH(mirror, 1 + i).x, 0.0, 0.0));
+  STORE(result, 1 + i, vec4(FETCH(specular, 1 + i).x, FETCH(masked, 1 + i).w * finite(FETCH(mirror, 1 + i)).x, 0.0, 0.0));
 }

@@ -1,7 +1,6 @@
 #include "network_schedule.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace inverse {
 namespace {
@@ -19,12 +18,10 @@ bool is_relit(const NetworkSchedule::Known& known) {
 
 bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
   if (!params.adaptive || !known.found || !known.placed) return false;
-  const bool steady = known.estimates >= NetworkSchedule::kFewest &&
-                      known.spread < params.steady * std::sqrt(static_cast<float>(known.averaged));
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
-  return steady && known.moved < NetworkSchedule::kMoved && !stale;
+  return known.steady && known.moved < NetworkSchedule::kMoved && !stale;
 }
 
 }  // namespace

@@ -15,20 +15,18 @@ class NetworkSchedule {
   struct Params {
     bool adaptive = true;
     uint32_t recheck = 8;
-    float steady = 0;
   };
   /// What is known when a frame comes, by the last one that is done.
   struct Known {
-    Square square;                         ///< the frame is looked at in
-    bool still = false;                    ///< pixel by pixel it is the one before, there
-    bool found = false;                    ///< there is an object
-    bool placed = false;                   ///< and its layers, from a look at that very square
-    float moved = 1;                       ///< share of its points
-    uint64_t estimates = 0, averaged = 0;  ///< of its material: so far, and in the mean
-    float spread = 0;                      ///< of those estimates
-    bool drawn = false;                    ///< its layers were, with the last frame
-    bool lit = false;                      ///< its light is wanted, and can be told
-    uint64_t views = 0;                    ///< of it that are in the light
+    Square square;        ///< the frame is looked at in
+    bool still = false;   ///< pixel by pixel it is the one before, there
+    bool found = false;   ///< there is an object
+    bool placed = false;  ///< and its layers, from a look at that very square
+    float moved = 1;      ///< share of its points
+    bool steady = false;  ///< its material is known
+    bool drawn = false;   ///< its layers were, with the last frame
+    bool lit = false;     ///< its light is wanted, and can be told
+    uint64_t views = 0;   ///< of it that are in the light
     /// Its picture, since it had those layers; none: nobody has kept that picture.
     std::optional<CropChange::Difference> changed;
     /// The same since it rests, or its light began; none: it moves.
@@ -58,8 +56,6 @@ class NetworkSchedule {
   static constexpr float kRelit = 0.01F;
   /// Estimates after that whose light is theirs alone, at most.
   static constexpr uint32_t kFollow = 30;
-  /// Estimates before a material may be steady.
-  static constexpr uint64_t kFewest = 12;
   /// The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views
   /// each is taken, then one in so many.
   static constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;

@@ -35,6 +35,8 @@ class ObjectLight {
   /// The light that this material and what was taken so far make likely; null where nothing does.
   std::shared_ptr<const Environment> light(const Material& material, const Params& params) const;
   void reset() { fit_.reset(); }
+  /// As EnvironmentFit's.
+  void shorten(uint64_t views) { fit_.shorten(views); }
   uint64_t views() const { return fit_.count(); }
 
  private:

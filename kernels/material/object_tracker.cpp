@@ -16,6 +16,7 @@ constexpr float kCloser = 0.9F;     // of the size of the square before: that is
 constexpr float kSame = 0.65F;      // of the object's area: less is another one
 constexpr uint32_t kTryAgain = 60;  // looks, before a closer one that failed is tried once more
 constexpr uint32_t kReach = 3;      // points that another object may have moved since the last look
+constexpr float kStays = 0.2F;      // overlap with the box before: less is elsewhere
 constexpr uint32_t kPatience = 3;   // frames without the object before it is looked for everywhere
 
 struct Part {
@@ -77,6 +78,23 @@ Part keep_largest(std::vector<uint8_t>& mask, uint32_t side) {
 
 }  // namespace
 
+float ObjectTracker::Box::distance(const Box& other) const {
+  const float longer =
+      std::max({right - left, bottom - top, other.right - other.left, other.bottom - other.top});
+  return std::hypot(left + right - other.left - other.right,
+                    top + bottom - other.top - other.bottom) /
+         (2 * longer);
+}
+
+float ObjectTracker::Box::overlap(const Box& other) const {
+  const auto area = [](const Box& box) {
+    return std::max(box.right - box.left, 0.0F) * std::max(box.bottom - box.top, 0.0F);
+  };
+  const float both = area({std::max(left, other.left), std::max(top, other.top),
+                           std::min(right, other.right), std::min(bottom, other.bottom)});
+  return both / (area(*this) + area(other) - both);
+}
+
 Square ObjectTracker::whole() const {
   const auto width = static_cast<float>(frame_.width), height = static_cast<float>(frame_.height);
   const float size = std::max(width, height);
@@ -85,7 +103,7 @@ Square ObjectTracker::whole() const {
 
 void ObjectTracker::reset() {
   square_ = whole();
-  found_ = misled_ = false;
+  found_ = misled_ = jumped_ = false;
   missing_ = 0;
   closest_ = 0;
   patience_ = waited_ = 0;
@@ -138,6 +156,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   std::vector<uint8_t> others = mask;
   const Part part = keep_largest(mask, side);
   const float area = static_cast<float>(part.area) * scale * scale;
+  jumped_ = false;
   misled_ = found_ && square.size < kCloser * before_square_.size && area < kSame * before_area_;
   if (misled_) {
     moved_ = 1;
@@ -156,6 +175,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
     if (++missing_ >= kPatience || !found_) reset();
     return;
   }
+  const bool known = found_;
   found_ = true;
   missing_ = 0;
 
@@ -179,10 +199,12 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   before_square_ = square;
 
   const auto width = static_cast<float>(frame_.width), height = static_cast<float>(frame_.height);
-  box_ = {std::max(square.x + scale * static_cast<float>(part.left), 0.0F),
-          std::max(square.y + scale * static_cast<float>(part.top), 0.0F),
-          std::min(square.x + scale * static_cast<float>(part.right), width),
-          std::min(square.y + scale * static_cast<float>(part.bottom), height)};
+  const Box before =
+      std::exchange(box_, {std::max(square.x + scale * static_cast<float>(part.left), 0.0F),
+                           std::max(square.y + scale * static_cast<float>(part.top), 0.0F),
+                           std::min(square.x + scale * static_cast<float>(part.right), width),
+                           std::min(square.y + scale * static_cast<float>(part.bottom), height)});
+  jumped_ = known && box_.overlap(before) < kStays;
   // Cut by the square but not by the frame: there is more of it outside.
   const bool cut = (part.left == 0 && box_.left > 0) || (part.top == 0 && box_.top > 0) ||
                    (part.right == side && box_.right < width) ||

@@ -36,11 +36,19 @@ class ObjectTracker {
   bool found() const { return found_; }
   /// The last look was a closer one that lost the object: what it showed is of something else.
   bool misled() const { return misled_; }
+  /// What was found in the last look is elsewhere than what was before: another object, as after a
+  /// cut, or one that moves faster than looks follow it.
+  bool jumped() const { return jumped_; }
   /// The object's share of the square where it was found, 0…1.
   float share() const { return share_; }
   /// The box around it, in pixels of the frame.
   struct Box {
     float left = 0, top = 0, right = 0, bottom = 0;
+
+    /// Of the middles, over the longer of the longer sides.
+    float distance(const Box& other) const;
+    /// What both cover over what either does: 1 of a box and itself, 0 of boxes apart.
+    float overlap(const Box& other) const;
   };
   const Box& box() const { return box_; }
   /// Its points in the square that was looked at last, a byte each; empty where it was not there.
@@ -59,7 +67,7 @@ class ObjectTracker {
   Extent frame_;
   Square square_;
   Box box_;
-  bool found_ = false, misled_ = false;
+  bool found_ = false, misled_ = false, jumped_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
   float closest_ = 0;                   // size of squares that is no less, pixels

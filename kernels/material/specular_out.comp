@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
+#include "../image/finite.glsl"
 
 // What SpecularNet gave, where the object is: for MirrorNet, and with the picture for AlbedoNet.
 PLANE_IN(0, masked);
@@ -13,7 +14,7 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.count) return;
   vec4 here = FETCH(masked, 1 + i);
-  float code = here.w * FETCH(specular, 1 + i).x;
+  float code = here.w * finite(FETCH(specular, 1 + i)).x;
   STORE(mirror_in, 1 + i, vec4(code, 0.0, 0.0, 0.0));
   STORE(albedo_in, 1 + i, vec4(here.rgb, code));
 }

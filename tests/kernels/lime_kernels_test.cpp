@@ -139,7 +139,8 @@ TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
   const auto count = static_cast<uint32_t>(side.pixels());
   Pixels masked = random_pixels(side, 5);
   for (size_t i = 3; i < masked.size(); i += 4) masked[i] = masked[i] < .6F ? 1 : 0;
-  const Pixels specular = extreme_codes(side, 6), mirror = extreme_codes(side, 7);
+  const Pixels specular = with_extremes(extreme_codes(side, 6), 6),
+               mirror = with_extremes(extreme_codes(side, 7), 7);
   const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
                        exponent_in = empty(1 + count);
   run([&](gpu::Commands& commands) {

@@ -420,6 +420,87 @@ TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
   EXPECT_GT(lime.light_views(), views);
 }
 
+TEST_F(LimeTest, WhereAnObjectRestsAnewItIsLitByWhatIsThere) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  params.lit = true;
+  params.fusion.other = params.steady = 1;
+  const auto put = [&](float x, float blue) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(x, 30, 20, .4F, blue), params, false);
+    });
+    lime.done(lime.recorded() - 1);
+  };
+  const auto blueness = [&] {
+    double blue = 0;
+    const auto& rgb = lime.light()->rgb();
+    for (size_t i = 2; i < rgb.size(); i += 3) blue += double{rgb[i]};
+    return blue;
+  };
+  for (int i = 0; i < 1000; ++i) put(40, .4F);
+  const double before = blueness();
+  const uint64_t views = lime.light_views();
+  EXPECT_GE(views, 30U);
+  // Carried under a lamp of another color, a while on the way.
+  for (int i = 0; i < 16; ++i) put(40 + static_cast<float>(i), .4F + .025F * static_cast<float>(i));
+  for (int i = 0; i < 100; ++i) put(56, .8F);
+  EXPECT_LT(lime.light_views(), views);
+  const double after = blueness();
+  for (int i = 0; i < 3000; ++i) put(56, .8F);
+  EXPECT_GT(blueness(), 2 * before);
+  EXPECT_NEAR(after / blueness(), 1, .2);
+  // In its place it is one light, however often it is looked at.
+  EXPECT_GE(lime.light_views(), 60U);
+}
+
+TEST_F(LimeTest, AnObjectElsewhereIsAnotherOne) {
+  LimeMaterial lime(device, kFrame, HandMadeLime::models());
+  for (int i = 0; i < 30; ++i) frame(lime, scene(38, 32, 10));
+  EXPECT_GT(lime.object().averaged, 12U);
+  // After a cut, a little of it lies in the square of the one before.
+  for (int frames = 0; frames < 8 && lime.object().box.left < 48; ++frames)
+    frame(lime, scene(60, 32, 10));
+  EXPECT_TRUE(lime.object().found);
+  EXPECT_GE(lime.object().box.left, 48);
+  EXPECT_LT(lime.object().averaged, 4U) << "whose estimates are its own";
+}
+
+TEST_F(LimeTest, NetworksOfNoNumbersLeaveNumbersInTheLayers) {
+  // What `weights` say of a point, but where its blue is strong: there it is infinity less
+  // infinity.
+  const auto spoilt = [](uint32_t channels, std::vector<float> weights, float bias,
+                         network::Activation activation) {
+    NetworkBuilder b(1);
+    const uint32_t image = b.input(channels, HandMadeLime::kSide, HandMadeLime::kSide);
+    b.output(b.convolution(b.convolution(image, 3, 1), 1, 1, 1, activation));
+    network::Graph graph = b.graph();
+    std::vector<float> huge(channels);
+    huge[2] = 3e38F;
+    graph.weights = huge;
+    for (const std::vector<float>& more : {huge, weights, {1e38F, 1e38F, bias}, {1, -1, 1}, {0}})
+      graph.weights.insert(graph.weights.end(), more.begin(), more.end());
+    return graph;
+  };
+  Pixels pixels = download(scene(50, 30, 20).buffer);
+  const Pixels spot = download(scene(50, 30, 8, .4F, .95F).buffer);
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (spot[i] != kGray) pixels[i] = spot[i];
+  for (const bool mask : {true, false}) {
+    LimeModels models = HandMadeLime::models();
+    if (mask)
+      models.segmentation = spoilt(3, {60, -60, 0}, -20, network::Activation::sigmoid);
+    else
+      models.specular = spoilt(4, {0, 0, .5F, 0}, 0, network::Activation::none);
+    LimeMaterial lime(device, kFrame, std::move(models));
+    LimeMaterial::Layers layers;
+    for (int i = 0; i < 6; ++i) layers = frame(lime, plane(kFrame, pixels));
+    EXPECT_TRUE(lime.object().known()) << mask;
+    EXPECT_GT(download(layers.diffuse->buffer)[4 * (30 * kFrame.width + 62) + 3], .9F)
+        << "beside them all is well";
+    for (const PlanePtr& layer : {layers.diffuse, layers.gloss})
+      for (const float v : download(layer->buffer)) ASSERT_TRUE(std::isfinite(v) && v >= 0) << mask;
+  }
+}
+
 TEST_F(LimeTest, WithoutNormalsThereIsNoLight) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.lit = true;

@@ -52,6 +52,45 @@ TEST(MaterialFusion, NoiseFallsWithTheRootOfTime) {
   EXPECT_NEAR(fusion.spread(), .05F, .03F);
 }
 
+TEST(MaterialFusion, TheMeanOfManyThatScatterIsAsSteadyAsThatOfAFewThatDoNot) {
+  constexpr float kLimit = .02F, kNoise = .05F;
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0, kNoise);
+  MaterialFusion even, noisy;
+  for (uint64_t i = 1; i <= 100; ++i) {
+    even.add(material(.5F, .4F, 2), {});
+    EXPECT_EQ(even.steady(kLimit), i >= MaterialFusion::kFewest) << i;
+    noisy.add(material(.5F + noise(random), .4F, 2), {});
+    EXPECT_EQ(noisy.steady(kLimit), i >= MaterialFusion::kFewest &&
+                                        noisy.spread() < kLimit * std::sqrt(static_cast<float>(i)))
+        << i << ": what scatters drifts no further than its scatter explains";
+  }
+  EXPECT_FALSE(even.steady(0));
+  EXPECT_FALSE(even.steady(std::numeric_limits<float>::quiet_NaN()));
+}
+
+TEST(MaterialFusion, AnObjectALittleDifferentIsNotKnownBeforeTheMeanIsIt) {
+  constexpr float kLimit = .02F;
+  for (const float noise : {0.F, .03F}) {
+    std::mt19937 random(4);
+    std::normal_distribution<float> scatter(0, noise);
+    MaterialFusion fusion;
+    for (int i = 0; i < 100; ++i) fusion.add(material(.2F + scatter(random), .4F, 2), {});
+    ASSERT_TRUE(fusion.steady(kLimit));
+    // Less than another object, which would begin anew.
+    for (int i = 0; i < 20; ++i) fusion.add(material(.35F + scatter(random), .4F, 2), {});
+    EXPECT_EQ(fusion.count(), 120U);
+    EXPECT_FALSE(fusion.steady(kLimit));
+    int more = 0;
+    while (!fusion.steady(kLimit) && more < 1000) {
+      fusion.add(material(.35F + scatter(random), .4F, 2), {});
+      ++more;
+    }
+    EXPECT_LT(more, 300);
+    EXPECT_NEAR(fusion.material().diffuse[0], .35F, 1.5F * kLimit + noise);
+  }
+}
+
 TEST(MaterialFusion, NoMoreEstimatesAreInTheMeanThanItRemembers) {
   MaterialFusion fusion;
   MaterialFusion::Params params;

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -13,13 +12,12 @@ namespace {
 /// A schedule and the video that it plans: an object that rests, whose material is known.
 struct Video {
   NetworkSchedule schedule;
-  NetworkSchedule::Params params{true, 8, 0.02F};
+  NetworkSchedule::Params params{true, 8};
   NetworkSchedule::Known known{.square = {10, 20, 100},
                                .found = true,
                                .placed = true,
                                .moved = 0,
-                               .estimates = 100,
-                               .averaged = 96,
+                               .steady = true,
                                .changed = {}};
 
   NetworkSchedule::Plan next() { return schedule.next(params, known); }
@@ -78,13 +76,8 @@ TEST(NetworkSchedule, WhatMovesOrIsNotSureDoesNotRest) {
   EXPECT_EQ(estimated([](Video& v) { v.known.moved = NetworkSchedule::kMoved; }), 16U);
   EXPECT_EQ(estimated([=](Video& v) { v.known.moved = none; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.known.placed = false; }), 16U);
-  EXPECT_EQ(estimated([](Video& v) { v.known.estimates = NetworkSchedule::kFewest - 1; }), 16U);
-  EXPECT_EQ(estimated([=](Video& v) { v.known.spread = none; }), 16U);
+  EXPECT_EQ(estimated([](Video& v) { v.known.steady = false; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.params.adaptive = false; }), 16U);
-  // The mean of many that scatter is as steady as that of a few that do not.
-  const float spread = 0.02F * std::sqrt(96.0F);
-  EXPECT_EQ(estimated([=](Video& v) { v.known.spread = 0.99F * spread; }), 2U);
-  EXPECT_EQ(estimated([=](Video& v) { v.known.spread = 1.01F * spread; }), 16U);
 }
 
 TEST(NetworkSchedule, WithoutAnObjectOnlyItIsLookedForAndInEachPictureOnce) {

@@ -59,6 +59,23 @@ TEST(ObjectTracker, TheSquareRestsWithTheObject) {
   EXPECT_EQ(tracker.moved(), 0);
 }
 
+TEST(ObjectTracker, WhatIsSuddenlyElsewhereIsAnotherObject) {
+  ObjectTracker tracker({320, 240});
+  const auto see = [&](float x, float radius) {
+    const Square square = tracker.square();
+    tracker.update(look(square, 64, x, 120, radius), 64, 1, square);
+    return tracker.jumped();
+  };
+  EXPECT_FALSE(see(100, 40)) << "there was none before";
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(see(100 + 4 * static_cast<float>(i), 40)) << i;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(see(220, 40 + 2 * static_cast<float>(i))) << i;
+  tracker.reset();
+  for (int i = 0; i < 6; ++i) EXPECT_FALSE(see(150, 30)) << i;
+  EXPECT_TRUE(see(105, 15)) << "a part of the square away";
+  EXPECT_FALSE(see(105, 15));
+  EXPECT_FALSE(see(105, 1e-3F)) << "gone is not elsewhere";
+}
+
 TEST(ObjectTracker, ACloserLookThatLosesTheObjectIsNotTaken) {
   // A poster: from afar it is one thing, from near the dots on it are.
   for (const float dot : {30.0F, 0.0F}) {

@@ -149,7 +149,7 @@ LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular) {
   LimeSpecular out{Plane(masked.width, masked.height), Plane(masked.width, masked.height)};
   for (size_t i = 0; i < masked.size(); ++i) {
     const Vec4& here = masked.data[i];
-    const double code = here[3] * specular.data[i][0];
+    const double code = here[3] * finite(specular.data[i][0]);
     out.mirror_in.data[i] = {code, 0, 0, 0};
     out.albedo_in.data[i] = {here[0], here[1], here[2], code};
   }
@@ -159,7 +159,7 @@ LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular) {
 Plane lime_mirror_out(const Plane& masked, const Plane& specular, const Plane& mirror) {
   Plane out(masked.width, masked.height);
   for (size_t i = 0; i < out.size(); ++i)
-    out.data[i] = {specular.data[i][0], masked.data[i][3] * mirror.data[i][0], 0, 0};
+    out.data[i] = {specular.data[i][0], masked.data[i][3] * finite(mirror.data[i][0]), 0, 0};
   return out;
 }
 

@@ -4,7 +4,8 @@
 ExponentNet and AlbedoNet anew, in variants side by side on the very same samples in the same order: ExponentNet with MirrorNet,
 without, and with regression of log10 s in place of bins; AlbedoNet with the rendering loss and without, from the same first
 weights. SegmentationNet, SpecularNet and MirrorNet are those of the checkpoint for all of them and do not learn, so that
-what is compared is what each part gives to those that decide. Scored as evaluate.py does. Other orders with --seed.
+what is compared is what each part gives to those that decide. Scored as evaluate.py does, and by what a viewer
+sees of the albedos (scores.rendered_error). Other orders with --seed.
 """
 import argparse
 import os
@@ -24,7 +25,8 @@ VARIANTS = {"whole": ({}, True), "no rendering loss": ({}, False), "no MirrorNet
             "regression": ({"regress": True}, True)}
 COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
            ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
-           ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"))
+           ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
+           ("rendered_mse", "MSE rendered", "{:.5f}"))
 
 
 class Head:
@@ -75,6 +77,12 @@ def main():
     trunk = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
     assert trunk.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
     samples = corpus.Corpus(args.hdri)
+    # Pictures, and whether their mask is the true one, as in evaluate.py.
+    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, datasets.CHOICES, args.count), False)}
+    if (args.data / "materials").is_dir():
+        sets["`materials`, Blinn-Phong"] = (datasets.materials(args.data / "materials"), False)
+    if (args.data / "materials/cycles_ggx").is_dir():
+        sets["`materials`, GGX path-traced"] = (datasets.ggx(args.data / "materials/cycles_ggx"), True)
     variants, heads = prepare(trunk, args.seed)
     stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT, twice=True)
     batches, steps = corpus.Again(stream, TIMES), args.samples // BATCH
@@ -89,15 +97,14 @@ def main():
             print(f"{step * BATCH} samples", flush=True)
     stream.close()
 
-    sets = {"Held-out shapes and maps": datasets.synthetic(samples, datasets.CHOICES, args.count)}
-    if (args.data / "materials").is_dir():
-        sets["`materials`, Blinn-Phong"] = datasets.materials(args.data / "materials")
     parts = []
-    for title, items in sets.items():
-        rows = {name: scores.score(items, scores.predict(networks.eval(), items)) for name, networks in variants.items()}
+    for title, (items, true_mask) in sets.items():
+        rows = {name: scores.score(items, scores.predict(networks.eval(), items, true_mask=true_mask))
+                for name, networks in variants.items()}
         rows["constant"] = scores.baselines(items)["constant"]
-        lines = ["| | " + " | ".join(c[1] for c in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
-        lines += [f"| {name} | " + " | ".join(form.format(row[key]) for key, _, form in COLUMNS) + " |"
+        columns = [c for c in COLUMNS if c[0] in rows["constant"]]
+        lines = ["| | " + " | ".join(c[1] for c in columns) + " |", "|---" * (len(columns) + 1) + "|"]
+        lines += [f"| {name} | " + " | ".join(form.format(row[key]) for key, _, form in columns) + " |"
                   for name, row in rows.items()]
         parts.append(f"### {title} ({len(items)})\n\n" + "\n".join(lines))
     text = "\n\n".join(parts) + "\n"

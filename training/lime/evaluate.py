@@ -69,6 +69,8 @@ def main():
             "The same, every fourth object painted": held_out(args.count // 4, corpus.MAY_BE_PAINTED),
             "The same, some of them pale, marked or matte": held_out(args.count // 4, corpus.EVERYDAY),
             "The same, in whole frames": held_out(args.count // 4, corpus.WHOLE_FRAME)}
+    for title, stops in (("two stops darker", -2), ("a stop darker", -1), ("a stop brighter", 1)):
+        sets[f"Of the first, {title}"] = datasets.exposed(sets["Held-out shapes and maps"][0][:args.count // 4], stops), False
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),

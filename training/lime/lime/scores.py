@@ -87,6 +87,19 @@ def material_errors(items, bins, logs, diffuse, alphas):
     return out
 
 
+def rendered_error(items, diffuse, alphas):
+    """What somebody sees who looks at the object in the albedos that are named, under the true light and of the true shininess:
+    mean square, inside the mask, of its difference from the truth in linear light, clipped at white (Eq. 6.4's own measure)."""
+    total = 0
+    for item, albedo, alpha in zip(items, diffuse, alphas):
+        inside = item.mask[0] > 0.5
+        shading, layer = item.shading[:, inside], item.layer[:, inside]
+        true, named = (np.minimum(a[:, None] * shading + layer * gain, 1)
+                       for a, gain in ((item.diffuse, 1), (albedo, alpha / item.alpha)))
+        total += ((named - true) ** 2).mean()
+    return total / len(items)
+
+
 def largest_part(mask):
     """Share of the picture that the largest connected part of a mask (h × w) covers."""
     count, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
@@ -105,6 +118,8 @@ def score(items, predictions):
     if items[0].shininess is not None:
         out.update(material_errors(items, [p["bin"] for p in predictions], [p["log_shininess"] for p in predictions],
                                    [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions]))
+        if items[0].alpha is not None:
+            out["rendered_mse"] = rendered_error(items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
     if items[0].layer is not None:
         out.update(layer_errors(items, [p["layer"] for p in predictions]))
     union = [((p["found"] > 0.5) & (i.mask > 0.5)).sum() / max(((p["found"] > 0.5) | (i.mask > 0.5)).sum(), 1)
@@ -131,6 +146,7 @@ def baselines(items):
         if alpha is not None:
             gains = encoding.lobe_gain(torch.tensor([i.shininess for i in items])).numpy()
             best["log_specular_mse"] = float(np.log10([i.alpha for i in items] * gains).var())
+            best["rendered_mse"] = rendered_error(items, [diffuse] * len(items), [alpha] * len(items))
         rows["constant"] = best
     if items[0].layer is None:
         return rows
