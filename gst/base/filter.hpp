@@ -27,10 +27,14 @@ struct FrameWork {
   gpu::Commands& commands;  ///< record here; submitted once by the base
   Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
                   ///< to send on
-  uint64_t number;  ///< frames since `configure`, from 0
-  bool fresh;  ///< the filter was reset before this frame: start, other frames (caps that differ in
-               ///< more than rate and shape of pixels), flush, seek, gap
-  bool draw;   ///< pixels go out: set `picture`
+  uint64_t number;          ///< frames since `configure`, from 0
+  GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
+  /// Its stream time; none where its segment is not in time.
+  GstClockTime time = GST_CLOCK_TIME_NONE;
+  /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
+  /// empty where that is not known.
+  std::span<const uint8_t> changed = {};
+
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.
   std::vector<StructurePtr> messages = {};
@@ -40,21 +44,19 @@ struct FrameWork {
   /// Out: what is amiss with how the element is set or what reaches it, in words for who built the
   /// pipeline; posted as warning messages. Each is worth telling once.
   std::vector<std::string> warnings = {};
-  GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
-  bool gray = false;        ///< its pixels have no color
-  /// Its stream time; none where its segment is not in time.
-  GstClockTime time = GST_CLOCK_TIME_NONE;
-  bool repeated = false;  ///< the picture of the frame before came again, byte by byte
-  /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
-  /// empty where that is not known.
-  std::span<const uint8_t> changed = {};
-  bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
-  Picture picture;    ///< out: what to draw
-  bool same_picture = false;  ///< out: it would come out as the one that was drawn last
-  /// out: the only tiles where it would not; null: all may differ.
+  Picture picture = {};  ///< out: what to draw
+  /// Out: the only tiles where it differs from the one that was drawn last; null: all may.
   const TileList* drawn = nullptr;
-  /// out: adds metas of the filter's own to the buffer that goes out.
+  /// Out: adds metas of the filter's own to the buffer that goes out.
   std::function<void(GstBuffer*)> decorate = {};
+
+  bool fresh = false;  ///< the filter was reset before this frame: start, other frames (caps that
+                       ///< differ in more than rate and shape of pixels), flush, seek, gap
+  bool draw = false;   ///< pixels go out: set `picture`
+  bool gray = false;   ///< the buffer's pixels have no color
+  bool repeated = false;  ///< the picture of the frame before came again, byte by byte
+  bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
+  bool same_picture = false;  ///< out: it would come out as the one that was drawn last
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,

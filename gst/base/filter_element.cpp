@@ -366,10 +366,14 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{*slot.commands, {}, number_, fresh, !out_layers_};
-  frame.in = in;
-  frame.gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_);
-  frame.time = stream_time(in);
+  FrameWork frame{.commands = *slot.commands,
+                  .layers = {},
+                  .number = number_,
+                  .in = in,
+                  .time = stream_time(in),
+                  .fresh = fresh,
+                  .draw = !out_layers_,
+                  .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
   read_input(in, slot, frame);
   try {
     filter_->process(frame);

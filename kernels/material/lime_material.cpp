@@ -91,7 +91,7 @@ void LimeMaterial::reset() {
 
 void LimeMaterial::forget_light() {
   light_.reset();
-  rested_at_.reset();
+  lit_at_.reset();
   lit_by_ = nullptr;
   relit_.reset();
   relit_by_ = {};
@@ -175,18 +175,19 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
   commands.copy(source, copy, copy->bytes());
 }
 
-/// Where an object rests anew, other light falls on it: however long it rested where it was before,
-/// that is one view.
+/// Where an object comes to rest elsewhere, other light falls on it: however often it was seen
+/// where it was before and on its way, that is one view.
 void LimeMaterial::rest_light() {
   const ObjectTracker::Box& here = tracker_.box();
-  if (rested_at_ && rested_at_->distance(here) < kElsewhere) return;
-  if (rested_at_) light_.shorten(1);
-  rested_at_ = here;
+  if (!lit_at_ || lit_at_->distance(here) < kElsewhere) return;
+  light_.shorten(1);
+  lit_at_ = here;
 }
 
 void LimeMaterial::take_light(const Slot& slot) {
   const size_t numbers = size_t{4} * side_ * side_;
   if (slot.plan.light_anew) light_.reset();
+  if (!lit_at_) lit_at_ = tracker_.box();
   light_.add({{slot.image->map_as<float>() + 4, numbers},
               {slot.codes->map_as<float>() + 4, numbers},
               tracker_.mask(),
@@ -302,7 +303,7 @@ void LimeMaterial::done(uint64_t number) {
     fusion_.add(estimate, slot.params.fusion);
     if (fusion_.count() <= 1) {  // another object, of another material
       light_.reset();
-      rested_at_.reset();
+      lit_at_.reset();
     }
     if (slot.plan.lights && fusion_.count()) take_light(slot);
   }

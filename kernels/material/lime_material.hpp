@@ -150,7 +150,7 @@ class LimeMaterial {
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   ObjectLight light_;
-  std::optional<ObjectTracker::Box> rested_at_;  // since that light began
+  std::optional<ObjectTracker::Box> lit_at_;  // where that light began, or it came to rest since
   std::shared_ptr<const Environment> lit_by_;
   std::shared_ptr<const NormalMap> normal_map_;
 };

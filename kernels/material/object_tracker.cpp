@@ -92,7 +92,7 @@ float ObjectTracker::Box::overlap(const Box& other) const {
   };
   const float both = area({std::max(left, other.left), std::max(top, other.top),
                            std::min(right, other.right), std::min(bottom, other.bottom)});
-  return both / (area(*this) + area(other) - both);
+  return both / std::min(area(*this), area(other));
 }
 
 Square ObjectTracker::whole() const {
@@ -140,6 +140,7 @@ std::vector<uint8_t> ObjectTracker::foreign(const Square& square, uint32_t side)
 
 void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
                            const Square& square) {
+  if (side == 0) return;
   std::vector<uint8_t> mask(size_t{side} * side);
   const float scale = square.size / static_cast<float>(side);
   // Beyond the frame networks see its border go on: what they say there is of no object.

@@ -47,7 +47,8 @@ class ObjectTracker {
 
     /// Of the middles, over the longer of the longer sides.
     float distance(const Box& other) const;
-    /// What both cover over what either does: 1 of a box and itself, 0 of boxes apart.
+    /// What both cover over what the smaller one does: 1 where one lies in the other, 0 of boxes
+    /// apart.
     float overlap(const Box& other) const;
   };
   const Box& box() const { return box_; }

@@ -71,9 +71,14 @@ TEST(ObjectTracker, WhatIsSuddenlyElsewhereIsAnotherObject) {
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(see(220, 40 + 2 * static_cast<float>(i))) << i;
   tracker.reset();
   for (int i = 0; i < 6; ++i) EXPECT_FALSE(see(150, 30)) << i;
-  EXPECT_TRUE(see(105, 15)) << "a part of the square away";
-  EXPECT_FALSE(see(105, 15));
-  EXPECT_FALSE(see(105, 1e-3F)) << "gone is not elsewhere";
+  EXPECT_FALSE(see(150, 8)) << "a part of it, or something behind it";
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(see(150, 30)) << i;
+  // Less than a fifth of the smaller one is elsewhere.
+  EXPECT_FALSE(see(115, 15)) << "a third of it lies where the other was";
+  for (int i = 0; i < 6; ++i) see(150, 30);
+  EXPECT_TRUE(see(108, 15)) << "a tenth of it does";
+  EXPECT_FALSE(see(108, 15));
+  EXPECT_FALSE(see(108, 1e-3F)) << "gone is not elsewhere";
 }
 
 TEST(ObjectTracker, ACloserLookThatLosesTheObjectIsNotTaken) {

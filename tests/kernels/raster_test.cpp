@@ -169,7 +169,8 @@ TEST_F(RasterTest, MoreThanSmallGroupsAndTilesHold) {
   // invocations: 768 places of 200 triangles each, apart from each other.
   std::mt19937 random(7);
   std::vector<reference::Triangle> triangles;
-  for (int place = 0; place < 768; ++place)
+  for (int place = 0; place < 768; ++place) {
+    const int column = place % 32, row = place / 32;
     for (auto t : random_triangles(random(), 200, 32, 32, 4)) {
       // Tips of slivers reach further than they are: edges are inclusive.
       const auto across = [&](size_t axis) { return t[1][axis] - t[0][axis]; };
@@ -177,11 +178,12 @@ TEST_F(RasterTest, MoreThanSmallGroupsAndTilesHold) {
           std::fabs(across(0) * (t[2][1] - t[0][1]) - across(1) * (t[2][0] - t[0][0]));
       if (area < 1) t[2] = {t[0][0] - across(1), t[0][1] + across(0), t[2][2]};
       for (auto& p : t) {
-        p[0] += 96 * (place % 32) + 20;
-        p[1] += 96 * (place / 32) + 40;
+        p[0] += 96 * column + 20;
+        p[1] += 96 * row + 40;
       }
       triangles.push_back(t);
     }
+  }
   expect_as_reference(triangles, {3072, 2304}, "many", 3);
 }
 

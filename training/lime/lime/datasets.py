@@ -79,8 +79,8 @@ def synthetic(samples, seed, count, flags=corpus.TEST, size=128):
 
 
 def exposed(items, stops):
-    """The same objects as a camera shows them that is exposed otherwise: brighter by so many stops, clipped and in 8 bits again.
-    Their materials are what they are."""
+    """The same pictures brighter by so many stops, clipped and in 8 bits again; what was clipped stays flat where they are darker.
+    Materials are what they are."""
     gain = np.float32(2 ** stops)
     return [dataclasses.replace(item, image=to_srgb8(gain * item.image_linear), layer=gain * item.layer,
                                 shading=gain * item.shading, mirror=gain * item.mirror) for item in items]
