@@ -89,9 +89,14 @@ void LimeMaterial::reset() {
   ++epoch_;
 }
 
-void LimeMaterial::forget_light() {
+/// What is taken from now on is of another light.
+void LimeMaterial::begin_light() {
   light_.reset();
   lit_at_.reset();
+}
+
+void LimeMaterial::forget_light() {
+  begin_light();
   lit_by_ = nullptr;
   relit_.reset();
   relit_by_ = {};
@@ -301,10 +306,7 @@ void LimeMaterial::done(uint64_t number) {
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
     latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
-    if (fusion_.count() <= 1) {  // another object, of another material
-      light_.reset();
-      lit_at_.reset();
-    }
+    if (fusion_.count() <= 1) begin_light();  // another object, of another material
     if (slot.plan.lights && fusion_.count()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.averaged(),

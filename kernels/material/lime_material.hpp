@@ -117,6 +117,7 @@ class LimeMaterial {
                         gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
   void rest_light();
+  void begin_light();
   void forget_light();
   void compare(const Slot& slot);
   void compare_light(const Slot& slot, std::span<const float> image);

@@ -42,25 +42,32 @@ std::vector<reference::Triangle> random_triangles(unsigned seed, size_t count, d
   return triangles;
 }
 
-/// The triangles that may be seen in cells of so many pixels, row by row.
-constexpr double kCell = 8;
-std::vector<std::vector<reference::Triangle>> by_cell(
-    const std::vector<reference::Triangle>& triangles, Extent extent) {
-  const auto columns = static_cast<size_t>(std::ceil(extent.width / kCell)),
-             rows = static_cast<size_t>(std::ceil(extent.height / kCell));
-  std::vector<std::vector<reference::Triangle>> cells(columns * rows);
-  for (const auto& t : triangles) {
-    const auto cell = [&](size_t axis, double beyond, size_t count) {
-      const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
-      return static_cast<size_t>(std::clamp(std::floor((beyond < 0 ? low : high) / kCell + beyond),
-                                            0.0, static_cast<double>(count) - 1));
-    };
-    for (size_t y = cell(1, -.2, rows); y <= cell(1, .2, rows); ++y)
-      for (size_t x = cell(0, -.2, columns); x <= cell(0, .2, columns); ++x)
-        cells[y * columns + x].push_back(t);
+/// The triangles that may be seen in each cell of 8 x 8 pixels.
+class Cells {
+ public:
+  Cells(const std::vector<reference::Triangle>& triangles, Extent extent)
+      : columns_((extent.width + 7) / 8),
+        rows_((extent.height + 7) / 8),
+        cells_(size_t{columns_} * rows_) {
+    for (const auto& t : triangles) {
+      const auto cell = [&](size_t axis, double beyond, uint32_t count) {
+        const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
+        return static_cast<uint32_t>(
+            std::clamp(std::floor((beyond < 0 ? low : high) / 8 + beyond), 0.0, count - 1.0));
+      };
+      for (uint32_t y = cell(1, -.2, rows_); y <= cell(1, .2, rows_); ++y)
+        for (uint32_t x = cell(0, -.2, columns_); x <= cell(0, .2, columns_); ++x)
+          cells_[size_t{y} * columns_ + x].push_back(t);
+    }
   }
-  return cells;
-}
+  const std::vector<reference::Triangle>& at(uint32_t x, uint32_t y) const {
+    return cells_[size_t{y / 8} * columns_ + x / 8];
+  }
+
+ private:
+  uint32_t columns_, rows_;
+  std::vector<std::vector<reference::Triangle>> cells_;
+};
 
 /// Pixels are the unit, y goes down: the mesh's own axes but for the sign of y.
 MeshView pixels() {
@@ -84,16 +91,13 @@ class RasterTest : public GpuTest {
     // Where pixels have large numbers edges are known less well.
     const double beside = std::max(4e-3, 1e-5 * std::max(extent.width, extent.height));
     const Pixels drawn = depth(soup(triangles), pixels(), extent);
-    const auto cells = by_cell(triangles, extent);
+    const Cells cells(triangles, extent);
     size_t wrong = 0, near_edges = 0;
     for (uint32_t y = 0; y < extent.height; y += step)
       for (uint32_t x = 0; x < extent.width; x += step) {
         double count = 0, sum = 0, margin = 1e300;
-        const auto& those = cells[static_cast<size_t>(y / kCell) *
-                                      static_cast<size_t>(std::ceil(extent.width / kCell)) +
-                                  static_cast<size_t>(x / kCell)];
         for (const auto& point : reference::kSamplePoints) {
-          const auto hit = reference::look(those, x + point[0], y + point[1]);
+          const auto hit = reference::look(cells.at(x, y), x + point[0], y + point[1]);
           margin = std::min(margin, hit.margin);
           if (hit.triangle < 0) continue;
           ++count;

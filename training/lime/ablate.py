@@ -99,9 +99,15 @@ def main():
 
     parts = []
     for title, (items, true_mask) in sets.items():
-        rows = {name: scores.score(items, scores.predict(networks.eval(), items, true_mask=true_mask))
-                for name, networks in variants.items()}
+        found = {name: scores.predict(networks.eval(), items, true_mask=true_mask) for name, networks in variants.items()}
+        rows = {name: scores.score(items, predictions) for name, predictions in found.items()}
         rows["constant"] = scores.baselines(items)["constant"]
+        if items[0].alpha is not None:
+            count = len(items)
+            found["constant"] = [{"diffuse": sum(i.diffuse for i in items) / count, "alpha": sum(i.alpha for i in items) / count}] * count
+            for name, predictions in found.items():
+                rows[name]["rendered_mse"] = scores.rendered_error(
+                    items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
         columns = [c for c in COLUMNS if c[0] in rows["constant"]]
         lines = ["| | " + " | ".join(c[1] for c in columns) + " |", "|---" * (len(columns) + 1) + "|"]
         lines += [f"| {name} | " + " | ".join(form.format(row[key]) for key, _, form in columns) + " |"

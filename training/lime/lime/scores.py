@@ -118,8 +118,6 @@ def score(items, predictions):
     if items[0].shininess is not None:
         out.update(material_errors(items, [p["bin"] for p in predictions], [p["log_shininess"] for p in predictions],
                                    [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions]))
-        if items[0].alpha is not None:
-            out["rendered_mse"] = rendered_error(items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
     if items[0].layer is not None:
         out.update(layer_errors(items, [p["layer"] for p in predictions]))
     union = [((p["found"] > 0.5) & (i.mask > 0.5)).sum() / max(((p["found"] > 0.5) | (i.mask > 0.5)).sum(), 1)
@@ -146,7 +144,6 @@ def baselines(items):
         if alpha is not None:
             gains = encoding.lobe_gain(torch.tensor([i.shininess for i in items])).numpy()
             best["log_specular_mse"] = float(np.log10([i.alpha for i in items] * gains).var())
-            best["rendered_mse"] = rendered_error(items, [diffuse] * len(items), [alpha] * len(items))
         rows["constant"] = best
     if items[0].layer is None:
         return rows

@@ -1,0 +1,63 @@
+#pragma once
+#include <cmath>
+
+#include "gpu_fixture.hpp"
+#include "lime_models.hpp"
+#include "material/lime_material.hpp"
+
+namespace inverse::testing {
+
+// sRGB's inverse, for expected values.
+inline float linear(float srgb) {
+  return srgb <= .04045F ? srgb / 12.92F : std::pow((srgb + .055F) / 1.055F, 2.4F);
+}
+inline float decoded(float code) { return (std::exp(2 * code) - 1) / 4; }
+
+/// A frame of gray with a red disc, some of it bluish.
+class LimeTest : public GpuTest {
+ protected:
+  static constexpr Extent kFrame{96, 64};
+  const float kRed = linear(.9F), kBlue = linear(.4F), kGray = linear(.5F);
+
+  Plane scene(float x, float y, float radius, float green = .4F, float blue = .4F) {
+    Pixels pixels(kFrame.pixels() * 4, kGray);
+    for (uint32_t row = 0; row < kFrame.height; ++row)
+      for (uint32_t column = 0; column < kFrame.width; ++column)
+        if (std::hypot(static_cast<float>(column) + .5F - x, static_cast<float>(row) + .5F - y) <
+            radius) {
+          float* pixel = &pixels[4 * (size_t{row} * kFrame.width + column)];
+          pixel[0] = kRed;
+          pixel[1] = linear(green);
+          pixel[2] = linear(blue);
+        }
+    return plane(kFrame, pixels);
+  }
+  LimeMaterial::Layers frame(LimeMaterial& lime, const Plane& plane, bool still = false) {
+    LimeMaterial::Layers layers;
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, plane, params, still);
+      layers = lime.record_layers(commands, plane);
+    });
+    if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);
+    return layers;
+  }
+  /// A frame whose layers nobody looks at.
+  LimeMaterial::Report unseen(LimeMaterial& lime, float blue, float green = .4F) {
+    run([&](gpu::Commands& commands) {
+      lime.record(commands, scene(50, 30, 20, green, blue), params, false);
+    });
+    if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);
+    return lime.report(lime.recorded() - 1);
+  }
+  /// Of the light's map, all of it.
+  static double blueness(const LimeMaterial& lime) {
+    double blue = 0;
+    const auto& rgb = lime.light()->rgb();
+    for (size_t i = 2; i < rgb.size(); i += 3) blue += double{rgb[i]};
+    return blue;
+  }
+  uint64_t delay = 0;  ///< frames that are in flight when the next one is recorded
+  LimeMaterial::Params params;
+};
+
+}  // namespace inverse::testing
