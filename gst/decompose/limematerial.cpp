@@ -164,6 +164,7 @@ class LimeElement final : public Filter {
     published_light_ = nullptr;
     light_bytes_.reset();
     planes_.reset();
+    device_.reset();
     parameters_.publish(std::nullopt);
   }
   void reset() override {

@@ -9,7 +9,9 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/color.hpp"
 #include "base/filter.hpp"
@@ -122,6 +124,9 @@ std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
   return Environment(extent, std::move(rgb), "the estimated environment map");
 }
 
+/// That a software device draws in about a second.
+constexpr size_t kManyTriangles = 100'000;
+
 class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
@@ -137,15 +142,24 @@ class CloneElement final : public Filter {
     estimated_.reset();
     warned_ = timeless_ = false;
     given_.reset();
-    warning_.clear();
+    warnings_.clear();
+    std::string warning;
     if (!params.environment_location.empty())
-      given_.emplace(load_environment(params.environment_location, warning_));
+      given_.emplace(load_environment(params.environment_location, warning));
+    if (!warning.empty()) warnings_.push_back(std::move(warning));
+    told_size_ = false;
   }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     sphere_.emplace(device);
     insertion_.emplace(device, extent);
     insertion_->set_mesh(*mesh_);
+    if (device->is_cpu() && mesh_->triangles() > kManyTriangles && !std::exchange(told_size_, true))
+      warnings_.push_back(parameters_.snapshot().mesh + " has " +
+                          std::to_string(mesh_->triangles()) + " triangles, which \"" +
+                          device->name() +
+                          "\" draws in seconds whenever object, material or light change: simplify "
+                          "it to some ten thousand");
     {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
@@ -179,7 +193,8 @@ class CloneElement final : public Filter {
   void process(FrameWork& frame) override {
     const Params params = parameters_.snapshot();
     const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
-    if (!warning_.empty()) frame.warnings.push_back(std::exchange(warning_, {}));
+    for (std::string& warning : std::exchange(warnings_, {}))
+      frame.warnings.push_back(std::move(warning));
     try {
       take_light(meta);
     } catch (const Error& error) {  // of the stream's, not ours: the light before stays
@@ -310,10 +325,11 @@ class CloneElement final : public Filter {
   bool news_of_light_ = true;              // estimated_ may be another since light_ was chosen
   std::optional<Surface> seen_;            // what the stream told last
   std::optional<Surface> shown_;
-  std::string warning_;    // of the file, to be told with the first frame
-  bool warned_ = false;    // of light that is none
-  bool timeless_ = false;  // it was told that frames have no time
-  bool looked_ = false;    // whether the stream brings a material, once
+  std::vector<std::string> warnings_;  // of the files, to be told with the first frame
+  bool told_size_ = false;             // that the mesh is large
+  bool warned_ = false;                // of light that is none
+  bool timeless_ = false;              // it was told that frames have no time
+  bool looked_ = false;                // whether the stream brings a material, once
   std::mutex mouse_mutex_;
   Extent extent_;                // of frames
   bool held_ = false;            // the mouse's button is down

@@ -72,6 +72,8 @@ Target target_of(const std::string& path) {
 /// A file as stb reads it. Where bytes are missing at its end, stb would wait for them forever, or
 /// take them for zeros: it gets others, that end lines and runs, and this notes it.
 struct Reader {
+  static constexpr int kPixel = 4;
+
   std::ifstream file;
   bool beyond_end = false;
 
@@ -79,9 +81,10 @@ struct Reader {
     auto& reader = *static_cast<Reader*>(self);
     reader.file.read(to, bytes);
     const auto got = static_cast<int>(reader.file.gcount());
-    if (got > 0) return got;
+    // A buffer may end early; a pixel (4 bytes) has to be whole.
+    if (got == bytes || (got > 0 && bytes > kPixel)) return got;
     reader.beyond_end = true;
-    memset(to, '\n', static_cast<size_t>(bytes));
+    memset(to + got, '\n', static_cast<size_t>(bytes - got));
     return bytes;
   }
   static void skip(void* self, int bytes) {

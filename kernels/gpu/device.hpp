@@ -81,6 +81,8 @@ class Device : public std::enable_shared_from_this<Device> {
   ~Device();
 
   const std::string& name() const { return name_; }
+  /// Whether it is software, which takes a hundred times as long as others.
+  bool is_cpu() const { return is_cpu_; }
   /// Whether the device was lost: it stays so, and `open` makes a new one.
   bool lost() const { return lost_.load(); }
   /// Notes that a call found the device lost.

@@ -16,7 +16,16 @@ INVERSE_SHADER(material_specular_out);
 namespace inverse {
 namespace {
 
-constexpr float kElsewhere = 0.25F;  // of an object's size: so far away it is in other light
+/// Whether most of an object's points are among those that were left out for it.
+bool mostly(std::span<const uint8_t> object, std::span<const uint8_t> left_out) {
+  if (left_out.empty()) return false;
+  size_t points = 0, among = 0;
+  for (size_t i = 0; i < object.size(); ++i) {
+    points += object[i] != 0;
+    among += object[i] && left_out[i];
+  }
+  return 2 * among > points;
+}
 
 struct Place {
   Place(Extent extent, const Square& square, uint32_t points)
@@ -85,21 +94,8 @@ void LimeMaterial::reset() {
   change_.reset();
   changed_ = {};
   schedule_.restart();
-  forget_light();
+  light_.forget();
   ++epoch_;
-}
-
-/// What is taken from now on is of another light.
-void LimeMaterial::begin_light() {
-  light_.reset();
-  lit_at_.reset();
-}
-
-void LimeMaterial::forget_light() {
-  begin_light();
-  lit_by_ = nullptr;
-  relit_.reset();
-  relit_by_ = {};
 }
 
 /// Where normals can be known.
@@ -118,9 +114,8 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
                                .lit = wants_light(params),
                                .views = light_.views(),
                                .changed = {},
-                               .relit = {}};
+                               .relit = light_.changed()};
   if (change_.kept()) known.changed = changed_;
-  if (relit_.kept()) known.relit = relit_by_;
   return known;
 }
 
@@ -132,16 +127,15 @@ void LimeMaterial::record_segmentation(gpu::Commands& commands, const Plane& fra
   commands.stage("segmentation");
   commands.copy(segmentation_.output(0), slot.probability, slot.probability->bytes());
   // Layers and material are the followed object's alone.
-  const std::vector<uint8_t> foreign = tracker_.foreign(slot.square, side_);
-  if (!foreign.empty()) leave_out(commands, foreign, slot);
+  slot.left_out = tracker_.foreign(slot.square, side_);
+  if (!slot.left_out.empty()) leave_out(commands, slot);
 }
 
-void LimeMaterial::leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign,
-                             Slot& slot) {
+void LimeMaterial::leave_out(gpu::Commands& commands, Slot& slot) {
   if (!slot.foreign)
     slot.foreign =
-        gpu::Buffer::create(device_, gpu::Element::word, foreign.size(), gpu::Memory::upload);
-  std::copy(foreign.begin(), foreign.end(), slot.foreign->map_as<uint32_t>());
+        gpu::Buffer::create(device_, gpu::Element::word, slot.left_out.size(), gpu::Memory::upload);
+  std::copy(slot.left_out.begin(), slot.left_out.end(), slot.foreign->map_as<uint32_t>());
   commands.dispatch(own_, {segmentation_.output(0), slot.foreign},
                     static_cast<int32_t>(side_ * side_), {side_ * side_});
 }
@@ -180,27 +174,16 @@ void LimeMaterial::read_back(gpu::Commands& commands, const gpu::BufferPtr& sour
   commands.copy(source, copy, copy->bytes());
 }
 
-/// Where an object comes to rest elsewhere, other light falls on it: however often it was seen
-/// where it was before and on its way, that is one view.
-void LimeMaterial::rest_light() {
-  const ObjectTracker::Box& here = tracker_.box();
-  if (!lit_at_ || lit_at_->distance(here) < kElsewhere) return;
-  light_.shorten(1);
-  lit_at_ = here;
-}
-
 void LimeMaterial::take_light(const Slot& slot) {
   const size_t numbers = size_t{4} * side_ * side_;
-  if (slot.plan.light_anew) light_.reset();
-  if (!lit_at_) lit_at_ = tracker_.box();
-  light_.add({{slot.image->map_as<float>() + 4, numbers},
-              {slot.codes->map_as<float>() + 4, numbers},
-              tracker_.mask(),
-              side_,
-              slot.square,
-              extent_},
-             normal_map_.get(), slot.params.light);
-  if (auto light = light_.light(fusion_.material(), slot.params.light)) lit_by_ = std::move(light);
+  light_.take({{slot.image->map_as<float>() + 4, numbers},
+               {slot.codes->map_as<float>() + 4, numbers},
+               tracker_.mask(),
+               side_,
+               slot.square,
+               extent_},
+              tracker_.box(), slot.plan.light_anew, normal_map_.get(), fusion_.material(),
+              slot.params.light);
 }
 
 LimeMaterial::Layers LimeMaterial::record_layers(gpu::Commands& commands, const Plane& frame) {
@@ -232,7 +215,8 @@ void LimeMaterial::warm_up() {
   commands.begin();
   commands.fill(frame->buffer);
   record_segmentation(commands, *frame, slots_[0]);
-  leave_out(commands, std::vector<uint8_t>(size_t{side_} * side_), slots_[0]);
+  slots_[0].left_out.resize(size_t{side_} * side_);
+  leave_out(commands, slots_[0]);
   record_networks(commands, slots_[0]);
   for (const bool known : {false, true}) draw_layers(commands, *frame, known);
   commands.submit();
@@ -248,7 +232,7 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   const NetworkSchedule::Plan plan = slot.plan =
       schedule_.next({params.adaptive, params.recheck}, known(params, still));
   drawn_ = false;
-  if (!wants_light(params)) forget_light();
+  if (!wants_light(params)) light_.forget();
   if (plan.segments) record_segmentation(commands, frame, slot);
   if (plan.estimates) {
     record_networks(commands, slot);
@@ -268,17 +252,10 @@ void LimeMaterial::compare(const Slot& slot) {
   // What has just been found anew was another picture: the next one may be, too.
   if (slot.square == estimated_in_) changed_ = change_.since(image, tracker_.mask(), side_);
   if (slot.plan.estimates) change_.keep(image, tracker_.mask(), side_);
-  if (wants_light(slot.params)) compare_light(slot, image);
-}
-
-/// Lamps that fade change little from one estimate to the next.
-void LimeMaterial::compare_light(const Slot& slot, std::span<const float> image) {
-  if (slot.plan.light_anew || (slot.plan.rests && !relit_.kept()))
-    relit_.keep(image, tracker_.mask(), side_);
-  relit_by_ = relit_.since(image, tracker_.mask(), side_);
-  const bool rests = tracker_.moved() < NetworkSchedule::kMoved &&
-                     relit_by_.moved < NetworkSchedule::kMoved && slot.square == estimated_in_;
-  if (!rests) relit_.reset();
+  if (wants_light(slot.params))
+    light_.compare(image, tracker_.mask(), side_,
+                   slot.plan.light_anew || (slot.plan.rests && !light_.watched()),
+                   tracker_.moved() < NetworkSchedule::kMoved && slot.square == estimated_in_);
 }
 
 void LimeMaterial::done(uint64_t number) {
@@ -295,8 +272,12 @@ void LimeMaterial::done(uint64_t number) {
     compare(slot);
   else if (slot.plan.estimates)
     change_.reset();  // the layers are of another picture than the one that is kept
-  const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty();
-  if (seen && slot.plan.rests && tracker_.moved() < NetworkSchedule::kMoved) rest_light();
+  // What was taken for another object when the frame was recorded is the one that is followed now,
+  // where the one before has gone: the networks did not see it.
+  const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty() &&
+                    !mostly(tracker_.mask(), slot.left_out);
+  if (seen && slot.plan.rests && tracker_.moved() < NetworkSchedule::kMoved)
+    light_.rest(tracker_.box());
   if (seen && slot.plan.estimates) {
     const float *albedo = slot.albedo->map_as<float>() + 4,
                 *bins = slot.exponent->map_as<float>() + 4;
@@ -306,7 +287,7 @@ void LimeMaterial::done(uint64_t number) {
     std::copy_n(bins, Material::kBins, estimate.bins.begin());
     latest_ = estimate;
     fusion_.add(estimate, slot.params.fusion);
-    if (fusion_.count() <= 1) begin_light();  // another object, of another material
+    if (fusion_.count() <= 1) light_.begin();  // another object, of another material
     if (slot.plan.lights && fusion_.count()) take_light(slot);
   }
   object_ = {tracker_.found(), fusion_.material(), latest_,       fusion_.averaged(),

@@ -2,18 +2,18 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include "../gpu/commands.hpp"
 #include "../image/plane.hpp"
 #include "../network/network.hpp"
 #include "crop_change.hpp"
 #include "guided_layers.hpp"
+#include "light_history.hpp"
 #include "lime_models.hpp"
 #include "material_fusion.hpp"
 #include "network_schedule.hpp"
-#include "object_light.hpp"
 #include "object_tracker.hpp"
 #include "under_highlights.hpp"
 
@@ -81,7 +81,7 @@ class LimeMaterial {
   void set_normal_map(std::shared_ptr<const NormalMap> map) { normal_map_ = std::move(map); }
   /// The light, by the last frame that is done and told of it; null while it is not known, or not
   /// wanted. It stays when the object goes, until another one tells of it.
-  const std::shared_ptr<const Environment>& light() const { return lit_by_; }
+  const std::shared_ptr<const Environment>& light() const { return light_.light(); }
   /// Views of the object that are in the light.
   uint64_t light_views() const { return light_.views(); }
 
@@ -100,7 +100,8 @@ class LimeMaterial {
   struct Slot {
     gpu::BufferPtr probability, albedo, exponent;  // read back
     gpu::BufferPtr image, codes;                   // the same, made when needed
-    gpu::BufferPtr foreign;                        // what the tracker says of it, likewise
+    std::vector<uint8_t> left_out;                 // by points, what the tracker calls foreign
+    gpu::BufferPtr foreign;                        // the same on the device, made when needed
     Square square;
     NetworkSchedule::Plan plan;
     Report report;
@@ -111,16 +112,12 @@ class LimeMaterial {
   bool wants_light(const Params& params) const;
   NetworkSchedule::Known known(const Params& params, bool still) const;
   void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
-  void leave_out(gpu::Commands& commands, std::span<const uint8_t> foreign, Slot& slot);
+  void leave_out(gpu::Commands& commands, Slot& slot);
   void record_networks(gpu::Commands& commands, Slot& slot);
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
-  void rest_light();
-  void begin_light();
-  void forget_light();
   void compare(const Slot& slot);
-  void compare_light(const Slot& slot, std::span<const float> image);
   Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
@@ -142,17 +139,13 @@ class LimeMaterial {
   bool have_layers_ = false;  // of the object, from some frame since the last reset
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
-  CropChange relit_;  // since the object rests or its light began
-  CropChange::Difference relit_by_;
   NetworkSchedule schedule_;
   bool drawn_ = false;                         // layers of the last frame were
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
   uint64_t recorded_ = 0, epoch_ = 0;
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
-  ObjectLight light_;
-  std::optional<ObjectTracker::Box> lit_at_;  // where that light began, or it came to rest since
-  std::shared_ptr<const Environment> lit_by_;
+  LightHistory light_;
   std::shared_ptr<const NormalMap> normal_map_;
 };
 

@@ -1,9 +1,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
+#include "../image/workgroup_sum.glsl"
 
-// Four numbers of a dense node: of everything in the image, with bias and activation. The elements of a value are read in the
-// order in which they lie, and the weights were laid out for that: [block] of bias, then [element][channel][block].
+// Four numbers of a dense node: of everything in the image, with bias and activation; one workgroup a block. The elements of a
+// value are read in the order in which they lie, and the weights were laid out for that: [block] of bias, then
+// [block][channel][element], so that neighboring invocations read neighbors.
 PLANE_IN(0, image);
 PLANE_IN(1, weights);
 PLANE_OUT(2, result);
@@ -13,15 +15,15 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-  int block = int(gl_GlobalInvocationID.x);
-  if (block >= push.blocks) return;
-  vec4 sum = FETCH(weights, block);
-  int weight = push.blocks + block;
-  for (int i = 1; i <= push.elements; ++i) {
-    vec4 v = FETCH(image, i);
-    sum += v.r * FETCH(weights, weight) + v.g * FETCH(weights, weight + push.blocks) +
-           v.b * FETCH(weights, weight + 2 * push.blocks) + v.a * FETCH(weights, weight + 3 * push.blocks);
-    weight += 4 * push.blocks;
+  int block = int(gl_WorkGroupID.x), n = push.elements;
+  int weight = push.blocks + 4 * block * n;
+  vec4 sum = vec4(0.0);
+  for (int i = int(gl_LocalInvocationID.x); i < n; i += int(gl_WorkGroupSize.x)) {
+    vec4 v = FETCH(image, 1 + i);
+    int w = weight + i;
+    sum += v.r * FETCH(weights, w) + v.g * FETCH(weights, w + n) + v.b * FETCH(weights, w + 2 * n) +
+           v.a * FETCH(weights, w + 3 * n);
   }
-  STORE(result, 1 + block, activated(sum, push.slope));
+  sum = workgroup_sum(sum);
+  if (gl_LocalInvocationID.x == 0u) STORE(result, 1 + block, activated(sum + FETCH(weights, block), push.slope));
 }

@@ -136,8 +136,9 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
         int32_t elements, blocks;
         float slope;
       } push{static_cast<int32_t>(elements_of(in) - 1), block_count(out), node.slope};
-      add(step, device_->kernel(shaders::network_dense, {activation}),
-          {first, weights_of(step, commands), result}, push, blocks_of(out.channels));
+      const gpu::KernelPtr kernel = device_->kernel(shaders::network_dense, {activation});
+      add(step, kernel, {first, weights_of(step, commands), result}, push,
+          uint64_t{kernel->workgroup()} * blocks_of(out.channels));
       return;
     }
     case Op::max_pool:

@@ -56,11 +56,12 @@ std::vector<float> pack_dense(const Graph& graph, const Plan& plan, const Step& 
   const uint32_t area = in.height * in.width;
   std::vector<float> packed;
   put_bias(packed, node, w);
-  for (uint32_t from = 0; from < blocks_of(in.channels); ++from)
-    for (uint32_t pixel = 0; pixel < area; ++pixel)
-      for (uint32_t c = 4 * from; c < 4 * from + 4; ++c)
-        for (uint32_t to = 0; to < 4 * blocks_of(node.channels); ++to)
-          packed.push_back(c < in.channels ? w.weight(to, c * area + pixel, 0, 0) : 0);
+  for (uint32_t block = 0; block < blocks_of(node.channels); ++block)
+    for (uint32_t within = 0; within < 4; ++within)
+      for (uint32_t c = within; c < 4 * blocks_of(in.channels); c += 4)
+        for (uint32_t pixel = 0; pixel < area; ++pixel)
+          for (uint32_t to = 4 * block; to < 4 * block + 4; ++to)
+            packed.push_back(c < in.channels ? w.weight(to, c * area + pixel, 0, 0) : 0);
   return packed;
 }
 

@@ -19,14 +19,21 @@ inline std::vector<GstBuffer*> load_clip(const std::string& path, const std::str
   GstElement* pipeline = gst_parse_launch(line.c_str(), nullptr);
   if (!pipeline) return frames;
   GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+  GstBus* bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  while (frames.size() < most) {
-    GstSample* sample = gst_app_sink_pull_sample(GST_APP_SINK(sink));
-    if (!sample) break;
+  while (frames.size() < most && !gst_app_sink_is_eos(GST_APP_SINK(sink))) {
+    GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(sink), GST_SECOND / 10);
+    if (!sample) {  // the sink waits for good where what is before it failed
+      GstMessage* failed = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+      if (!failed) continue;
+      gst_message_unref(failed);
+      break;
+    }
     frames.push_back(gst_buffer_copy_deep(gst_sample_get_buffer(sample)));
     gst_sample_unref(sample);
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(bus);
   gst_object_unref(sink);
   gst_object_unref(pipeline);
   return frames;

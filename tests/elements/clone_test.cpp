@@ -418,6 +418,25 @@ TEST_F(CloneTest, FilesAreReadAtEveryStartAndNotBetween) {
   EXPECT_EQ(stat<guint64>(harness.find("materialclone"), "triangles", G_TYPE_UINT64), 1u);
 }
 
+TEST_F(CloneTest, ALargeMeshIsAWarningOfSoftwareDevices) {
+  const auto warnings = [this](uint32_t triangles) {
+    std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
+    for (uint32_t i = 0; i < triangles; ++i) obj += "f 1//1 2//1 3//1\n";
+    const std::string mesh = written("large.obj", obj);
+    VideoHarness harness("materialclone source=properties size=0.1 mesh=" + mesh, frame_caps());
+    std::filesystem::remove(mesh);
+    for (int frame = 0; frame < 2; ++frame) EXPECT_FALSE(harness.process(gray()).empty());
+    harness.set_src_caps(frame_caps(64, 48));
+    EXPECT_FALSE(harness.process(gray(64, 48)).empty());
+    return harness.warnings();
+  };
+  EXPECT_TRUE(warnings(100'000).empty());
+  const auto told = warnings(100'001);
+  if (!gpu::Device::open()->is_cpu()) GTEST_SKIP() << "the device is no software";
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told.front().find("100001 triangles"), std::string::npos) << told.front();
+}
+
 TEST_F(CloneTest, ClonesFromTheClip) {
   const auto result = run_line("filesrc location=" + std::string(MEDIA) +
                                "/clip.webm ! matroskademux ! vp8dec ! identity eos-after=6 ! " +

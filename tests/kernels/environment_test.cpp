@@ -148,6 +148,13 @@ TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
     EXPECT_FALSE(load_error(written("part.hdr", whole.substr(0, length))).empty()) << length;
   EXPECT_NE(load_error(written("part.hdr", whole.substr(0, whole.size() - 1))).find("too early"),
             std::string::npos);
+  const std::string flat =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n" + std::string(32, '\x80');
+  EXPECT_EQ(load_error(written("flat.hdr", flat)), "");
+  for (size_t less = 1; less < 4; ++less)
+    EXPECT_NE(load_error(written("flat.hdr", flat.substr(0, flat.size() - less))).find("too early"),
+              std::string::npos)
+        << less;
   // Any byte may be wrong: an error or a map, nothing else.
   std::mt19937 random(3);
   for (int i = 0; i < 300; ++i) {

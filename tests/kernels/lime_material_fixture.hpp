@@ -32,6 +32,14 @@ class LimeTest : public GpuTest {
         }
     return plane(kFrame, pixels);
   }
+  /// Two scenes' discs in one.
+  Plane together(const Plane& one, const Plane& two) {
+    Pixels pixels = download(one.buffer);
+    const Pixels other = download(two.buffer);
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (other[i] != kGray) pixels[i] = other[i];
+    return plane(kFrame, pixels);
+  }
   LimeMaterial::Layers frame(LimeMaterial& lime, const Plane& plane, bool still = false) {
     LimeMaterial::Layers layers;
     run([&](gpu::Commands& commands) {

@@ -9,12 +9,7 @@ namespace inverse::testing {
 TEST_F(LimeTest, AnotherObjectInTheSquareIsNotMixedIn) {
   LimeMaterial alone(device, kFrame, HandMadeLime::models()),
       beside = LimeMaterial(device, kFrame, HandMadeLime::models());
-  const Plane one = scene(60, 30, 20), two = scene(88, 58, 4);
-  Pixels pixels = download(one.buffer);
-  const Pixels other = download(two.buffer);
-  for (size_t i = 0; i < pixels.size(); ++i)
-    if (other[i] != kGray) pixels[i] = other[i];
-  const Plane both = plane(kFrame, pixels);
+  const Plane one = scene(60, 30, 20), both = together(one, scene(88, 58, 4));
   LimeMaterial::Layers layers;
   for (int i = 0; i < 8; ++i) {
     frame(alone, one);
@@ -29,6 +24,25 @@ TEST_F(LimeTest, AnotherObjectInTheSquareIsNotMixedIn) {
   const Pixels diffuse = download(layers.diffuse->buffer);
   EXPECT_EQ(diffuse[4 * (58 * kFrame.width + 88) + 3], 0) << "nor in the mask";
   EXPECT_GT(diffuse[4 * (30 * kFrame.width + 60) + 3], .9);
+}
+
+TEST_F(LimeTest, WhatWasLeftOutHasNoEstimateBeforeItIsLookedAt) {
+  params.adaptive = false;
+  const Plane other = scene(86, 56, 6, .4F, .9F), both = together(scene(60, 30, 20), other);
+  const double of_nothing = 1 / (1 + std::exp(1));
+  for (delay = 0; delay < 3; delay += 2) {
+    LimeMaterial lime(device, kFrame, HandMadeLime::models());
+    for (int i = 0; i < 8; ++i) frame(lime, both);
+    ASSERT_LT(lime.object().box.left, 50);
+    int estimates = 0;
+    for (int i = 0; i < 8; ++i) {
+      frame(lime, other);
+      if (lime.object().box.left < 70 || !lime.object().known()) continue;
+      EXPECT_GT(lime.object().latest.specular, of_nothing + .01) << delay << ", " << i;
+      ++estimates;
+    }
+    EXPECT_GE(estimates, 3) << delay;
+  }
 }
 
 TEST_F(LimeTest, AnObjectThatIsGoneLeavesNoEstimates) {

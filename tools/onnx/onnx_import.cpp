@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
@@ -330,6 +331,8 @@ class Importer {
 }  // namespace
 
 Graph graph_of(std::span<const std::byte> model, const std::string& name) {
+  if (model.size() > INT_MAX)
+    throw Error(ErrorKind::unsupported, name + ": larger than 2 GiB, which no ONNX file may be");
   onnx::ModelProto proto;
   if (!proto.ParseFromArray(model.data(), static_cast<int>(model.size())) || !proto.has_graph())
     throw Error(ErrorKind::unsupported, name + ": it is no ONNX model, or cut short");

@@ -17,16 +17,13 @@ import torch  # noqa: E402
 
 from lime import corpus, datasets, scores, stages  # noqa: E402
 from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
+from lime.tables import table  # noqa: E402
 import descent  # noqa: E402
 
 BATCH, RATE, TIMES = 32, 1e-3, 3  # TIMES that each sample is used
 # Of each: options of Networks, and whether the rendering loss is used. A network that is like that of `whole` is it.
 VARIANTS = {"whole": ({}, True), "no rendering loss": ({}, False), "no MirrorNet": ({"use_mirror": False}, True),
             "regression": ({"regress": True}, True)}
-COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
-           ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
-           ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
-           ("rendered_mse", "MSE rendered", "{:.5f}"))
 
 
 class Head:
@@ -108,11 +105,7 @@ def main():
             for name, predictions in found.items():
                 rows[name]["rendered_mse"] = scores.rendered_error(
                     items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
-        columns = [c for c in COLUMNS if c[0] in rows["constant"]]
-        lines = ["| | " + " | ".join(c[1] for c in columns) + " |", "|---" * (len(columns) + 1) + "|"]
-        lines += [f"| {name} | " + " | ".join(form.format(row[key]) for key, _, form in columns) + " |"
-                  for name, row in rows.items()]
-        parts.append(f"### {title} ({len(items)})\n\n" + "\n".join(lines))
+        parts.append(f"### {title} ({len(items)})\n\n" + table(rows, needed=rows["constant"]))
     text = "\n\n".join(parts) + "\n"
     print(text)
     (args.out / "ablations.md").write_text(text)

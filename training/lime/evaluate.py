@@ -8,30 +8,17 @@ objects, which lie on black. Pictures of predictions are written to OUT/predicti
 import argparse
 import functools
 import pathlib
+import re
 
 import numpy as np
 from PIL import Image
 
 from lime import corpus, datasets, scores
 from lime.networks import load_checkpoint
+from lime.tables import table
 
-COLUMNS = (("bin_exact", "bin exact", "{:.1%}"), ("bin_adjacent", "exact or next", "{:.1%}"),
-           ("diffuse_mse", "MSE m_d", "{:.4f}"), ("alpha_mse", "MSE α", "{:.4f}"),
-           ("log_specular_mse", "MSE log10 m_s", "{:.4f}"), ("log_shininess_mse", "MSE log10 s", "{:.4f}"),
-           ("mask_iou", "mask IoU", "{:.2%}"), ("found_in_empty", "found where none is", "{:.1%}"),
-           ("layer_mse", "MSE layer", "{:.5f}"),
-           ("layer_relative", "of its power", "{:.2f}"), ("layer_code", "MAE code", "{:.4f}"))
 THESIS = {"bin_exact": 0.4507, "bin_adjacent": 0.8519, "diffuse_mse": 0.0674, "alpha_mse": 0.2158,
           "log_shininess_mse": 0.3073, "mask_iou": 0.9983}
-
-
-def table(rows):
-    columns = [c for c in COLUMNS if any(c[0] in row for row in rows.values())]
-    lines = ["| | " + " | ".join(title for _, title, _ in columns) + " |", "|---" * (len(columns) + 1) + "|"]
-    for name, row in rows.items():
-        cells = [form.format(row[key]) if key in row else "" for key, _, form in columns]
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
 
 
 def picture(items, predictions, path):
@@ -57,20 +44,24 @@ def main():
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
     parser.add_argument("--hdri", default=None)
     parser.add_argument("--count", type=int, default=4000, help="held-out samples of the corpus")
+    parser.add_argument("--seed", type=int, default=datasets.REPORT, help="of the held-out samples")
+    parser.add_argument("--only", default="", help="regular expression: of the sets whose titles have it")
     parser.add_argument("--report", type=pathlib.Path)
     args = parser.parse_args()
     networks = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
     samples = corpus.Corpus(args.hdri)
 
+    @functools.lru_cache(1)
     def held_out(count, flags=0):
-        return datasets.synthetic(samples, datasets.REPORT, count, corpus.TEST | flags, networks.size), False
+        return datasets.synthetic(samples, args.seed, count, corpus.TEST | flags, networks.size)
 
-    sets = {"Held-out shapes and maps": held_out(args.count),
-            "The same, every fourth object painted": held_out(args.count // 4, corpus.MAY_BE_PAINTED),
-            "The same, some of them pale, marked or matte": held_out(args.count // 4, corpus.EVERYDAY),
-            "The same, in whole frames": held_out(args.count // 4, corpus.WHOLE_FRAME)}
+    part = args.count // 4
+    sets = {"Held-out shapes and maps": (lambda: held_out(args.count), False)}  # what loads them; whether their mask is the true one
     for title, stops in (("two stops darker", -2), ("a stop darker", -1), ("a stop brighter", 1)):
-        sets[f"Of the first, {title}"] = datasets.exposed(sets["Held-out shapes and maps"][0][:args.count // 4], stops), False
+        sets[f"Of the first, {title}"] = (lambda stops=stops: datasets.exposed(held_out(args.count)[:part], stops)), False
+    for title, flags in (("every fourth object painted", corpus.MAY_BE_PAINTED), ("some of them pale, marked or matte", corpus.EVERYDAY),
+                         ("in whole frames", corpus.WHOLE_FRAME)):
+        sets[f"The same, {title}"] = (lambda flags=flags: held_out(part, flags)), False
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),
@@ -80,9 +71,12 @@ def main():
         if networks.size != 128:
             print(f"{title}: not scored; its pictures are 128 × 128, and these networks take {networks.size} × {networks.size}")
         elif (args.data / folder).is_dir():
-            sets[title] = (load(args.data / folder), true_mask)
+            sets[title] = functools.partial(load, args.data / folder), true_mask
     parts = []
-    for number, (title, (items, true_mask)) in enumerate(sets.items()):
+    for number, (title, (load, true_mask)) in enumerate(sets.items()):
+        if not re.search(args.only, title):
+            continue
+        items = load()
         predictions = scores.predict(networks, items, true_mask=true_mask)
         rows = {"networks": scores.score(items, predictions), **scores.baselines(items)}
         if number == 0:

@@ -99,115 +99,97 @@ def check(args, path):
     records.keep(path, args)
 
 
-def main():
-    args = arguments()
-    torch.set_num_threads(args.threads)
-    args.out.mkdir(parents=True, exist_ok=True)
+def initial_state(args, path):
+    """What a checkpoint says of a training beside its weights, and those of the checkpoint and its optimizer, or none."""
     size = "wide" if args.wide else "standard"
     variant = {"size": size, "use_mirror": not args.no_mirror, "regress": args.regress, "settled": args.settled}
-    path, optimizer_state = args.out / "checkpoint.pt", None
     state = {"variant": variant, "stages": None, "minutes": MINUTES, "stage": 0, "seconds": 0.0, "samples": 0, "drawn": 0,
              "trained_seconds": 0.0, "seed": 1, "perceptual": True, "plain": False}
-    check(args, path)
+    weights = optimizer = None
     if args.resume:
         saved = torch.load(path, map_location=args.device)
         variant["settled"] |= saved["variant"].setdefault("settled", False)
         if saved["variant"] != variant:
             raise SystemExit(f"{path} holds another variant: {saved['variant']}")
-        saved_networks, optimizer_state = saved.pop("networks"), saved.pop("optimizer")
+        weights, optimizer = saved.pop("networks"), saved.pop("optimizer")
         state.update({"drawn": saved["samples"]}, **saved)
     if args.seed is not None:
         state["seed"] = args.seed
     state["perceptual"] &= not args.no_perceptual
     state["plain"] |= args.plain
-    settled = variant["settled"]
-    torch.manual_seed(state["seed"])
-    networks = Networks(**variant).to(args.device, memory_format=torch.channels_last)
-    anew = set(args.anew.split(",")) if args.anew else set()
-    if anew and settled:
-        raise SystemExit("--anew: settled networks have no normalization to begin with")
-    if not anew <= set(networks.parts()):
-        raise SystemExit(f"--anew {args.anew}: there are {', '.join(networks.parts())}")
-    if args.resume:
-        kept = {name: tensor for name, tensor in saved_networks.items() if name.split(".")[0] not in anew}
-        missing, unexpected = networks.load_state_dict(kept, strict=False)
-        if unexpected or any(name.split(".")[0] not in anew for name in missing):
-            raise SystemExit(f"{path} holds other networks")
+    return state, weights, optimizer
+
+
+def plan_stages(args, state, networks, path):
+    """Which stages are to come, in `state`; whether the checkpoint was amid these."""
     asked = args.stages.split(",") if args.stages else None
     amid = args.resume and state["stage"] < len(stages.stages_of(networks, state["stages"]))
-    if asked and not (amid and asked == state["stages"]):
+    goes_on = amid and asked in (None, state["stages"])
+    if asked and not goes_on:
         state.update(stages=asked, minutes=MINUTES, stage=0, seconds=0.0)
-        optimizer_state = None
     elif args.resume and not amid:
         raise SystemExit(f"{path}: this training has ended; --stages goes on")
     if args.minutes is not None:
         state["minutes"] = args.minutes
-    if anew:
-        optimizer_state = None
-    order = stages.stages_of(networks, state["stages"])
-    print(f"{state['minutes']:g} minutes of {', '.join(s.name for s in order)}", flush=True)
+    return goes_on
 
-    samples = corpus.Corpus(args.hdri)
-    maps = samples.maps(False)
-    print(f"light: procedural rooms and {len(maps)} environment maps" if maps else
-          "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
-    pixels = SIZES[size]["input"]
-    if args.start:
-        files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
-        if settled:
-            warm_start.take(files)
-        else:
-            first = batches_of(samples.render(state["seed"], 0, 64, pixels, corpus.TAUGHT, args.threads), args.device)
-            warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
-    if args.resume:
-        records.cut(args.out / "log.jsonl", state["trained_seconds"] / 60)
-    log = open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8")
 
-    def write(**record):
-        log.write(json.dumps(record) + "\n")
-        log.flush()
+class Training:
+    """Networks, what they learn from, and where they are in it (`state`, as the checkpoint has it)."""
 
-    def save(optimizer):
-        torch.save({**state, "networks": networks.state_dict(), "optimizer": optimizer and optimizer.state_dict()}, str(path) + ".new")
-        pathlib.Path(str(path) + ".new").replace(path)
-        curves.plot(args.out / "log.jsonl", args.out / "curves.png")
+    def __init__(self, args, state, networks, samples, log):
+        self.args, self.state, self.networks, self.samples, self.log = args, state, networks, samples, log
+        self.pixels = SIZES[state["variant"]["size"]]["input"]
+        self.held_back = {}  # by the kind of pictures that a stage learns from
 
-    write(event="start", maps=samples.maps(False), arguments={k: str(v) for k, v in vars(args).items()})
-    held_back = {}  # by the kind of pictures that a stage learns from
-    for number in range(state["stage"], len(order)):
-        stage = order[number]
-        if number != state["stage"]:
-            state.update(stage=number, seconds=0.0)
+    def write(self, **record):
+        self.log.write(json.dumps(record) + "\n")
+        self.log.flush()
+
+    def save(self, optimizer):
+        path = str(self.args.out / "checkpoint.pt")
+        torch.save({**self.state, "networks": self.networks.state_dict(), "optimizer": optimizer and optimizer.state_dict()}, path + ".new")
+        pathlib.Path(path + ".new").replace(path)
+        curves.plot(self.args.out / "log.jsonl", self.args.out / "curves.png")
+
+    def held_out(self, stage, kind):
+        """Loss terms by the names of the log."""
+        if kind not in self.held_back:
+            arrays = self.samples.render(VALIDATION_SEED, 0, HELD_BACK, self.pixels, corpus.TEST | kind, self.args.threads)
+            self.held_back[kind] = batches_of(arrays, self.args.device)
+        terms = validate(stage, self.networks, self.held_back[kind], self.state["perceptual"])
+        return {"held_out_" + name: value for name, value in terms.items()}
+
+    def teach(self, stage, optimizer_state=None):
+        """Goes through a stage, or on with it."""
+        args, state = self.args, self.state
         budget = 60 * state["minutes"] * stage.share
-        learn(stage, networks)
-        learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
+        learn(stage, self.networks)
+        learning = [p for part in stage.parts for p in getattr(self.networks, part).parameters()]
+        settled = state["variant"]["settled"]
         rate = stage.rate * (MUON if settled else 1)
         optimizer = (descent.Muon if settled else torch.optim.Adam)(learning, lr=rate)
         if optimizer_state:
             optimizer.load_state_dict(optimizer_state)
-            optimizer_state = None
         kind = corpus.WHOLE_FRAME if stage.name == "segmentation" else 0
-        flags = corpus.TAUGHT | kind
-        if kind not in held_back:
-            held_back[kind] = batches_of(samples.render(VALIDATION_SEED, 0, HELD_BACK, pixels, corpus.TEST | kind, args.threads), args.device)
         stream, stream_pixels = None, 0
         means, count, saved = {}, 0, time.monotonic()
         while state["seconds"] < budget:
             started = time.monotonic()
             progress = state["seconds"] / budget
             coarse = progress < stage.coarse
-            if stream_pixels != pixels >> coarse:
-                stream_pixels, batch = pixels >> coarse, stage.batch << 2 * coarse
+            if stream_pixels != self.pixels >> coarse:
+                stream_pixels, batch = self.pixels >> coarse, stage.batch << 2 * coarse
                 if stream:
                     stream.close()
-                stream = corpus.Stream(samples, state["seed"], state["drawn"], batch, stream_pixels, flags, args.workers,
-                                       args.device, twice=True, second_flags=0 if state["plain"] else None)
+                stream = corpus.Stream(self.samples, state["seed"], state["drawn"], batch, stream_pixels, corpus.TAUGHT | kind,
+                                       args.workers, args.device, twice=True, second_flags=0 if state["plain"] else None)
                 batches = corpus.Again(stream, stage.times)
             given = next(batches)
             with torch.autocast(torch.device(args.device).type, torch.bfloat16, enabled=args.bfloat16):
                 if stage.times > 1 and not given.found:
-                    given.found = stages.find_layers(networks, given)
-                terms = stages.stage_losses(stage.name, networks, given, state["perceptual"])
+                    given.found = stages.find_layers(self.networks, given)
+                terms = stages.stage_losses(stage.name, self.networks, given, state["perceptual"])
             descent.step(optimizer, sum(terms.values()), descent.rate_of(rate, progress, count))
             count += 1
             state["samples"] += batch
@@ -221,19 +203,68 @@ def main():
                 record = {name: value / 50 for name, value in means.items()}
                 means = {}
                 if count % 200 == 0:
-                    record.update({"held_out_" + k: v for k, v in
-                                   validate(stage, networks, held_back[kind], state["perceptual"]).items()})
-                write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
-                      rate=optimizer.param_groups[0]["lr"], **record)
+                    record.update(self.held_out(stage, kind))
+                self.write(stage=stage.name, samples=state["samples"], minutes=state["trained_seconds"] / 60,
+                           rate=optimizer.param_groups[0]["lr"], **record)
             if time.monotonic() - saved > 60:
-                save(optimizer)
+                self.save(optimizer)
                 saved = time.monotonic()
         if stream:
             stream.close()
-        write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
-              **{"held_out_" + k: v for k, v in validate(stage, networks, held_back[kind], state["perceptual"]).items()})
-        state.update(stage=number + 1, seconds=0.0)
-        save(None)  # the optimizer of an ended stage is of no use to the next one
+        self.write(event="end", stage=stage.name, minutes=state["trained_seconds"] / 60, samples=state["samples"],
+                   **self.held_out(stage, kind))
+
+
+def main():
+    args = arguments()
+    torch.set_num_threads(args.threads)
+    args.out.mkdir(parents=True, exist_ok=True)
+    path = args.out / "checkpoint.pt"
+    check(args, path)
+    state, weights, optimizer_state = initial_state(args, path)
+    settled = state["variant"]["settled"]
+    torch.manual_seed(state["seed"])
+    networks = Networks(**state["variant"]).to(args.device, memory_format=torch.channels_last)
+    anew = set(args.anew.split(",")) if args.anew else set()
+    if anew and settled:
+        raise SystemExit("--anew: settled networks have no normalization to begin with")
+    if not anew <= set(networks.parts()):
+        raise SystemExit(f"--anew {args.anew}: there are {', '.join(networks.parts())}")
+    if args.resume:
+        kept = {name: tensor for name, tensor in weights.items() if name.split(".")[0] not in anew}
+        missing, unexpected = networks.load_state_dict(kept, strict=False)
+        if unexpected or any(name.split(".")[0] not in anew for name in missing):
+            raise SystemExit(f"{path} holds other networks")
+    goes_on = plan_stages(args, state, networks, path)
+    if anew or not goes_on:
+        optimizer_state = None
+    order = stages.stages_of(networks, state["stages"])
+    print(f"{state['minutes']:g} minutes of {', '.join(s.name for s in order)}", flush=True)
+
+    samples = corpus.Corpus(args.hdri)
+    maps = samples.maps(False)
+    print(f"light: procedural rooms and {len(maps)} environment maps" if maps else
+          "light: procedural rooms only, as no environment maps are at hand (--hdri)", flush=True)
+    if args.start:
+        files = {network: path for network, path in exported(networks, args.start).items() if path.stem not in anew}
+        if settled:
+            warm_start.take(files)
+        else:
+            arrays = samples.render(state["seed"], 0, 64, SIZES[state["variant"]["size"]]["input"], corpus.TAUGHT, args.threads)
+            first = batches_of(arrays, args.device)
+            warm_start.load(files, lambda: [run(networks, batch, anew) for batch in first])
+    if args.resume:
+        records.cut(args.out / "log.jsonl", state["trained_seconds"] / 60)
+    with open(args.out / "log.jsonl", "a" if args.resume else "w", encoding="utf-8") as log:
+        training = Training(args, state, networks, samples, log)
+        training.write(event="start", maps=maps, arguments={k: str(v) for k, v in vars(args).items()})
+        for number in range(state["stage"], len(order)):
+            if number != state["stage"]:
+                state.update(stage=number, seconds=0.0)
+            training.teach(order[number], optimizer_state)
+            optimizer_state = None
+            state.update(stage=number + 1, seconds=0.0)
+            training.save(None)  # the optimizer of an ended stage is of no use to the next one
 
 
 main()
