@@ -262,6 +262,12 @@ void Commands::copy(const BufferPtr& source, const BufferPtr& target, uint64_t b
   vkCmdCopyBuffer(buffer_, source->handle(), target->handle(), 1, &region);
 }
 
+BufferPtr Commands::resident(const BufferPtr& uploaded) {
+  BufferPtr buffer = Buffer::create(device_, uploaded->element(), uploaded->count());
+  copy(uploaded, buffer, uploaded->bytes());
+  return buffer;
+}
+
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
   if (in_when_) {
     const struct {

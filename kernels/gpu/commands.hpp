@@ -79,6 +79,9 @@ class Commands {
   /// Copies `bytes` from one buffer to another.
   void copy(const BufferPtr& source, const BufferPtr& target, uint64_t bytes,
             uint64_t source_offset = 0, uint64_t target_offset = 0);
+  /// A buffer of memory that kernels read fast, with what this one holds: for what is uploaded once
+  /// and read often.
+  BufferPtr resident(const BufferPtr& uploaded);
   /// Sets every 32-bit word of a buffer.
   void fill(const BufferPtr& buffer, uint32_t word = 0);
 

@@ -16,7 +16,7 @@ INVERSE_SHADER(material_specular_out);
 namespace inverse {
 namespace {
 
-/// Whether most of an object's points are among those that were left out for it.
+/// Whether most of an object's points were left out, for another one's sake.
 bool mostly(std::span<const uint8_t> object, std::span<const uint8_t> left_out) {
   if (left_out.empty()) return false;
   size_t points = 0, among = 0;

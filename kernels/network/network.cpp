@@ -54,11 +54,10 @@ Network::Network(const std::shared_ptr<gpu::Device>& device, Graph graph,
 
 gpu::BufferPtr Network::weights_of(const Step& step, gpu::Commands& commands) {
   const std::vector<float> packed = packed_weights(graph_, plan_, step);
-  auto staged =
+  const auto staged =
       gpu::Buffer::create(device_, gpu::Element::vec4, packed.size() / 4, gpu::Memory::upload);
   memcpy(staged->map(), packed.data(), packed.size() * sizeof(float));
-  auto weights = gpu::Buffer::create(device_, gpu::Element::vec4, packed.size() / 4);
-  commands.copy(staged, weights, staged->bytes());
+  gpu::BufferPtr weights = commands.resident(staged);
   weight_bytes_ += weights->bytes();
   return weights;
 }

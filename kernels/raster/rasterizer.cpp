@@ -47,19 +47,26 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
       groups_(divided(triangles_, group_)) {
   using gpu::Buffer, gpu::Element, gpu::Memory;
   const uint64_t records = uint64_t{4} * groups_ * group_;
-  corners_ = Buffer::create(device, Element::vec4, uint64_t{2} * corner_count_, Memory::upload);
-  indices_ = Buffer::create(device, Element::word, mesh.indices.size(), Memory::upload);
-  placed_ = Buffer::create(device, Element::vec4, corners_->count());
+  const auto corners =
+      Buffer::create(device, Element::vec4, uint64_t{2} * corner_count_, Memory::upload);
+  const auto indices = Buffer::create(device, Element::word, mesh.indices.size(), Memory::upload);
+  placed_ = Buffer::create(device, Element::vec4, corners->count());
   records_ = Buffer::create(device, Element::vec4, records);
   boxes_ = Buffer::create(device, Element::vec4, groups_);
   bounds_ = Buffer::create(device, Element::vec4, records / 4);
-  auto* corner = corners_->map_as<std::array<float, 4>>();
+  auto* corner = corners->map_as<std::array<float, 4>>();
   for (size_t i = 0; i < corner_count_; ++i) {
     const Mesh::Vec3 &p = mesh.positions[i], &n = mesh.normals[i];
     *corner++ = {p[0], p[1], p[2], 0};
     *corner++ = {n[0], n[1], n[2], 0};
   }
-  memcpy(indices_->map(), mesh.indices.data(), indices_->bytes());
+  memcpy(indices->map(), mesh.indices.data(), indices->bytes());
+  gpu::Commands commands(device);
+  commands.begin();
+  corners_ = commands.resident(corners);
+  indices_ = commands.resident(indices);
+  commands.submit();
+  commands.wait();
 }
 
 Rasterizer::Push Rasterizer::prepare(gpu::Commands& commands, const MeshView& view, Extent extent) {

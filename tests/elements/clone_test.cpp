@@ -432,8 +432,8 @@ TEST_F(CloneTest, ALargeMeshIsAWarningOfSoftwareDevices) {
   };
   EXPECT_TRUE(warnings(100'000).empty());
   const auto told = warnings(100'001);
-  if (!gpu::Device::open()->is_cpu()) GTEST_SKIP() << "the device is no software";
-  ASSERT_EQ(told.size(), 1u);
+  ASSERT_EQ(told.size(), gpu::Device::open()->is_cpu() ? 1u : 0u);
+  if (told.empty()) return;
   EXPECT_NE(told.front().find("100001 triangles"), std::string::npos) << told.front();
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scores a checkpoint, or exported networks: evaluate.py [--checkpoint out/lime/checkpoint.pt | models/lime]. Prints Markdown and writes it with --report.
 
-Sets: held-out samples of the corpus, of a seed that no choice was made by; the rendered evaluation set `materials` and its
+Sets: held-out samples of the corpus, of a seed that no choice was made by (but with --seed); the rendered evaluation set `materials` and its
 path-traced GGX part; MIT's real objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
 objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
 """
@@ -61,7 +61,7 @@ def main():
         sets[f"Of the first, {title}"] = (lambda stops=stops: datasets.exposed(held_out(args.count)[:part], stops)), False
     for title, flags in (("every fourth object painted", corpus.MAY_BE_PAINTED), ("some of them pale, marked or matte", corpus.EVERYDAY),
                          ("in whole frames", corpus.WHOLE_FRAME)):
-        sets[f"The same, {title}"] = (lambda flags=flags: held_out(part, flags)), False
+        sets[f"As the first, {title}"] = (lambda flags=flags: held_out(part, flags)), False
     for title, load, folder, true_mask in (
             ("`materials`, Blinn-Phong", datasets.materials, "materials", False),
             ("`materials`, GGX path-traced", datasets.ggx, "materials/cycles_ggx", True),
@@ -87,6 +87,8 @@ def main():
             parts.append("Bins, true by row, in %:\n\n```\n" +
                          "\n".join(" ".join(f"{100 * x:3.0f}" for x in row) for row in shares) + "\n```")
         picture(items, predictions, args.out / f"predictions-{number}.png")
+    if not parts:
+        raise SystemExit(f"--only {args.only}: there are {', '.join(sets)}")
     text = "\n\n".join(parts) + "\n"
     print(text)
     if args.report:
