@@ -38,9 +38,8 @@ G_BEGIN_DECLS
  * of the object in it, 1 = full scale; w = the object's mask, 0...1
  * @GST_INVERSE_ROLE_SPECULAR: of `material` frames: these highlights, linear RGB (all three alike
  * as limematerial makes them, but where a channel of the frame is at its end), so that diffuse +
- * specular is the input; w = the mirror image, what
- * the object would reflect if it were a perfect mirror of its specular albedo: linear, gray, may
- * exceed 1, 0 outside of the mask
+ * specular is the input; w = the mirror image, what the object would reflect if it were a mirror of
+ * its specular albedo: linear, gray, may exceed 1, 0 outside of the mask
  * @GST_INVERSE_ROLE_GRADIENT_A: of `gradients` frames: the subject under gradient A of a light
  * stage, linear RGB, 1 = full scale; w = alpha
  * @GST_INVERSE_ROLE_GRADIENT_B: the same under gradient B; A + B is the subject under all lights

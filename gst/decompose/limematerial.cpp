@@ -27,14 +27,13 @@ enum class LightNormals { none, silhouette };
 struct Params : LimeMaterial::Params {
   LimeShow show = LimeShow::diffuse;
   std::string models;
-  bool light_wanted = false;
+  bool tell_light = false;
   LightNormals normals = LightNormals::silhouette;
   std::string normal_map, environment_location;
   float preview_size = 0.3F;
 
-  /// Whether anybody wants to know the light.
   bool asks_for_light() const {
-    return light_wanted || show == LimeShow::preview || !environment_location.empty();
+    return tell_light || show == LimeShow::preview || !environment_location.empty();
   }
 };
 
@@ -81,7 +80,7 @@ const PropertyTable<Params>& table() {
           "the picture rests"),
       number<P>("recheck", &P::recheck, 1, 1000,
                 "The material of an object that rests is estimated every so many frames"),
-      flag<P>("light", &P::light_wanted,
+      flag<P>("light", &P::tell_light,
               "Estimate the light around the object, for GstMaterialMeta and save-environment; "
               "show=preview and environment-location do without being asked"),
       choice<P>("normals", &P::normals, "GstInverseLightNormals",
@@ -158,6 +157,7 @@ class LimeElement final : public Filter {
     publish();
   }
   void release() override {
+    held_.reset();
     method_.reset();
     mosaic_.reset();
     preview_.reset();
@@ -168,6 +168,7 @@ class LimeElement final : public Filter {
     parameters_.publish(std::nullopt);
   }
   void reset() override {
+    held_.reset();
     method_->reset();
     preview_.reset();  // what was recorded of it may not have been computed
     publish();
@@ -196,77 +197,108 @@ class LimeElement final : public Filter {
 
   void process(FrameWork& frame) override {
     Params params = parameters_.snapshot();
-    params.lit = params.asks_for_light();
+    params.light_asked = params.asks_for_light();
+    params.layers_asked =
+        !frame.draw || (params.show != LimeShow::input && params.show != LimeShow::preview);
     params.light.inflate = params.normals == LightNormals::silhouette;
     params.light.fit.memory = params.fusion.memory;
     written_ = false;
     const PlanePtr input = frame.layers[Role::input];
     const bool still = !changed_within(frame.changed, extent_, method_->square());
     tell(frame);
-    numbers_[frame.number % numbers_.size()] = method_->recorded();
+    const uint64_t number = method_->recorded();
     method_->record(frame.commands, *input, params, still);
     frame.decorate = [object = method_->object(),
                       light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
       attach(buffer, object, light.get());
     };
-    if (!frame.draw) {
-      const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
-      frame.layers = material_layers(input, layers.diffuse, layers.gloss);
-      return;
-    }
-    if (params.show == LimeShow::input || params.show == LimeShow::preview) {
-      frame.picture = {input};
-      if (params.show == LimeShow::preview && method_->object().known()) preview(frame, params);
-      return;
-    }
-    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
-    switch (params.show) {
-      case LimeShow::input:
-      case LimeShow::preview:
-        break;
-      case LimeShow::mask:
-        frame.picture = {layers.diffuse, true};
-        break;
-      case LimeShow::specular:
-        frame.picture = {layers.gloss};
-        break;
-      case LimeShow::diffuse:
-        frame.picture = {layers.diffuse};
-        break;
-      case LimeShow::mirror:
-        frame.picture = {layers.gloss, true};
-        break;
-      case LimeShow::mosaic:
-        frame.picture = {planes_->acquire()};
-        mosaic_->record(frame.commands, quarters(*input, *layers.diffuse, *layers.gloss),
-                        *frame.picture.plane);
-        break;
-    }
+    const State state{method_->news(), method_->light(), frame.draw, params.show,
+                      params.preview_size};
+    const bool again = frame.repeated && held_ && held_->state == state;
+    past_[frame.number % past_.size()] = {number, again};
+    if (!again) held_ = {state, draw(frame, params, input)};
+    frame.layers = held_->drawn.layers;
+    frame.picture = held_->drawn.picture;
+    frame.same_picture = again;
+    if (!frame.hold) held_.reset();
   }
 
   void took(uint64_t number, double) override {
-    method_->done(numbers_[number % numbers_.size()]);
+    method_->done(past(number).method);
     publish();
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const LimeMaterial::Report& report = method_->report(numbers_[number % numbers_.size()]);
+    const LimeMaterial::Report& report = method_->report(past(number).method);
     const bool asked = parameters_.snapshot().asks_for_light();
-    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "segmentations",
-                      G_TYPE_UINT64, report.segmentations, "estimates", G_TYPE_UINT64,
-                      report.estimates, "light-views", G_TYPE_UINT64,
+    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "kept", G_TYPE_BOOLEAN,
+                      past(number).kept, "segmentations", G_TYPE_UINT64, report.segmentations,
+                      "estimates", G_TYPE_UINT64, report.estimates, "light-views", G_TYPE_UINT64,
                       asked ? method_->light_views() : 0, "network-bytes", G_TYPE_UINT64,
                       method_->network_bytes(), nullptr);
     describe_object(stats, method_->object());
   }
 
  private:
-  void preview(FrameWork& frame, const Params& params) {
+  /// What goes out of a frame: layers, or a picture of them.
+  struct Drawn {
+    Layers layers;
+    Picture picture;
+  };
+  /// What that depends on, beside the frame: where it is the same for a frame that is the one
+  /// before, so is what goes out.
+  struct State {
+    uint64_t news;
+    std::shared_ptr<const Environment> light;
+    bool pictures;
+    LimeShow show;
+    float preview_size;
+    bool operator==(const State&) const = default;
+  };
+
+  /// A frame that may be in flight: the method's number of it, and whether what went out is what
+  /// did with the one before.
+  struct Past {
+    uint64_t method = 0;
+    bool kept = false;
+  };
+  const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
+
+  Drawn draw(FrameWork& frame, const Params& params, const PlanePtr& input) {
+    if (params.show == LimeShow::preview && frame.draw)
+      return {frame.layers, preview(frame, params, input)};
+    if (!params.layers_asked) return {frame.layers, {input}};
+    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
+    if (!frame.draw) return {material_layers(input, layers.diffuse, layers.gloss), {}};
+    return {frame.layers, picture(frame, params.show, *input, layers)};
+  }
+
+  Picture picture(FrameWork& frame, LimeShow show, const Plane& input,
+                  const LimeMaterial::Layers& layers) {
+    switch (show) {
+      case LimeShow::mask:
+        return {layers.diffuse, true};
+      case LimeShow::specular:
+        return {layers.gloss};
+      case LimeShow::mirror:
+        return {layers.gloss, true};
+      case LimeShow::mosaic: {
+        const PlanePtr tiles = planes_->acquire();
+        mosaic_->record(frame.commands, quarters(input, *layers.diffuse, *layers.gloss), *tiles);
+        return {tiles};
+      }
+      default:
+        return {layers.diffuse};
+    }
+  }
+
+  Picture preview(FrameWork& frame, const Params& params, const PlanePtr& input) {
+    if (!method_->object().known()) return {input};
     if (!preview_) preview_.emplace(device_);
-    const PlanePtr input = frame.picture.plane;
-    frame.picture = {planes_->acquire()};
+    const PlanePtr with_sphere = planes_->acquire();
     preview_->record(frame.commands, *input, method_->object().material, method_->light(),
-                     params.preview_size, *frame.picture.plane);
+                     params.preview_size, *with_sphere);
+    return {with_sphere};
   }
 
   void warm_up() {
@@ -370,7 +402,12 @@ class LimeElement final : public Filter {
   std::optional<Mosaic> mosaic_;
   std::optional<MaterialPreview> preview_;
   std::optional<PlanePool> planes_;
-  std::array<uint64_t, gpu::kFramesInFlight> numbers_{};  // the method's, by the frame's
+  struct Held {
+    State state;
+    Drawn drawn;
+  };
+  std::optional<Held> held_;  // of the frame before
+  std::array<Past, gpu::kFramesInFlight> past_{};
   std::optional<Material> told_;
 
   std::shared_ptr<gpu::Device> device_;

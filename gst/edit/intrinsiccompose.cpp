@@ -52,7 +52,8 @@ const PropertyTable<Params>& table() {
             "The frame without its object's highlights (limematerial)"},
            {static_cast<int>(Show::specular), "specular", "The object's highlights (limematerial)"},
            {static_cast<int>(Show::mirror), "mirror",
-            "What the object would reflect if it were a perfect mirror (limematerial)"}},
+            "What the object would reflect if it were a mirror of its specular albedo "
+            "(limematerial)"}},
           "What to show"),
       number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
                 "The base color whose layer show=layer shows"),

@@ -3,7 +3,7 @@
 #include "guided.glsl"
 
 // What guided_lines.comp does, in three channels: probability = slopes · color + offset. Points of probability 0 are not of the
-// object for another reason than what they look like (own.comp), or very surely not: they do not count.
+// object for another reason than what they look like (drop_foreign.comp), or very surely not: they do not count.
 PLANE_IN(0, points);   // color, probability
 PLANE_OUT(1, result);  // slopes, offset
 layout(push_constant) uniform Push { int side; } push;

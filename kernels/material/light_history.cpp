@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "network_schedule.hpp"
-
 namespace inverse {
 namespace {
 
@@ -42,7 +40,7 @@ void LightHistory::compare(std::span<const float> image, std::span<const uint8_t
                            uint32_t side, bool begins, bool in_place) {
   if (begins) change_.keep(image, mask, side);
   changed_ = change_.since(image, mask, side);
-  if (!in_place || changed_.moved >= NetworkSchedule::kMoved) change_.reset();
+  if (!in_place || changed_.moved >= ObjectTracker::kMoved) change_.reset();
 }
 
 std::optional<CropChange::Difference> LightHistory::changed() const {

@@ -2,20 +2,17 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "../gpu/commands.hpp"
 #include "../image/plane.hpp"
-#include "../network/network.hpp"
 #include "crop_change.hpp"
-#include "guided_layers.hpp"
 #include "light_history.hpp"
 #include "lime_models.hpp"
+#include "lime_networks.hpp"
 #include "material_fusion.hpp"
 #include "network_schedule.hpp"
 #include "object_tracker.hpp"
-#include "under_highlights.hpp"
 
 namespace inverse {
 
@@ -26,17 +23,18 @@ namespace inverse {
 /// square that is looked at, and the material, follow by as many frames as are in flight. Where the
 /// last frame that is done had no object, SegmentationNet runs alone; so it does where an object
 /// rests and its material is known, but for one frame in `recheck`; and where the picture rests as
-/// well, not even that. Where layers or the light are wanted an object whose picture changes does
-/// not rest.
+/// well, not even that. Where layers or the light are asked for an object whose picture changes
+/// does not rest.
 class LimeMaterial {
  public:
   struct Params {
     MaterialFusion::Params fusion;
     uint32_t recheck =
         8;  ///< a resting object with a steady material is looked at every so many frames
-    float steady = 0.02F;  ///< MaterialFusion::steady's limit, below which a material is known
-    bool adaptive = true;  ///< whether anything is left out at all
-    bool lit = false;      ///< whether the light is wanted
+    float steady = 0.02F;       ///< MaterialFusion::steady's limit, below which a material is known
+    bool adaptive = true;       ///< whether anything is left out at all
+    bool layers_asked = false;  ///< whether `record_layers` follows
+    bool light_asked = false;
     ObjectLight::Params light;
   };
   /// What ran for a frame, and what it found; for `stats`.
@@ -61,11 +59,7 @@ class LimeMaterial {
   /// For frames of this size. Throws as network::Network.
   LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent extent, LimeModels models);
 
-  /// The layers of a frame: `diffuse` has linear RGB without the specular layer, w = mask; `gloss`
-  /// the specular layer (gray, linear) in rgb, w = mirror image.
-  struct Layers {
-    PlanePtr diffuse, gloss;
-  };
+  using Layers = LimeNetworks::Layers;
   /// Records the networks that a frame needs. `still`: within `square()` it is, pixel by pixel, the
   /// one before.
   void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
@@ -80,7 +74,7 @@ class LimeMaterial {
   /// Normals of the frames to come, for the light; null: none are known.
   void set_normal_map(std::shared_ptr<const NormalMap> map) { normal_map_ = std::move(map); }
   /// The light, by the last frame that is done and told of it; null while it is not known, or not
-  /// wanted. It stays when the object goes, until another one tells of it.
+  /// asked for. It stays when the object goes, until another one tells of it.
   const std::shared_ptr<const Environment>& light() const { return light_.light(); }
   /// Views of the object that are in the light.
   uint64_t light_views() const { return light_.views(); }
@@ -94,7 +88,10 @@ class LimeMaterial {
   const Object& object() const { return object_; }
   const Report& report(uint64_t number) const { return slot(number).report; }
   /// Bytes of device memory that the networks take.
-  uint64_t network_bytes() const;
+  uint64_t network_bytes() const { return networks_.bytes(); }
+  /// Another number whenever layers, object or light may be others than they were for the frame
+  /// recorded before, but for what changed in the frame itself.
+  uint64_t news() const { return news_; }
 
  private:
   struct Slot {
@@ -109,26 +106,18 @@ class LimeMaterial {
     uint64_t epoch = 0;
   };
   const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
-  bool wants_light(const Params& params) const;
+  bool finds_light(const Params& params) const;
   NetworkSchedule::Known known(const Params& params, bool still) const;
-  void record_segmentation(gpu::Commands& commands, const Plane& frame, Slot& slot);
-  void leave_out(gpu::Commands& commands, Slot& slot);
-  void record_networks(gpu::Commands& commands, Slot& slot);
+  void look(gpu::Commands& commands, const Plane& frame, Slot& slot);
+  void estimate(gpu::Commands& commands, Slot& slot);
   static void read_back(gpu::Commands& commands, const gpu::BufferPtr& source,
                         gpu::BufferPtr& copy);
   void take_light(const Slot& slot);
   void compare(const Slot& slot);
-  Layers draw_layers(gpu::Commands& commands, const Plane& frame, bool known);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
-  uint32_t side_;
-  network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
-  gpu::KernelPtr crop_, own_, masked_, specular_out_, mirror_out_;
-  GuidedLayers guided_;
-  UnderHighlights under_;
-  std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
-  PlanePool planes_;
+  LimeNetworks networks_;
   std::array<Slot, gpu::kFramesInFlight> slots_;
 
   ObjectTracker tracker_;
@@ -140,9 +129,7 @@ class LimeMaterial {
   CropChange change_;         // since the frame that they are of
   CropChange::Difference changed_;
   NetworkSchedule schedule_;
-  bool drawn_ = false;                         // layers of the last frame were
-  bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
-  uint64_t recorded_ = 0, epoch_ = 0;
+  uint64_t recorded_ = 0, epoch_ = 0, news_ = 0;
   uint64_t segmentations_ = 0, estimates_ = 0;  // so far
 
   LightHistory light_;

@@ -76,9 +76,12 @@ Material mix(const Material& one, float share, const Material& other) {
   return material_of(mixed);
 }
 
-bool finite(const Material& m) {
+/// Whether all are numbers, and the bins probabilities.
+bool sound(const Material& m) {
   const Numbers all = numbers_of(m);
-  return std::all_of(all.begin(), all.end(), [](float v) { return std::isfinite(v); });
+  return std::all_of(all.begin(), all.end(), [](float v) { return std::isfinite(v); }) &&
+         std::all_of(m.bins.begin(), m.bins.end(), [](float p) { return p >= 0; }) &&
+         std::any_of(m.bins.begin(), m.bins.end(), [](float p) { return p > 0; });
 }
 
 constexpr float kRecent = 0.1F;  // share of the last estimate in what goes by the last ones
@@ -88,7 +91,7 @@ constexpr float kRecent = 0.1F;  // share of the last estimate in what goes by t
 void MaterialFusion::reset() { *this = {}; }
 
 void MaterialFusion::add(const Material& estimate, const Params& params) {
-  if (!finite(estimate)) return;
+  if (!sound(estimate)) return;
   window_.push_back(estimate);
   if (window_.size() > kWindow) window_.pop_front();
   const Material middle = median(window_);

@@ -20,7 +20,8 @@ class MaterialFusion {
     float other = 0.2F;
   };
 
-  /// Takes the estimate of one frame.
+  /// Takes the estimate of one frame, unless it is none: a number that is none, bins that are no
+  /// probabilities.
   void add(const Material& estimate, const Params& params);
   void reset();
 

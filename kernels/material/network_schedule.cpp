@@ -5,15 +5,15 @@
 namespace inverse {
 namespace {
 
-bool is_watched(const NetworkSchedule::Known& known) { return known.drawn || known.lit; }
+bool is_watched(const NetworkSchedule::Known& known) { return known.draws || known.finds_light; }
 
 /// Whether its lamps changed, at once or little by little.
 bool is_relit(const NetworkSchedule::Known& known) {
   const auto beyond = [](const auto& difference, float moved) {
     return difference && difference->mean > NetworkSchedule::kRelit + moved;
   };
-  return known.lit && (beyond(known.changed, known.moved) ||
-                       (known.relit && beyond(known.relit, known.relit->moved)));
+  return known.finds_light && (beyond(known.changed, known.moved) ||
+                               (known.relit && beyond(known.relit, known.relit->moved)));
 }
 
 bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
@@ -21,7 +21,7 @@ bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& 
   // Whoever begins to draw layers finds those of a picture that nobody has kept.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
-  return known.steady && known.moved < NetworkSchedule::kMoved && !stale;
+  return known.steady && known.moved < ObjectTracker::kMoved && !stale;
 }
 
 }  // namespace
@@ -36,7 +36,8 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
     follow_ = 0;
   else if (relit)
     follow_ = kFollow;
-  rested_in_place_ = resting || (rested_in_place_ && !relit && known.found && known.moved < kMoved);
+  rested_in_place_ =
+      resting || (rested_in_place_ && !relit && known.found && known.moved < ObjectTracker::kMoved);
   // What had no object has none when it comes again, or what is found in it is on its way.
   const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
 
@@ -46,9 +47,9 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
   plan.estimates = !rest && (known.found || !params.adaptive);
   if (plan.segments) searched_ = known.square;
   if (plan.estimates) {
-    plan.light_anew = known.lit && follow_ > 0;
-    plan.lights =
-        known.lit && (plan.light_anew || known.views < kEarlyViews || estimates_ % kViewEvery == 0);
+    plan.light_anew = known.finds_light && follow_ > 0;
+    plan.lights = known.finds_light &&
+                  (plan.light_anew || known.views < kEarlyViews || estimates_ % kViewEvery == 0);
     if (follow_) --follow_;
     ++estimates_;
   }

@@ -18,15 +18,15 @@ class NetworkSchedule {
   };
   /// What is known when a frame comes, by the last one that is done.
   struct Known {
-    Square square;        ///< the frame is looked at in
-    bool still = false;   ///< pixel by pixel it is the one before, there
-    bool found = false;   ///< there is an object
-    bool placed = false;  ///< and its layers, from a look at that very square
-    float moved = 1;      ///< share of its points
-    bool steady = false;  ///< its material is known
-    bool drawn = false;   ///< its layers were, with the last frame
-    bool lit = false;     ///< its light is wanted, and can be told
-    uint64_t views = 0;   ///< of it that are in the light
+    Square square;             ///< the frame is looked at in
+    bool still = false;        ///< pixel by pixel it is the one before, there
+    bool found = false;        ///< there is an object
+    bool placed = false;       ///< and its layers, from a look at that very square
+    float moved = 1;           ///< share of its points
+    bool steady = false;       ///< its material is known
+    bool draws = false;        ///< its layers are asked for
+    bool finds_light = false;  ///< its light is, and can be told
+    uint64_t views = 0;        ///< of it that are in the light
     /// Its picture, since it had those layers; none: nobody has kept that picture.
     std::optional<CropChange::Difference> changed;
     /// The same since it rests, or its light began; none: it moves.
@@ -46,8 +46,6 @@ class NetworkSchedule {
   void restart() { *this = {}; }
   Plan next(const Params& params, const Known& known);
 
-  /// Share of the object's points that move: less is rest.
-  static constexpr float kMoved = 0.02F;
   /// Layers of a resting object are of an earlier frame while no part of its picture differs by
   /// more: sRGB, five code values.
   static constexpr float kChanged = 0.02F;

@@ -58,9 +58,11 @@ class ObjectTracker {
   /// and where another object than this one was in the last look, or near it. Empty where there is
   /// no such point.
   std::vector<uint8_t> foreign(const Square& square, uint32_t side) const;
-  /// Share of the object's points that are no longer, or were not before, of the object: 0 where it
-  /// rests.
+  /// Share of the object's points that are no longer, or were not before, of the object.
   float moved() const { return moved_; }
+  /// Less than this is rest.
+  static constexpr float kMoved = 0.02F;
+  bool rests() const { return moved_ < kMoved; }
 
  private:
   Square whole() const;

@@ -11,7 +11,7 @@ INVERSE_SHADER(network_activate);
 INVERSE_SHADER(network_concat);
 INVERSE_SHADER(network_convolve1);
 INVERSE_SHADER(network_convolve3);
-INVERSE_SHADER(network_convolve3_half);
+INVERSE_SHADER(network_convolve3_stride2);
 INVERSE_SHADER(network_dense);
 INVERSE_SHADER(network_global_mean);
 INVERSE_SHADER(network_max_pool);
@@ -21,9 +21,9 @@ INVERSE_SHADER(network_upsample);
 namespace inverse::network {
 namespace {
 
-constexpr uint32_t kRows = 8;      // convolve3.comp
-constexpr uint32_t kHalfRows = 4;  // convolve3_half.comp
-constexpr uint32_t kPixels = 8;    // convolve1.comp
+constexpr uint32_t kRows = 8;         // convolve3.comp
+constexpr uint32_t kStridedRows = 4;  // convolve3_stride2.comp
+constexpr uint32_t kPixels = 8;       // convolve1.comp
 
 struct Size {
   explicit Size(const Shape& s)
@@ -80,11 +80,53 @@ void Network::add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::Buff
   dispatches_.push_back(std::move(dispatch));
 }
 
+void Network::prepare_convolve1(const Step& step, gpu::Commands& commands) {
+  const Node& node = graph_.nodes[step.node];
+  const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made_by(step)];
+  const struct {
+    Size size, source;
+    int32_t source_blocks, blocks, stride;
+    float slope;
+  } push{Size(out), Size(in), block_count(in), block_count(out), static_cast<int32_t>(node.stride),
+         node.slope};
+  const uint64_t lanes = (uint64_t{out.height} * out.width + kPixels - 1) / kPixels;
+  const auto activation = static_cast<uint32_t>(node.activation);
+  add(step, device_->kernel(shaders::network_convolve1, {activation}),
+      {buffer_of(step.sources[0].value), weights_of(step, commands), buffer_of(made_by(step))},
+      push, lanes * blocks_of(out.channels));
+}
+
+void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
+  const Node& node = graph_.nodes[step.node];
+  const Source &first = step.sources[0], &second = step.sources.back();
+  const bool two = step.sources.size() == 2, strided = node.stride == 2;
+  const Shape &source = plan_.shapes[node.inputs[0]], &out = plan_.shapes[made_by(step)];
+  const struct {
+    Size size, source;
+    int32_t first_blocks, second_blocks, blocks;
+    float slope;
+  } push{Size(out),
+         Size(source),
+         block_count(plan_.shapes[first.value]),
+         two ? block_count(plan_.shapes[second.value]) : 0,
+         block_count(out),
+         node.slope};
+  const uint32_t rows = strided ? kStridedRows : kRows;
+  const uint64_t strips = (out.height + rows - 1) / rows;
+  const auto activation = static_cast<uint32_t>(node.activation);
+  add(step,
+      strided ? device_->kernel(shaders::network_convolve3_stride2, {activation})
+              : device_->kernel(shaders::network_convolve3, {activation, first.upsampled, two}),
+      {buffer_of(first.value), buffer_of(second.value), weights_of(step, commands),
+       buffer_of(made_by(step))},
+      push, strips * out.width * blocks_of(out.channels));
+}
+
 void Network::prepare(const Step& step, gpu::Commands& commands) {
   const Node& node = graph_.nodes[step.node];
-  const auto made = static_cast<uint32_t>(graph_.inputs.size() + step.node);
-  const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made];
-  const gpu::BufferPtr &first = buffer_of(step.sources[0].value), &result = buffer_of(made);
+  const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made_by(step)];
+  const gpu::BufferPtr &first = buffer_of(step.sources[0].value),
+                       &result = buffer_of(made_by(step));
   const gpu::BufferPtr& second = buffer_of(step.sources.back().value);
   const auto activation = static_cast<uint32_t>(node.activation);
   const uint64_t result_elements = elements_of(out) - 1;
@@ -93,43 +135,9 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
     int32_t blocks;
   };
   switch (node.op) {
-    case Op::convolution: {
-      const Shape source = plan_.shapes[node.inputs[0]];
-      const uint32_t blocks = blocks_of(out.channels);
-      const gpu::BufferPtr weights = weights_of(step, commands);
-      if (node.kernel == 1) {
-        const struct {
-          Size size, source;
-          int32_t source_blocks, blocks, stride;
-          float slope;
-        } push{Size(out),
-               Size(in),
-               block_count(in),
-               block_count(out),
-               static_cast<int32_t>(node.stride),
-               node.slope};
-        const uint64_t lanes = (uint64_t{out.height} * out.width + kPixels - 1) / kPixels;
-        add(step, device_->kernel(shaders::network_convolve1, {activation}),
-            {first, weights, result}, push, lanes * blocks);
-        return;
-      }
-      const bool two = step.sources.size() == 2, half = node.stride == 2;
-      const struct {
-        Size size, source;
-        int32_t first_blocks, second_blocks, blocks;
-        float slope;
-      } push{Size(out),        Size(source),
-             block_count(in),  two ? block_count(plan_.shapes[step.sources[1].value]) : 0,
-             block_count(out), node.slope};
-      const uint32_t rows = half ? kHalfRows : kRows;
-      const uint64_t strips = (out.height + rows - 1) / rows;
-      add(step,
-          half ? device_->kernel(shaders::network_convolve3_half, {activation})
-               : device_->kernel(shaders::network_convolve3,
-                                 {activation, step.sources[0].upsampled, two}),
-          {first, second, weights, result}, push, strips * out.width * blocks);
+    case Op::convolution:
+      node.kernel == 1 ? prepare_convolve1(step, commands) : prepare_convolve3(step, commands);
       return;
-    }
     case Op::dense: {
       const struct {
         int32_t elements, blocks;

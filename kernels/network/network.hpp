@@ -54,7 +54,13 @@ class Network {
 
   const gpu::BufferPtr& buffer_of(uint32_t value) const { return buffers_[plan_.buffer_of[value]]; }
   gpu::BufferPtr weights_of(const Step& step, gpu::Commands& commands);
+  /// The value that it makes.
+  uint32_t made_by(const Step& step) const {
+    return static_cast<uint32_t>(graph_.inputs.size()) + step.node;
+  }
   void prepare(const Step& step, gpu::Commands& commands);
+  void prepare_convolve1(const Step& step, gpu::Commands& commands);
+  void prepare_convolve3(const Step& step, gpu::Commands& commands);
   /// One dispatch of `name`, `items` invocations.
   template <typename Push>
   void add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::BufferPtr> buffers,

@@ -291,7 +291,7 @@ void light_table(const std::shared_ptr<gpu::Device>& device, const LimeModels& m
         LimeMaterial lime(device, {kSide, kSide}, models);
         if (!inflate) lime.set_normal_map(normal_map(scene));
         LimeMaterial::Params params;
-        params.lit = true;
+        params.light_asked = true;
         params.adaptive = false;
         Video video(device, scene);
         for (uint64_t frame = 0; frame < 10; ++frame) video.play(lime, params, 0.01F, frame);
@@ -311,47 +311,72 @@ struct Spread {
   int count = 0;
   void add(double v) { sum += v, squares += v * v, ++count; }
   double deviation() const {
-    const double mean = sum / count;
-    return std::sqrt(std::max(squares / count - mean * mean, 0.0));
+    return std::sqrt(std::max(squares - sum * sum / count, 0.0) / std::max(count - 1, 1));
+  }
+};
+
+/// Of an object's diffuse albedo (mean of its channels), alpha and log2 of the shininess.
+struct Spreads {
+  std::array<Spread, 3> of;
+  void add(const Material& m) {
+    of[0].add(static_cast<double>(m.diffuse[0] + m.diffuse[1] + m.diffuse[2]) / 3);
+    of[1].add(static_cast<double>(m.specular));
+    of[2].add(std::log2(static_cast<double>(m.shininess())));
+  }
+};
+
+/// Plays noisy clips of one resting object and adds to what is known of single estimates and of
+/// fused ones within a clip, and of fused ones after kFused frames of different clips.
+struct NoiseStudy {
+  static constexpr uint64_t kFused = 34, kFrames = 64;
+  static constexpr uint64_t kClips = 8;
+  Spreads single, fused, clips;
+
+  NoiseStudy(const std::shared_ptr<gpu::Device>& device, const LimeModels& models,
+             const Scene& scene, float noise) {
+    LimeMaterial::Params params;
+    params.adaptive = false;
+    Video video(device, scene);
+    for (uint64_t clip = 0; clip < kClips; ++clip) {
+      LimeMaterial lime(device, {kSide, kSide}, models);
+      for (uint64_t frame = 0; frame < (clip ? kFused : kFrames); ++frame) {
+        video.play(lime, params, noise, kFrames * clip + frame);
+        if (!lime.object().known()) continue;
+        if (frame + 1 == kFused) clips.add(lime.object().material);
+        if (frame < kFused) continue;
+        single.add(lime.object().latest);
+        fused.add(lime.object().material);
+      }
+    }
   }
 };
 
 void noise_table(const std::shared_ptr<gpu::Device>& device, const LimeModels& models, int scenes) {
   std::printf(
-      "\nStandard deviation over 60 noisy frames of a resting object (means over %d objects): of\n"
-      "single estimates, and of the fused ones of frames 31 to 60.\n\n"
+      "\nStandard deviations of estimates of a resting object in noise (means over %d objects): "
+      "of\n"
+      "single ones and of fused ones, both of frames %d to %d of a clip, and of the fused ones of\n"
+      "frame %d of %d clips.\n\n"
       "| noise of white | | m_d | alpha | log2 s |\n|---|---|---|---|---|\n",
-      scenes);
+      scenes, static_cast<int>(NoiseStudy::kFused + 1), static_cast<int>(NoiseStudy::kFrames),
+      static_cast<int>(NoiseStudy::kFused), static_cast<int>(NoiseStudy::kClips));
   for (const float noise : {0.01F, 0.03F}) {
-    double deviation[2][3] = {};
+    std::array<std::array<double, 3>, 3> sums{};
     int found = 0;
     for (int i = 0; i < scenes; ++i) {
       const Scene scene = make_scene(Shape::sphere, static_cast<uint64_t>(100 + i));
-      LimeMaterial lime(device, {kSide, kSide}, models);
-      LimeMaterial::Params params;
-      params.adaptive = false;
-      Video video(device, scene);
-      Spread spread[2][3];
-      // Two frames until the square rests on the object.
-      for (uint64_t frame = 0; frame < 64; ++frame) {
-        video.play(lime, params, noise, frame);
-        if (frame < 4 || !lime.object().known()) continue;
-        const auto take = [](Spread* s, const Material& m) {
-          s[0].add(static_cast<double>(m.diffuse[0] + m.diffuse[1] + m.diffuse[2]) / 3);
-          s[1].add(static_cast<double>(m.specular));
-          s[2].add(std::log2(static_cast<double>(m.shininess())));
-        };
-        take(spread[0], lime.object().latest);
-        if (frame >= 34) take(spread[1], lime.object().material);
-      }
-      if (!spread[0][0].count) continue;
+      const NoiseStudy study(device, models, scene, noise);
+      const std::array rows{&study.single, &study.fused, &study.clips};
+      if (!study.single.of[0].count || study.clips.of[0].count < 2) continue;
       ++found;
-      for (int k = 0; k < 6; ++k) deviation[k / 3][k % 3] += spread[k / 3][k % 3].deviation();
+      for (size_t row = 0; row < 3; ++row)
+        for (size_t k = 0; k < 3; ++k) sums[row][k] += rows[row]->of[k].deviation();
     }
-    for (int k = 0; k < 2; ++k)
+    const std::array names{"single", "fused, within a clip", "fused, from clip to clip"};
+    for (size_t row = 0; row < 3; ++row)
       std::printf("| %.0f %% | %s | %.5f | %.5f | %.5f |\n", 100 * static_cast<double>(noise),
-                  k ? "fused" : "single", deviation[k][0] / std::max(found, 1),
-                  deviation[k][1] / std::max(found, 1), deviation[k][2] / std::max(found, 1));
+                  names[row], sums[row][0] / std::max(found, 1), sums[row][1] / std::max(found, 1),
+                  sums[row][2] / std::max(found, 1));
   }
 }
 

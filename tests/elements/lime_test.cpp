@@ -131,6 +131,42 @@ TEST_F(LimeElementTest, RestsWithARestingObject) {
   EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
 }
 
+TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
+  for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
+    VideoHarness harness(line(std::string("recheck=1000 show=") + show), caps(), caps());
+    GstElement* lime = harness.find("limematerial");
+    const auto kept = [lime] { return stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN); };
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+    EXPECT_TRUE(kept()) << show;
+    EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show;
+    EXPECT_NE(harness.process(scene(62, 30, 20)), out) << show;
+    EXPECT_FALSE(kept()) << show;
+    for (int i = 0; i < 4; ++i) out = harness.process(scene(60, 30, 20));
+    g_object_set(lime, "adaptive", FALSE, nullptr);
+    EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show << ": the same, drawn anew";
+    EXPECT_FALSE(kept()) << show;
+  }
+}
+
+TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings) {
+  VideoHarness harness(line("recheck=1000 show=mask"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  const auto shown = [&](const char* property, const char* value) {
+    gst_util_set_object_arg(G_OBJECT(lime), property, value);
+    return harness.process(scene(60, 30, 20));
+  };
+  for (int i = 0; i < 40; ++i) harness.process(scene(60, 30, 20));
+  const auto mask = shown("show", "mask"), diffuse = shown("show", "diffuse"),
+             preview = shown("show", "preview");
+  EXPECT_NE(mask, diffuse);
+  EXPECT_NE(diffuse, preview);
+  EXPECT_NE(shown("preview-size", "0.9"), preview);
+  EXPECT_EQ(shown("show", "mask"), mask);
+  harness.flush();
+  EXPECT_NE(harness.process(scene(60, 30, 20)), mask) << "nothing is known of it any more";
+}
+
 TEST_F(LimeElementTest, KeepsTheObjectWhenTheRateChanges) {
   const std::string caps = "video/x-raw,format=RGBA,width=96,height=64,framerate=";
   VideoHarness harness(line("adaptive=false"), caps + "25/1");

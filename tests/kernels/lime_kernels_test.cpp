@@ -15,11 +15,11 @@
 
 INVERSE_SHADER(material_crop);
 INVERSE_SHADER(material_layers);
-INVERSE_SHADER(material_masked);
-INVERSE_SHADER(material_own);
-INVERSE_SHADER(material_mirror_out);
+INVERSE_SHADER(material_to_specular);
+INVERSE_SHADER(material_drop_foreign);
+INVERSE_SHADER(material_to_exponent);
 INVERSE_SHADER(material_preview);
-INVERSE_SHADER(material_specular_out);
+INVERSE_SHADER(material_to_mirror_and_albedo);
 
 namespace inverse::testing {
 namespace {
@@ -99,12 +99,12 @@ TEST_F(LimeKernels, ForeignPointsAreOfNoObject) {
   for (uint32_t& word : foreign) word = random() % 3 ? 0 : random();
   const gpu::BufferPtr given = points(probability);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_own),
+    commands.dispatch(device->kernel(shaders::material_drop_foreign),
                       {given, upload(gpu::Element::word, foreign.data(), foreign.size())},
                       static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
   });
   const Pixels got = download_points(given);
-  const auto expected = reference::lime_own(to_reference(side, probability), foreign);
+  const auto expected = reference::lime_drop_foreign(to_reference(side, probability), foreign);
   for (size_t i = 0; i < got.size(); ++i) {
     const auto wanted = static_cast<float>(expected.data[i / 4][i % 4]);
     ASSERT_TRUE(got[i] == wanted || std::isnan(wanted)) << i;
@@ -116,13 +116,14 @@ TEST_F(LimeKernels, PictureOfTheObject) {
   const Pixels image = random_pixels(side, 3), probability = random_pixels(side, 4);
   const gpu::BufferPtr out = empty(1 + side.pixels());
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_masked),
+    commands.dispatch(device->kernel(shaders::material_to_specular),
                       {points(image), points(probability), out},
                       static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
   });
-  expect_near(download_points(out),
-              reference::lime_masked(to_reference(side, image), to_reference(side, probability)),
-              1e-6, "masked");
+  expect_near(
+      download_points(out),
+      reference::lime_to_specular(to_reference(side, image), to_reference(side, probability)), 1e-6,
+      "masked");
 }
 
 /// Codes as no network should give them, but may.
@@ -144,20 +145,20 @@ TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
   const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
                        exponent_in = empty(1 + count);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_specular_out),
+    commands.dispatch(device->kernel(shaders::material_to_mirror_and_albedo),
                       {points(masked), points(specular), mirror_in, albedo_in},
                       static_cast<int32_t>(count), {count});
-    commands.dispatch(device->kernel(shaders::material_mirror_out),
+    commands.dispatch(device->kernel(shaders::material_to_exponent),
                       {points(masked), mirror_in, points(mirror), exponent_in},
                       static_cast<int32_t>(count), {count});
   });
-  const auto expected =
-      reference::lime_specular_out(to_reference(side, masked), to_reference(side, specular));
+  const auto expected = reference::lime_to_mirror_and_albedo(to_reference(side, masked),
+                                                             to_reference(side, specular));
   expect_near(download_points(mirror_in), expected.mirror_in, 1e-6, "to MirrorNet");
   expect_near(download_points(albedo_in), expected.albedo_in, 1e-6, "to AlbedoNet");
   expect_near(download_points(exponent_in),
-              reference::lime_mirror_out(to_reference(side, masked), expected.mirror_in,
-                                         to_reference(side, mirror)),
+              reference::lime_to_exponent(to_reference(side, masked), expected.mirror_in,
+                                          to_reference(side, mirror)),
               1e-6, "to ExponentNet");
 }
 

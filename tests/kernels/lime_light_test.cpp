@@ -10,7 +10,7 @@ TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
   for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
   EXPECT_EQ(lime.light(), nullptr);
   EXPECT_EQ(lime.light_views(), 0u);
-  params.lit = true;
+  params.light_asked = true;
   params.adaptive = false;
   for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
   ASSERT_NE(lime.light(), nullptr);
@@ -29,7 +29,7 @@ TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
 }
 
 TEST_F(LimeTest, TheLightOfARestingObjectIsThatOfTheLamps) {
-  params.lit = true;
+  params.light_asked = true;
   params.recheck = 1000;
   params.fusion.other = params.steady = 1;  // the material does not begin anew
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
@@ -53,7 +53,7 @@ TEST_F(LimeTest, TheLightOfARestingObjectIsThatOfTheLamps) {
 }
 
 TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
-  params.lit = true;
+  params.light_asked = true;
   params.fusion.other = params.steady = 1;
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
@@ -73,17 +73,17 @@ TEST_F(LimeTest, TheLightFollowsLampsThatFade) {
 }
 
 TEST_F(LimeTest, ALightThatNobodyAsksForIsForgotten) {
-  params.lit = true;
+  params.light_asked = true;
   params.fusion.other = params.steady = 1;
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   for (int i = 0; i < 40; ++i) unseen(lime, .4F);
   ASSERT_GE(lime.light_views(), 4U);
   const auto light = lime.light();
-  params.lit = false;
+  params.light_asked = false;
   unseen(lime, .8F);
   EXPECT_EQ(lime.light_views(), 0U);
   EXPECT_EQ(lime.light(), nullptr) << "it would be handed out to who asks again";
-  params.lit = true;
+  params.light_asked = true;
   for (int i = 0; i < 4; ++i) unseen(lime, .8F);
   EXPECT_GE(lime.light_views(), 1U);
   ASSERT_NE(lime.light(), nullptr);
@@ -92,7 +92,7 @@ TEST_F(LimeTest, ALightThatNobodyAsksForIsForgotten) {
 
 TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.lit = true;
+  params.light_asked = true;
   params.fusion.other = params.steady = 1;
   for (int i = 0; i < 40; ++i) unseen(lime, .4F);
   // What turns in its place begins it anew once, and follows for a while.
@@ -107,7 +107,7 @@ TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
 
 TEST_F(LimeTest, WhereAnObjectRestsAnewItIsLitByWhatIsThere) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.lit = true;
+  params.light_asked = true;
   params.fusion.other = params.steady = 1;
   const auto put = [&](float x, float blue) {
     run([&](gpu::Commands& commands) {
@@ -133,7 +133,7 @@ TEST_F(LimeTest, WhereAnObjectRestsAnewItIsLitByWhatIsThere) {
 
 TEST_F(LimeTest, WithoutNormalsThereIsNoLight) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.lit = true;
+  params.light_asked = true;
   params.light.inflate = false;
   for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
   EXPECT_EQ(lime.light(), nullptr);
@@ -147,7 +147,7 @@ TEST_F(LimeTest, WithoutNormalsThereIsNoLight) {
 
 TEST_F(LimeTest, TheLightExplainsWhatIsSeen) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
-  params.lit = true;
+  params.light_asked = true;
   lime.set_normal_map(std::make_shared<const NormalMap>(
       NormalMap({1, 1}, std::vector<Normal>(1, Normal{0, 0, 1}))));
   for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));

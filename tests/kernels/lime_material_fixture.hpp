@@ -42,8 +42,10 @@ class LimeTest : public GpuTest {
   }
   LimeMaterial::Layers frame(LimeMaterial& lime, const Plane& plane, bool still = false) {
     LimeMaterial::Layers layers;
+    LimeMaterial::Params drawn = params;
+    drawn.layers_asked = true;
     run([&](gpu::Commands& commands) {
-      lime.record(commands, plane, params, still);
+      lime.record(commands, plane, drawn, still);
       layers = lime.record_layers(commands, plane);
     });
     if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);

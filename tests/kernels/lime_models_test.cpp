@@ -26,7 +26,7 @@ TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
     }
     return "";
   };
-  HandMadeLime missing, shape, cut;
+  HandMadeLime missing, shape, cut, scores;
   std::filesystem::remove(missing.path("mirror"));
   EXPECT_NE(complaint(missing).find("mirror.net: it cannot be read: No such file"),
             std::string::npos)
@@ -40,6 +40,11 @@ TEST(LimeModels, WhatDoesNotFitIsRefusedByName) {
   cut.write("exponent", bytes);
   EXPECT_NE(complaint(cut).find("exponent.net"), std::string::npos);
   EXPECT_NE(complaint(cut).find("cut short"), std::string::npos) << complaint(cut);
+  network::Graph exponent = HandMadeLime::models().exponent;
+  exponent.nodes.back().op = network::Op::activation;
+  scores.write("exponent", network::to_file(exponent));
+  EXPECT_NE(complaint(scores).find("exponent.net: it gives no probabilities"), std::string::npos)
+      << complaint(scores);
 }
 
 }  // namespace inverse::testing

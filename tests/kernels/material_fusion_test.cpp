@@ -137,6 +137,15 @@ TEST(MaterialFusion, AGlossyObjectOfTheSameColorIsAnotherOne) {
   }
 }
 
+TEST(MaterialFusion, BinsThatAreNoProbabilitiesAreNotTaken) {
+  MaterialFusion fusion;
+  Material none = material(.3F, .4F, 2), negative = none;
+  none.bins.fill(0);
+  negative.bins[0] = -1;
+  for (const Material& m : {none, negative}) fusion.add(m, {});
+  EXPECT_EQ(fusion.count(), 0u);
+}
+
 TEST(MaterialFusion, WhatIsNoNumberIsNotTaken) {
   MaterialFusion fusion;
   fusion.add(material(.3F, .4F, 2), {});

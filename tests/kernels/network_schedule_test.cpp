@@ -73,7 +73,7 @@ TEST(NetworkSchedule, WhatMovesOrIsNotSureDoesNotRest) {
   };
   const float none = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(estimated([](Video&) {}), 2U);
-  EXPECT_EQ(estimated([](Video& v) { v.known.moved = NetworkSchedule::kMoved; }), 16U);
+  EXPECT_EQ(estimated([](Video& v) { v.known.moved = ObjectTracker::kMoved; }), 16U);
   EXPECT_EQ(estimated([=](Video& v) { v.known.moved = none; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.known.placed = false; }), 16U);
   EXPECT_EQ(estimated([](Video& v) { v.known.steady = false; }), 16U);
@@ -103,32 +103,32 @@ TEST(NetworkSchedule, WithoutAnObjectOnlyItIsLookedForAndInEachPictureOnce) {
 TEST(NetworkSchedule, WhoDrawsLayersGetsThoseOfThePictureAsItIs) {
   Video video;
   EXPECT_FALSE(video.next().compares) << "nobody looks";
-  video.known.drawn = true;
+  video.known.draws = true;
   EXPECT_EQ(video.estimated(8), 8U) << "nobody has kept the picture that they are of";
   EXPECT_TRUE(video.next().compares);
   video.known.changed = {.largest = NetworkSchedule::kChanged, .mean = 0};
   EXPECT_EQ(video.estimated(16), 2U);
   video.known.changed = {.largest = 1.01F * NetworkSchedule::kChanged, .mean = 0};
   EXPECT_EQ(video.estimated(16), 16U);
-  video.known.drawn = false;
+  video.known.draws = false;
   EXPECT_EQ(video.estimated(16), 2U);
-  video.known.drawn = true;
+  video.known.draws = true;
   video.params.adaptive = false;
   EXPECT_FALSE(video.next().compares) << "every frame has its own";
 }
 
 TEST(NetworkSchedule, TheFirstViewsGoIntoTheLightAndThenOneInFour) {
   Video video;
-  video.known.lit = true;
+  video.known.finds_light = true;
   video.known.placed = false;  // every frame is estimated
   for (; video.known.views < NetworkSchedule::kEarlyViews; ++video.known.views)
     EXPECT_TRUE(video.next().lights);
   unsigned taken = 0;
   for (int k = 0; k < 40; ++k) taken += video.next().lights;
   EXPECT_EQ(taken, 10U);
-  video.known.lit = false;
+  video.known.finds_light = false;
   for (int k = 0; k < 8; ++k) EXPECT_FALSE(video.next().lights);
-  video.known.lit = true;
+  video.known.finds_light = true;
   video.known.found = false;
   EXPECT_FALSE(video.next().lights) << "of what?";
 }
@@ -137,7 +137,7 @@ TEST(NetworkSchedule, LampsThatChangeOverARestingObjectBeginAnotherLight) {
   const CropChange::Difference same{.largest = 0.005F, .mean = 0.001F},
       lamps{.largest = 0.3F, .mean = 0.1F};
   Video video;
-  video.known.lit = true;
+  video.known.finds_light = true;
   video.known.views = 100;
   video.known.changed = same;
   EXPECT_EQ(video.lit_anew(16), 0U);

@@ -128,14 +128,14 @@ Plane lime_crop(const Plane& frame, const LimeSquare& square) {
   return image;
 }
 
-Plane lime_own(const Plane& probability, const std::vector<uint32_t>& foreign) {
+Plane lime_drop_foreign(const Plane& probability, const std::vector<uint32_t>& foreign) {
   Plane out = probability;
   for (size_t i = 0; i < out.size(); ++i)
     if (foreign[i] != 0) out.data[i] = {};
   return out;
 }
 
-Plane lime_masked(const Plane& image, const Plane& probability) {
+Plane lime_to_specular(const Plane& image, const Plane& probability) {
   Plane out(image.width, image.height);
   for (size_t i = 0; i < out.size(); ++i)
     if (probability.data[i][0] > 0.5) {
@@ -145,7 +145,7 @@ Plane lime_masked(const Plane& image, const Plane& probability) {
   return out;
 }
 
-LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular) {
+LimeSpecular lime_to_mirror_and_albedo(const Plane& masked, const Plane& specular) {
   LimeSpecular out{Plane(masked.width, masked.height), Plane(masked.width, masked.height)};
   for (size_t i = 0; i < masked.size(); ++i) {
     const Vec4& here = masked.data[i];
@@ -156,7 +156,7 @@ LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular) {
   return out;
 }
 
-Plane lime_mirror_out(const Plane& masked, const Plane& specular, const Plane& mirror) {
+Plane lime_to_exponent(const Plane& masked, const Plane& specular, const Plane& mirror) {
   Plane out(masked.width, masked.height);
   for (size_t i = 0; i < out.size(); ++i)
     out.data[i] = {specular.data[i][0], masked.data[i][3] * finite(mirror.data[i][0]), 0, 0};

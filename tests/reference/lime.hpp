@@ -19,21 +19,21 @@ struct LimeSquare {
 Plane lime_crop(const Plane& frame, const LimeSquare& square);
 
 /// Probabilities without points that are foreign: of no object, or of another.
-Plane lime_own(const Plane& probability, const std::vector<uint32_t>& foreign);
+Plane lime_drop_foreign(const Plane& probability, const std::vector<uint32_t>& foreign);
 
 /// SpecularNet's input: the picture where the object is, w = mask.
-Plane lime_masked(const Plane& image, const Plane& probability);
+Plane lime_to_specular(const Plane& image, const Plane& probability);
 
 /// What SpecularNet gave (x; what is no number, or below 0, is 0), where the object is: MirrorNet's
 /// input in x, and AlbedoNet's, the picture and the code in w.
 struct LimeSpecular {
   Plane mirror_in, albedo_in;
 };
-LimeSpecular lime_specular_out(const Plane& masked, const Plane& specular);
+LimeSpecular lime_to_mirror_and_albedo(const Plane& masked, const Plane& specular);
 
 /// ExponentNet's input: the code that MirrorNet saw (x), and in y what MirrorNet gave (x, as
 /// above), where the object is.
-Plane lime_mirror_out(const Plane& masked, const Plane& specular, const Plane& mirror);
+Plane lime_to_exponent(const Plane& masked, const Plane& specular, const Plane& mirror);
 
 /// A frame with a sphere before it, at (x, y) pixels. `table`: how the sphere looks by its normal
 /// (lit_lookup).
