@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -16,8 +15,8 @@
 #include "base/color.hpp"
 #include "base/filter.hpp"
 #include "base/inverse_material_meta.h"
+#include "clone_light.hpp"
 #include "environment/lit_sphere.hpp"
-#include "exr/environment_file.hpp"
 #include "mesh_file.hpp"
 #include "raster/insertion.hpp"
 
@@ -108,22 +107,6 @@ const PropertyTable<Params>& table() {
   return table;
 }
 
-struct Unref {
-  void operator()(GBytes* bytes) const { g_bytes_unref(bytes); }
-};
-using BytesPtr = std::unique_ptr<GBytes, Unref>;
-
-/// The light that a meta tells; nothing where that is none.
-std::optional<Environment> environment_of(const GstMaterialMeta& meta) {
-  const Extent extent{meta.environment_width, meta.environment_height};
-  if (!meta.environment) return std::nullopt;
-  gsize bytes = 0;
-  const void* data = g_bytes_get_data(meta.environment, &bytes);
-  std::vector<float> rgb(bytes / sizeof(float));
-  if (!rgb.empty()) memcpy(rgb.data(), data, rgb.size() * sizeof(float));
-  return Environment(extent, std::move(rgb), "the estimated environment map");
-}
-
 /// That a software device draws in about a second.
 constexpr size_t kManyTriangles = 100'000;
 
@@ -138,14 +121,10 @@ class CloneElement final : public Filter {
     mesh_.reset();  // files may be others than at the last start
     mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
     seen_.reset();
-    estimate_.reset();
-    estimated_.reset();
     warned_ = timeless_ = false;
-    given_.reset();
     warnings_.clear();
     std::string warning;
-    if (!params.environment_location.empty())
-      given_.emplace(load_environment(params.environment_location, warning));
+    light_.start(params.environment_location, warning);
     if (!warning.empty()) warnings_.push_back(std::move(warning));
     told_size_ = false;
   }
@@ -164,9 +143,7 @@ class CloneElement final : public Filter {
       std::lock_guard lock(mouse_mutex_);
       extent_ = extent;
     }
-    light_.reset();
-    news_of_light_ = true;
-    take_light(nullptr);
+    light_.begin(*sphere_);
     device->warm_up_once("materialclone", [&] { warm_up(device); });
   }
   void release() override {
@@ -196,7 +173,7 @@ class CloneElement final : public Filter {
     for (std::string& warning : std::exchange(warnings_, {}))
       frame.warnings.push_back(std::move(warning));
     try {
-      take_light(meta);
+      light_.take(meta, *sphere_);
     } catch (const Error& error) {  // of the stream's, not ours: the light before stays
       if (!warned_) frame.warnings.push_back(error.what());
       warned_ = true;
@@ -219,8 +196,8 @@ class CloneElement final : public Filter {
     const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
     insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
     frame.picture = {plane};
-    told_[frame.number % told_.size()] = {*shown_, material_from_, light_from_, insertion_->drawn(),
-                                          insertion_->shadows()};
+    told_[frame.number % told_.size()] = {*shown_, material_from_, light_.from(),
+                                          insertion_->drawn(), insertion_->shadows()};
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
@@ -274,30 +251,6 @@ class CloneElement final : public Filter {
     return {linear_color(params.diffuse), params.specular, params.shininess};
   }
 
-  /// Lights the object by the file, else by what the stream tells, else as in a studio.
-  void take_light(const GstMaterialMeta* meta) {
-    if (given_) {
-      if (!sphere_->has_light()) {
-        sphere_->set_light(*given_);
-        light_from_ = "file";
-      }
-      return;
-    }
-    if (meta && meta->environment && meta->environment != estimate_.get()) {
-      estimate_.reset(g_bytes_ref(meta->environment));  // kept, so that no other has its address
-      estimated_ = environment_of(*meta);
-      news_of_light_ = true;
-    }
-    if (!std::exchange(news_of_light_, false)) return;  // maps are large to compare
-    const Environment& now = estimated_ ? *estimated_ : studio_;
-    if (!light_ || !alike(now, *light_)) light(now, estimated_ ? "estimate" : "studio");
-  }
-  void light(const Environment& environment, const char* from) {
-    sphere_->set_light(environment);
-    light_ = environment;
-    light_from_ = from;
-  }
-
   /// Has the device build all kernels.
   static void warm_up(const std::shared_ptr<gpu::Device>& device) {
     constexpr Extent kExtent{32, 32};
@@ -317,13 +270,8 @@ class CloneElement final : public Filter {
 
   Parameters<Params> parameters_{table()};
   std::optional<Mesh> mesh_;
-  const Environment studio_ = Environment::studio();
-  std::optional<PrefilteredLight> given_;  // by a file, which may be large: what is needed of it
-  BytesPtr estimate_;                      // as the stream told it
-  std::optional<Environment> estimated_;   // the same
-  std::optional<Environment> light_;       // that the object is lit by where no file gives it
-  bool news_of_light_ = true;              // estimated_ may be another since light_ was chosen
-  std::optional<Surface> seen_;            // what the stream told last
+  CloneLight light_;
+  std::optional<Surface> seen_;  // what the stream told last
   std::optional<Surface> shown_;
   std::vector<std::string> warnings_;  // of the files, to be told with the first frame
   bool told_size_ = false;             // that the mesh is large
@@ -335,7 +283,6 @@ class CloneElement final : public Filter {
   bool held_ = false;            // the mouse's button is down
   bool surface_is_set_ = false;  // by properties
   const char* material_from_ = "properties";
-  const char* light_from_ = "studio";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
   std::array<Told, gpu::kFramesInFlight> told_;  // by the frame's number

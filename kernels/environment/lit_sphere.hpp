@@ -43,7 +43,6 @@ class LitSphere {
   /// maps seconds; nearly nothing where the light was made ready before.
   void set_light(const Environment& environment) { set_light(PrefilteredLight(environment)); }
   void set_light(const PrefilteredLight& light);
-  bool has_light() const { return light_ != nullptr; }
 
   struct View {
     float intensity = 1;  ///< factor on the light

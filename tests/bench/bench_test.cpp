@@ -12,6 +12,7 @@
 #include "tests/bench/peer_despill.hpp"
 #include "tests/bench/scene.hpp"
 #include "tests/bench/truth_clicks.hpp"
+#include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::bench {
@@ -90,20 +91,16 @@ TEST(Scenes, ComeBackWithTheirLight) {
   EXPECT_TRUE(scenes[2].video);
 }
 
-/// Codes as linear light and back are what they were.
-float linear(float code) {
-  return code <= 0.04045F ? code / 12.92F : std::pow((code + 0.055F) / 1.055F, 2.4F);
-}
 Image pixel(float r, float g, float b) {
   Image image(1, 1, 3);
-  image.data = {linear(r), linear(g), linear(b)};
+  image.data = {srgb_light(r), srgb_light(g), srgb_light(b)};
   return image;
 }
 void expect_codes(const Image& found, float r, float g, float b) {
   constexpr float kNear = 1e-4F;
-  EXPECT_NEAR(found.data[0], linear(r), kNear);
-  EXPECT_NEAR(found.data[1], linear(g), kNear);
-  EXPECT_NEAR(found.data[2], linear(b), kNear);
+  EXPECT_NEAR(found.data[0], srgb_light(r), kNear);
+  EXPECT_NEAR(found.data[1], srgb_light(g), kNear);
+  EXPECT_NEAR(found.data[2], srgb_light(b), kNear);
 }
 
 TEST(Despill, OfOthersIsWhatTheirFormulasSay) {

@@ -10,6 +10,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "tests/srgb.hpp"
+
 namespace inverse::bench {
 namespace {
 
@@ -48,10 +50,6 @@ Image to_image(const cv::Mat& m, int channels) {
       for (int c = 0; c < channels; ++c) out.at(x, y, c) = row[x * have + (have >= 3 ? 2 - c : 0)];
   }
   return out;
-}
-
-float srgb_to_linear(float v) {
-  return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
 }
 
 }  // namespace
@@ -100,7 +98,7 @@ LabeledFrame load_rendered(const std::string& directory, int index, Regime regim
   f.index = index;
   f.regime = regime;
   f.input = to_image(read(path("I8", ".png")), 3);
-  for (float& v : f.input.data) v = srgb_to_linear(v);
+  for (float& v : f.input.data) v = srgb_light(v);
   f.reflectance = to_image(read(path("R", ".exr")), 3);
   f.direct = to_image(read(path("Sdir", ".exr")), 3);
   f.indirect = to_image(read(path("Sind", ".exr")), 3);

@@ -26,6 +26,7 @@
 #include "tests/bench/peer_despill.hpp"
 #include "tests/bench/png_file.hpp"
 #include "tests/bench/scene.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -229,10 +230,7 @@ class Editor {
 /// Display codes 0…1, in which pictures are compared.
 Image displayed(const Image& linear) {
   Image out = linear;
-  for (float& v : out.data) {
-    v = std::clamp(v, 0.0F, 1.0F);
-    v = v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
-  }
+  for (float& v : out.data) v = srgb_code(std::clamp(v, 0.0F, 1.0F));
   return out;
 }
 

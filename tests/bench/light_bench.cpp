@@ -3,6 +3,8 @@
 // LimeMaterial: light from true layers and from the networks', with true normals and with those
 // inflated from the outline; then single estimates of the material and their mean, of noisy frames
 // of one object. Needs a Vulkan device and nothing else.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +15,7 @@
 #include "../../training/lime/corpus/background.hpp"
 #include "../../training/lime/corpus/blinn_phong.hpp"
 #include "../../training/lime/corpus/room.hpp"
+#include "../srgb.hpp"
 #include "command_line.hpp"
 #include "environment/environment_fit.hpp"
 #include "environment/lit_sphere.hpp"
@@ -55,10 +58,7 @@ struct Scene {
 
 /// A frame's pixel as eight bits of sRGB and back.
 float through_camera(float linear) {
-  const float x = std::clamp(linear, 0.0F, 1.0F);
-  const float code = x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F;
-  const float c = std::round(255 * code) / 255;
-  return c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
+  return srgb_light(std::round(255 * srgb_code(std::clamp(linear, 0.0F, 1.0F))) / 255);
 }
 
 Scene make_scene(Shape shape, uint64_t number) {

@@ -1,20 +1,15 @@
 #include "tests/bench/peer_despill.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "tests/srgb.hpp"
 
 namespace inverse::bench {
 namespace {
 
-float to_code(float v) {
-  v = std::clamp(v, 0.0F, 1.0F);
-  return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
-}
+float to_code(float v) { return srgb_code(std::clamp(v, 0.0F, 1.0F)); }
 
-float to_linear(float v) {
-  v = std::clamp(v, 0.0F, 1.0F);
-  return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
-}
+float to_linear(float v) { return srgb_light(std::clamp(v, 0.0F, 1.0F)); }
 
 /// Applies change(r, g, b) to the codes of every pixel.
 template <typename Change>

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/srgb.hpp"
+
 namespace inverse::bench {
 namespace {
 
@@ -40,14 +42,8 @@ void unfilter(int type, std::uint8_t* row, const std::uint8_t* above, std::size_
   }
 }
 
-float srgb_to_linear(float v) {
-  return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
-}
-
-std::uint8_t srgb_code(float linear) {
-  const float v = std::clamp(linear, 0.0F, 1.0F);
-  return std::uint8_t(
-      std::lround(255 * (v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F)));
+std::uint8_t byte_of(float linear) {
+  return std::uint8_t(std::lround(255 * srgb_code(std::clamp(linear, 0.0F, 1.0F))));
 }
 
 void write_big_endian(std::ostream& out, std::uint32_t v) {
@@ -100,7 +96,7 @@ Image read_png(const std::string& path, bool decode_srgb) {
         const std::uint8_t* p =
             line + 1 + std::size_t(x) * pixel + std::size_t(c) * std::size_t(bits) / 8;
         const float code = bits == 8 ? float(*p) / 255 : float(p[0] << 8 | p[1]) / 65535;
-        image.at(x, y, c) = bits == 8 && decode_srgb ? srgb_to_linear(code) : code;
+        image.at(x, y, c) = bits == 8 && decode_srgb ? srgb_light(code) : code;
       }
   }
   return image;
@@ -111,7 +107,7 @@ void write_png(const std::string& path, const Image& linear) {
   for (int y = 0; y < linear.height; ++y) {
     rows.push_back(0);  // no filter
     for (int x = 0; x < linear.width; ++x)
-      for (int c = 0; c < linear.channels; ++c) rows.push_back(srgb_code(linear.at(x, y, c)));
+      for (int c = 0; c < linear.channels; ++c) rows.push_back(byte_of(linear.at(x, y, c)));
   }
   uLongf size = compressBound(rows.size());
   std::vector<std::uint8_t> packed(size);

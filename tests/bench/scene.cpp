@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tests/bench/flat_file.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::bench {
 namespace {
@@ -121,9 +122,7 @@ Image luminance_of_sum(const Image& a, const Image& b) {
 Image through_8_bits(const Image& linear) {
   Image out = linear;
   for (float& v : out.data) {
-    const float code = v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
-    const float rounded = std::round(std::clamp(code, 0.0F, 1.0F) * 255) / 255;
-    v = rounded <= 0.04045F ? rounded / 12.92F : std::pow((rounded + 0.055F) / 1.055F, 2.4F);
+    v = srgb_light(std::round(std::clamp(srgb_code(v), 0.0F, 1.0F) * 255) / 255);
   }
   return out;
 }

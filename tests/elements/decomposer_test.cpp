@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../srgb.hpp"
 #include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
 
@@ -46,10 +47,7 @@ std::vector<float> intrinsic_of(GstBuffer* buffer) {
 }
 
 /// A code value of 8-bit sRGB in linear light.
-float linear_of(uint8_t code) {
-  const float encoded = static_cast<float>(code) / 255.0f;
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
+float linear_of(uint8_t code) { return srgb_light(static_cast<float>(code) / 255.0f); }
 
 /// A decomposer that does as little as it can, for what does not depend on how well it does.
 std::string quick(const std::string& name) {

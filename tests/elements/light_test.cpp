@@ -8,6 +8,7 @@
 #include <limits>
 #include <tuple>
 
+#include "../srgb.hpp"
 #include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
 
@@ -37,8 +38,7 @@ Pixel light_of(float green, float red) {
 }
 
 int srgb(double linear) {
-  const double v = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  return static_cast<int>(std::lround(255 * std::min(v, 1.0)));
+  return static_cast<int>(std::lround(255 * std::min(srgb_code(linear), 1.0)));
 }
 
 void put(GstBuffer* buffer, GstInverseRole role, const std::vector<Pixel>& pixels) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "../has_networks.hpp"
+#include "../srgb.hpp"
 #include "../temporary_folder.hpp"
 #include "base/inverse_material_meta.h"
 #include "lime_fixture.hpp"
@@ -276,18 +278,11 @@ std::vector<uint8_t> ball(int width, int height, double x0, double y0, double ra
           light =
               albedo[c] * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
         }
-        const double code =
-            light <= .0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - .055;
         picture[4 * (static_cast<size_t>(width) * y + x) + c] =
-            static_cast<uint8_t>(std::lround(255 * std::clamp(code, 0., 1.)));
+            static_cast<uint8_t>(std::lround(255 * std::clamp(srgb_code(light), 0., 1.)));
       }
     }
   return picture;
-}
-
-bool has_networks() {
-  const gchar* models = g_getenv("INVERSE_MODELS");
-  return models && std::filesystem::exists(std::string(models) + "/lime/albedo.net");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "../kernels/relight_models.hpp"
+#include "../srgb.hpp"
 #include "../temporary_folder.hpp"
 #include "element_test.hpp"
 #include "environment/environment.hpp"
@@ -20,8 +21,7 @@ namespace inverse::testing {
 inline constexpr int kSide = 64;
 
 inline float encoded(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return static_cast<float>(v <= .0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - .055);
+  return static_cast<float>(srgb_code(std::clamp(linear, 0.0, 1.0)));
 }
 
 /// A white sphere under the gradients of a stage of 331 lights, linear RGBA.

@@ -5,6 +5,7 @@
 #include <map>
 #include <thread>
 
+#include "../srgb.hpp"
 #include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
 
@@ -109,10 +110,6 @@ class Split : public ::testing::Test {
   ~Split() override { gst_caps_replace(&caps_sent_, nullptr); }
 };
 
-double srgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
 }  // namespace
 
 TEST_F(Split, LinearSixteenBitPadsCarryTheNumbersOfTheLayers) {
@@ -156,8 +153,8 @@ TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
   const auto& layer = layers_[GST_INVERSE_ROLE_INTRINSIC];
   for (size_t n = 0; n < 20 * 12; ++n) {
     for (size_t c = 0; c < 3; ++c)
-      ASSERT_NEAR(reflectance[4 * n + c], srgb(std::min(layer[4 * n + c], 1.0f)) * 255, 0.51);
-    ASSERT_NEAR(shading[n], srgb(std::min(layer[4 * n + 3] * 0.5f, 1.0f)) * 255, 0.51);
+      ASSERT_NEAR(reflectance[4 * n + c], srgb_code(std::min(layer[4 * n + c], 1.0f)) * 255, 0.51);
+    ASSERT_NEAR(shading[n], srgb_code(std::min(layer[4 * n + 3] * 0.5f, 1.0f)) * 255, 0.51);
   }
 }
 
@@ -187,7 +184,7 @@ TEST_F(Split, MaskPadSendsTheSelection) {
   ASSERT_EQ(layer.size(), 16u * 8 * 4);
   float least = 1, most = 0;
   for (size_t n = 0; n < mask.size(); ++n) {
-    ASSERT_NEAR(mask[n], srgb(layer[4 * n]) * 255, 0.51);
+    ASSERT_NEAR(mask[n], srgb_code(layer[4 * n]) * 255, 0.51);
     least = std::min(least, layer[4 * n]);
     most = std::max(most, layer[4 * n]);
   }

@@ -1,5 +1,6 @@
 // lightstagesync: pairs of gradients.
 
+#include "../srgb.hpp"
 #include "base/inverse_layers_meta.h"
 #include "stage_fixture.hpp"
 
@@ -76,9 +77,7 @@ TEST_F(StagePairs, LayersWhereTheNextElementTakesThem) {
       const auto codes = picture(3 + 2 * i + which);
       for (size_t k = 0; k < codes.size(); ++k) {
         const double code = codes[k] / 255.0;
-        const double linear = k % 4 == 3        ? code
-                              : code <= 0.04045 ? code / 12.92
-                                                : std::pow((code + 0.055) / 1.055, 2.4);
+        const double linear = k % 4 == 3 ? code : srgb_light(code);
         ASSERT_NEAR(static_cast<double>(light[k]), linear, 1e-4);
       }
       g_bytes_unref(bytes);

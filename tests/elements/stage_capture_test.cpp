@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "../srgb.hpp"
 #include "stage_fixture.hpp"
 
 namespace inverse::testing {
@@ -71,9 +72,8 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
     double off = 0;
     for (int y = 0; y < kHigh; ++y)
       for (int x = 0; x < kWide; ++x) {
-        const double code = frame.bytes[4 * static_cast<size_t>(y * kWide + x)] / 255.0;
         const double linear =
-            code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+            srgb_light(frame.bytes[4 * static_cast<size_t>(y * kWide + x)] / 255.0);
         off += std::abs(linear - static_cast<double>(static_cast<float>(pixels[y][x].r)));
       }
     EXPECT_LT(off / (kWide * kHigh), 2e-3);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../srgb.hpp"
 #include "../temporary_folder.hpp"
 #include "base/inverse_light_stage_meta.h"
 #include "element_test.hpp"
@@ -48,9 +49,7 @@ class BallOnStage {
           }
         }
         for (const double value : light) {
-          const double code =
-              value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
-          const int noisy = static_cast<int>(std::lround(255 * std::min(code, 1.0))) +
+          const int noisy = static_cast<int>(std::lround(255 * std::min(srgb_code(value), 1.0))) +
                             static_cast<int>(random() % 3) - 1;
           frame.push_back(static_cast<uint8_t>(std::clamp(noisy, 0, 255)));
         }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "../srgb.hpp"
 #include "gpu_fixture.hpp"
 #include "image/convert.hpp"
 #include "image/mosaic.hpp"
@@ -30,7 +31,7 @@ std::string refusal(Call call) {
 double standard_decode(TransferFunction function, double x) {
   switch (function) {
     case TransferFunction::srgb:
-      return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+      return srgb_light(x);
     case TransferFunction::bt709:
       return x < 0.081 ? x / 4.5 : std::pow((x + 0.099) / 1.099, 1 / 0.45);
     case TransferFunction::smpte240m:

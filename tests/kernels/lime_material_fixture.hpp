@@ -1,23 +1,20 @@
 #pragma once
 #include <cmath>
 
+#include "../srgb.hpp"
 #include "gpu_fixture.hpp"
 #include "lime_models.hpp"
 #include "material/lime_material.hpp"
 
 namespace inverse::testing {
 
-// sRGB's inverse, for expected values.
-inline float linear(float srgb) {
-  return srgb <= .04045F ? srgb / 12.92F : std::pow((srgb + .055F) / 1.055F, 2.4F);
-}
 inline float decoded(float code) { return (std::exp(2 * code) - 1) / 4; }
 
 /// A frame of gray with a red disc, some of it bluish.
 class LimeTest : public GpuTest {
  protected:
   static constexpr Extent kFrame{96, 64};
-  const float kRed = linear(.9F), kBlue = linear(.4F), kGray = linear(.5F);
+  const float kRed = srgb_light(.9F), kBlue = srgb_light(.4F), kGray = srgb_light(.5F);
 
   Plane scene(float x, float y, float radius, float green = .4F, float blue = .4F) {
     Pixels pixels(kFrame.pixels() * 4, kGray);
@@ -27,8 +24,8 @@ class LimeTest : public GpuTest {
             radius) {
           float* pixel = &pixels[4 * (size_t{row} * kFrame.width + column)];
           pixel[0] = kRed;
-          pixel[1] = linear(green);
-          pixel[2] = linear(blue);
+          pixel[1] = srgb_light(green);
+          pixel[2] = srgb_light(blue);
         }
     return plane(kFrame, pixels);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "../has_networks.hpp"
 #include "pipeline_test.hpp"
 
 namespace inverse::testing {
@@ -55,12 +56,6 @@ void make_ball(const std::string& folder, const std::string& path) {
 
 bool has(const std::string& element) {
   return system(("gst-inspect-1.0 --exists --atleast-version=0.0.0 " + element).c_str()) == 0;
-}
-
-/// Whether the build made the networks of limematerial.
-bool has_networks() {
-  const char* models = getenv("INVERSE_MODELS");
-  return models && std::filesystem::exists(std::string(models) + "/lime/albedo.net");
 }
 
 class Files : public PipelineTest {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../srgb.hpp"
 #include "lit_sphere.hpp"
 
 namespace inverse::reference {
@@ -12,14 +13,7 @@ constexpr double kClipsFrom = 0.85, kClips = 0.98;  // linear light
 
 double finite(double value) { return value > 0 ? std::min(value, 65504.0) : 0; }
 
-double to_srgb(double linear) {
-  const double x = std::clamp(linear, 0.0, 1.0);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-}
-
-double to_linear(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
+double to_srgb(double linear) { return srgb_code(std::clamp(linear, 0.0, 1.0)); }
 
 double smoothstep(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -186,7 +180,7 @@ Plane lime_under_highlights(const Plane& masked, const Plane& codes) {
   Plane known(masked.width, masked.height);
   for (size_t i = 0; i < known.size(); ++i) {
     Vec4 rgb = masked.data[i];
-    for (size_t c = 0; c < 3; ++c) rgb[c] = to_linear(rgb[c]);
+    for (size_t c = 0; c < 3; ++c) rgb[c] = srgb_light(rgb[c]);
     const double specular = lime_decode(codes.data[i][0]);
     if (rgb[3] > 0.5 && largest(rgb) < kClipsFrom && specular < smallest(rgb))
       known.data[i] = {rgb[0] - specular, rgb[1] - specular, rgb[2] - specular, 1};
@@ -196,7 +190,7 @@ Plane lime_under_highlights(const Plane& masked, const Plane& codes) {
 
 Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
   const Counted object{masked, [](const Vec4& p) { return p[3] > 0.5; }};
-  const auto guide = [&](int x, int y) { return to_linear(smallest(masked.at(x, y))); };
+  const auto guide = [&](int x, int y) { return srgb_light(smallest(masked.at(x, y))); };
   const auto layer = [&](int x, int y) {
     return std::min(lime_decode(codes.at(x, y)[0]), guide(x, y));
   };
@@ -223,7 +217,7 @@ Plane lime_guided_specular(const Plane& masked, const Plane& codes) {
 Plane lime_guided_mask(const Plane& image, const Plane& probability) {
   const Counted known{probability, [](const Vec4& p) { return p[0] != 0; }};
   const auto guide = [&](int x, int y, size_t c) {
-    return std::sqrt(std::max(to_linear(image.at(x, y)[c]), 0.0));
+    return std::sqrt(std::max(srgb_light(image.at(x, y)[c]), 0.0));
   };
   const auto object = [&](int x, int y) { return probability.at(x, y)[0]; };
   Plane planes(image.width, image.height), out(image.width, image.height);
