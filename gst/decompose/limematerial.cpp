@@ -77,7 +77,7 @@ const PropertyTable<Params>& table() {
           "adaptive", &P::adaptive,
           "Leave out what cannot matter: all networks but the one that looks for the object while "
           "there is none, or one that rests and whose material is known; that one, too, where "
-          "the picture rests"),
+          "the picture rests; and drawing again what nothing else became known of"),
       number<P>("recheck", &P::recheck, 1, 1000,
                 "The material of an object that rests is estimated every so many frames"),
       flag<P>("light", &P::tell_light,
@@ -212,13 +212,16 @@ class LimeElement final : public Filter {
                       light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
       attach(buffer, object, light.get());
     };
-    const State state{method_->news(), method_->light(), frame.draw, params.show,
-                      params.preview_size};
+    const State state{method_->news(), params.show, params.preview_size};
     const bool again = frame.repeated && held_ && held_->state == state;
     past_[frame.number % past_.size()] = {number, again};
-    if (!again) held_ = {state, draw(frame, params, input)};
-    frame.layers = held_->drawn.layers;
-    frame.picture = held_->drawn.picture;
+    if (!again) {
+      held_.reset();  // its planes may serve again
+      held_ = {state, frame.draw ? picture(frame, params, input) : Picture{},
+               frame.draw ? Layers{} : layers(frame, input)};
+    }
+    frame.picture = held_->picture;
+    if (!frame.draw) frame.layers = held_->layers;
     frame.same_picture = again;
     if (!frame.hold) held_.reset();
   }
@@ -240,22 +243,20 @@ class LimeElement final : public Filter {
   }
 
  private:
-  /// What goes out of a frame: layers, or a picture of them.
-  struct Drawn {
-    Layers layers;
-    Picture picture;
-  };
-  /// What that depends on, beside the frame: where it is the same for a frame that is the one
-  /// before, so is what goes out.
+  /// What that which goes out depends on, beside the frame: where it is the same for a frame that
+  /// is the one before, so is what goes out.
   struct State {
     uint64_t news;
-    std::shared_ptr<const Environment> light;
-    bool pictures;
     LimeShow show;
     float preview_size;
     bool operator==(const State&) const = default;
   };
-
+  /// What went out: a picture, or layers.
+  struct Held {
+    State state;
+    Picture picture;
+    Layers layers;
+  };
   /// A frame that may be in flight: the method's number of it, and whether what went out is what
   /// did with the one before.
   struct Past {
@@ -264,18 +265,20 @@ class LimeElement final : public Filter {
   };
   const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
 
-  Drawn draw(FrameWork& frame, const Params& params, const PlanePtr& input) {
-    if (params.show == LimeShow::preview && frame.draw)
-      return {frame.layers, preview(frame, params, input)};
-    if (!params.layers_asked) return {frame.layers, {input}};
-    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
-    if (!frame.draw) return {material_layers(input, layers.diffuse, layers.gloss), {}};
-    return {frame.layers, picture(frame, params.show, *input, layers)};
+  Layers layers(FrameWork& frame, const PlanePtr& input) {
+    const LimeMaterial::Layers found = method_->record_layers(frame.commands, *input);
+    return material_layers(input, found.diffuse, found.gloss);
   }
 
-  Picture picture(FrameWork& frame, LimeShow show, const Plane& input,
-                  const LimeMaterial::Layers& layers) {
-    switch (show) {
+  Picture picture(FrameWork& frame, const Params& params, const PlanePtr& input) {
+    if (params.show == LimeShow::preview) return preview(frame, params, input);
+    if (params.show == LimeShow::input) return {input};
+    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
+    switch (params.show) {
+      case LimeShow::input:
+      case LimeShow::preview:
+      case LimeShow::diffuse:
+        break;
       case LimeShow::mask:
         return {layers.diffuse, true};
       case LimeShow::specular:
@@ -284,12 +287,11 @@ class LimeElement final : public Filter {
         return {layers.gloss, true};
       case LimeShow::mosaic: {
         const PlanePtr tiles = planes_->acquire();
-        mosaic_->record(frame.commands, quarters(input, *layers.diffuse, *layers.gloss), *tiles);
+        mosaic_->record(frame.commands, quarters(*input, *layers.diffuse, *layers.gloss), *tiles);
         return {tiles};
       }
-      default:
-        return {layers.diffuse};
     }
+    return {layers.diffuse};
   }
 
   Picture preview(FrameWork& frame, const Params& params, const PlanePtr& input) {
@@ -402,10 +404,6 @@ class LimeElement final : public Filter {
   std::optional<Mosaic> mosaic_;
   std::optional<MaterialPreview> preview_;
   std::optional<PlanePool> planes_;
-  struct Held {
-    State state;
-    Drawn drawn;
-  };
   std::optional<Held> held_;  // of the frame before
   std::array<Past, gpu::kFramesInFlight> past_{};
   std::optional<Material> told_;

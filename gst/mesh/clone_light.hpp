@@ -19,8 +19,8 @@ class CloneLight {
   void start(const std::string& file, std::string& warning);
   /// Lights a sphere that has no light yet.
   void begin(LitSphere& sphere);
-  /// Lights it by what comes with a frame, where that is another light. Throws Error(unsupported)
-  /// where the stream's is none; the one before stays.
+  /// Lights it by what comes with a frame, where that is another light. Throws as Environment where
+  /// the stream's is none; the one before stays.
   void take(const GstMaterialMeta* meta, LitSphere& sphere);
   /// Where it is from: "file", "estimate" or "studio".
   const char* from() const { return from_; }

@@ -87,7 +87,7 @@ void LimeMaterial::look(gpu::Commands& commands, const Plane& frame, Slot& slot)
     slot.foreign =
         gpu::Buffer::create(device_, gpu::Element::word, slot.left_out.size(), gpu::Memory::upload);
   std::copy(slot.left_out.begin(), slot.left_out.end(), slot.foreign->map_as<uint32_t>());
-  networks_.drop_foreign(commands, slot.foreign);
+  networks_.record_foreign(commands, slot.foreign);
 }
 
 void LimeMaterial::estimate(gpu::Commands& commands, Slot& slot) {
@@ -132,12 +132,15 @@ void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Par
   slot.epoch = epoch_;
   const NetworkSchedule::Plan plan = slot.plan =
       schedule_.next({params.adaptive, params.recheck}, known(params, still));
-  if (!finds_light(params)) light_.forget();
+  if (!finds_light(params)) {
+    news_ += light_.light() != nullptr;
+    light_.forget();
+  }
   if (plan.segments) look(commands, frame, slot);
   if (plan.estimates) estimate(commands, slot);
   if (plan.lights) read_back(commands, networks_.codes(), slot.codes);
   if (plan.lights || plan.compares) read_back(commands, networks_.picture(), slot.image);
-  news_ += plan.segments;
+  news_ += plan.segments && object_.found;
   segmentations_ += plan.segments;
   estimates_ += plan.estimates;
   slot.report = {plan.segments, plan.estimates, segmentations_, estimates_, plan.skipped};
@@ -160,8 +163,8 @@ void LimeMaterial::done(uint64_t number) {
   const Slot& slot = this->slot(number);
   if (slot.epoch != epoch_ || !slot.plan.segments) return;
   const bool was_found = tracker_.found();
-  ++news_;
   tracker_.update(points(slot.probability), networks_.side(), 4, slot.square);
+  news_ += was_found || tracker_.found();
   if (was_found && (!tracker_.found() || tracker_.jumped())) {
     fusion_.reset();
     have_layers_ = false;

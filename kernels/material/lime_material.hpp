@@ -33,8 +33,8 @@ class LimeMaterial {
         8;  ///< a resting object with a steady material is looked at every so many frames
     float steady = 0.02F;       ///< MaterialFusion::steady's limit, below which a material is known
     bool adaptive = true;       ///< whether anything is left out at all
-    bool layers_asked = false;  ///< whether `record_layers` follows
-    bool light_asked = false;
+    bool layers_asked = false;  ///< whether layers go out with the frame, drawn for it or before
+    bool light_asked = false;   ///< whether anybody wants to know the light
     ObjectLight::Params light;
   };
   /// What ran for a frame, and what it found; for `stats`.
@@ -89,8 +89,8 @@ class LimeMaterial {
   const Report& report(uint64_t number) const { return slot(number).report; }
   /// Bytes of device memory that the networks take.
   uint64_t network_bytes() const { return networks_.bytes(); }
-  /// Another number whenever layers, object or light may be others than they were for the frame
-  /// recorded before, but for what changed in the frame itself.
+  /// Another number where layers, object or light may be others than they were, but for what is
+  /// another in the frame itself.
   uint64_t news() const { return news_; }
 
  private:

@@ -17,7 +17,8 @@ struct LimeModels {
   uint32_t side = 0;        ///< points along a side of the square that they see
 
   /// Reads segmentation.net, specular.net, mirror.net, albedo.net and exponent.net of a folder and
-  /// checks that they fit each other. Throws Error(file) naming the file and what is wrong.
+  /// checks that they fit each other, and that the last one ends in Softmax. Throws Error(file)
+  /// naming the file and what is wrong.
   static LimeModels load(const std::string& folder);
 };
 

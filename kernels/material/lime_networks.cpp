@@ -71,7 +71,7 @@ void LimeNetworks::record_mask(gpu::Commands& commands, const Plane& frame, cons
   commands.stage("segmentation");
 }
 
-void LimeNetworks::drop_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign) {
+void LimeNetworks::record_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign) {
   commands.dispatch(drop_foreign_, {probability(), foreign}, static_cast<int32_t>(side_ * side_),
                     {side_ * side_});
 }
@@ -130,7 +130,7 @@ void LimeNetworks::warm_up(gpu::Commands& commands) {
   record_mask(commands, *frame, square);
   const gpu::BufferPtr foreign = gpu::Buffer::create(probability()->device(), gpu::Element::word,
                                                      size_t{side_} * side_, gpu::Memory::upload);
-  drop_foreign(commands, foreign);
+  record_foreign(commands, foreign);
   record_material(commands);
   record_layers(commands, *frame, square);
   record_bare_layers(commands, *frame);

@@ -14,8 +14,8 @@
 namespace inverse {
 
 /// The five networks of thesis Fig. 6.3 on a device, one after the other on a square of a frame,
-/// and the layers of the frame by what they gave. Knows no past: where frames are looked at, and by
-/// which networks, is for LimeMaterial to say.
+/// and the layers of the frame by what they gave last. Decides nothing: where frames are looked at,
+/// and by which networks, is for LimeMaterial to say.
 class LimeNetworks {
  public:
   /// For frames of this size. Throws as network::Network.
@@ -24,7 +24,7 @@ class LimeNetworks {
   /// Records SegmentationNet, on a square of the frame.
   void record_mask(gpu::Commands& commands, const Plane& frame, const Square& square);
   /// Records that points of it are of no object, or of another one: a word for each, not 0 of such.
-  void drop_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign);
+  void record_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign);
   /// Records the other four, of the object that was found in the square.
   void record_material(gpu::Commands& commands);
 

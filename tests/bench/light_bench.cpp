@@ -353,10 +353,9 @@ struct NoiseStudy {
 
 void noise_table(const std::shared_ptr<gpu::Device>& device, const LimeModels& models, int scenes) {
   std::printf(
-      "\nStandard deviations of estimates of a resting object in noise (means over %d objects): "
-      "of\n"
-      "single ones and of fused ones, both of frames %d to %d of a clip, and of the fused ones of\n"
-      "frame %d of %d clips.\n\n"
+      "\nStandard deviations of estimates of a resting object in noise (means over %d objects):\n"
+      "of single ones and of fused ones, both of frames %d to %d of a clip, and of the fused\n"
+      "ones of frame %d of %d clips.\n\n"
       "| noise of white | | m_d | alpha | log2 s |\n|---|---|---|---|---|\n",
       scenes, static_cast<int>(NoiseStudy::kFused + 1), static_cast<int>(NoiseStudy::kFrames),
       static_cast<int>(NoiseStudy::kFused), static_cast<int>(NoiseStudy::kClips));

@@ -18,9 +18,7 @@ TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
   const auto color = property<guint>(lime, "diffuse-albedo");
-  const auto code = [](double v) {
-    return std::lround(255 * (1.055 * std::pow(v, 1 / 2.4) - .055));
-  };
+  const auto code = [](double v) { return std::lround(255 * srgb_code(v)); };
   EXPECT_EQ(color, 0xff000000u | static_cast<guint>(code(.2) << 16 | code(.5) << 8 | code(.7)));
   EXPECT_NEAR(std::log2(property<gfloat>(lime, "shininess")), 1 + 9 * 5.5 / 8, .5);
   EXPECT_GT(property<gfloat>(lime, "specular-albedo"), .2);
@@ -151,6 +149,16 @@ TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
   }
 }
 
+TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
+  VideoHarness harness(line("recheck=1000") + " ! intrinsiccompose show=specular", caps(), caps());
+  std::vector<uint8_t> out;
+  for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+  EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
+  EXPECT_TRUE(stat<gboolean>(harness.find("limematerial"), "kept", G_TYPE_BOOLEAN));
+  g_object_set(harness.find("limematerial"), "adaptive", FALSE, nullptr);
+  EXPECT_EQ(harness.process(scene(60, 30, 20)), out);
+}
+
 TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings) {
   VideoHarness harness(line("recheck=1000 show=mask"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
@@ -167,6 +175,17 @@ TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings)
   EXPECT_EQ(shown("show", "mask"), mask);
   harness.flush();
   EXPECT_NE(harness.process(scene(60, 30, 20)), mask) << "nothing is known of it any more";
+}
+
+TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
+  VideoHarness harness(line("recheck=1000 show=preview"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  std::vector<uint8_t> lit;
+  for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
+  EXPECT_TRUE(stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN));
+  EXPECT_GT(stat<guint64>(lime, "light-views", G_TYPE_UINT64), 0u);
+  gst_util_set_object_arg(G_OBJECT(lime), "normals", "none");
+  EXPECT_NE(harness.process(scene(60, 30, 20)), lit) << "in a studio's light, as none is known";
 }
 
 TEST_F(LimeElementTest, KeepsTheObjectWhenTheRateChanges) {

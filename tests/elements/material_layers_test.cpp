@@ -1,6 +1,7 @@
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 
+#include "../srgb.hpp"
 #include "base/inverse_layers_meta.h"
 #include "base/inverse_material_meta.h"
 #include "lime_fixture.hpp"
@@ -103,8 +104,7 @@ TEST_F(MaterialLayers, AnEditShowsInThePicture) {
   std::vector<uint8_t> pixels(gst_buffer_get_size(out));
   gst_buffer_extract(out, 0, pixels.data(), pixels.size());
   const double red = static_cast<double>(diffuse[kObject]);
-  EXPECT_NEAR(pixels[kObject], 255 * (1.055 * std::pow(red, 1 / 2.4) - .055), 1)
-      << "without highlights";
+  EXPECT_NEAR(pixels[kObject], 255 * srgb_code(red), 1) << "without highlights";
   EXPECT_EQ(pixels[0], 128);
   gst_buffer_unref(out);
   gst_harness_teardown(compose);

@@ -1,6 +1,6 @@
 // Our metas on their way through elements of GStreamer's own.
-#include <filesystem>
 
+#include "../has_networks.hpp"
 #include "base/inverse_light_stage_meta.h"
 #include "base/inverse_material_meta.h"
 #include "element_test.hpp"
@@ -94,9 +94,7 @@ TEST_F(MetaTest, MaterialsStayBehindOurOwnElements) {
 }
 
 TEST_F(MetaTest, OfSeveralLimematerialsTheLastOneCounts) {
-  const gchar* models = g_getenv("INVERSE_MODELS");
-  if (!models || !std::filesystem::exists(std::string(models) + "/lime/albedo.net"))
-    GTEST_SKIP() << "built without inverse-onnx-import";
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
   send_through("limematerial show=input", VideoHarness::caps("RGBA", 64, 48));
   ASSERT_NE(material(), nullptr);
   EXPECT_EQ(gst_buffer_get_n_meta(out_, g_type_from_name(GST_MATERIAL_META_API_NAME)), 1u);

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "../srgb.hpp"
 #include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
 #include "material/guided_layers.hpp"
@@ -249,7 +250,7 @@ TEST_F(LimeKernels, AnEvenObjectIsEvenUnderItsHighlight) {
   UnderHighlights under(device, 64);
   run([&](gpu::Commands& commands) { under.record(commands, points(masked), points(codes)); });
   const Pixels got = download(under.diffuse());
-  const float expected = static_cast<float>(std::pow((.5 + .055) / 1.055, 2.4));
+  const float expected = srgb_light(.5F);
   for (size_t i = 0; i < got.size(); i += 4)
     for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got[i + c], expected, 1e-4) << i;
 }
@@ -319,8 +320,7 @@ TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
       for (size_t c = 0; c < 3; ++c) light[4 * i + c] = static_cast<float>(mixed(disk[i], c));
     for (size_t i = 0; i < shares.size(); ++i) {
       for (size_t c = 0; c < 3; ++c)
-        means[4 * i + c] =
-            static_cast<float>(1.055 * std::pow(mixed(shares[i], c), 1 / 2.4) - .055);
+        means[4 * i + c] = static_cast<float>(srgb_code(mixed(shares[i], c)));
       if (is_object)
         mask[4 * i] = static_cast<float>(std::max(shares[i], .01));
       else
