@@ -9,6 +9,7 @@ namespace inverse {
 inline std::string why_no_file(const std::string& path) {
   std::error_code status;
   if (std::filesystem::is_regular_file(path, status)) return {};
+  if (path.find("://") != std::string::npos) return "cannot be read: a path is needed, not a URI";
   return status ? "cannot be read: " + status.message() : "is no file";
 }
 

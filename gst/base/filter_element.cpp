@@ -130,10 +130,11 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   if (!info_.takes_pixels() && !in_layers_) {
     GST_ELEMENT_ERROR(
         element_, STREAM, FORMAT,
-        ("%s works on decomposed video; insert %s before it", name.c_str(), info_.needs),
-        ("got %" GST_PTR_FORMAT
-         "; behind a tee every branch must take layers: end each with intrinsiccompose",
-         in));
+        ("%s works on decomposed video; insert %s before it, with nothing between the two that "
+         "takes pictures or other layers (behind a tee every branch must take layers: end each "
+         "with intrinsiccompose)",
+         name.c_str(), info_.needs),
+        ("got %" GST_PTR_FORMAT, in));
     return false;
   }
   const bool takes_one = info_.sink != Flow::pixels && info_.layers[0] != '{';

@@ -138,10 +138,17 @@ class LimeElement final : public Filter {
     {
       std::lock_guard lock(light_mutex_);
       light_ = nullptr;
+      target_ = params.environment_location;
+      normal_map_name_ = params.normal_map;
     }
-    normal_map_ = params.normal_map.empty()
-                      ? nullptr
-                      : std::make_shared<const NormalMap>(NormalMap::load(params.normal_map));
+    warnings_.clear();
+    bare_ = false;
+    normal_map_ = nullptr;
+    if (!params.normal_map.empty()) {
+      std::string warning;
+      normal_map_ = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map, warning));
+      if (!warning.empty()) warnings_.push_back(warning);
+    }
     told_.reset();
     written_ = true;  // until there is a frame
   }
@@ -174,10 +181,10 @@ class LimeElement final : public Filter {
     publish();
   }
   void ended() override {
-    const std::string path = parameters_.snapshot().environment_location;
-    if (path.empty() || written_) return;
+    const Params params = this->params();
+    if (params.environment_location.empty() || written_) return;
     written_ = true;
-    save_environment(path);
+    save_environment(params.environment_location);
   }
   void save_environment(const std::string& path) override {
     std::shared_ptr<const Environment> light;
@@ -186,17 +193,22 @@ class LimeElement final : public Filter {
       light = light_;
     }
     if (path.empty()) throw Error(ErrorKind::output, "no file to write the light to was named");
-    if (!light)
-      throw Error(ErrorKind::output,
-                  path +
-                      " was not written, as there is no light yet: it takes an object whose "
-                      "material is known and normals (normals=silhouette or normal-map)" +
-                      (parameters_.snapshot().asks_for_light() ? "" : ", and light=true"));
+    if (!light) {
+      const Params params = this->params();
+      throw Error(
+          ErrorKind::output,
+          path +
+              " was not written, as there is no light yet: it takes an object whose material is "
+              "known and normals " +
+              (params.normal_map.empty() ? "(normals=silhouette or normal-map)"
+                                         : "where it is in normal-map=" + params.normal_map) +
+              (params.asks_for_light() ? "" : ", and light=true"));
+    }
     light->save(path);
   }
 
   void process(FrameWork& frame) override {
-    Params params = parameters_.snapshot();
+    Params params = this->params();
     params.light_asked = params.asks_for_light();
     params.layers_asked =
         !frame.draw || (params.show != LimeShow::input && params.show != LimeShow::preview);
@@ -206,6 +218,7 @@ class LimeElement final : public Filter {
     const PlanePtr input = frame.layers[Role::input];
     const bool still = !changed_within(frame.changed, extent_, method_->square());
     tell(frame);
+    warn(frame, params);
     const uint64_t number = method_->recorded();
     method_->record(frame.commands, *input, params, still);
     frame.decorate = [object = method_->object(),
@@ -233,7 +246,7 @@ class LimeElement final : public Filter {
 
   void describe(GstStructure* stats, uint64_t number) const override {
     const LimeMaterial::Report& report = method_->report(past(number).method);
-    const bool asked = parameters_.snapshot().asks_for_light();
+    const bool asked = params().asks_for_light();
     gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "kept", G_TYPE_BOOLEAN,
                       past(number).kept, "segmentations", G_TYPE_UINT64, report.segmentations,
                       "estimates", G_TYPE_UINT64, report.estimates, "light-views", G_TYPE_UINT64,
@@ -264,6 +277,15 @@ class LimeElement final : public Filter {
     bool kept = false;
   };
   const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
+
+  /// As they are now; but what is looked at when the element starts alone as it was then.
+  Params params() const {
+    Params params = parameters_.snapshot();
+    std::lock_guard lock(light_mutex_);
+    params.environment_location = target_;
+    params.normal_map = normal_map_name_;
+    return params;
+  }
 
   Layers layers(FrameWork& frame, const PlanePtr& input) {
     const LimeMaterial::Layers found = method_->record_layers(frame.commands, *input);
@@ -388,6 +410,16 @@ class LimeElement final : public Filter {
     frame.messages.push_back(std::move(message));
     frame.news.insert(frame.news.end(), kMaterialNews.begin(), kMaterialNews.end());
   }
+  void warn(FrameWork& frame, const Params& params) {
+    for (std::string& warning : std::exchange(warnings_, {}))
+      frame.warnings.push_back(std::move(warning));
+    if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;
+    frame.warnings.push_back(
+        params.normal_map +
+        " has no normals where the object is, so that there is no light: is it "
+        "of this camera and this object?");
+  }
+
   static bool near(const Material& a, const Material& b) {
     constexpr float kAlbedo = 0.02F, kOctaves = 0.25F;
     for (size_t c = 0; c < 3; ++c)
@@ -411,9 +443,13 @@ class LimeElement final : public Filter {
   std::shared_ptr<gpu::Device> device_;
   std::shared_ptr<const Environment> published_light_;  // what the next two are of
   std::shared_ptr<GBytes> light_bytes_;                 // for metas
-  std::mutex light_mutex_;
-  std::shared_ptr<const Environment> light_;  // under it: the last one since the start, for files
-  bool written_ = true;                       // nothing came since
+  std::vector<std::string> warnings_;         // of the files, to be told with the first frame
+  bool bare_ = false;                         // it was said that the object has no normals
+  mutable std::mutex light_mutex_;            // of what follows, up to the next blank line
+  std::shared_ptr<const Environment> light_;  // the last one since the start, for files
+  std::string target_, normal_map_name_;      // as at the start
+
+  bool written_ = true;  // nothing came since
 };
 
 }  // namespace

@@ -36,7 +36,8 @@ class MaterialProperties final : public PropertyStore {
     const auto& [diffuse, specular, shininess] = kMaterialNews;
     add(g_param_spec_uint(diffuse, "diffuse albedo",
                           "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is "
-                          "none. Notified, as the next two, with the message material",
+                          "none. Notified, as specular-albedo and shininess are, with the message "
+                          "material",
                           0, G_MAXUINT, 0, flags));
     add(g_param_spec_float(specular, "specular albedo",
                            "Specular albedo of the object, white; 0 where there is none", 0, 1, 0,

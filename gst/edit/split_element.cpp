@@ -136,10 +136,10 @@ bool SplitElement::set_caps(GstCaps* caps) {
     if (!known)
       GST_ELEMENT_ERROR(
           element_, STREAM, FORMAT,
-          ("intrinsicsplit works on decomposed video; insert intrinsicdecomp before it"),
-          ("got %" GST_PTR_FORMAT
-           "; behind a tee every branch must take layers: end each with intrinsiccompose",
-           caps));
+          ("intrinsicsplit works on decomposed video; insert intrinsicdecomp or another decomposer "
+           "before it, with nothing between the two that takes pictures (behind a tee every branch "
+           "must take layers: end each with intrinsiccompose)"),
+          ("got %" GST_PTR_FORMAT, caps));
     return false;
   }
   bool good = true;

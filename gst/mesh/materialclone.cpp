@@ -119,13 +119,14 @@ class CloneElement final : public Filter {
     const Params params = parameters_.snapshot();
     looked_ = false;
     mesh_.reset();  // files may be others than at the last start
-    mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh);
-    seen_.reset();
-    warned_ = timeless_ = false;
     warnings_.clear();
     std::string warning;
+    mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh, warning);
+    if (!warning.empty()) warnings_.push_back(warning);
     light_.start(params.environment_location, warning);
-    if (!warning.empty()) warnings_.push_back(std::move(warning));
+    if (!warning.empty()) warnings_.push_back(warning);
+    seen_.reset();
+    warned_ = timeless_ = false;
     told_size_ = false;
   }
 

@@ -1,7 +1,6 @@
 #include "mesh_file.hpp"
 
 #include <assimp/BaseImporter.h>
-#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -9,106 +8,29 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "error.hpp"
 #include "gltf_nodes.hpp"
-#include "regular_file.hpp"
+#include "mesh_system.hpp"
+#include "ply_length.hpp"
+#include "sound_scene.hpp"
 
 namespace inverse {
 namespace {
 
-constexpr uintmax_t kMaxBytes = uintmax_t{1} << 30;
 constexpr float kCrease = 66;  // degrees
 constexpr std::array<std::string_view, 4> kExtensions{"obj", "ply", "gltf", "glb"};
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw Error(ErrorKind::file, "mesh " + path + " " + what);
 }
-
-/// In small letters, without the dot.
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-/// Why a file is not read, be it the mesh or one that it names; empty where it may be.
-std::string why_no_mesh(const std::string& path) {
-  if (const std::string why = why_no_file(path); !why.empty()) return why;
-  std::error_code status;
-  return std::filesystem::file_size(path, status) > kMaxBytes
-             ? "is larger than 1 GiB; simplify it, with Blender's Decimate for example"
-             : "";
-}
-
-/// A file as Assimp reads it. Behind its end some of Assimp's readers look for more forever: this
-/// one throws then.
-class BoundedStream final : public Assimp::IOStream {
- public:
-  BoundedStream(Assimp::IOSystem& system, Assimp::IOStream* inner)
-      : system_(system), inner_(inner) {}
-  BoundedStream(const BoundedStream&) = delete;
-  BoundedStream& operator=(const BoundedStream&) = delete;
-  ~BoundedStream() override { system_.Close(inner_); }
-
-  size_t Read(void* to, size_t size, size_t count) override {
-    constexpr int kPatience = 1000;
-    const size_t got = inner_->Read(to, size, count);
-    if (got == 0 && ++in_vain_ > kPatience) throw std::runtime_error("it ends too early");
-    return got;
-  }
-  size_t Write(const void*, size_t, size_t) override { return 0; }
-  aiReturn Seek(size_t offset, aiOrigin origin) override { return inner_->Seek(offset, origin); }
-  size_t Tell() const override { return inner_->Tell(); }
-  size_t FileSize() const override { return inner_->FileSize(); }
-  void Flush() override {}
-
- private:
-  Assimp::IOSystem& system_;
-  Assimp::IOStream* inner_;
-  int in_vain_ = 0;
-};
-
-/// The files of a mesh.
-class BoundedSystem final : public Assimp::DefaultIOSystem {
- public:
-  explicit BoundedSystem(const std::string& mesh)
-      : mesh_(mesh), obj_(extension_of(mesh) == "obj") {}
-
-  bool Exists(const char* file) const override {  // Assimp's own opens it
-    return asks_for_shape(file) && why_no_mesh(file).empty();
-  }
-  Assimp::IOStream* Open(const char* file, const char* mode) override {
-    std::error_code status;
-    if (!asks_for_shape(file) || !std::filesystem::exists(file, status)) return nullptr;
-    if (const std::string why = why_no_mesh(file); !why.empty())
-      throw std::runtime_error(file + (" " + why));
-    Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
-    return inner ? new BoundedStream(files_, inner) : nullptr;
-  }
-  void Close(Assimp::IOStream* stream) override { delete stream; }
-
- private:
-  /// What an OBJ names are materials.
-  bool asks_for_shape(const std::string& file) const { return !obj_ || file == mesh_; }
-
-  Assimp::DefaultIOSystem files_;
-  std::string mesh_;
-  bool obj_;
-};
 
 void check_file(const std::string& path) {
   if (const std::string why = why_no_mesh(path); !why.empty()) fail(path, why);
@@ -118,6 +40,8 @@ void check_file(const std::string& path) {
   if (!std::ifstream(path)) fail(path, "cannot be read: permission denied");
   if (extension.starts_with("gl"))
     if (const std::string fault = gltf_nodes_fault(path); !fault.empty()) fail(path, fault);
+  if (extension == "ply")
+    if (const std::string fault = ply_length_fault(path); !fault.empty()) fail(path, fault);
 }
 
 /// Of the many formats that Assimp knows, only ours: fewer surprises.
@@ -133,82 +57,6 @@ void keep_our_formats(Assimp::Importer& importer) {
       delete format;
     }
   }
-}
-
-/// Leaves the vertices that faces have; of channels that are removed anyway, anything. Assimp's
-/// later steps copy all that there are wherever a mesh is shown, and its reader of glTF makes all
-/// of an accessor part of each mesh that has some of it.
-void compact(aiMesh& part) {
-  constexpr unsigned kUnused = std::numeric_limits<unsigned>::max();
-  std::vector<unsigned> place(part.mNumVertices, kUnused);
-  std::vector<aiVector3D> positions, normals;
-  for (unsigned i = 0; i < part.mNumFaces; ++i)
-    for (unsigned corner = 0; corner < part.mFaces[i].mNumIndices; ++corner) {
-      unsigned& index = part.mFaces[i].mIndices[corner];
-      unsigned& now = place[index];
-      if (now == kUnused) {
-        now = static_cast<unsigned>(positions.size());
-        positions.push_back(part.mVertices[index]);
-        if (part.mNormals) normals.push_back(part.mNormals[index]);
-      }
-      index = now;
-    }
-  std::copy(positions.begin(), positions.end(), part.mVertices);
-  std::copy(normals.begin(), normals.end(), part.mNormals);
-  part.mNumVertices = static_cast<unsigned>(positions.size());
-}
-
-/// Leaves the faces that are areas of corners that exist. Assimp's later steps end the process on
-/// what its readers may let through.
-void sanitize(aiMesh& part) {
-  unsigned kept = 0;
-  part.mPrimitiveTypes = 0;
-  for (unsigned i = 0; i < part.mNumFaces; ++i) {
-    aiFace& face = part.mFaces[i];
-    const bool good =
-        face.mNumIndices >= 3 && part.mVertices &&
-        std::all_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) {
-          if (corner >= part.mNumVertices) return false;
-          const aiVector3D& p = part.mVertices[corner];
-          return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-        });
-    if (!good) continue;
-    part.mPrimitiveTypes |=
-        face.mNumIndices == 3 ? aiPrimitiveType_TRIANGLE : aiPrimitiveType_POLYGON;
-    aiFace& place = part.mFaces[kept++];
-    std::swap(place.mIndices, face.mIndices);
-    std::swap(place.mNumIndices, face.mNumIndices);
-  }
-  part.mNumFaces = kept;
-  compact(part);
-}
-
-/// Takes meshes that are gone (`place` has −1 for them) out of a node and those below it.
-void renumber(aiNode& node, const std::vector<int>& place) {
-  unsigned kept = 0;
-  for (unsigned i = 0; i < node.mNumMeshes; ++i)
-    if (node.mMeshes[i] < place.size() && place[node.mMeshes[i]] >= 0)
-      node.mMeshes[kept++] = static_cast<unsigned>(place[node.mMeshes[i]]);
-  node.mNumMeshes = kept;
-  for (unsigned i = 0; i < node.mNumChildren; ++i) renumber(*node.mChildren[i], place);
-}
-
-void sanitize(aiScene& scene) {
-  std::vector<int> place(scene.mNumMeshes, -1);
-  unsigned kept = 0;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    aiMesh* part = scene.mMeshes[i];
-    scene.mMeshes[i] = nullptr;
-    sanitize(*part);
-    if (part->mNumFaces == 0) {
-      delete part;
-      continue;
-    }
-    place[i] = static_cast<int>(kept);
-    scene.mMeshes[kept++] = part;
-  }
-  scene.mNumMeshes = kept;
-  if (scene.mRootNode) renumber(*scene.mRootNode, place);
 }
 
 /// How many triangles will be made of each mesh. Throws where one has a polygon of too many
@@ -297,10 +145,10 @@ void append(Mesh& mesh, const aiMesh& part) {
   }
 }
 
-Mesh read(const std::string& path) {
+Mesh read(const std::string& path, std::string& warning) {
   Assimp::Importer importer;
   keep_our_formats(importer);
-  importer.SetIOHandler(new BoundedSystem(path));
+  importer.SetIOHandler(mesh_system(path));
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
                               aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
@@ -310,7 +158,12 @@ Mesh read(const std::string& path) {
   if (!importer.ReadFile(path, 0))
     fail(path, std::string("cannot be read: ") + importer.GetErrorString());
   // Ours to change: nobody else has it.
-  sanitize(const_cast<aiScene&>(*importer.GetScene()));
+  const Faces faces = sanitize(const_cast<aiScene&>(*importer.GetScene()));
+  if (faces.left_out)
+    warning = "mesh " + path + ": " + std::to_string(faces.left_out) + " of " +
+              std::to_string(faces.areas) +
+              " faces are left out, as corners of theirs do not exist or are no numbers; "
+              "write the file anew";
   if (importer.GetScene()->mNumMeshes == 0)
     fail(path, "has no triangle with an area; nothing can be drawn");
   // Before work is put into it.
@@ -336,11 +189,12 @@ Mesh read(const std::string& path) {
 
 }  // namespace
 
-Mesh load_mesh(const std::string& path) {
+Mesh load_mesh(const std::string& path, std::string& warning) {
+  warning.clear();
   check_file(path);
   Mesh mesh;
   try {
-    mesh = read(path);
+    mesh = read(path, warning);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {

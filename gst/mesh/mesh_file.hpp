@@ -14,6 +14,7 @@ constexpr unsigned kMaxCorners = 1000;
 /// degrees), in the middle and of radius 1. Materials and textures are not looked at. Throws
 /// Error(file), which names the file, where it cannot be read, is none of these, has no triangles,
 /// more than Mesh::kMaxTriangles, a polygon of more than kMaxCorners corners, or more than 1 GiB.
-Mesh load_mesh(const std::string& path);
+/// Faces whose corners do not exist or are no numbers are left out; `warning` says so, or is empty.
+Mesh load_mesh(const std::string& path, std::string& warning);
 
 }  // namespace inverse

@@ -24,6 +24,7 @@ namespace inverse {
 namespace {
 
 constexpr float kShortest = 0.5F, kLongest = 1.3F;  // of what counts as a normal
+constexpr float kNear = 0.1F;  // of a length to 1, as 8 bits and scaled edges leave it
 
 Normal normalized(const Normal& n) {
   const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -33,7 +34,8 @@ Normal normalized(const Normal& n) {
 
 }  // namespace
 
-NormalMap NormalMap::load(const std::string& path) {
+NormalMap NormalMap::load(const std::string& path, std::string& warning) {
+  warning.clear();
   const auto refuse = [&path](const std::string& why) {
     throw Error(ErrorKind::file, path + ": " + why +
                                      "; a normal map is a PNG, RGB = xyz from -1 to 1, z to "
@@ -50,15 +52,22 @@ NormalMap NormalMap::load(const std::string& path) {
   if (channels < 3) refuse("it is gray");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   std::vector<Normal> normals(extent.pixels());
+  size_t taken = 0, good = 0;
   for (size_t i = 0; i < normals.size(); ++i) {
     const stbi_us* code = pixels.get() + 4 * i;
     Normal n{};
     for (size_t c = 0; c < 3; ++c) n[c] = 2 * static_cast<float>(code[c]) / 65535 - 1;
     const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (code[3] >= 32768 && length > kShortest && length < kLongest) normals[i] = normalized(n);
+    if (!(code[3] >= 32768 && n[2] > 0 && length > kShortest && length < kLongest)) continue;
+    normals[i] = normalized(n);
+    ++taken;
+    good += std::fabs(length - 1) < kNear;
   }
-  if (std::all_of(normals.begin(), normals.end(), [](const Normal& n) { return n == Normal{}; }))
-    refuse("no normal in it faces the camera");
+  if (taken == 0) refuse("no normal in it faces the camera");
+  if (good < taken / 2)
+    warning = path + ": of what it has for normals, " + std::to_string(100 * good / taken) +
+              " % have a length near 1; is it a normal map (RGB = xyz from -1 to 1, z to the "
+              "camera, not converted to other colors)?";
   return {extent, std::move(normals)};
 }
 

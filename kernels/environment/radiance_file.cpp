@@ -1,6 +1,7 @@
 // Environment maps in Radiance files, through stb.
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -52,6 +53,9 @@ struct Target {
 /// Throws where nothing can be written under this name.
 Target target_of(const std::string& path) {
   namespace fs = std::filesystem;
+  constexpr std::array kOthers{".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pfm"};
+  if (std::ranges::count(kOthers, fs::path(path).extension().string()))
+    fail_to_write(path, "it would be a Radiance picture; name it .hdr");
   std::error_code none, status;
   const fs::file_status found = fs::status(path, status);
   if (found.type() == fs::file_type::none) fail_to_write(path, status.message());
@@ -142,13 +146,15 @@ Panorama read(const std::string& path) {
     auto result = use(&reader);
     if (reader.beyond_end) fail(path, "ends too early; it was not copied or written whole");
     if (!result)
-      fail(path, std::string("is no Radiance picture (.hdr, RGBE) that can be read (") +
-                     stbi_failure_reason() + "); convert other formats, with Blender for example");
+      fail(path, std::string("is no Radiance picture (.hdr, RGBE, rows from the top) that "
+                             "can be read (") +
+                     stbi_failure_reason() + "); convert others, with Blender for example");
     return result;
   };
   open([&](Reader* reader) {
     return stbi_info_from_callbacks(&callbacks, reader, &width, &height, &channels);
   });
+  if (width < 0 || height < 0) fail(path, "has a size below 0 in its header");
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   Environment::check_size(extent, name);
   std::error_code status;

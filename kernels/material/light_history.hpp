@@ -34,6 +34,7 @@ class LightHistory {
   /// The light; null while it is not known.
   const std::shared_ptr<const Environment>& light() const { return known_; }
   uint64_t views() const { return light_.views(); }
+  bool lacks_normals() const { return light_.lacks_normals(); }
   /// What compare found; none: the object moves.
   std::optional<CropChange::Difference> changed() const;
   /// Whether there is a picture that compare compares with.

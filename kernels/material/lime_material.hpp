@@ -89,6 +89,8 @@ class LimeMaterial {
   const Report& report(uint64_t number) const { return slot(number).report; }
   /// Bytes of device memory that the networks take.
   uint64_t network_bytes() const { return networks_.bytes(); }
+  /// Whether normals were looked for where the object is, for its light, and there are none.
+  bool lacks_normals() const { return light_.lacks_normals(); }
   /// Another number where layers, object or light may be others than they were, but for what is
   /// another in the frame itself.
   uint64_t news() const { return news_; }

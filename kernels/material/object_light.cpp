@@ -91,6 +91,7 @@ void ObjectLight::add(const View& view, const NormalMap* map, const Params& para
     point.mirror = decoded(layers[1]);
     points.push_back(point);
   }
+  lacks_normals_ = points.empty();
   fit_.add(points, params.fit);
 }
 

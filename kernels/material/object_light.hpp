@@ -38,6 +38,8 @@ class ObjectLight {
   /// As EnvironmentFit's.
   void shorten(uint64_t views) { fit_.shorten(views); }
   uint64_t views() const { return fit_.count(); }
+  /// Whether the object of the last frame had no normals.
+  bool lacks_normals() const { return lacks_normals_; }
 
  private:
   const std::vector<Normal>& normals(const View& view, const NormalMap* map);
@@ -48,6 +50,7 @@ class ObjectLight {
   std::vector<uint8_t> mask_;
   Square square_;
   const NormalMap* map_ = nullptr;
+  bool lacks_normals_ = false;
 };
 
 }  // namespace inverse

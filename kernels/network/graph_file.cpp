@@ -191,10 +191,11 @@ Graph from_file(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 Graph load(const std::string& path) {
+  constexpr const char* kRemedy = "; inverse-onnx-import makes a network file of an ONNX file";
   if (const std::string why = why_no_file(path); !why.empty())
-    throw Error(ErrorKind::file, path + ": it " + why + " (a network file)");
+    throw Error(ErrorKind::file, path + ": it " + why + kRemedy);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + " (a network file)");
+  if (!file) throw Error(ErrorKind::file, path + ": " + std::strerror(errno) + kRemedy);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
   return from_file(std::as_bytes(std::span(bytes)), path);
 }

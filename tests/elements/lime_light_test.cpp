@@ -82,6 +82,42 @@ TEST_F(LimeLight, NormalMapsThatAreOfNoUseAreRefused) {
   EXPECT_NE(error_of(pipe).find("is no file"), std::string::npos) << "it would wait for ever";
 }
 
+TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
+  const auto warnings_of = [this](const std::vector<uint8_t>& pixels, int left) {
+    const NormalMapPath file;
+    file.write(png(2, 1, 3, 8, pixels));
+    VideoHarness harness(line("light=true normal-map=" + file.path()), caps(), caps());
+    for (int i = 0; i < 8; ++i) harness.process(scene(left, 30, 10));
+    return harness.warnings();
+  };
+  const std::vector<uint8_t> left_alone{128, 218, 218, 0, 0, 0};
+  EXPECT_TRUE(warnings_of(left_alone, 14).empty());
+  const auto beside = warnings_of(left_alone, 84);
+  ASSERT_EQ(beside.size(), 1U) << "told once";
+  EXPECT_NE(beside.front().find("normals.png has no normals where the object is"),
+            std::string::npos)
+      << beside.front();
+  const auto gray = warnings_of({200, 200, 200, 200, 200, 200}, 14);  // of length .98
+  EXPECT_TRUE(gray.empty());
+  const auto short_ones = warnings_of({180, 180, 180, 180, 180, 180}, 14);
+  ASSERT_EQ(short_ones.size(), 1U);
+  EXPECT_NE(short_ones.front().find("0 % have a length near 1"), std::string::npos)
+      << short_ones.front();
+}
+
+TEST_F(LimeLight, TheFileIsTheOneThatWasNamedAtTheStart) {
+  const TemporaryFolder folder;
+  {
+    VideoHarness harness(line("environment-location=" + (folder / "first.hdr")), caps(), caps());
+    harness.process(scene(60, 30, 20));
+    g_object_set(harness.find("limematerial"), "environment-location",
+                 (folder / "second.hdr").c_str(), nullptr);
+    for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "first.hdr"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "second.hdr"));
+}
+
 TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
   GstElement* lime = gst_element_factory_make("limematerial", nullptr);
   g_object_set(lime, "models", "/nowhere", nullptr);
@@ -134,7 +170,9 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
   const std::string pipe = here / "pipe.hdr";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const auto& [path, why] :
-       {std::pair{pipe, "it is a pipe"}, {here.path(), "it is a folder"}}) {
+       {std::pair{pipe, "it is a pipe"},
+        {here.path(), "it is a folder"},
+        {here / "light.exr", "it would be a Radiance picture; name it .hdr"}}) {
     const auto error =
         run_line(ball() + line("environment-location=" + path) + " ! fakesink").first_error();
     EXPECT_NE(error.find(path + " cannot be written: " + why), std::string::npos) << error;

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -109,9 +110,17 @@ class MeshFile : public ::testing::Test {
   std::string written(const std::string& name, const std::string& bytes) const {
     return folder_.write(name, bytes);
   }
+  /// A mesh about which there is no warning.
+  static Mesh load(const std::string& path) {
+    std::string warning;
+    Mesh mesh = load_mesh(path, warning);
+    EXPECT_EQ(warning, "");
+    return mesh;
+  }
   static std::string error(const std::string& path) {
     try {
-      load_mesh(path);
+      std::string warning;  // of what was damaged, or none
+      load_mesh(path, warning);
     } catch (const Error& e) {
       EXPECT_EQ(e.kind(), ErrorKind::file) << e.what();
       EXPECT_NE(std::string(e.what()).find(path), std::string::npos) << e.what();
@@ -126,7 +135,7 @@ class MeshFile : public ::testing::Test {
 }  // namespace
 
 TEST_F(MeshFile, ObjWithoutNormalsGetsThem) {
-  const Mesh cube = load_mesh(written("cube.obj", kObj));
+  const Mesh cube = load(written("cube.obj", kObj));
   EXPECT_EQ(cube.triangles(), 12u);
   EXPECT_EQ(cube.positions.size(), 24u) << "a cube's edges are sharp";
   for (size_t i = 0; i < cube.positions.size(); ++i) {
@@ -138,9 +147,9 @@ TEST_F(MeshFile, ObjWithoutNormalsGetsThem) {
 }
 
 TEST_F(MeshFile, PlyAndGltf) {
-  const Mesh pyramid = load_mesh(written("pyramid.ply", kPly));
+  const Mesh pyramid = load(written("pyramid.ply", kPly));
   EXPECT_EQ(pyramid.triangles(), 6u);
-  const Mesh square = load_mesh(written("SQUARE.GLB", glb()));
+  const Mesh square = load(written("SQUARE.GLB", glb()));
   EXPECT_EQ(square.triangles(), 2u);
   EXPECT_EQ(square.positions.size(), 4u) << "corners are joined";
   for (const auto& n : square.normals) EXPECT_NEAR(n[2], 1, 1e-5);
@@ -174,6 +183,58 @@ TEST_F(MeshFile, TruncatedAndDamagedFilesDoNoHarm) {
   }
 }
 
+/// A binary PLY of a strip of so many triangles.
+std::string strip(int triangles, bool big_endian) {
+  const std::string count = std::to_string(triangles), corners = std::to_string(triangles + 2);
+  std::string ply = std::string("ply\nformat binary_") + (big_endian ? "big" : "little") +
+                    "_endian 1.0\nelement vertex " + corners +
+                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                    count + "\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto add = [&](const auto& value) {
+    std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+    if (big_endian) std::reverse(bytes.begin(), bytes.end());
+    ply += bytes;
+  };
+  for (int i = 0; i < triangles + 2; ++i)
+    for (const float at : {static_cast<float>(i / 2), static_cast<float>(i % 2), 0.0F}) add(at);
+  for (int i = 0; i < triangles; ++i) {
+    add(uint8_t{3});
+    for (const int corner : {i, i + 1, i + 2}) add(corner);
+  }
+  return ply;
+}
+
+// Assimp makes up what lies beyond the end.
+TEST_F(MeshFile, BinaryPlyThatEndsTooEarlyIsAnErrorThatSaysWhatIsThere) {
+  constexpr size_t kFace = 13, kFaces = 200 * kFace;
+  for (const bool big_endian : {false, true}) {
+    const std::string ply = strip(200, big_endian);
+    EXPECT_EQ(load(written("whole.ply", ply)).triangles(), 200U);
+    EXPECT_EQ(load(written("more.ply", ply + "\n")).triangles(), 200U);
+    for (const auto& [bytes, there] : {std::pair{kFaces, 0}, {kFace, 199}, {size_t{1}, 199}}) {
+      const std::string text = error(written("cut.ply", ply.substr(0, ply.size() - bytes)));
+      EXPECT_NE(text.find("of 200 elements \"face\" it has " + std::to_string(there) + ";"),
+                std::string::npos)
+          << bytes << ": " << text;
+    }
+    const std::string text = error(written("cut.ply", ply.substr(0, ply.size() - kFaces - 25)));
+    EXPECT_NE(text.find("of 202 elements \"vertex\" it has 199;"), std::string::npos) << text;
+  }
+  std::string vast = kPly;
+  vast.replace(vast.find("vertex 5"), 8, "vertex 4000000000");
+  EXPECT_NE(
+      error(written("vast.ply", vast)).find("of 4000000000 elements \"vertex\" it has at most"),
+      std::string::npos);
+}
+
+TEST_F(MeshFile, FacesThatAreNoAreasAreLeftOutWithAWarning) {
+  std::string warning;
+  const std::string obj = written(
+      "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
+  EXPECT_EQ(load_mesh(obj, warning).triangles(), 1U);
+  EXPECT_NE(warning.find(obj + ": 2 of 3 faces are left out"), std::string::npos) << warning;
+}
+
 TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
   const auto grid = [](int side) {
     std::string obj;
@@ -191,7 +252,7 @@ TEST_F(MeshFile, TooManyTrianglesAreAnErrorThatNamesTheLimit) {
     return obj;
   };
   EXPECT_NE(error(written("many.obj", grid(708))).find("at most 1000000"), std::string::npos);
-  EXPECT_EQ(load_mesh(written("some.obj", grid(100))).triangles(), 20000u);
+  EXPECT_EQ(load(written("some.obj", grid(100))).triangles(), 20000u);
 }
 
 TEST_F(MeshFile, TheLimitCountsTrianglesNotFacesAndWhatIsShownTwiceTwice) {
@@ -202,18 +263,18 @@ TEST_F(MeshFile, TheLimitCountsTrianglesNotFacesAndWhatIsShownTwiceTwice) {
   EXPECT_NE(polygons.find("1000994 triangles; at most 1000000"), std::string::npos) << polygons;
   const std::string copies = error(written("copies.glb", glb(1000, 501)));
   EXPECT_NE(copies.find("1002000 triangles; at most 1000000"), std::string::npos) << copies;
-  EXPECT_EQ(load_mesh(written("few.glb", glb(10, 3))).triangles(), 60u);
+  EXPECT_EQ(load(written("few.glb", glb(10, 3))).triangles(), 60u);
 }
 
 TEST_F(MeshFile, VerticesOfNoFaceTakeNoMemoryHoweverOftenTheyAreShown) {
   // Assimp would copy a million for each of 5000 nodes, and count to 2^32 at most.
-  const Mesh mesh = load_mesh(written("loose.glb", glb(1, 5000, 1000000)));
+  const Mesh mesh = load(written("loose.glb", glb(1, 5000, 1000000)));
   EXPECT_EQ(mesh.triangles(), 10000u);
   EXPECT_LE(mesh.positions.size(), 30000u);
 }
 
 TEST_F(MeshFile, PolygonsOfVeryManyCornersAreRefusedAtOnce) {
-  EXPECT_EQ(load_mesh(written("round.obj", ring(1000))).triangles(), 998u);
+  EXPECT_EQ(load(written("round.obj", ring(1000))).triangles(), 998u);
   const std::string more = error(written("rounder.obj", ring(1001)));
   EXPECT_NE(more.find("a polygon of 1001 corners; at most 1000"), std::string::npos) << more;
   EXPECT_NE(more.find("triangulate it"), std::string::npos) << more;
@@ -239,10 +300,10 @@ TEST_F(MeshFile, VeryManyFacesInOneCornerNeedNormals) {
     }
     return obj;
   };
-  EXPECT_EQ(load_mesh(written("few.obj", fan(1000, false))).triangles(), 1000U);
+  EXPECT_EQ(load(written("few.obj", fan(1000, false))).triangles(), 1000U);
   EXPECT_NE(error(written("many.obj", fan(80000, false))).find("store it with normals"),
             std::string::npos);
-  EXPECT_EQ(load_mesh(written("normals.obj", fan(80000, true))).triangles(), 80000U);
+  EXPECT_EQ(load(written("normals.obj", fan(80000, true))).triangles(), 80000U);
 }
 
 // Assimp goes down nodes by recursion, and once for each parent.
@@ -292,9 +353,9 @@ TEST_F(MeshFile, FilesThatAMeshNamesAreLookedAtToo) {
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   ASSERT_EQ(mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
   for (const char* library : {"pipe.mtl", "PIPE.MTL", "pipe.mtl ", "nowhere.mat"})
-    EXPECT_EQ(load_mesh(written("painted.obj", std::string("mtllib ") + library +
-                                                   "\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
-                                                   "f 1 2 3\n"))
+    EXPECT_EQ(load(written("painted.obj", std::string("mtllib ") + library +
+                                              "\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                              "f 1 2 3\n"))
                   .triangles(),
               1U)
         << library;

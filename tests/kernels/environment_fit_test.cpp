@@ -326,9 +326,16 @@ namespace {
 
 class NormalMapFile : public ::testing::Test {
  protected:
+  /// A map that nobody warns of.
+  NormalMap load() const {
+    std::string warning;
+    NormalMap map = NormalMap::load(file.path(), warning);
+    EXPECT_EQ(warning, "");
+    return map;
+  }
   std::string complaint() const {
     try {
-      NormalMap::load(file.path());
+      load();
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::file);
       return error.what();
@@ -347,7 +354,7 @@ TEST_F(NormalMapFile, IsReadAndScaled) {
     std::vector<uint8_t> samples;
     for (const uint8_t code : codes) samples.insert(samples.end(), bits / 8, code);
     file.write(png(2, 2, 3, bits, samples));
-    const NormalMap map = NormalMap::load(file.path());
+    const NormalMap map = load();
     EXPECT_NEAR(map.at(0, 0)[2], 1, .01);
     EXPECT_NEAR(map.at(1, 0)[0], .866, .01);
     EXPECT_NEAR(map.at(1, 0)[2], .5, .01);
@@ -356,7 +363,18 @@ TEST_F(NormalMapFile, IsReadAndScaled) {
     EXPECT_EQ(map.at(1, 1)[2], 0);
   }
   file.write(png(2, 1, 4, 8, {128, 128, 255, 20, 128, 128, 255, 255}));
-  EXPECT_EQ(NormalMap::load(file.path()).at(0, 0)[2], 0) << "transparent";
+  EXPECT_EQ(load().at(0, 0)[2], 0) << "transparent";
+}
+
+TEST_F(NormalMapFile, ThatIsAPhotographGetsAWarning) {
+  std::mt19937 random(1);
+  std::vector<uint8_t> samples(size_t{64} * 64 * 3);
+  for (uint8_t& s : samples) s = static_cast<uint8_t>(random());
+  file.write(png(64, 64, 3, 8, samples));
+  std::string warning;
+  NormalMap::load(file.path(), warning);
+  EXPECT_NE(warning.find(file.path() + ": of what it has for normals, 3"), std::string::npos)
+      << warning;
 }
 
 TEST_F(NormalMapFile, WhatIsNoneIsRefusedByName) {

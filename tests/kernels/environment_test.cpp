@@ -138,6 +138,13 @@ TEST_F(EnvironmentTest, WhatAFileWasMultipliedByIsTakenFromItAgain) {
 
 TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
   EXPECT_NE(load_error("/nowhere/map.hdr").find("/nowhere/map.hdr"), std::string::npos);
+  EXPECT_NE(load_error("file:///nowhere/map.hdr").find("a path is needed, not a URI"),
+            std::string::npos);
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+  EXPECT_NE(load_error(written("size.hdr", head + "-Y -5 +X 10\n")).find("a size below 0"),
+            std::string::npos);
+  EXPECT_NE(load_error(written("up.hdr", head + "+Y 5 +X 10\n")).find("rows from the top"),
+            std::string::npos);
   EXPECT_NE(load_error(path(".")).find("is no file"), std::string::npos);
   EXPECT_NE(load_error(written("empty.hdr", "")).find("ends too early"), std::string::npos);
   EXPECT_NE(load_error(written("text.hdr", std::string(300, 'x'))).find("no Radiance picture"),

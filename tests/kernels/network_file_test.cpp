@@ -160,10 +160,11 @@ TEST(NetworkFile, WhatCannotBeReadIsNamed) {
     return "";
   };
   const TemporaryFolder folder;
-  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it is no file (a network file)");
+  const std::string remedy = "; inverse-onnx-import makes a network file of an ONNX file";
+  EXPECT_EQ(complaint_of(folder.path()), folder.path() + ": it is no file" + remedy);
   const std::string missing = folder / "a.net";
   EXPECT_EQ(complaint_of(missing),
-            missing + ": it cannot be read: No such file or directory (a network file)");
+            missing + ": it cannot be read: No such file or directory" + remedy);
 }
 
 }  // namespace inverse::testing

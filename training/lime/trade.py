@@ -11,7 +11,7 @@ from matplotlib import pyplot  # noqa: E402
 
 from lime import corpus  # noqa: E402
 
-TICKS = (3, 5, 10, 20, 40)  # ms
+TICKS = (5, 10, 20, 40, 80)  # ms
 
 
 def table(card, title):
@@ -46,7 +46,8 @@ def main():
          "specular, after 9 thousand samples")
     widths.set(title="Width", xlabel="ms", xscale="log")
     for axes in (sizes, widths):
-        axes.set_xlim(2.5, 60)
+        axes.set_xlim(3.5, 110)
+        axes.margins(y=0.12)
         axes.set_xticks(TICKS, TICKS)
         axes.minorticks_off()
         axes.legend(fontsize=7, loc="upper right")

@@ -1,0 +1,15 @@
+#pragma once
+#include <assimp/IOSystem.hpp>
+#include <string>
+
+namespace inverse {
+
+/// A file's extension in small letters, without the dot.
+std::string extension_of(const std::string& path);
+/// Why a file is not read, be it a mesh or one that it names; empty where it may be.
+std::string why_no_mesh(const std::string& path);
+/// The files of a mesh for Assimp, which owns what this returns: those that tell of its shape, of
+/// at most 1 GiB, no pipes. A file that ends too early is an exception.
+Assimp::IOSystem* mesh_system(const std::string& mesh);
+
+}  // namespace inverse
