@@ -83,7 +83,7 @@ std::string extension_of(const std::string& path) {
 }
 
 std::string why_no_mesh(const std::string& path) {
-  if (const std::string why = why_no_file(path); !why.empty()) return why;
+  if (std::string why = why_no_file(path); !why.empty()) return why;
   std::error_code status;
   return std::filesystem::file_size(path, status) > kMaxBytes
              ? "is larger than 1 GiB; simplify it, with Blender's Decimate for example"

@@ -14,6 +14,7 @@ namespace {
 /// later steps copy all that there are wherever a mesh is shown, and its reader of glTF makes all
 /// of an accessor part of each mesh that has some of it.
 void compact(aiMesh& part) {
+  if (!part.mVertices) return;  // and so no faces
   constexpr unsigned kUnused = std::numeric_limits<unsigned>::max();
   std::vector<unsigned> place(part.mNumVertices, kUnused);
   std::vector<aiVector3D> positions, normals;

@@ -195,8 +195,10 @@ std::string strip(int triangles, bool big_endian) {
     if (big_endian) std::reverse(bytes.begin(), bytes.end());
     ply += bytes;
   };
-  for (int i = 0; i < triangles + 2; ++i)
-    for (const float at : {static_cast<float>(i / 2), static_cast<float>(i % 2), 0.0F}) add(at);
+  for (int i = 0; i < triangles + 2; ++i) {
+    const int column = i / 2, row = i % 2;
+    for (const int at : {column, row, 0}) add(static_cast<float>(at));
+  }
   for (int i = 0; i < triangles; ++i) {
     add(uint8_t{3});
     for (const int corner : {i, i + 1, i + 2}) add(corner);
