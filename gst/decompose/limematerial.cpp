@@ -138,8 +138,7 @@ class LimeElement final : public Filter {
     {
       std::lock_guard lock(light_mutex_);
       light_ = nullptr;
-      target_ = params.environment_location;
-      normal_map_name_ = params.normal_map;
+      at_start_ = params;
     }
     warnings_.clear();
     bare_ = false;
@@ -282,8 +281,9 @@ class LimeElement final : public Filter {
   Params params() const {
     Params params = parameters_.snapshot();
     std::lock_guard lock(light_mutex_);
-    params.environment_location = target_;
-    params.normal_map = normal_map_name_;
+    if (!at_start_) return params;
+    params.environment_location = at_start_->environment_location;
+    params.normal_map = at_start_->normal_map;
     return params;
   }
 
@@ -416,7 +416,7 @@ class LimeElement final : public Filter {
     if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;
     frame.warnings.push_back(
         params.normal_map +
-        " has no normals where the object is, so that there is no light: is it "
+        " has no normals where the object is, which tells nothing of the light so: is it "
         "of this camera and this object?");
   }
 
@@ -447,7 +447,7 @@ class LimeElement final : public Filter {
   bool bare_ = false;                         // it was said that the object has no normals
   mutable std::mutex light_mutex_;            // of what follows, up to the next blank line
   std::shared_ptr<const Environment> light_;  // the last one since the start, for files
-  std::string target_, normal_map_name_;      // as at the start
+  std::optional<Params> at_start_;
 
   bool written_ = true;  // nothing came since
 };

@@ -22,6 +22,7 @@ Environment environment_of(const GstMaterialMeta& meta) {
 }  // namespace
 
 void CloneLight::start(const std::string& file, std::string& warning) {
+  warning.clear();
   given_.reset();
   told_.reset();
   estimated_.reset();

@@ -148,7 +148,7 @@ void append(Mesh& mesh, const aiMesh& part) {
 Mesh read(const std::string& path, std::string& warning) {
   Assimp::Importer importer;
   keep_our_formats(importer);
-  importer.SetIOHandler(mesh_system(path));
+  importer.SetIOHandler(mesh_system(path).release());  // now its own
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
                               aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
@@ -158,7 +158,7 @@ Mesh read(const std::string& path, std::string& warning) {
   if (!importer.ReadFile(path, 0))
     fail(path, std::string("cannot be read: ") + importer.GetErrorString());
   // Ours to change: nobody else has it.
-  const Faces faces = sanitize(const_cast<aiScene&>(*importer.GetScene()));
+  const FaceCount faces = sanitize(const_cast<aiScene&>(*importer.GetScene()));
   if (faces.left_out)
     warning = "mesh " + path + ": " + std::to_string(faces.left_out) + " of " +
               std::to_string(faces.areas) +

@@ -90,6 +90,8 @@ std::string why_no_mesh(const std::string& path) {
              : "";
 }
 
-Assimp::IOSystem* mesh_system(const std::string& mesh) { return new BoundedSystem(mesh); }
+std::unique_ptr<Assimp::IOSystem> mesh_system(const std::string& mesh) {
+  return std::make_unique<BoundedSystem>(mesh);
+}
 
 }  // namespace inverse

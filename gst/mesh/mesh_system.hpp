@@ -1,5 +1,6 @@
 #pragma once
 #include <assimp/IOSystem.hpp>
+#include <memory>
 #include <string>
 
 namespace inverse {
@@ -8,8 +9,8 @@ namespace inverse {
 std::string extension_of(const std::string& path);
 /// Why a file is not read, be it a mesh or one that it names; empty where it may be.
 std::string why_no_mesh(const std::string& path);
-/// The files of a mesh for Assimp, which owns what this returns: those that tell of its shape, of
+/// The files of a mesh for Assimp: those that tell of its shape, of
 /// at most 1 GiB, no pipes. A file that ends too early is an exception.
-Assimp::IOSystem* mesh_system(const std::string& mesh);
+std::unique_ptr<Assimp::IOSystem> mesh_system(const std::string& mesh);
 
 }  // namespace inverse

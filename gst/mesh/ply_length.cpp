@@ -1,113 +1,167 @@
 #include "ply_length.hpp"
 
-#include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 namespace inverse {
 namespace {
 
-/// One value, or a list of them behind its length. In bytes.
+/// A type of values in a binary file.
+struct Type {
+  size_t bytes = 0;  ///< 0: there is none
+  bool is_signed = false;
+};
+/// One value, or a list of them behind its length.
 struct Property {
-  size_t length_size = 0;  ///< 0: no list
-  size_t size = 0;         ///< of a value
+  Type length;  ///< none: no list
+  Type value;
 };
 struct Element {
   std::string name;
-  uint64_t count = 0;
+  int64_t count = 0;
   std::vector<Property> properties;
 };
+enum class Format { none, text, little_endian, big_endian };
 struct Header {
-  enum class Format { none, text, little_endian, big_endian } format = Format::none;
+  Format format = Format::none;
   std::vector<Element> elements;
 };
 
-/// 0 of what is no type.
-size_t size_of(const std::string& type) {
-  static const std::map<std::string, size_t> sizes{
-      {"char", 1},  {"uchar", 1},  {"int8", 1},    {"uint8", 1},  {"short", 2}, {"ushort", 2},
-      {"int16", 2}, {"uint16", 2}, {"int", 4},     {"uint", 4},   {"int32", 4}, {"uint32", 4},
-      {"float", 4}, {"double", 8}, {"float32", 4}, {"float64", 8}};
-  const auto found = sizes.find(type);
-  return found == sizes.end() ? 0 : found->second;
+Type type_of(const std::string& name) {
+  static const std::map<std::string, Type> types{
+      {"char", {1, true}},  {"uchar", {1}},        {"int8", {1, true}},    {"uint8", {1}},
+      {"short", {2, true}}, {"ushort", {2}},       {"int16", {2, true}},   {"uint16", {2}},
+      {"int", {4, true}},   {"uint", {4}},         {"int32", {4, true}},   {"uint32", {4}},
+      {"float", {4, true}}, {"double", {8, true}}, {"float32", {4, true}}, {"float64", {8, true}}};
+  const auto found = types.find(name);
+  return found == types.end() ? Type{} : found->second;
 }
 
-/// Reads up to the first byte behind the header. False where it is none.
+Format format_of(const std::string& name) {
+  if (name == "ascii") return Format::text;
+  if (name == "binary_little_endian") return Format::little_endian;
+  return name == "binary_big_endian" ? Format::big_endian : Format::none;
+}
+
+/// Reads up to the first byte behind the header. False where it is none, or one that Assimp does
+/// not take either.
 bool read_header(std::istream& file, Header& header) {
-  for (char line[1024]; file.getline(line, sizeof line);) {  // no header's are longer
-    std::istringstream words{line};
+  constexpr size_t kLongest = size_t{1} << 16;  // comments are lines, too
+  std::vector<char> line(kLongest);
+  while (file.getline(line.data(), kLongest)) {
+    std::istringstream words{line.data()};
     std::string word, type;
     words >> word;
-    if (word == "end_header") return header.format != Header::Format::none;
+    if (word == "end_header") return header.format != Format::none;
     if (word == "format") {
       words >> type;
-      header.format = type == "ascii"                  ? Header::Format::text
-                      : type == "binary_little_endian" ? Header::Format::little_endian
-                      : type == "binary_big_endian"    ? Header::Format::big_endian
-                                                       : Header::Format::none;
+      header.format = format_of(type);
     } else if (word == "element") {
       Element element;
-      if (!(words >> element.name >> element.count)) return false;
+      words >> element.name >> element.count;  // the largest number where it is larger
       header.elements.push_back(std::move(element));
     } else if (word == "property") {
       Property property;
       words >> type;
       if (type == "list") {
         words >> type;
-        property.length_size = size_of(type);
-        if (!property.length_size) return false;
+        property.length = type_of(type);
+        if (!property.length.bytes) return false;
         words >> type;
       }
-      property.size = size_of(type);
-      if (!property.size || header.elements.empty()) return false;
+      property.value = type_of(type);
+      if (!property.value.bytes || header.elements.empty()) return false;
       header.elements.back().properties.push_back(property);
     }
   }
   return false;
 }
 
-/// What is left of a file.
-class Rest {
+/// The values of a file behind its header.
+class Values {
  public:
-  Rest(std::istream& file, uint64_t bytes, bool big_endian)
-      : file_(file), left_(bytes), big_endian_(big_endian) {}
+  virtual ~Values() = default;
+  /// False where there are fewer.
+  virtual bool skip(int64_t count, Type type) = 0;
+  /// The next one, a whole number; nothing behind the last one.
+  virtual std::optional<int64_t> next(Type type) = 0;
+};
 
-  /// False where there is less.
-  bool skip(uint64_t bytes) {
-    if (bytes > left_) return false;
-    left_ -= bytes;
-    file_.ignore(static_cast<std::streamsize>(bytes));
+class BinaryValues final : public Values {
+ public:
+  BinaryValues(std::istream& file, bool big_endian) : file_(file), big_endian_(big_endian) {
+    const auto here = file.tellg();
+    left_ = file.seekg(0, std::ios::end).tellg() - here;
+    file.seekg(here);
+  }
+  bool skip(int64_t count, Type type) override {
+    const auto bytes = static_cast<int64_t>(type.bytes);
+    if (count > left_ / bytes) return false;
+    left_ -= count * bytes;
+    file_.ignore(count * bytes);
     return true;
   }
-  bool skip(const Property& property) {
-    if (!property.length_size) return skip(property.size);
-    if (property.length_size > left_) return false;
-    uint64_t length = 0;
-    for (size_t i = 0; i < property.length_size; ++i) {
+  std::optional<int64_t> next(Type type) override {
+    const auto bytes = static_cast<int64_t>(type.bytes);
+    if (left_ < bytes) return {};
+    left_ -= bytes;
+    uint64_t value = 0, beyond = 1;
+    for (size_t i = 0; i < type.bytes; ++i) {
       const auto byte = static_cast<uint64_t>(static_cast<unsigned char>(file_.get()));
-      length = big_endian_ ? length << 8 | byte : length | byte << 8 * i;
+      value = big_endian_ ? value << 8 | byte : value | byte << 8 * i;
+      beyond <<= 8;
     }
-    left_ -= property.length_size;
-    return length <= left_ && skip(length * property.size);
-  }
-  /// How many elements are there, up to its count.
-  uint64_t skip(const Element& element) {
-    for (uint64_t i = 0; i < element.count; ++i)
-      for (const Property& property : element.properties)
-        if (!skip(property)) return i;
-    return element.count;
+    if (type.is_signed && value >= beyond / 2) value -= beyond;
+    return static_cast<int64_t>(value);
   }
 
  private:
   std::istream& file_;
-  uint64_t left_;
+  int64_t left_ = 0;
   bool big_endian_;
 };
+
+class TextValues final : public Values {
+ public:
+  explicit TextValues(std::istream& file) : file_(file) {}
+  bool skip(int64_t count, Type) override {
+    for (int64_t i = 0; i < count; ++i)
+      if (!(file_ >> word_)) return false;
+    return true;
+  }
+  std::optional<int64_t> next(Type) override {
+    if (!(file_ >> word_)) return {};
+    int64_t value = 0;
+    std::from_chars(word_.data(), word_.data() + word_.size(), value);
+    return value;
+  }
+
+ private:
+  std::istream& file_;
+  std::string word_;
+};
+
+/// False where there are too few values, or a list of fewer than none.
+bool skip(Values& values, const Property& property) {
+  if (!property.length.bytes) return values.skip(1, property.value);
+  const std::optional<int64_t> length = values.next(property.length);
+  return length && *length >= 0 && values.skip(*length, property.value);
+}
+
+/// How many elements are there, up to its count.
+int64_t skip(Values& values, const Element& element) {
+  for (int64_t i = 0; i < element.count; ++i)
+    for (const Property& property : element.properties)
+      if (!skip(values, property)) return i;
+  return element.count;
+}
 
 }  // namespace
 
@@ -115,21 +169,18 @@ std::string ply_length_fault(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   Header header;
   if (!read_header(file, header)) return {};
-  const auto head = static_cast<uint64_t>(file.tellg());
-  std::error_code status;
-  const uint64_t size = std::filesystem::file_size(path, status);
-  if (status || size < head) return {};
-  Rest rest(file, size - head, header.format == Header::Format::big_endian);
+  std::unique_ptr<Values> values;
+  if (header.format == Format::text)
+    values = std::make_unique<TextValues>(file);
+  else
+    values = std::make_unique<BinaryValues>(file, header.format == Format::big_endian);
   for (const Element& element : header.elements) {
+    const std::string of =
+        "of " + std::to_string(element.count) + " elements \"" + element.name + "\"";
+    if (element.count < 0) return "is damaged: its header promises " + of.substr(3);
     if (element.properties.empty()) continue;
-    // A value takes at least a digit and what parts it from the next, which the last may lack.
-    const uint64_t most = (size - head + 1) / (2 * element.properties.size());
-    const bool text = header.format == Header::Format::text;
-    const uint64_t there = text ? std::min(most, element.count) : rest.skip(element);
-    if (there < element.count)
-      return "ends too early: of " + std::to_string(element.count) + " elements \"" + element.name +
-             "\" it has " + (text ? "at most " : "") + std::to_string(there) +
-             "; it was not copied or written whole";
+    if (const int64_t there = skip(*values, element); there < element.count)
+      return "ends too early or is damaged: " + of + " it has " + std::to_string(there);
   }
   return {};
 }

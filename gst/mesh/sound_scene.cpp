@@ -35,8 +35,8 @@ void compact(aiMesh& part) {
 }
 
 /// Leaves the faces that are areas of corners that exist.
-Faces sanitize(aiMesh& part) {
-  Faces faces;
+FaceCount sanitize(aiMesh& part) {
+  FaceCount faces;
   unsigned kept = 0;
   part.mPrimitiveTypes = 0;
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
@@ -77,14 +77,14 @@ void renumber(aiNode& node, const std::vector<int>& place) {
 
 }  // namespace
 
-Faces sanitize(aiScene& scene) {
-  Faces faces;
+FaceCount sanitize(aiScene& scene) {
+  FaceCount faces;
   std::vector<int> place(scene.mNumMeshes, -1);
   unsigned kept = 0;
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
     aiMesh* part = scene.mMeshes[i];
     scene.mMeshes[i] = nullptr;
-    const Faces of_part = sanitize(*part);
+    const FaceCount of_part = sanitize(*part);
     faces.areas += of_part.areas;
     faces.left_out += of_part.left_out;
     if (part->mNumFaces == 0) {

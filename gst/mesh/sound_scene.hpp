@@ -5,15 +5,15 @@ struct aiScene;
 
 namespace inverse {
 
-/// Faces of three corners and more that a scene had, and those of them that are no areas, as
+/// FaceCount of three corners and more that a scene had, and those of them that are no areas, as
 /// corners do not exist or are no numbers.
-struct Faces {
+struct FaceCount {
   size_t areas = 0, left_out = 0;
 };
 
 /// Leaves what is sound of a scene as it was read: the faces that are areas, the vertices that they
 /// have, the meshes that have some. Assimp's later steps end the process on what its readers may
 /// let through.
-Faces sanitize(aiScene& scene);
+FaceCount sanitize(aiScene& scene);
 
 }  // namespace inverse

@@ -64,7 +64,7 @@ NormalMap NormalMap::load(const std::string& path, std::string& warning) {
     good += std::fabs(length - 1) < kNear;
   }
   if (taken == 0) refuse("no normal in it faces the camera");
-  if (good < taken / 2)
+  if (2 * good < taken)
     warning = path + ": of what it has for normals, " + std::to_string(100 * good / taken) +
               " % have a length near 1; is it a normal map (RGB = xyz from -1 to 1, z to the "
               "camera, not converted to other colors)?";

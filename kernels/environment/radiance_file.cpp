@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -53,8 +54,10 @@ struct Target {
 /// Throws where nothing can be written under this name.
 Target target_of(const std::string& path) {
   namespace fs = std::filesystem;
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   constexpr std::array kOthers{".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pfm"};
-  if (std::ranges::count(kOthers, fs::path(path).extension().string()))
+  if (std::ranges::count(kOthers, extension))
     fail_to_write(path, "it would be a Radiance picture; name it .hdr");
   std::error_code none, status;
   const fs::file_status found = fs::status(path, status);

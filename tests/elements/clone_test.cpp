@@ -39,7 +39,7 @@ class CloneTest : public LimeElementTest {
     GstStructure* stats = nullptr;
     g_object_get(element, "stats", &stats, nullptr);
     const char* value = gst_structure_get_string(stats, name);
-    const std::string result = value ? value : "";
+    std::string result = value ? value : "";
     gst_structure_free(stats);
     return result;
   }
@@ -47,7 +47,7 @@ class CloneTest : public LimeElementTest {
     return folder_.write(name, bytes);
   }
   std::string lamp_file(float red, float green, float blue) const {
-    const std::string path = folder_ / "lamp.hdr";
+    std::string path = folder_ / "lamp.hdr";
     lamp(4, red, green, blue).save(path);
     return path;
   }
@@ -62,7 +62,7 @@ class CloneTest : public LimeElementTest {
       pixels[i] = Imf::Rgba(rgb[0], rgb[1], rgb[2]);
     }
     if (odd) pixels.back().r = *odd;
-    const std::string path = folder_ / "lamp.exr";
+    std::string path = folder_ / "lamp.exr";
     Imf::RgbaOutputFile file(path.c_str(), static_cast<int>(width), static_cast<int>(height),
                              Imf::WRITE_RGB);
     file.setFrameBuffer(pixels.data(), 1, width);
@@ -137,7 +137,7 @@ TEST_F(CloneTest, MaterialsPassElementsThatConvertAndScale) {
 }
 
 TEST_F(CloneTest, AStreamWithoutMaterialsIsAWarning) {
-  const auto warnings = [this](const std::string& between, const std::string& properties = "") {
+  const auto warnings = [](const std::string& between, const std::string& properties = "") {
     const auto result =
         run_line("videotestsrc num-buffers=4 ! video/x-raw,format=RGBA,width=96,height=64 ! " +
                  between + "materialclone " + properties + " ! fakesink");
@@ -395,6 +395,18 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
   EXPECT_NE(error("mesh=" + empty).find(empty), std::string::npos);
   const std::string good = written("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(error("mesh=" + good), "");
+}
+
+TEST_F(CloneTest, AMeshWithDamagedFacesIsDrawnWithOneWarning) {
+  const std::string mesh = written("damaged.obj",
+                                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\n"
+                                   "f 1 2 3\nf 1 2 4\n");
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 ! materialclone source=properties mesh=" + mesh + " ! fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("1 of 2 faces are left out"), std::string::npos)
+      << result.warnings[0];
 }
 
 TEST_F(CloneTest, FilesAreReadAtEveryStartAndNotBetween) {

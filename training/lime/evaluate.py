@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scores a checkpoint, or exported networks: evaluate.py [--checkpoint out/lime/checkpoint.pt | models/lime]. Prints Markdown and writes it with --report.
 
-Sets: held-out samples of the corpus, of a seed that no choice was made by (but with --seed); the rendered evaluation set `materials` and its
+Sets: held-out samples of the corpus, of a seed of their own (but with --seed); the rendered evaluation set `materials` and its
 path-traced GGX part; MIT's real objects with measured specular images. The mask is the predicted one, but for the layers of the path-traced and the real
 objects, which lie on black. Pictures of predictions are written to OUT/predictions-*.png.
 """
