@@ -277,7 +277,7 @@ class LimeElement final : public Filter {
   };
   const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
 
-  /// As they are now; but what is looked at when the element starts alone as it was then.
+  /// As they are now, but for files: as at the start.
   Params params() const {
     Params params = parameters_.snapshot();
     std::lock_guard lock(light_mutex_);
@@ -416,8 +416,8 @@ class LimeElement final : public Filter {
     if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;
     frame.warnings.push_back(
         params.normal_map +
-        " has no normals where the object is, which tells nothing of the light so: is it "
-        "of this camera and this object?");
+        " has no normals where the object is, so that it tells nothing of the light; is it of this "
+        "camera and this object?");
   }
 
   static bool near(const Material& a, const Material& b) {
