@@ -9,21 +9,16 @@ sees of the albedos (scores.rendered_error). Other orders with --seed.
 """
 import argparse
 import os
-import pathlib
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import torch  # noqa: E402
 
-from lime import corpus, datasets, scores, stages  # noqa: E402
+from lime import ablations, corpus, stages  # noqa: E402
 from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
-from lime.tables import table  # noqa: E402
 import descent  # noqa: E402
 
 BATCH, RATE, TIMES = 32, 1e-3, 3  # TIMES that each sample is used
-# Of each: options of Networks, and whether the rendering loss is used. A network that is like that of `whole` is it.
-VARIANTS = {"whole": ({}, True), "no rendering loss": ({}, False), "no MirrorNet": ({"use_mirror": False}, True),
-            "regression": ({"regress": True}, True)}
 
 
 class Head:
@@ -41,9 +36,9 @@ class Head:
 
 
 def prepare(trunk, seed):
-    """Networks by variant, and the heads that are to learn."""
+    """Networks by variant, and the heads that are to learn. A network that is like that of `whole` is it."""
     variants, heads = {}, []
-    for name, (options, perceptual) in VARIANTS.items():
+    for name, (options, perceptual) in ablations.VARIANTS.items():
         torch.manual_seed(seed)
         networks = Networks(**options).eval()
         for part in ("segmentation", "specular", "mirror"):
@@ -62,24 +57,13 @@ def prepare(trunk, seed):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
-    parser.add_argument("--checkpoint", type=pathlib.Path, help="of train.py, or a folder of exported networks: models/lime")
-    parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
-    parser.add_argument("--hdri", default=None)
-    parser.add_argument("--samples", type=int, default=40000, help="each use of one counts, three of each")
-    parser.add_argument("--seed", type=int, default=3)
-    parser.add_argument("--count", type=int, default=1000, help="held-out samples")
+    ablations.add_arguments(parser, 40000)
     args = parser.parse_args()
     torch.set_num_threads(2)
     trunk = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
     assert trunk.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
     samples = corpus.Corpus(args.hdri)
-    # Pictures, and whether their mask is the true one, as in evaluate.py.
-    sets = {"Held-out shapes and maps": (datasets.synthetic(samples, datasets.CHOICES, args.count), False)}
-    if (args.data / "materials").is_dir():
-        sets["`materials`, Blinn-Phong"] = (datasets.materials(args.data / "materials"), False)
-    if (args.data / "materials/cycles_ggx").is_dir():
-        sets["`materials`, GGX path-traced"] = (datasets.ggx(args.data / "materials/cycles_ggx"), True)
+    sets = ablations.sets(samples, args.data, args.count)
     variants, heads = prepare(trunk, args.seed)
     stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT, twice=True)
     batches, steps = corpus.Again(stream, TIMES), args.samples // BATCH
@@ -94,19 +78,7 @@ def main():
             print(f"{step * BATCH} samples", flush=True)
     stream.close()
 
-    parts = []
-    for title, (items, true_mask) in sets.items():
-        found = {name: scores.predict(networks.eval(), items, true_mask=true_mask) for name, networks in variants.items()}
-        rows = {name: scores.score(items, predictions) for name, predictions in found.items()}
-        rows["constant"] = scores.baselines(items)["constant"]
-        if items[0].alpha is not None:
-            count = len(items)
-            found["constant"] = [{"diffuse": sum(i.diffuse for i in items) / count, "alpha": sum(i.alpha for i in items) / count}] * count
-            for name, predictions in found.items():
-                rows[name]["rendered_mse"] = scores.rendered_error(
-                    items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
-        parts.append(f"### {title} ({len(items)})\n\n" + table(rows, needed=rows["constant"]))
-    text = "\n\n".join(parts) + "\n"
+    text = ablations.report(variants, sets)
     print(text)
     (args.out / "ablations.md").write_text(text)
 

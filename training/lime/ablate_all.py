@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Ablations of thesis Table 6.1, from end to end: ablate_all.py [--samples 250000]. Prints Markdown and writes OUT/ablations-all.md.
+
+All networks but SegmentationNet, which is the checkpoint's, from random weights (the same for all variants) as in 6.5.4, in
+variants side by side on the very same samples in the same order: each network apart, then the four in a row, then ExponentNet
+and AlbedoNet on layers as each variant finds them. So a loss or a network that is left out is missing where it taught others, too: the
+rendering loss to SpecularNet, MirrorNet to the layers that ExponentNet's loss goes through. Scored as ablate.py does. Other orders with --seed.
+"""
+import argparse
+import dataclasses
+import os
+import time
+import weakref
+
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import torch  # noqa: E402
+
+from lime import ablations, corpus, stages  # noqa: E402
+from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
+import descent  # noqa: E402
+
+SIZE = SIZES["standard"]["input"]
+# Stages in their order, pixels of their pictures, share of the samples. Small pictures are quick, as in train.py.
+PLAN = (("specular", SIZE // 2, 0.32), ("specular", SIZE, 0.12), ("mirror", SIZE // 2, 0.12), ("mirror", SIZE, 0.04),
+        ("albedo", SIZE, 0.06), ("exponent", SIZE, 0.06), ("chain-albedo", SIZE, 0.08), ("heads", SIZE, 0.20))
+
+
+class Learner:
+    """Networks of one variant in a stage."""
+
+    def __init__(self, stage, networks, perceptual):
+        self.stage, self.networks, self.perceptual = stage, networks, perceptual
+        self.found = weakref.WeakKeyDictionary()  # its own layers of a batch that comes several times
+        networks.eval()
+        for part in stage.parts:
+            getattr(networks, part).train()
+        learning = [p for part in stage.parts for p in getattr(networks, part).parameters()]
+        self.optimizer = torch.optim.Adam(learning, lr=stage.rate)
+
+    def step(self, batch, rate):
+        with torch.autocast("cpu", torch.bfloat16):
+            if self.stage.times > 1:
+                if batch not in self.found:
+                    self.found[batch] = stages.find_layers(self.networks, batch)
+                batch.found = self.found[batch]
+            total = sum(stages.stage_losses(self.stage.name, self.networks, batch, self.perceptual).values())
+        descent.step(self.optimizer, total, rate)
+
+
+def alike(stage, name):
+    """What tells a variant's networks from others' in a stage that teaches one apart: those of the same learn the same."""
+    options, perceptual = ablations.VARIANTS[name]
+    return {"mirror": True, "specular": perceptual, "albedo": perceptual, "exponent": str(options)}.get(stage, name)
+
+
+def teach(stage, variants, samples, drawn, pixels, count, seed):
+    """Goes through a stage with `count` samples from `drawn` on; the first that was not drawn yet."""
+    first = {}  # by what is alike, the variant that learns for all of these
+    for name in variants:
+        first.setdefault(alike(stage.name, name), name)
+    parts = {name: [p for p in stage.parts if variants[name].use_mirror or p != "mirror"] for name in variants}
+    learners = [Learner(dataclasses.replace(stage, parts=parts[name]), variants[name], ablations.VARIANTS[name][1])
+                for name in first.values()]
+    batch = stage.batch * (SIZE // pixels) ** 2
+    steps = max(count // batch, 1)
+    stream = corpus.Stream(samples, seed, drawn, batch, pixels, corpus.TAUGHT, twice=True)
+    batches, started = corpus.Again(stream, stage.times), time.monotonic()
+    for step in range(steps):
+        given = next(batches)
+        for learner in learners:
+            learner.step(given, descent.rate_of(stage.rate, step / steps, step))
+    stream.close()
+    for name, networks in variants.items():
+        learned = variants[first[alike(stage.name, name)]]
+        for part in parts[name] if learned is not networks else ():
+            getattr(networks, part).load_state_dict(getattr(learned, part).state_dict())
+    print(f"{stage.name} at {pixels}: {steps * batch} samples, {(time.monotonic() - started) / 60:.1f} minutes", flush=True)
+    return stream.index
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    ablations.add_arguments(parser, 250000)
+    args = parser.parse_args()
+    torch.set_num_threads(2)
+    known = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
+    assert known.size == SIZE, "ablations are of the networks of standard size"
+    variants = {}
+    for name, (options, _) in ablations.VARIANTS.items():
+        torch.manual_seed(args.seed)
+        variants[name] = Networks(**options)
+        variants[name].segmentation = known.segmentation
+    samples, drawn = corpus.Corpus(args.hdri), 0
+    of = {stage.name: stage for stage in stages.STAGES}
+    for name, pixels, share in PLAN:
+        drawn = teach(of[name], variants, samples, drawn, pixels, int(share * args.samples), args.seed)
+    text = ablations.report(variants, ablations.sets(samples, args.data, args.count), layers=True)
+    print(text)
+    (args.out / "ablations-all.md").write_text(text)
+
+
+main()
