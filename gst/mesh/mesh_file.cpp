@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "error.hpp"
+#include "file_extension.hpp"
 #include "gltf_nodes.hpp"
 #include "mesh_system.hpp"
 #include "ply_length.hpp"

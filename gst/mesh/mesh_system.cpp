@@ -2,13 +2,12 @@
 
 #include <assimp/DefaultIOSystem.h>
 
-#include <algorithm>
 #include <assimp/IOStream.hpp>
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 
+#include "file_extension.hpp"
 #include "regular_file.hpp"
 
 namespace inverse {
@@ -73,14 +72,6 @@ class BoundedSystem final : public Assimp::DefaultIOSystem {
 };
 
 }  // namespace
-
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 std::string why_no_mesh(const std::string& path) {
   if (std::string why = why_no_file(path); !why.empty()) return why;

@@ -5,8 +5,6 @@
 
 namespace inverse {
 
-/// A file's extension in small letters, without the dot.
-std::string extension_of(const std::string& path);
 /// Why a file is not read, be it a mesh or one that it names; empty where it may be.
 std::string why_no_mesh(const std::string& path);
 /// The files of a mesh for Assimp: those that tell of its shape, of

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <memory>
 
 #include "../error.hpp"
+#include "../file_extension.hpp"
 #include "../regular_file.hpp"
 #include "environment.hpp"
 
@@ -54,10 +54,8 @@ struct Target {
 /// Throws where nothing can be written under this name.
 Target target_of(const std::string& path) {
   namespace fs = std::filesystem;
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr std::array kOthers{".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pfm"};
-  if (std::ranges::count(kOthers, extension))
+  constexpr std::array kOthers{"exr", "png", "jpg", "jpeg", "tif", "tiff", "pfm"};
+  if (std::ranges::count(kOthers, extension_of(path)))
     fail_to_write(path, "it would be a Radiance picture; name it .hdr");
   std::error_code none, status;
   const fs::file_status found = fs::status(path, status);

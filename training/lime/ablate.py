@@ -7,7 +7,6 @@ weights. SegmentationNet, SpecularNet and MirrorNet are those of the checkpoint 
 what is compared is what each part gives to those that decide. Scored as evaluate.py does, and by what a viewer
 sees of the albedos (scores.rendered_error). Other orders with --seed.
 """
-import argparse
 import os
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -15,7 +14,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import ablations, corpus, stages  # noqa: E402
-from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
+from lime.networks import SIZES, Networks  # noqa: E402
 import descent  # noqa: E402
 
 BATCH, RATE, TIMES = 32, 1e-3, 3  # TIMES that each sample is used
@@ -56,14 +55,7 @@ def prepare(trunk, seed):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    ablations.add_arguments(parser, 40000)
-    args = parser.parse_args()
-    torch.set_num_threads(2)
-    trunk = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
-    assert trunk.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
-    samples = corpus.Corpus(args.hdri)
-    sets = ablations.sets(samples, args.data, args.count)
+    args, trunk, samples, sets = ablations.begin(__doc__, 40000)
     variants, heads = prepare(trunk, args.seed)
     stream = corpus.Stream(samples, args.seed, 0, BATCH, SIZES["standard"]["input"], corpus.TAUGHT, twice=True)
     batches, steps = corpus.Again(stream, TIMES), args.samples // BATCH
@@ -77,10 +69,7 @@ def main():
         if step % 100 == 0:
             print(f"{step * BATCH} samples", flush=True)
     stream.close()
-
-    text = ablations.report(variants, sets)
-    print(text)
-    (args.out / "ablations.md").write_text(text)
+    ablations.report(variants, sets, args.out / "ablations.md")
 
 
 main()

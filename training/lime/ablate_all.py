@@ -6,7 +6,6 @@ variants side by side on the very same samples in the same order: each network a
 and AlbedoNet on layers as each variant finds them. So a loss or a network that is left out is missing where it taught others, too: the
 rendering loss to SpecularNet, MirrorNet to the layers that ExponentNet's loss goes through. Scored as ablate.py does. Other orders with --seed.
 """
-import argparse
 import dataclasses
 import os
 import time
@@ -17,7 +16,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import torch  # noqa: E402
 
 from lime import ablations, corpus, stages  # noqa: E402
-from lime.networks import SIZES, Networks, load_checkpoint  # noqa: E402
+from lime.networks import SIZES, Networks  # noqa: E402
 import descent  # noqa: E402
 
 SIZE = SIZES["standard"]["input"]
@@ -80,24 +79,16 @@ def teach(stage, variants, samples, drawn, pixels, count, seed):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    ablations.add_arguments(parser, 250000)
-    args = parser.parse_args()
-    torch.set_num_threads(2)
-    known = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
-    assert known.size == SIZE, "ablations are of the networks of standard size"
-    variants = {}
+    args, known, samples, sets = ablations.begin(__doc__, 250000)
+    drawn, variants = 0, {}
     for name, (options, _) in ablations.VARIANTS.items():
         torch.manual_seed(args.seed)
         variants[name] = Networks(**options)
         variants[name].segmentation = known.segmentation
-    samples, drawn = corpus.Corpus(args.hdri), 0
     of = {stage.name: stage for stage in stages.STAGES}
     for name, pixels, share in PLAN:
         drawn = teach(of[name], variants, samples, drawn, pixels, int(share * args.samples), args.seed)
-    text = ablations.report(variants, ablations.sets(samples, args.data, args.count), layers=True)
-    print(text)
-    (args.out / "ablations-all.md").write_text(text)
+    ablations.report(variants, sets, args.out / "ablations-all.md", layers=True)
 
 
 main()

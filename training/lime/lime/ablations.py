@@ -1,7 +1,11 @@
-"""The variants of thesis Table 6.1, what they are scored on, and their table."""
+"""The variants of thesis Table 6.1: what scripts that compare them begin and end with."""
+import argparse
 import pathlib
 
+import torch
+
 from . import corpus, datasets, scores
+from .networks import SIZES, load_checkpoint
 from .tables import table
 
 # Of each: options of Networks, and whether the rendering loss is used.
@@ -9,7 +13,9 @@ VARIANTS = {"whole": ({}, True), "no rendering loss": ({}, False), "no MirrorNet
             "regression": ({"regress": True}, True)}
 
 
-def add_arguments(parser, samples):
+def begin(description, samples):
+    """What the command line says, the networks that it names, the corpus, and what is scored on."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "out/lime")
     parser.add_argument("--checkpoint", type=pathlib.Path, help="of train.py, or a folder of exported networks: models/lime")
     parser.add_argument("--data", type=pathlib.Path, default=datasets.DATA)
@@ -17,6 +23,12 @@ def add_arguments(parser, samples):
     parser.add_argument("--samples", type=int, default=samples, help="each use of one counts")
     parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--count", type=int, default=1000, help="held-out samples")
+    args = parser.parse_args()
+    torch.set_num_threads(2)
+    known = load_checkpoint(args.checkpoint or args.out / "checkpoint.pt")
+    assert known.size == SIZES["standard"]["input"], "ablations are of the networks of standard size"
+    drawn = corpus.Corpus(args.hdri)
+    return args, known, drawn, sets(drawn, args.data, args.count)
 
 
 def sets(samples, data, count):
@@ -29,8 +41,9 @@ def sets(samples, data, count):
     return found
 
 
-def report(variants, of, layers=False):
-    """Markdown: variants (networks by name) on the sets `of`, beside the best constant; with `layers`, also what differs there."""
+def report(variants, of, path, layers=False):
+    """Prints and writes Markdown: variants (networks by name) on the sets `of`, beside the best constant; with `layers`, also
+    what differs there."""
     parts = []
     for title, (items, true_mask) in of.items():
         found = {name: scores.predict(networks, items, true_mask=true_mask) for name, networks in variants.items()}
@@ -44,4 +57,6 @@ def report(variants, of, layers=False):
                     items, [p["diffuse"] for p in predictions], [p["alpha"] for p in predictions])
         needed = set(constant) | ({"layer_mse", "layer_relative", "layer_code"} if layers else set())
         parts.append(f"### {title} ({len(items)})\n\n" + table(rows, needed))
-    return "\n\n".join(parts) + "\n"
+    text = "\n\n".join(parts) + "\n"
+    print(text)
+    path.write_text(text)

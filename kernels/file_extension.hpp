@@ -1,0 +1,18 @@
+#pragma once
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <string>
+
+namespace inverse {
+
+/// A file's extension in small letters, without the dot.
+inline std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace inverse
