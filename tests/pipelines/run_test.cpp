@@ -57,6 +57,37 @@ TEST_F(Run, BundledClipWithoutDisplay) {
   }
 }
 
+TEST_F(Run, RepaintsAColorThatStandsOut) {
+  make_media(
+      file("in.mkv"),
+      "videotestsrc num-buffers=8 pattern=gradient ! "
+      "video/x-raw,format=AYUV,width=120,height=120,framerate=10/1 ! videobox right=-40 fill=red ! "
+      "videoconvert ! vp8enc deadline=1 end-usage=cq cq-level=4 ! matroskamux");
+  ASSERT_EQ(run_it({file("in.mkv")}), 0) << output_;
+  EXPECT_NE(output_.find("painting what is red (2"), std::string::npos) << output_;
+  const Media movie = read_media(file("out/decomposition.mkv"));
+  ASSERT_EQ(movie.frames.size(), 8u);
+  for (const Image& frame : movie.frames) {  // from the first one on
+    EXPECT_GT(frame.mean(0, .4, .1, .48, .4), frame.mean(2, .4, .1, .48, .4) + 100);
+    EXPECT_GT(frame.mean(2, .9, .6, .98, .9), frame.mean(0, .9, .6, .98, .9) + 100);
+    // What is gray stays gray.
+    EXPECT_NEAR(frame.mean(2, .55, .6, .8, .9), frame.mean(0, .55, .6, .8, .9), 4);
+  }
+}
+
+TEST_F(Run, PaintsEverySurfaceWhereNoColorStandsOut) {
+  make_media(file("in.mkv"),
+             "videotestsrc num-buffers=8 pattern=gradient ! "
+             "video/x-raw,width=160,height=120,framerate=10/1 ! vp8enc deadline=1 ! matroskamux");
+  ASSERT_EQ(run_it({file("in.mkv")}), 0) << output_;
+  EXPECT_NE(output_.find("no color stands out"), std::string::npos) << output_;
+  const Media movie = read_media(file("out/decomposition.mkv"));
+  ASSERT_EQ(movie.frames.size(), 8u);
+  const Image& frame = movie.frames.back();
+  EXPECT_NEAR(frame.mean(0, .1, .1, .4, .4), frame.mean(2, .1, .1, .4, .4), 4);
+  EXPECT_GT(frame.mean(0, .6, .6, .9, .9), frame.mean(2, .6, .6, .9, .9) + 15);
+}
+
 TEST_F(Run, ElementsTakeThePlaceOfTheChain) {
   make_media(file("in.mkv"),
              "videotestsrc num-buffers=30 ! video/x-raw,width=160,height=120,framerate=10/1 ! "

@@ -42,48 +42,11 @@ std::vector<char> encode_png(const std::vector<uint8_t>& rgb, int width, int hei
 
 }  // namespace
 
-ContactSheet::~ContactSheet() {
-  if (converter_) gst_video_converter_free(converter_);
-}
-
-void ContactSheet::configure(const GstVideoInfo& info) {
-  if (converter_) gst_video_converter_free(converter_);
-  from_ = info;
-  // A change of shape in mid-stream keeps the first shape's tiles.
-  if (!tile_height_) {
-    const double aspect =
-        static_cast<double>(info.width) * info.par_n / (1.0 * info.height * info.par_d);
-    tile_height_ = std::clamp(static_cast<int>(kTileWidth / aspect + 0.5), 1, 4 * kTileWidth);
-  }
-  gst_video_info_set_format(&to_, GST_VIDEO_FORMAT_RGB, kTileWidth, tile_height_);
-  to_.fps_n = from_.fps_n;  // the converter insists
-  to_.fps_d = from_.fps_d;
-  converter_ = gst_video_converter_new(&from_, &to_, nullptr);
-}
-
 void ContactSheet::offer(GstBuffer* buffer, const GstCaps* caps) {
   if (frames_++ % step_ != 0) return;
-  GstVideoInfo info;
-  if (!caps || !gst_video_info_from_caps(&info, caps)) return;
-  if (!converter_ || !gst_video_info_is_equal(&info, &from_)) configure(info);
-  if (!converter_) return;
-
-  GstVideoFrame in, out;
-  if (!gst_video_frame_map(&in, &info, buffer, GST_MAP_READ)) return;
-  GstBuffer* scaled = gst_buffer_new_allocate(nullptr, to_.size, nullptr);
-  gst_video_frame_map(&out, &to_, scaled, GST_MAP_WRITE);
-  gst_video_converter_frame(converter_, &in, &out);
-  Tile tile(static_cast<size_t>(kTileWidth) * tile_height_ * 3);
-  for (int y = 0; y < tile_height_; ++y)
-    memcpy(&tile[static_cast<size_t>(y) * kTileWidth * 3],
-           static_cast<uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&out, 0)) +
-               static_cast<ptrdiff_t>(y) * GST_VIDEO_FRAME_PLANE_STRIDE(&out, 0),
-           static_cast<size_t>(kTileWidth) * 3);
-  gst_video_frame_unmap(&out);
-  gst_video_frame_unmap(&in);
-  gst_buffer_unref(scaled);
-
-  tiles_.push_back(std::move(tile));
+  SmallPicture picture = maker_.make(buffer, caps);
+  if (picture.rgb.empty()) return;
+  tiles_.push_back(std::move(picture.rgb));
   if (tiles_.size() == 2 * kTiles) {
     for (size_t i = 1; i < kTiles; ++i) tiles_[i] = std::move(tiles_[2 * i]);
     tiles_.resize(kTiles);
@@ -93,17 +56,18 @@ void ContactSheet::offer(GstBuffer* buffer, const GstCaps* caps) {
 
 void ContactSheet::write(const std::string& path) const {
   if (tiles_.empty()) throw std::runtime_error("no frame came out, so there is no contact sheet");
+  const int tile_height = maker_.height();
   const size_t shown = std::min(tiles_.size(), kTiles);
   const int rows = static_cast<int>((shown + kColumns - 1) / kColumns);
   const int width = kColumns * (kTileWidth + kGap) + kGap;
-  const int height = rows * (tile_height_ + kGap) + kGap;
+  const int height = rows * (tile_height + kGap) + kGap;
   std::vector<uint8_t> sheet(static_cast<size_t>(width) * height * 3, kGround);
   for (size_t i = 0; i < shown; ++i) {
     // From the first to the last kept frame, evenly.
     const Tile& tile = tiles_[shown > 1 ? i * (tiles_.size() - 1) / (shown - 1) : 0];
     const int left = kGap + static_cast<int>(i % kColumns) * (kTileWidth + kGap);
-    const int top = kGap + static_cast<int>(i / kColumns) * (tile_height_ + kGap);
-    for (int y = 0; y < tile_height_; ++y)
+    const int top = kGap + static_cast<int>(i / kColumns) * (tile_height + kGap);
+    for (int y = 0; y < tile_height; ++y)
       memcpy(&sheet[(static_cast<size_t>(top + y) * width + left) * 3],
              &tile[static_cast<size_t>(y) * kTileWidth * 3], static_cast<size_t>(kTileWidth) * 3);
   }

@@ -1,9 +1,9 @@
 #pragma once
-#include <gst/video/video.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "small_picture.hpp"
 
 namespace inverse::run {
 
@@ -16,11 +16,6 @@ class ContactSheet {
   static constexpr int kColumns = 2, kRows = 3;
   static constexpr int kTileWidth = 640;  ///< pixels; the height follows the video's shape
 
-  ContactSheet() = default;
-  ContactSheet(const ContactSheet&) = delete;
-  ContactSheet& operator=(const ContactSheet&) = delete;
-  ~ContactSheet();
-
   /// Offers the next frame. `caps` are of raw video in system memory; they may change.
   void offer(GstBuffer* buffer, const GstCaps* caps);
   /// Writes the sheet as PNG. Throws std::runtime_error where there is nothing to show or the file
@@ -28,14 +23,10 @@ class ContactSheet {
   void write(const std::string& path) const;
 
  private:
-  void configure(const GstVideoInfo& info);
-
-  using Tile = std::vector<uint8_t>;  // RGB, kTileWidth × tile_height_, no padding
+  using Tile = std::vector<uint8_t>;  // RGB, kTileWidth × the maker's height, no padding
+  SmallPictureMaker maker_{kTileWidth};
   std::vector<Tile> tiles_;
   uint64_t frames_ = 0, step_ = 1;
-  int tile_height_ = 0;
-  GstVideoInfo from_{}, to_{};
-  GstVideoConverter* converter_ = nullptr;
 };
 
 }  // namespace inverse::run

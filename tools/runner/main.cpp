@@ -12,12 +12,13 @@
 namespace {
 
 constexpr const char* kUsage =
-    "inverse-run [--window | --file] [--seconds S] [--out FOLDER] FILE|URI|/dev/videoN -- "
-    "ELEMENTS\n"
+    "inverse-run [--window | --file] [--seconds S] [--out FOLDER] [--paint NAME] "
+    "FILE|URI|/dev/videoN -- ELEMENTS\n"
     "  ELEMENTS    a piece of a gst-launch-1.0 line: takes raw video and gives raw video\n"
     "  --window    show a window or fail; --file: write files even where there is a display\n"
     "  --seconds   stop after that much video\n"
-    "  --out       where to write decomposition.mkv and contact-sheet.png (out)\n";
+    "  --out       where to write decomposition.mkv and contact-sheet.png (out)\n"
+    "  --paint     lets the intrinsicrecolor of that name repaint a color that stands out\n";
 
 /// One string of the words after --. A single word is a line that was quoted as a whole; in
 /// several, spaces belong to their word, as gst-launch-1.0 has it.
@@ -57,6 +58,8 @@ inverse::run::Options parse(int count, char** words) {
         throw std::runtime_error("--seconds takes a number above 0, not \"" + text + "\"");
     } else if (word == "--out") {
       options.folder = value();
+    } else if (word == "--paint") {
+      options.paint = value();
     } else if (word.size() > 1 && word[0] == '-') {
       throw std::runtime_error("unknown option " + word + "\n" + kUsage);
     } else if (!input.empty()) {

@@ -15,11 +15,14 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "contact_sheet.hpp"
+#include "paint.hpp"
 
 namespace inverse::run {
 namespace {
@@ -95,6 +98,7 @@ class Session {
 
  private:
   void add_source();
+  void add_paint();
   void add_window();
   void add_file();
   static void on_pad(GstElement*, GstPad* pad, Session* self) { self->connect(pad); }
@@ -102,6 +106,7 @@ class Session {
   void connect_sound(GstPad* pad);
   void limit(GstPad* pad);
   void on_no_more_pads();
+  void on_input(GstPad* pad, GstBuffer* buffer);
   void on_frame(GstPad* pad, GstBuffer* buffer);
   void on_message(GstMessage* message);
   void on_error(GstMessage* message);
@@ -115,11 +120,13 @@ class Session {
   GstElement* pipeline_ = gst_pipeline_new("run");
   GstElement* chain_ = nullptr;
   GstElement* mux_ = nullptr;
+  std::unique_ptr<Paint> paint_;
   GMainLoop* loop_ = g_main_loop_new(nullptr, FALSE);
   std::vector<guint> sources_;
   std::string error_;
   std::vector<std::string> missing_;
-  std::atomic<bool> stopping_{false};
+  std::atomic<bool> stopping_{false}, arrived_{false};
+  bool first_told_ = false;
   Clock::time_point shown_ = Clock::now();
 
   mutable std::mutex mutex_;  // the rest, shared with streaming threads
@@ -127,7 +134,7 @@ class Session {
   int sounds_ = 0;
   uint64_t frames_ = 0;
   int width_ = 0, height_ = 0;
-  Clock::time_point first_, last_;
+  Clock::time_point started_, first_, last_;
   std::map<std::string, std::vector<double>>
       milliseconds_;  // device time a frame, of elements with stats
   ContactSheet sheet_;
@@ -172,6 +179,7 @@ Session::Session(const Options& options)
   gst_element_link(queue, chain_);
   window_ ? add_window() : add_file();
   add_source();
+  if (!options.paint.empty()) add_paint();
 }
 
 Session::~Session() {
@@ -198,6 +206,15 @@ void Session::add_source() {
   g_signal_connect(decoder, "pad-added", G_CALLBACK(on_pad), this);
   g_signal_connect(decoder, "no-more-pads",
                    G_CALLBACK(+[](GstElement*, Session* self) { self->on_no_more_pads(); }), this);
+}
+
+void Session::add_paint() {
+  GstElement* recolor = gst_bin_get_by_name(GST_BIN(chain_), options_.paint.c_str());
+  if (!recolor) throw std::runtime_error("no element is called " + options_.paint);
+  paint_ = std::make_unique<Paint>(recolor);
+  gst_object_unref(recolor);
+  if (gst_uri_has_protocol(options_.input.location.c_str(), "file"))
+    paint_->choose_for(options_.input.location);
 }
 
 void Session::add_window() {
@@ -237,7 +254,22 @@ void Session::connect(GstPad* pad) {
   gst_pad_link(pad, sink);
   gst_object_unref(sink);
   gst_object_unref(entry);
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      +[](GstPad* from, GstPadProbeInfo* info, gpointer data) {
+        static_cast<Session*>(data)->on_input(from, GST_PAD_PROBE_INFO_BUFFER(info));
+        return GST_PAD_PROBE_OK;
+      },
+      this, nullptr);
   limit(pad);
+}
+
+void Session::on_input(GstPad* pad, GstBuffer* buffer) {
+  arrived_ = true;
+  if (!paint_ || paint_->chosen()) return;
+  GstCaps* caps = gst_pad_get_current_caps(pad);
+  paint_->offer(buffer, caps);
+  if (caps) gst_caps_unref(caps);
 }
 
 /// Ends the stream of this pad once it is to stop.
@@ -366,8 +398,21 @@ void Session::tick() {
   if (!terminal && Clock::now() - shown_ < std::chrono::seconds(2)) return;
   shown_ = Clock::now();
   std::lock_guard lock(mutex_);
-  const double elapsed = std::chrono::duration<double>(last_ - first_).count();
+  const char* const format = terminal ? "\r\033[K%s" : "%s\n";
   std::string line;
+  if (!frames_) {
+    const auto waited =
+        std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - started_).count();
+    line = arrived_ ? "waiting for the first frame while the Vulkan device compiles its kernels, "
+                    : "waiting for the input, ";
+    fprintf(stderr, format, (line + std::to_string(waited) + " s").c_str());
+    fflush(stderr);
+    return;
+  }
+  if (!std::exchange(first_told_, true))
+    fprintf(stderr, terminal ? "\r\033[Kfirst frame after %.1f s\n" : "first frame after %.1f s\n",
+            std::chrono::duration<double>(first_ - started_).count());
+  const double elapsed = std::chrono::duration<double>(last_ - first_).count();
   if (!options_.input.live && gst_element_query_duration(pipeline_, GST_FORMAT_TIME, &duration) &&
       duration > 0) {
     double whole = static_cast<double>(duration) / GST_SECOND;
@@ -380,7 +425,7 @@ void Session::tick() {
   snprintf(rate, sizeof rate, "%.1f frames/s",
            elapsed > 0 ? static_cast<double>(frames_ - 1) / elapsed : 0.0);
   line += "frame " + std::to_string(frames_) + ", " + rate;
-  fprintf(stderr, terminal ? "\r\033[K%s" : "%s\n", line.c_str());
+  fprintf(stderr, format, line.c_str());
   fflush(stderr);
 }
 
@@ -411,6 +456,7 @@ void Session::play() {
       this));
   fprintf(stderr, "%s %s; Ctrl-C ends\n", window_ ? "showing" : "decomposing",
           options_.input.described.c_str());
+  started_ = Clock::now();
   gst_element_set_state(pipeline_, GST_STATE_PLAYING);
   g_main_loop_run(loop_);
   if (isatty(STDERR_FILENO)) fprintf(stderr, "\r\033[K");

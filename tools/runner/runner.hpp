@@ -10,8 +10,9 @@ enum class View { automatic, window, file };
 struct Options {
   Input input;
   std::string chain;  ///< a piece of a gst-launch-1.0 line: takes raw video, gives raw video
-  std::string folder = "out";   ///< where files go; made if it is not there
-  double seconds = 0;           ///< stop after that much video; 0: at its end
+  std::string folder = "out";  ///< where files go; made if it is not there
+  std::string paint;   ///< the intrinsicrecolor in the chain that repaints what Paint chooses
+  double seconds = 0;  ///< stop after that much video; 0: at its end
   View view = View::automatic;  ///< automatic: a window where a display answers, else files
 };
 

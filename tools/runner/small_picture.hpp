@@ -1,0 +1,40 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace inverse::run {
+
+/// Packed 8-bit RGB of `width` × `height` pixels, no padding; empty where there is none.
+struct SmallPicture {
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgb;
+};
+
+/// Scales frames of raw video down to RGB of one width; the height follows the first frame's shape,
+/// also when the video changes its shape later.
+class SmallPictureMaker {
+ public:
+  explicit SmallPictureMaker(int width) : width_(width) {}
+  SmallPictureMaker(const SmallPictureMaker&) = delete;
+  SmallPictureMaker& operator=(const SmallPictureMaker&) = delete;
+  ~SmallPictureMaker();
+
+  /// `caps` are of raw video in system memory. An empty picture where the frame cannot be read.
+  SmallPicture make(GstBuffer* buffer, const GstCaps* caps);
+
+  int width() const { return width_; }
+  int height() const { return height_; }  ///< 0 before the first picture
+  const GstVideoColorimetry& colorimetry() const { return from_.colorimetry; }  ///< of the video
+
+ private:
+  void configure(const GstVideoInfo& info);
+
+  const int width_;
+  int height_ = 0;
+  GstVideoInfo from_{}, to_{};
+  GstVideoConverter* converter_ = nullptr;
+};
+
+}  // namespace inverse::run
