@@ -1,6 +1,6 @@
 #include "device_context.hpp"
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "registered_once.hpp"
 
 namespace inverse {

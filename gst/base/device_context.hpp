@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string>
 
-#include "gpu/device.hpp"
+#include "kernels/gpu/device.hpp"
 #include "vulkan_bridge.hpp"
 
 namespace inverse {

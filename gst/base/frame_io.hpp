@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "gpu/commands.hpp"
-#include "image/changed_tiles.hpp"
-#include "image/convert.hpp"
-#include "image/layers.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/format/changed_tiles.hpp"
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/layers.hpp"
 #include "picture.hpp"
 
 namespace inverse {

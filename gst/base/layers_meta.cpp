@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 #include "registered_once.hpp"
 
 namespace inverse {

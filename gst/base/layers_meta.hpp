@@ -1,8 +1,8 @@
 #pragma once
 #include <gst/gst.h>
 
-#include "image/layers.hpp"
 #include "inverse_layers_meta.h"
+#include "kernels/image/layers.hpp"
 
 namespace inverse {
 

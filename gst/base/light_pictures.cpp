@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "image/light_picture.hpp"
+#include "kernels/image/view/light_picture.hpp"
 #include "picture.hpp"
 
 namespace inverse {

@@ -2,7 +2,7 @@
 #include <gst/gst.h>
 
 #include "inverse_light_stage_meta.h"
-#include "light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "image/plane.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <mutex>
 
-#include "gpu/device.hpp"
+#include "kernels/gpu/device.hpp"
 
 namespace inverse {
 

@@ -7,7 +7,7 @@ extern "C" {  // 1.22 forgets to say so in gstvkqueue.h
 
 #include <memory>
 
-#include "gpu/device.hpp"
+#include "kernels/gpu/device.hpp"
 
 namespace inverse::bridge {
 

@@ -8,13 +8,13 @@
 #include <optional>
 #include <utility>
 
-#include "base/filter.hpp"
-#include "base/material_meta.hpp"
-#include "base/models.hpp"
-#include "image/mosaic.hpp"
-#include "image/tile_list.hpp"
-#include "material/lime_material.hpp"
-#include "material/material_preview.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/material_meta.hpp"
+#include "gst/base/models.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/material/lime_material.hpp"
+#include "kernels/material/preview/material_preview.hpp"
 #include "material_properties.hpp"
 
 namespace inverse {

@@ -3,9 +3,9 @@
 #include <mutex>
 #include <optional>
 
-#include "base/color.hpp"
-#include "base/property_table.hpp"
-#include "material/material.hpp"
+#include "gst/base/color.hpp"
+#include "gst/base/property_table.hpp"
+#include "kernels/material/estimate/material.hpp"
 
 namespace inverse {
 

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "base/filter.hpp"
-#include "global_thesis/misclustering_correction.hpp"
-#include "global_thesis/region_proposals.hpp"
+#include "gst/base/filter.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
 
 namespace inverse {
 

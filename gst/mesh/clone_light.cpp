@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "exr/environment_file.hpp"
+#include "gst/exr/environment_file.hpp"
 
 namespace inverse {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "base/inverse_material_meta.h"
-#include "environment/environment.hpp"
-#include "environment/lit_sphere.hpp"
+#include "gst/base/inverse_material_meta.h"
+#include "kernels/environment/environment.hpp"
+#include "kernels/environment/lit_sphere.hpp"
 
 namespace inverse {
 

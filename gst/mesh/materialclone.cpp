@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/color.hpp"
-#include "base/filter.hpp"
-#include "base/inverse_material_meta.h"
 #include "clone_light.hpp"
-#include "environment/lit_sphere.hpp"
+#include "gst/base/color.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/inverse_material_meta.h"
+#include "kernels/environment/lit_sphere.hpp"
+#include "kernels/raster/insertion.hpp"
 #include "mesh_file.hpp"
-#include "raster/insertion.hpp"
 
 namespace inverse {
 namespace {

@@ -16,8 +16,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "error.hpp"
-#include "file_extension.hpp"
+#include "common/error.hpp"
+#include "common/file_extension.hpp"
 #include "gltf_nodes.hpp"
 #include "mesh_system.hpp"
 #include "ply_length.hpp"

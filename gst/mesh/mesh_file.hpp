@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "raster/mesh.hpp"
+#include "kernels/raster/mesh.hpp"
 
 namespace inverse {
 

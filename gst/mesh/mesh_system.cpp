@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "file_extension.hpp"
-#include "regular_file.hpp"
+#include "common/file_extension.hpp"
+#include "common/regular_file.hpp"
 
 namespace inverse {
 namespace {

@@ -9,14 +9,14 @@
 #include <optional>
 #include <utility>
 
-#include "base/filter.hpp"
-#include "base/inverse_light_stage_meta.h"
-#include "base/models.hpp"
-#include "exr/environment_file.hpp"
 #include "gray_gradients.hpp"
-#include "image/mosaic.hpp"
-#include "light_stage/light_program.hpp"
-#include "reflectance_field/relighting.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/models.hpp"
+#include "gst/exr/environment_file.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/relight/relighting.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 namespace {

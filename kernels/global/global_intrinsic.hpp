@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "../image/layers.hpp"
-#include "../intrinsic/scaled_intrinsic.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 

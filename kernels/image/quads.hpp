@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "plane.hpp"
 
 namespace inverse {
 

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "../image/layers.hpp"
-#include "active_tiles.hpp"
-#include "chroma_bins.hpp"
-#include "edge_prior.hpp"
-#include "guide.hpp"
-#include "leave_out.hpp"
-#include "multigrid.hpp"
-#include "output_gauge.hpp"
-#include "temporal_anchor.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/intrinsic/chroma/chroma_bins.hpp"
+#include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic/multigrid/multigrid.hpp"
+#include "kernels/intrinsic/output/output_gauge.hpp"
+#include "kernels/intrinsic/prior/edge_prior.hpp"
+#include "kernels/intrinsic/reuse/active_tiles.hpp"
+#include "kernels/intrinsic/reuse/leave_out.hpp"
+#include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 
 namespace inverse {
 

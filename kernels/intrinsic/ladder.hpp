@@ -1,5 +1,5 @@
 #pragma once
-#include "../ladder.hpp"
+#include "kernels/ladder.hpp"
 #include "scaled_intrinsic.hpp"
 
 namespace inverse {

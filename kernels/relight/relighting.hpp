@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "cosine_lobe.hpp"
-#include "light_reduction.hpp"
-#include "measured_light.hpp"
-#include "relight_network.hpp"
+#include "kernels/relight/lights/light_reduction.hpp"
+#include "kernels/relight/lights/measured_light.hpp"
+#include "kernels/relight/lobe/cosine_lobe.hpp"
+#include "kernels/relight/network/relight_network.hpp"
 
 namespace inverse {
 

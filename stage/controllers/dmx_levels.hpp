@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -1,6 +1,6 @@
 #include "light_driver.hpp"
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "light_drivers.hpp"
 
 namespace inverse {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -3,7 +3,7 @@
 #include <ola/DmxBuffer.h>
 #include <ola/client/StreamingClient.h>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "light_drivers.hpp"
 #include "repeating_driver.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "light_drivers.hpp"
 #include "repeating_driver.hpp"
 #include "sacn_packet.hpp"

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstring>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "udp.hpp"
 
 namespace inverse::sacn {

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <map>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "descriptor.hpp"
 #include "light_drivers.hpp"
 #include "serial_protocol.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse::serial {
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse::udp {
 namespace {

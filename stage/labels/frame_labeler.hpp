@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "light_evidence.hpp"
-#include "light_program.hpp"
+#include "stage/program/light_program.hpp"
 #include "trigger_counter.hpp"
 
 namespace inverse {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

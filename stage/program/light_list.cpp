@@ -7,7 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

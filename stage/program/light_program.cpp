@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

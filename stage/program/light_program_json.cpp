@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "light_program.hpp"
 
 namespace inverse {

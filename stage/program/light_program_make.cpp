@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 #include "light_list.hpp"
 #include "light_program.hpp"
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

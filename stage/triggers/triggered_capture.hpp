@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "frame_ids.hpp"
-#include "light_driver.hpp"
-#include "light_program.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "tests/bench/method.hpp"
+#include "method.hpp"
 
 namespace inverse::bench {
 

@@ -8,12 +8,12 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/peer_despill.hpp"
-#include "tests/bench/scene.hpp"
-#include "tests/bench/truth_clicks.hpp"
+#include "device_session.hpp"
+#include "peer_despill.hpp"
+#include "scene.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
+#include "truth_clicks.hpp"
 
 namespace inverse::bench {
 namespace {

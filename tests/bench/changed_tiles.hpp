@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/clicks_stage.hpp"
-#include "tests/bench/metrics.hpp"
+#include "clicks_stage.hpp"
+#include "metrics.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
-#include "tests/bench/clicks_stage.hpp"
+#include "clicks_stage.hpp"
 
 #include <chrono>
 
-#include "tests/bench/png_file.hpp"
+#include "png_file.hpp"
 
 namespace inverse::bench {
 

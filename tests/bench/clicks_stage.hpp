@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "kernels/global_thesis/misclustering_correction.hpp"
-#include "kernels/global_thesis/region_proposals.hpp"
-#include "tests/bench/scene.hpp"
-#include "tests/bench/truth_clicks.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
+#include "scene.hpp"
+#include "truth_clicks.hpp"
 
 namespace inverse::bench {
 

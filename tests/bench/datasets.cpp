@@ -1,4 +1,4 @@
-#include "tests/bench/datasets.hpp"
+#include "datasets.hpp"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/scene.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 

@@ -1,9 +1,9 @@
-#include "tests/bench/device_session.hpp"
+#include "device_session.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/scene.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 

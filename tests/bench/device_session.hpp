@@ -6,7 +6,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
-#include "tests/bench/method.hpp"
+#include "method.hpp"
 
 namespace inverse::bench {
 

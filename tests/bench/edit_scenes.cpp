@@ -5,7 +5,7 @@
 #include <exception>
 #include <fstream>
 
-#include "tests/bench/rendered.hpp"
+#include "rendered.hpp"
 
 namespace inverse::bench {
 namespace {

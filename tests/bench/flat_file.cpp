@@ -1,4 +1,4 @@
-#include "tests/bench/flat_file.hpp"
+#include "flat_file.hpp"
 
 #include <bit>
 #include <fstream>

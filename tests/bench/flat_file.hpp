@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

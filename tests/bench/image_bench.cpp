@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "gpu/commands.hpp"
-#include "image/convert.hpp"
-#include "image/mosaic.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/view/mosaic.hpp"
 #include "timing.hpp"
 
 namespace {

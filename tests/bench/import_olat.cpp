@@ -13,7 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "tests/bench/olat_set.hpp"
+#include "olat_set.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -15,9 +15,9 @@
 #include <random>
 #include <string>
 
-#include "tests/bench/datasets.hpp"
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/scene.hpp"
+#include "datasets.hpp"
+#include "metrics.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 namespace {

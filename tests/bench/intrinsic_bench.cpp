@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "frames.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
+#include "kernels/intrinsic/intrinsic_decomposition.hpp"
 #include "timing.hpp"
 
 namespace {

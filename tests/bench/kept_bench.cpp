@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "command_line.hpp"
+#include "device_session.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/scene.hpp"
+#include "metrics.hpp"
+#include "scene.hpp"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "../light_stage/labeling_simulation.hpp"
 #include "command_line.hpp"
+#include "tests/light_stage/labeling_simulation.hpp"
 
 namespace {
 

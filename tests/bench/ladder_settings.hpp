@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/methods.hpp"
+#include "methods.hpp"
 
 namespace inverse::bench {
 

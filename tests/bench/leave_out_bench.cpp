@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "device_session.hpp"
 #include "frames.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/scene.hpp"
+#include "metrics.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 namespace {

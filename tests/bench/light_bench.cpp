@@ -12,16 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "../../training/lime/corpus/background.hpp"
-#include "../../training/lime/corpus/blinn_phong.hpp"
-#include "../../training/lime/corpus/room.hpp"
-#include "../srgb.hpp"
 #include "command_line.hpp"
-#include "environment/environment_fit.hpp"
-#include "environment/lit_sphere.hpp"
-#include "error.hpp"
-#include "gpu/commands.hpp"
-#include "material/lime_material.hpp"
+#include "common/error.hpp"
+#include "kernels/environment/environment_fit.hpp"
+#include "kernels/environment/lit_sphere.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/material/lime_material.hpp"
+#include "tests/srgb.hpp"
+#include "training/lime/corpus/background.hpp"
+#include "training/lime/corpus/blinn_phong.hpp"
+#include "training/lime/corpus/room.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "tests/bench/light_choices.hpp"
+#include "light_choices.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "reflectance_field/light_reduction.hpp"
+#include "kernels/relight/lights/light_reduction.hpp"
 
 namespace inverse::bench {
 

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <thread>
 
-#include "tests/bench/method.hpp"
-#include "tests/bench/timing.hpp"
+#include "method.hpp"
+#include "timing.hpp"
 
 namespace inverse::bench {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

@@ -1,8 +1,8 @@
 // globalintrinsic in the benchmark.
+#include "adaptive_settings.hpp"
+#include "changed_tiles.hpp"
 #include "kernels/global/ladder.hpp"
-#include "tests/bench/adaptive_settings.hpp"
-#include "tests/bench/changed_tiles.hpp"
-#include "tests/bench/ladder_settings.hpp"
+#include "ladder_settings.hpp"
 
 namespace inverse::bench {
 namespace {

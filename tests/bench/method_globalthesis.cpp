@@ -4,10 +4,10 @@
 #include <numeric>
 #include <optional>
 
-#include "kernels/global_thesis/ladder.hpp"
-#include "kernels/global_thesis/misclustering_correction.hpp"
-#include "tests/bench/methods.hpp"
-#include "tests/bench/truth_clicks.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/ladder.hpp"
+#include "methods.hpp"
+#include "truth_clicks.hpp"
 
 namespace inverse::bench {
 namespace {

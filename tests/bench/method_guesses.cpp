@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "tests/bench/methods.hpp"
+#include "methods.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,10 +1,10 @@
 // intrinsicdecomp in the benchmark.
 #include <utility>
 
+#include "adaptive_settings.hpp"
+#include "changed_tiles.hpp"
 #include "kernels/intrinsic/ladder.hpp"
-#include "tests/bench/adaptive_settings.hpp"
-#include "tests/bench/changed_tiles.hpp"
-#include "tests/bench/ladder_settings.hpp"
+#include "ladder_settings.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,7 +1,7 @@
 // intrinsicdecompthesis in the benchmark: its two solvers are two methods.
-#include "kernels/intrinsic_thesis/ladder.hpp"
-#include "kernels/intrinsic_thesis/thesis_decomposition.hpp"
-#include "tests/bench/methods.hpp"
+#include "kernels/thesis/chapter3/ladder.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "methods.hpp"
 
 namespace inverse::bench {
 namespace {

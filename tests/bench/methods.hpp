@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include "kernels/intrinsic_thesis/thesis_params.hpp"
+#include "device_session.hpp"
 #include "kernels/ladder.hpp"
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/scene.hpp"
+#include "kernels/thesis/chapter3/thesis_params.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "tests/bench/methods.hpp"
+#include "methods.hpp"
 
 int main(int argc, char** argv) {
   using namespace inverse;

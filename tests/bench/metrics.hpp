@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

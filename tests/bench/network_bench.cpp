@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "../kernels/network_builder.hpp"
-#include "error.hpp"
-#include "network/graph_file.hpp"
-#include "network/network.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
+#include "kernels/network/network.hpp"
 #include "network_figures.hpp"
+#include "tests/kernels/network_builder.hpp"
 #include "timing.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "command_line.hpp"
-#include "network/network.hpp"
+#include "kernels/network/network.hpp"
 
 namespace inverse::bench {
 

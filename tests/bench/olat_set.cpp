@@ -1,10 +1,10 @@
-#include "tests/bench/olat_set.hpp"
+#include "olat_set.hpp"
 
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
-#include "tests/bench/flat_file.hpp"
+#include "flat_file.hpp"
 
 namespace inverse::bench {
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <random>
 
-#include "tests/bench/rendered.hpp"
+#include "rendered.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/bench/peer_despill.hpp"
+#include "peer_despill.hpp"
 
 #include <algorithm>
 

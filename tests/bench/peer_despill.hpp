@@ -2,7 +2,7 @@
 // work on display codes (sRGB), as video has them.
 #pragma once
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "tests/bench/peers.hpp"
+#include "peers.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 
 namespace inverse::bench {

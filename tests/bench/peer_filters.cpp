@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/ximgproc.hpp>
 
-#include "tests/bench/peers.hpp"
+#include "peers.hpp"
 
 namespace inverse::bench {
 namespace {

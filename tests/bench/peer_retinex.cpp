@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/bench/peers.hpp"
+#include "peers.hpp"
 
 namespace inverse::bench {
 namespace {

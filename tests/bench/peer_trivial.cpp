@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "tests/bench/peers.hpp"
+#include "peers.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -3,7 +3,7 @@
 // them sees a mask.
 #pragma once
 
-#include "tests/bench/method.hpp"
+#include "method.hpp"
 
 namespace inverse::bench {
 

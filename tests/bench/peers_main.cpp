@@ -1,6 +1,6 @@
 // bench-peers: other people's methods on the processor, with Eigen and OpenCV. A program of its
 // own, as OpenCV's ximgproc draws in libraries that nothing else here may link.
-#include "tests/bench/peers.hpp"
+#include "peers.hpp"
 
 int main(int argc, char** argv) {
   using namespace inverse::bench;

@@ -1,4 +1,4 @@
-#include "tests/bench/png_file.hpp"
+#include "png_file.hpp"
 
 #include <zlib.h>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

@@ -16,11 +16,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/light_choices.hpp"
-#include "tests/bench/olat_set.hpp"
-#include "tests/bench/png_file.hpp"
-#include "tests/bench/relight_subject.hpp"
+#include "command_line.hpp"
+#include "light_choices.hpp"
+#include "olat_set.hpp"
+#include "png_file.hpp"
+#include "relight_subject.hpp"
 
 namespace inverse::bench {
 namespace {

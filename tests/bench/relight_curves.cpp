@@ -10,8 +10,8 @@
 // set's own size, over the subject, in per cent of its mean.
 #include <cstdio>
 
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/relight_subject.hpp"
+#include "command_line.hpp"
+#include "relight_subject.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,10 +1,10 @@
-#include "tests/bench/relight_subject.hpp"
+#include "relight_subject.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
-#include "environment/environment.hpp"
+#include "kernels/environment/environment.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "reflectance_field/relighting.hpp"
-#include "tests/bench/olat_set.hpp"
-#include "tests/bench/timing.hpp"
+#include "kernels/relight/relighting.hpp"
+#include "olat_set.hpp"
+#include "timing.hpp"
 
 namespace inverse::bench {
 

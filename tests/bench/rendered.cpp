@@ -1,9 +1,9 @@
-#include "tests/bench/rendered.hpp"
+#include "rendered.hpp"
 
 #include <algorithm>
 #include <thread>
 
-#include "denoise.hpp"
+#include "tools/clip/denoise.hpp"
 
 namespace inverse::bench {
 

@@ -1,7 +1,7 @@
 // Frames with their truth from the renderer of the bundled clip.
 #pragma once
-#include "tests/bench/scene.hpp"
-#include "transport.hpp"
+#include "scene.hpp"
+#include "tools/clip/transport.hpp"
 
 namespace inverse::bench {
 

@@ -10,11 +10,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/bench/flat_file.hpp"
-#include "tests/bench/json.hpp"
-#include "tests/bench/method.hpp"
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/scene.hpp"
+#include "flat_file.hpp"
+#include "json.hpp"
+#include "method.hpp"
+#include "metrics.hpp"
+#include "scene.hpp"
 
 namespace inverse::bench {
 namespace {

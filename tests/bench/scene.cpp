@@ -1,4 +1,4 @@
-#include "tests/bench/scene.hpp"
+#include "scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/bench/flat_file.hpp"
+#include "flat_file.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::bench {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench {
 

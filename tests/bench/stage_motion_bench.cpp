@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "../../gst/base/inverse_light_stage_meta.h"
-#include "../../gst/stage/sync/motion.hpp"
-#include "../temporary_folder.hpp"
 #include "command_line.hpp"
-#include "light_stage/light_program.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/stage/sync/motion.hpp"
+#include "stage/program/light_program.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace {
 

@@ -19,8 +19,8 @@
 #include <map>
 #include <string>
 
-#include "../reference/thesis_params.hpp"
 #include "frames.hpp"
+#include "tests/reference/thesis_params.hpp"
 #include "thesis_options.hpp"
 
 namespace {

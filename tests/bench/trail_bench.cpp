@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
+#include "changed_tiles.hpp"
+#include "device_session.hpp"
 #include "frames.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
-#include "tests/bench/changed_tiles.hpp"
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/scene.hpp"
+#include "scene.hpp"
 #include "timing.hpp"
 
 namespace inverse::bench {

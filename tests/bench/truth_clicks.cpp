@@ -1,4 +1,4 @@
-#include "tests/bench/truth_clicks.hpp"
+#include "truth_clicks.hpp"
 
 #include <algorithm>
 #include <cmath>

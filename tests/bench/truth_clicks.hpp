@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "kernels/global_thesis/base_colors.hpp"
-#include "tests/bench/image.hpp"
+#include "image.hpp"
+#include "kernels/thesis/chapter5/colors/base_colors.hpp"
 
 namespace inverse::bench {
 

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "has_element.hpp"
-#include "pipelines/process.hpp"
+#include "tests/has_element.hpp"
+#include "tests/pipelines/process.hpp"
 
 namespace inverse::testing {
 

@@ -4,11 +4,11 @@
 #include <map>
 #include <mutex>
 
-#include "../temporary_folder.hpp"
 #include "aravis_fixture.hpp"
-#include "base/inverse_light_stage_meta.h"
-#include "light_stage/dmx_levels.hpp"
-#include "light_stage/sacn_receiver.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "stage/controllers/dmx_levels.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,6 +1,6 @@
 // lightstagearavissrc with Aravis' camera in software.
 #include "aravis_fixture.hpp"
-#include "light_stage/frame_ids.hpp"
+#include "stage/triggers/frame_ids.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -6,9 +6,9 @@
 #include <mutex>
 
 #include "aravis_fixture.hpp"
-#include "error.hpp"
-#include "light_stage/triggered_capture.hpp"
-#include "stage/sync/camera_trigger.hpp"
+#include "common/error.hpp"
+#include "gst/stage/sync/camera_trigger.hpp"
+#include "stage/triggers/triggered_capture.hpp"
 
 namespace inverse::testing {
 namespace {

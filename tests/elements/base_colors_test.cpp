@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/color.hpp"
 #include "element_test.hpp"
+#include "gst/base/color.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,5 +1,5 @@
 // From a camera's clock to the pipeline's, without a camera.
-#include "stage/camera/camera_clock.hpp"
+#include "gst/stage/camera/camera_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "../temporary_folder.hpp"
-#include "base/inverse_material_meta.h"
-#include "environment/environment.hpp"
+#include "gst/base/inverse_material_meta.h"
+#include "kernels/environment/environment.hpp"
 #include "lamp.hpp"
 #include "lime_fixture.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

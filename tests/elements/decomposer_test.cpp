@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "../srgb.hpp"
-#include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_layers_meta.h"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

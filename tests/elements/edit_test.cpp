@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_layers_meta.h"
 
 namespace inverse::testing {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <cmath>
 
-#include "../kernels/lime_models.hpp"
 #include "element_test.hpp"
+#include "tests/kernels/lime_models.hpp"
 
 namespace inverse::testing {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/inverse_material_meta.h"
+#include "gst/base/inverse_material_meta.h"
+#include "kernels/network/graph_file.hpp"
 #include "lime_fixture.hpp"
-#include "network/graph_file.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "../kernels/normal_map_file.hpp"
-#include "../temporary_folder.hpp"
-#include "base/inverse_material_meta.h"
-#include "environment/environment.hpp"
+#include "gst/base/inverse_material_meta.h"
+#include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
+#include "tests/kernels/normal_map_file.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

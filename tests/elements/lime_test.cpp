@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "../has_networks.hpp"
-#include "../srgb.hpp"
-#include "../temporary_folder.hpp"
-#include "base/inverse_material_meta.h"
+#include "gst/base/inverse_material_meta.h"
 #include "lime_fixture.hpp"
+#include "tests/has_networks.hpp"
+#include "tests/srgb.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

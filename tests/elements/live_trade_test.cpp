@@ -1,5 +1,5 @@
 // The controller behind target-fps and latency-budget, against frames whose times are made up.
-#include "decompose/live_trade.hpp"
+#include "gst/decompose/live_trade.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "base/repeats.hpp"
+#include "gst/base/repeats.hpp"
 
 namespace inverse {
 namespace {

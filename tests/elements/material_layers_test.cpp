@@ -1,10 +1,10 @@
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 
-#include "../srgb.hpp"
-#include "base/inverse_layers_meta.h"
-#include "base/inverse_material_meta.h"
+#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/inverse_material_meta.h"
 #include "lime_fixture.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

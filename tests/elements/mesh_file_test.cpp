@@ -1,5 +1,5 @@
 // Mesh files, good and bad ones.
-#include "mesh/mesh_file.hpp"
+#include "gst/mesh/mesh_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -11,8 +11,8 @@
 #include <numbers>
 #include <random>
 
-#include "../temporary_folder.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,9 +1,9 @@
 // Our metas on their way through elements of GStreamer's own.
 
-#include "../has_networks.hpp"
-#include "base/inverse_light_stage_meta.h"
-#include "base/inverse_material_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/inverse_material_meta.h"
+#include "tests/has_networks.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../kernels/relight_models.hpp"
-#include "../srgb.hpp"
-#include "../temporary_folder.hpp"
 #include "element_test.hpp"
-#include "environment/environment.hpp"
+#include "kernels/environment/environment.hpp"
 #include "lamp.hpp"
-#include "light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
+#include "tests/kernels/relight_models.hpp"
+#include "tests/srgb.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "base/inverse_layers_meta.h"
-#include "image/layers.hpp"
+#include "gst/base/inverse_layers_meta.h"
+#include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
 
 namespace inverse::testing {

@@ -5,9 +5,9 @@
 #include <map>
 #include <thread>
 
-#include "../srgb.hpp"
-#include "base/inverse_layers_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_layers_meta.h"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,8 +1,8 @@
 // lightstagesync: pairs of gradients.
 
-#include "../srgb.hpp"
-#include "base/inverse_layers_meta.h"
+#include "gst/base/inverse_layers_meta.h"
 #include "stage_fixture.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "../srgb.hpp"
 #include "stage_fixture.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "../srgb.hpp"
-#include "../temporary_folder.hpp"
-#include "base/inverse_light_stage_meta.h"
 #include "element_test.hpp"
-#include "light_stage/light_program.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "stage/program/light_program.hpp"
+#include "tests/srgb.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

@@ -1,10 +1,10 @@
 // lightstagesync as the one that drives the lights.
 #include <set>
 
-#include "../light_stage/serial_controller.hpp"
-#include "light_stage/dmx_levels.hpp"
-#include "light_stage/sacn_receiver.hpp"
+#include "stage/controllers/dmx_levels.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
 #include "stage_fixture.hpp"
+#include "tests/light_stage/serial_controller.hpp"
 
 namespace inverse::testing {
 namespace {

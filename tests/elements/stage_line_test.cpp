@@ -2,8 +2,8 @@
 #include <map>
 #include <mutex>
 
-#include "base/inverse_light_stage_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
 
 namespace inverse::testing {
 namespace {

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "../temporary_folder.hpp"
-#include "light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
 #include "test_source_shots.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/inverse_light_stage_meta.h"
 #include "element_test.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
 
 namespace inverse::testing {
 

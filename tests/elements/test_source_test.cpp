@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "../temporary_folder.hpp"
-#include "light_stage/light_driver.hpp"
-#include "light_stage/light_program.hpp"
+#include "kernels/virtual_stage/camera_schedule.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/program/light_program.hpp"
 #include "test_source_shots.hpp"
-#include "virtual_stage/camera_schedule.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "global/global_intrinsic.hpp"
-#include "global_thesis/global_thesis.hpp"
 #include "inputs.hpp"
+#include "kernels/global/global_intrinsic.hpp"
+#include "kernels/thesis/chapter5/global_thesis.hpp"
 
 namespace inverse::extremes {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "global_methods.hpp"
 
 namespace inverse::extremes {

@@ -5,17 +5,17 @@
 #include <memory>
 #include <random>
 
-#include "global_thesis/global_thesis_push.hpp"
-#include "gpu/reduce.hpp"
-#include "gpu/shaders.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/thesis/chapter5/global_thesis_push.hpp"
 #include "tests/reference/global_thesis_energy.hpp"
 #include "thesis_problem.hpp"
 
-INVERSE_SHADER(global_thesis_reweight);
-INVERSE_SHADER(global_thesis_mix);
-INVERSE_SHADER(global_thesis_product);
-INVERSE_SHADER(global_thesis_update);
-INVERSE_SHADER(global_thesis_scalars);
+INVERSE_SHADER(thesis_chapter5_solve_reweight);
+INVERSE_SHADER(thesis_chapter5_solve_mix);
+INVERSE_SHADER(thesis_chapter5_solve_product);
+INVERSE_SHADER(thesis_chapter5_solve_update);
+INVERSE_SHADER(thesis_chapter5_solve_scalars);
 
 namespace inverse::extremes {
 namespace {
@@ -74,11 +74,12 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
   const auto layered = [&](const gpu::KernelSource& source) {
     return device->kernel(source, {6, kGroups, unit});
   };
-  const gpu::KernelPtr reweight = layered(shaders::global_thesis_reweight),
-                       mix = layered(shaders::global_thesis_mix),
-                       product = layered(shaders::global_thesis_product),
-                       update = layered(shaders::global_thesis_update),
-                       scalars = device->kernel(shaders::global_thesis_scalars, {}, kOneGroup);
+  const gpu::KernelPtr reweight = layered(shaders::thesis_chapter5_solve_reweight),
+                       mix = layered(shaders::thesis_chapter5_solve_mix),
+                       product = layered(shaders::thesis_chapter5_solve_product),
+                       update = layered(shaders::thesis_chapter5_solve_update),
+                       scalars =
+                           device->kernel(shaders::thesis_chapter5_solve_scalars, {}, kOneGroup);
   Pixels image, pulls, features, table(4 * 3 * kMaxBases, 0.0F);
   for (size_t i = 0; i < n; ++i) {
     const reference::Vec4& target = step.scene.targets.data[i];

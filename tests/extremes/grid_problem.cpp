@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "image/pyramid.hpp"
-#include "intrinsic/chroma_bins.hpp"
-#include "intrinsic/multigrid.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/intrinsic/chroma/chroma_bins.hpp"
+#include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 
 namespace inverse::extremes {

@@ -2,10 +2,10 @@
 #pragma once
 #include <string>
 
-#include "global/global_intrinsic.hpp"
-#include "global_thesis/global_thesis_params.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
-#include "intrinsic_thesis/thesis_params.hpp"
+#include "kernels/global/global_intrinsic.hpp"
+#include "kernels/intrinsic/intrinsic_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_params.hpp"
+#include "kernels/thesis/chapter5/global_thesis_params.hpp"
 #include "lab.hpp"
 #include "shrink.hpp"
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/commands.hpp"
-#include "image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse::extremes {
 

@@ -6,7 +6,7 @@
 
 #include "check.hpp"
 #include "inputs.hpp"
-#include "intrinsic/scaled_intrinsic.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "window.hpp"
 
 namespace inverse::extremes {

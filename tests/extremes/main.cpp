@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "check.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
 #include "global_methods.hpp"
 #include "problem.hpp"
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "inputs.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 
 namespace inverse::extremes {
 

@@ -2,17 +2,17 @@
 
 #include <cmath>
 
-#include "gpu/reduce.hpp"
-#include "gpu/shaders.hpp"
-#include "intrinsic_thesis/push.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/thesis/chapter3/push.hpp"
 #include "tests/reference/intrinsic_thesis.hpp"
 
-INVERSE_SHADER(intrinsic_thesis_setup);
-INVERSE_SHADER(intrinsic_thesis_reweight);
-INVERSE_SHADER(intrinsic_thesis_direction);
-INVERSE_SHADER(intrinsic_thesis_update);
-INVERSE_SHADER(intrinsic_thesis_scalars);
-INVERSE_SHADER(intrinsic_thesis_schwarz);
+INVERSE_SHADER(thesis_chapter3_setup);
+INVERSE_SHADER(thesis_chapter3_reweight);
+INVERSE_SHADER(thesis_chapter3_direction);
+INVERSE_SHADER(thesis_chapter3_update);
+INVERSE_SHADER(thesis_chapter3_scalars);
+INVERSE_SHADER(thesis_chapter3_schwarz);
 
 namespace inverse::extremes {
 namespace {
@@ -34,12 +34,12 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
       extent_{static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)},
       params_(params) {
   const auto& device = lab.device();
-  setup_ = device->kernel(shaders::intrinsic_thesis_setup);
-  reweight_ = device->kernel(shaders::intrinsic_thesis_reweight);
-  direction_ = device->kernel(shaders::intrinsic_thesis_direction);
-  update_ = device->kernel(shaders::intrinsic_thesis_update);
-  scalars_kernel_ = device->kernel(shaders::intrinsic_thesis_scalars, {}, kOneGroup);
-  schwarz_ = device->kernel(shaders::intrinsic_thesis_schwarz, {}, kBlockGroup);
+  setup_ = device->kernel(shaders::thesis_chapter3_setup);
+  reweight_ = device->kernel(shaders::thesis_chapter3_reweight);
+  direction_ = device->kernel(shaders::thesis_chapter3_direction);
+  update_ = device->kernel(shaders::thesis_chapter3_update);
+  scalars_kernel_ = device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup);
+  schwarz_ = device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup);
   const uint64_t n = extent_.pixels();
   for (auto* buffer : {&links_, &edges_, &nodes_, &preconditioned_, &products_, &solution_, &spare_,
                        &directions_[0], &directions_[1]})

@@ -1,6 +1,6 @@
 // Cosine lobes of pixels under two gradients against the equations, and what they are worth on
 // subjects that are known.
-#include "error.hpp"
+#include "common/error.hpp"
 #include "reflectance_field_fixture.hpp"
 
 namespace inverse::testing {

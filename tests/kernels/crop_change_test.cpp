@@ -1,5 +1,5 @@
 // Whether the picture of an object is still the one that its layers were found in.
-#include "material/crop_change.hpp"
+#include "kernels/material/object/crop_change.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // Recoloring and composing against their specification, on ordinary and on hostile layers.
-#include "../reference/edit.hpp"
+#include "tests/reference/edit.hpp"
 
 #include <functional>
 #include <limits>
 
-#include "edit/compose.hpp"
-#include "edit/recolor.hpp"
 #include "gpu_fixture.hpp"
+#include "kernels/edit/compose.hpp"
+#include "kernels/edit/recolor.hpp"
 
 namespace inverse::testing {
 namespace {

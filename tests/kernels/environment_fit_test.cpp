@@ -1,14 +1,14 @@
 // Light from what it does to an object: against light that is known, and where little is seen of
 // it.
-#include "environment/environment_fit.hpp"
+#include "kernels/environment/environment_fit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
 
-#include "environment/normal_map.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
+#include "kernels/environment/normal_map.hpp"
 #include "normal_map_file.hpp"
 #include "tests/reference/lit_sphere.hpp"
 

@@ -1,5 +1,5 @@
 // Environment maps: what they are, and their files.
-#include "environment/environment.hpp"
+#include "kernels/environment/environment.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,9 +11,9 @@
 #include <limits>
 #include <random>
 
-#include "../temporary_folder.hpp"
-#include "environment/prefiltered_light.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
+#include "kernels/environment/prefiltered_light.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -4,12 +4,12 @@
 #include <limits>
 #include <string>
 
-#include "../srgb.hpp"
 #include "gpu_fixture.hpp"
-#include "image/convert.hpp"
-#include "image/mosaic.hpp"
-#include "image/pyramid.hpp"
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/image/view/mosaic.hpp"
 #include "tests/reference/mosaic.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 #include <cmath>
 
-#include "global/global_intrinsic.hpp"
 #include "intrinsic_fixture.hpp"
+#include "kernels/global/global_intrinsic.hpp"
 #include "tests/reference/global_layers.hpp"
 
 namespace inverse::testing {

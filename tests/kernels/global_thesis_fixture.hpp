@@ -3,9 +3,9 @@
 #pragma once
 #include <algorithm>
 
-#include "../reference/global_thesis_params.hpp"
-#include "global_thesis/global_thesis.hpp"
 #include "gpu_fixture.hpp"
+#include "kernels/thesis/chapter5/global_thesis.hpp"
+#include "tests/reference/global_thesis_params.hpp"
 
 namespace inverse::testing {
 

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "global_thesis_fixture.hpp"
-#include "gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(global_thesis_shorten);
+INVERSE_SHADER(thesis_chapter5_solve_shorten);
 
 namespace inverse::testing {
 
@@ -97,7 +97,7 @@ TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
     const float search[4] = {0, factor, 0, 0};
     const gpu::BufferPtr said = upload(gpu::Element::scalar, search, 4);
     run([&](gpu::Commands& commands) {
-      commands.dispatch(device->kernel(shaders::global_thesis_shorten),
+      commands.dispatch(device->kernel(shaders::thesis_chapter5_solve_shorten),
                         {state.buffer, said, next.buffer}, push, {extent.width, extent.height});
     });
     const Pixels got = download(next.buffer);

@@ -1,8 +1,8 @@
 // The thesis' global decomposition on the device against the double-precision reference.
 #include <limits>
 
-#include "global_thesis/ladder.hpp"
 #include "global_thesis_fixture.hpp"
+#include "kernels/thesis/chapter5/ladder.hpp"
 
 namespace inverse::testing {
 

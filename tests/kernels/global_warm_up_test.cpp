@@ -1,6 +1,6 @@
 // No kernel of globalintrinsic is built in mid-stream.
-#include "global/ladder.hpp"
 #include "intrinsic_fixture.hpp"
+#include "kernels/global/ladder.hpp"
 
 namespace inverse::testing {
 

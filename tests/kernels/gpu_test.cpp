@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "gpu/reduce.hpp"
-#include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
-#include "image/pyramid.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
 namespace inverse::testing {
 

@@ -1,11 +1,11 @@
 // An object and its shadow in a frame.
-#include "raster/insertion.hpp"
+#include "kernels/raster/insertion.hpp"
 
 #include <limits>
 #include <numbers>
 
-#include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
+#include "kernels/gpu/shaders.hpp"
 #include "tests/reference/raster.hpp"
 
 INVERSE_SHADER(raster_blend);

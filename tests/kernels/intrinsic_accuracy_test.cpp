@@ -5,7 +5,7 @@
 #include <string>
 
 #include "intrinsic_fixture.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "tests/bench/metrics.hpp"
 
 namespace inverse::testing {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "gpu_fixture.hpp"
-#include "image/pyramid.hpp"
-#include "intrinsic/intrinsic_decomposition.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 #include "tests/reference/multigrid.hpp"
 #include "tests/reference/output_gauge.hpp"

@@ -1,8 +1,8 @@
 // Work by tiles: kernels over a list do what they do over a frame, and a video of which only tiles
 // are worked on stays near the one of which everything is.
-#include "image/changed_tiles.hpp"
-#include "image/convert.hpp"
 #include "intrinsic_fixture.hpp"
+#include "kernels/image/format/changed_tiles.hpp"
+#include "kernels/image/format/convert.hpp"
 
 namespace inverse::testing {
 namespace {

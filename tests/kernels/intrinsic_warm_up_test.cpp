@@ -1,6 +1,6 @@
 // No kernel of intrinsicdecomp is built in mid-stream.
-#include "intrinsic/ladder.hpp"
 #include "intrinsic_fixture.hpp"
+#include "kernels/intrinsic/ladder.hpp"
 
 namespace inverse::testing {
 

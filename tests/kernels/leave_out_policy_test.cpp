@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "intrinsic/leave_out.hpp"
+#include "kernels/intrinsic/reuse/leave_out.hpp"
 
 namespace inverse::testing {
 namespace {

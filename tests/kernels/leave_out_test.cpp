@@ -1,8 +1,8 @@
 // intrinsicdecomp: terms and resolution that a scene does not need are left out, and what was found
 // carries over.
-#include "intrinsic/layer_distance.hpp"
-#include "intrinsic/scaled_intrinsic.hpp"
 #include "intrinsic_fixture.hpp"
+#include "kernels/intrinsic/resolution/layer_distance.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,5 +1,5 @@
 // An environment's light shared out among the lights of a stage.
-#include "reflectance_field/light_cells.hpp"
+#include "kernels/relight/lights/light_cells.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // Light with layers: edits, pictures and composing against their specification.
-#include "../reference/light_edit.hpp"
+#include "tests/reference/light_edit.hpp"
 
 #include <functional>
 #include <limits>
 
-#include "edit/compose.hpp"
-#include "edit/light_edit.hpp"
-#include "edit/recolor.hpp"
 #include "gpu_fixture.hpp"
-#include "image/light_picture.hpp"
+#include "kernels/edit/compose.hpp"
+#include "kernels/edit/light_edit.hpp"
+#include "kernels/edit/recolor.hpp"
+#include "kernels/image/view/light_picture.hpp"
 
 namespace inverse::testing {
 namespace {

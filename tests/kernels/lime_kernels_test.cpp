@@ -7,20 +7,20 @@
 #include <tuple>
 #include <utility>
 
-#include "../srgb.hpp"
-#include "gpu/shaders.hpp"
 #include "gpu_fixture.hpp"
-#include "material/guided_layers.hpp"
-#include "material/under_highlights.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/material/layers/guided_layers.hpp"
+#include "kernels/material/layers/under_highlights.hpp"
 #include "tests/reference/lime.hpp"
+#include "tests/srgb.hpp"
 
-INVERSE_SHADER(material_crop);
-INVERSE_SHADER(material_layers);
-INVERSE_SHADER(material_to_specular);
-INVERSE_SHADER(material_drop_foreign);
-INVERSE_SHADER(material_to_exponent);
-INVERSE_SHADER(material_preview);
-INVERSE_SHADER(material_to_mirror_and_albedo);
+INVERSE_SHADER(material_networks_crop);
+INVERSE_SHADER(material_layers_layers);
+INVERSE_SHADER(material_networks_to_specular);
+INVERSE_SHADER(material_networks_drop_foreign);
+INVERSE_SHADER(material_networks_to_exponent);
+INVERSE_SHADER(material_preview_preview);
+INVERSE_SHADER(material_networks_to_mirror_and_albedo);
 
 namespace inverse::testing {
 namespace {
@@ -83,7 +83,7 @@ TEST_F(LimeKernels, SquareOfTheFrame) {
       const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
       const gpu::BufferPtr out = empty(1 + 32 * 32);
       run([&](gpu::Commands& commands) {
-        commands.dispatch(device->kernel(shaders::material_crop),
+        commands.dispatch(device->kernel(shaders::material_networks_crop),
                           {plane(extent, frame).buffer, out}, place, {32 * 32});
       });
       expect_near(download_points(out),
@@ -100,7 +100,7 @@ TEST_F(LimeKernels, ForeignPointsAreOfNoObject) {
   for (uint32_t& word : foreign) word = random() % 3 ? 0 : random();
   const gpu::BufferPtr given = points(probability);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_drop_foreign),
+    commands.dispatch(device->kernel(shaders::material_networks_drop_foreign),
                       {given, upload(gpu::Element::word, foreign.data(), foreign.size())},
                       static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
   });
@@ -117,7 +117,7 @@ TEST_F(LimeKernels, PictureOfTheObject) {
   const Pixels image = random_pixels(side, 3), probability = random_pixels(side, 4);
   const gpu::BufferPtr out = empty(1 + side.pixels());
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_to_specular),
+    commands.dispatch(device->kernel(shaders::material_networks_to_specular),
                       {points(image), points(probability), out},
                       static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
   });
@@ -146,10 +146,10 @@ TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
   const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
                        exponent_in = empty(1 + count);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_to_mirror_and_albedo),
+    commands.dispatch(device->kernel(shaders::material_networks_to_mirror_and_albedo),
                       {points(masked), points(specular), mirror_in, albedo_in},
                       static_cast<int32_t>(count), {count});
-    commands.dispatch(device->kernel(shaders::material_to_exponent),
+    commands.dispatch(device->kernel(shaders::material_networks_to_exponent),
                       {points(masked), mirror_in, points(mirror), exponent_in},
                       static_cast<int32_t>(count), {count});
   });
@@ -189,7 +189,7 @@ TEST_F(LimeKernels, SphereBeforeTheFrame) {
         const gpu::BufferPtr out = empty(extent.pixels());
         run([&](gpu::Commands& commands) {
           commands.dispatch(
-              device->kernel(shaders::material_preview),
+              device->kernel(shaders::material_preview_preview),
               {plane(extent, frame).buffer, plane({kTable, kTable}, table).buffer, out}, push,
               {extent.width, (extent.height + 3) / 4});
         });
@@ -332,7 +332,7 @@ TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
       guided.record_mask(commands, points(means), points(mask));
       guided.record_specular(commands, points(means), points(codes));
       commands.dispatch(
-          device->kernel(shaders::material_layers, {1}),
+          device->kernel(shaders::material_layers_layers, {1}),
           {plane(frame, light).buffer, guided.mask(), points(codes), guided.specular(),
            plane({kSide, kSide}, Pixels(means.size(), 0)).buffer, diffuse, gloss},
           Push{kFrame, kFrame, 0, 0, kPixels, kSide}, {kFrame, kFrame});
@@ -363,7 +363,7 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
       // Without an object there is light alone, whatever the rest holds.
       for (const bool found : {true, false}) {
         run([&](gpu::Commands& commands) {
-          commands.dispatch(device->kernel(shaders::material_layers, {found}),
+          commands.dispatch(device->kernel(shaders::material_layers_layers, {found}),
                             {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
                              plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
                             place, {extent.width, extent.height});

@@ -1,10 +1,10 @@
 #pragma once
 #include <cmath>
 
-#include "../srgb.hpp"
 #include "gpu_fixture.hpp"
+#include "kernels/material/lime_material.hpp"
 #include "lime_models.hpp"
-#include "material/lime_material.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 

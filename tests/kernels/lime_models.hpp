@@ -1,10 +1,10 @@
 #pragma once
 #include <filesystem>
 
-#include "../temporary_folder.hpp"
-#include "material/lime_models.hpp"
-#include "network/graph_file.hpp"
+#include "kernels/material/networks/lime_models.hpp"
+#include "kernels/network/graph_file.hpp"
 #include "network_builder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse::testing {
 

@@ -1,13 +1,13 @@
 // Shading by the normal alone against brute-force integration. Errors are relative to the largest
 // value that D or S has anywhere.
-#include "environment/lit_sphere.hpp"
+#include "kernels/environment/lit_sphere.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <limits>
 #include <numbers>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "gpu_fixture.hpp"
 #include "tests/reference/lit_sphere.hpp"
 

@@ -1,11 +1,11 @@
 // Marked regions: filled over cluster ids, tracked, and overruled by a base color.
-#include "global_thesis/marked_regions.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 
 #include <map>
 #include <queue>
 
-#include "global_thesis/misclustering_correction.hpp"
 #include "global_thesis_fixture.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
 
 namespace inverse::testing {
 namespace {

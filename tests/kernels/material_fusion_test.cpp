@@ -1,5 +1,5 @@
 // Estimates of one object's material over time.
-#include "material/material_fusion.hpp"
+#include "kernels/material/estimate/material_fusion.hpp"
 
 #include <gtest/gtest.h>
 

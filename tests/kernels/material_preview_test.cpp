@@ -1,5 +1,5 @@
 // The sphere that wears a material.
-#include "material/material_preview.hpp"
+#include "kernels/material/preview/material_preview.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "material/material.hpp"
+#include "kernels/material/estimate/material.hpp"
 
 namespace inverse::testing {
 

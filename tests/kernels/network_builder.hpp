@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "network/graph.hpp"
+#include "kernels/network/graph.hpp"
 
 namespace inverse::testing {
 

@@ -5,10 +5,10 @@
 #include <limits>
 #include <random>
 
-#include "../temporary_folder.hpp"
-#include "error.hpp"
-#include "network/graph_file.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
 #include "network_builder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

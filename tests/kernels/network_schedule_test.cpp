@@ -1,5 +1,5 @@
 // Which networks run for a frame, and which are left out, without a device.
-#include "material/network_schedule.hpp"
+#include "kernels/material/networks/network_schedule.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "network/network.hpp"
+#include "kernels/network/network.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "../reference/network.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
 #include "gpu_fixture.hpp"
 #include "network_builder.hpp"
+#include "tests/reference/network.hpp"
 
 namespace inverse::testing {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

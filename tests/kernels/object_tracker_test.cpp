@@ -1,5 +1,5 @@
 // Where limematerial looks for its object.
-#include "material/object_tracker.hpp"
+#include "kernels/material/object/object_tracker.hpp"
 
 #include <gtest/gtest.h>
 

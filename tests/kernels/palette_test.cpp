@@ -1,12 +1,12 @@
 // The palette on the device against the double-precision reference.
-#include "palette/palette.hpp"
+#include "kernels/palette/palette.hpp"
 
 #include <limits>
 
-#include "../reference/palette.hpp"
-#include "../reference/scene_palette.hpp"
 #include "gpu_fixture.hpp"
-#include "palette/scene_palette.hpp"
+#include "kernels/palette/scene_palette.hpp"
+#include "tests/reference/palette.hpp"
+#include "tests/reference/scene_palette.hpp"
 
 namespace inverse::testing {
 

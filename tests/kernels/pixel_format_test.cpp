@@ -1,11 +1,11 @@
 // Every pixel format against its reference, both ways.
-#include "../reference/pixel_format.hpp"
+#include "tests/reference/pixel_format.hpp"
 
 #include <cstring>
 #include <limits>
 
 #include "gpu_fixture.hpp"
-#include "image/convert.hpp"
+#include "kernels/image/format/convert.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,7 +1,7 @@
-#include "image/pyramid.hpp"
+#include "kernels/image/pyramid.hpp"
 
-#include "../reference/pyramid.hpp"
 #include "gpu_fixture.hpp"
+#include "tests/reference/pyramid.hpp"
 
 namespace inverse::testing {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <numbers>
 
-#include "environment/lit_sphere.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
 #include "gpu_fixture.hpp"
-#include "raster/rasterizer.hpp"
+#include "kernels/environment/lit_sphere.hpp"
+#include "kernels/raster/rasterizer.hpp"
 
 namespace inverse::testing {
 namespace {

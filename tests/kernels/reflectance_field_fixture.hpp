@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "gpu_fixture.hpp"
-#include "reflectance_field/cosine_lobe.hpp"
+#include "kernels/relight/lobe/cosine_lobe.hpp"
 #include "tests/reference/reflectance_field.hpp"
 
 namespace inverse::testing {

@@ -1,5 +1,5 @@
 // Misclustered regions that are found without a click.
-#include "global_thesis/region_proposals.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "network/graph_file.hpp"
+#include "kernels/network/graph_file.hpp"
 #include "network_builder.hpp"
 
 namespace inverse::testing {

@@ -1,15 +1,15 @@
 // The network that relights against its equations, its files, and few lights in place of many.
-#include "reflectance_field/relight_network.hpp"
+#include "kernels/relight/network/relight_network.hpp"
 
 #include <algorithm>
 
-#include "../temporary_folder.hpp"
-#include "error.hpp"
-#include "reflectance_field/light_reduction.hpp"
-#include "reflectance_field/measured_light.hpp"
-#include "reflectance_field/relighting.hpp"
+#include "common/error.hpp"
+#include "kernels/relight/lights/light_reduction.hpp"
+#include "kernels/relight/lights/measured_light.hpp"
+#include "kernels/relight/relighting.hpp"
 #include "reflectance_field_fixture.hpp"
 #include "relight_models.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,5 +1,5 @@
 // intrinsicdecomp at half the frame's resolution.
-#include "intrinsic/scaled_intrinsic.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 #include "intrinsic_fixture.hpp"
 #include "tests/reference/guided_upsample.hpp"

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "../reference/thesis_params.hpp"
 #include "gpu_fixture.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/reference/thesis_params.hpp"
 
 namespace inverse::testing {
 namespace {

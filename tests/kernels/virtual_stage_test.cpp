@@ -3,13 +3,13 @@
 #include <limits>
 #include <numeric>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "gpu_fixture.hpp"
+#include "kernels/virtual_stage/camera_schedule.hpp"
+#include "kernels/virtual_stage/half.hpp"
+#include "kernels/virtual_stage/virtual_camera.hpp"
+#include "kernels/virtual_stage/virtual_head.hpp"
 #include "tests/reference/virtual_head.hpp"
-#include "virtual_stage/camera_schedule.hpp"
-#include "virtual_stage/half.hpp"
-#include "virtual_stage/virtual_camera.hpp"
-#include "virtual_stage/virtual_head.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,10 +1,10 @@
 // Nothing is built in mid-stream: what other scenes, refinement and correction will need is there
 // before the first frame.
-#include "global_thesis/warm_up.hpp"
+#include "kernels/thesis/chapter5/correction/warm_up.hpp"
 
-#include "global_thesis/misclustering_correction.hpp"
-#include "global_thesis/region_proposals.hpp"
 #include "global_thesis_fixture.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
 
 namespace inverse::testing {
 namespace {

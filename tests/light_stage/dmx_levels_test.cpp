@@ -1,10 +1,10 @@
-#include "light_stage/dmx_levels.hpp"
+#include "stage/controllers/dmx_levels.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {

@@ -1,5 +1,5 @@
 // Labels of frames of a light stage: that none is wrong, and that each loss is counted.
-#include "light_stage/frame_labeler.hpp"
+#include "stage/labels/frame_labeler.hpp"
 
 #include <gtest/gtest.h>
 

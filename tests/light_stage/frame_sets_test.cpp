@@ -1,5 +1,5 @@
 // Frames of the same trigger from several cameras: which leave, when, and in which order.
-#include "light_stage/frame_sets.hpp"
+#include "stage/triggers/frame_sets.hpp"
 
 #include <gtest/gtest.h>
 

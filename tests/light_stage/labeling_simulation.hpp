@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "light_stage/frame_labeler.hpp"
+#include "stage/labels/frame_labeler.hpp"
 
 namespace inverse::testing {
 

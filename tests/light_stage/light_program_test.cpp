@@ -1,5 +1,5 @@
 // Light programs: what they say of each trigger, and files that are not right.
-#include "light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 
-#include "../temporary_folder.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse {
 namespace {

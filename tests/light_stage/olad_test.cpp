@@ -14,13 +14,13 @@
 #include <sstream>
 #include <thread>
 
-#include "../temporary_folder.hpp"
-#include "error.hpp"
-#include "light_stage/descriptor.hpp"
-#include "light_stage/dmx_levels.hpp"
-#include "light_stage/light_driver.hpp"
-#include "light_stage/sacn_receiver.hpp"
-#include "light_stage/udp.hpp"
+#include "common/error.hpp"
+#include "stage/controllers/descriptor.hpp"
+#include "stage/controllers/dmx_levels.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
+#include "stage/controllers/udp.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 namespace {

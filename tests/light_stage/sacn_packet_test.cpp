@@ -1,5 +1,5 @@
 // Packets against the field tables of ANSI E1.31-2018, field by field: octets, and what they hold.
-#include "light_stage/sacn_packet.hpp"
+#include "stage/controllers/sacn_packet.hpp"
 
 #include <gtest/gtest.h>
 

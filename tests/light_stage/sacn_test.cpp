@@ -5,10 +5,10 @@
 #include <chrono>
 #include <thread>
 
-#include "error.hpp"
-#include "light_stage/light_driver.hpp"
-#include "light_stage/sacn_receiver.hpp"
-#include "light_stage/udp.hpp"
+#include "common/error.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
+#include "stage/controllers/udp.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {

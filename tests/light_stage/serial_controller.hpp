@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "light_stage/descriptor.hpp"
+#include "stage/controllers/descriptor.hpp"
 
 namespace inverse::testing {
 

@@ -7,10 +7,10 @@
 #include <chrono>
 #include <thread>
 
-#include "error.hpp"
-#include "light_stage/light_driver.hpp"
-#include "light_stage/serial_protocol.hpp"
+#include "common/error.hpp"
 #include "serial_controller.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/controllers/serial_protocol.hpp"
 #include "two_lights.hpp"
 
 namespace inverse::testing {

@@ -1,6 +1,6 @@
 // Cameras that are triggered in step with the lights, played by threads that lose, delay and
 // invent frames. Whatever they do, a frame that gets a label was exposed in that light.
-#include "light_stage/triggered_capture.hpp"
+#include "stage/triggers/triggered_capture.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <random>
 #include <thread>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

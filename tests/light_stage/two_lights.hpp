@@ -2,8 +2,8 @@
 #include <functional>
 #include <string>
 
-#include "error.hpp"
-#include "light_stage/light_program.hpp"
+#include "common/error.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse::testing {
 

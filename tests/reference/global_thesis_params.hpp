@@ -1,6 +1,6 @@
 #pragma once
 #include "global_thesis.hpp"
-#include "global_thesis/global_thesis_params.hpp"
+#include "kernels/thesis/chapter5/global_thesis_params.hpp"
 
 namespace inverse::testing {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../srgb.hpp"
 #include "lit_sphere.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::reference {
 namespace {

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "network/graph.hpp"
+#include "kernels/network/graph.hpp"
 
 namespace inverse::reference {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "image/pixel_format.hpp"
+#include "kernels/image/format/pixel_format.hpp"
 
 namespace inverse::reference {
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "kernels/relight/network/relight_models.hpp"
 #include "network.hpp"
 #include "plane.hpp"
-#include "reflectance_field/relight_models.hpp"
 
 namespace inverse::reference {
 

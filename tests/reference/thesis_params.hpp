@@ -1,6 +1,6 @@
 #pragma once
 #include "intrinsic_thesis.hpp"
-#include "intrinsic_thesis/thesis_params.hpp"
+#include "kernels/thesis/chapter3/thesis_params.hpp"
 
 namespace inverse::testing {
 

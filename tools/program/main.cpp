@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "error.hpp"
-#include "light_stage/light_program.hpp"
+#include "common/error.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "training/edges/problem.hpp"
+#include "problem.hpp"
 
 #include <array>
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "net.hpp"
 #include "tests/bench/image.hpp"
-#include "training/edges/net.hpp"
 
 namespace inverse::training {
 

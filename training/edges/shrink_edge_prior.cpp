@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
+#include "net.hpp"
+#include "scenes.hpp"
 #include "tests/bench/command_line.hpp"
 #include "tests/bench/datasets.hpp"
 #include "tests/reference/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic_features.hpp"
-#include "training/edges/net.hpp"
-#include "training/edges/scenes.hpp"
-#include "training/edges/weights.hpp"
+#include "weights.hpp"
 
 namespace inverse::training {
 namespace {

@@ -1,6 +1,6 @@
 #include "camera_trigger.hpp"
 
-#include "../camera/aravis_camera.hpp"
+#include "gst/stage/camera/aravis_camera.hpp"
 #include "upstream.hpp"
 
 namespace inverse {

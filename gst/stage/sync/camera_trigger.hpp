@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "light_stage/triggered_capture.hpp"
+#include "stage/triggers/triggered_capture.hpp"
 
 namespace inverse {
 

@@ -2,8 +2,8 @@
 #include <array>
 #include <memory>
 
-#include "base/device_context.hpp"
-#include "base/frame_io.hpp"
+#include "gst/base/device_context.hpp"
+#include "gst/base/frame_io.hpp"
 
 namespace inverse {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/errors.hpp"
+#include "gst/base/errors.hpp"
 #include "light_upload.hpp"
 
 namespace inverse {

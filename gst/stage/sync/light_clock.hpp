@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "light_stage/light_driver.hpp"
+#include "stage/controllers/light_driver.hpp"
 #include "stage_labels.hpp"
 
 namespace inverse {

@@ -1,6 +1,6 @@
 #include "light_upload.hpp"
 
-#include "base/errors.hpp"
+#include "gst/base/errors.hpp"
 
 namespace inverse {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "light_stage/light_driver.hpp"
+#include "stage/controllers/light_driver.hpp"
 
 namespace inverse {
 

@@ -11,11 +11,11 @@
 #include <set>
 #include <utility>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "frame_picture.hpp"
-#include "light_stage/light_list.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
+#include "stage/program/light_list.hpp"
 
 namespace inverse {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "../gray_gradients.hpp"
-#include "base/caps.hpp"
 #include "frame_picture.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/stage/gray_gradients.hpp"
 #include "motion.hpp"
 
 namespace inverse {

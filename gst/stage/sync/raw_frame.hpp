@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "light_stage/light_evidence.hpp"
+#include "stage/labels/light_evidence.hpp"
 
 namespace inverse {
 

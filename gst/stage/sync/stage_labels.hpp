@@ -4,8 +4,8 @@
 #include <map>
 #include <mutex>
 
-#include "base/inverse_light_stage_meta.h"
-#include "light_stage/light_program.hpp"
+#include "gst/base/inverse_light_stage_meta.h"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "frame_assembler.hpp"
-#include "light_stage/frame_labeler.hpp"
 #include "raw_frame.hpp"
+#include "stage/labels/frame_labeler.hpp"
 
 namespace inverse {
 

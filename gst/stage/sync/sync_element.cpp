@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/errors.hpp"
+#include "gst/base/errors.hpp"
 #include "olat_assembler.hpp"
 #include "pair_assembler.hpp"
 #include "upstream.hpp"

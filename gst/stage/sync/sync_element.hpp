@@ -7,9 +7,9 @@
 #include <mutex>
 #include <vector>
 
-#include "base/device_context.hpp"
+#include "gst/base/device_context.hpp"
 #include "light_clock.hpp"
-#include "light_stage/frame_sets.hpp"
+#include "stage/triggers/frame_sets.hpp"
 #include "stage_trigger.hpp"
 #include "sync_camera.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
-#include "base/property_table.hpp"
-#include "light_stage/light_driver.hpp"
+#include "gst/base/property_table.hpp"
+#include "stage/controllers/light_driver.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // Light of every base color, blurred along one axis with a Gaussian that is cut at the border (nothing comes from beyond).
 layout(constant_id = 1) const bool kDown = false;

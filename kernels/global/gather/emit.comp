@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // For every base color of the frame before the light that its surfaces send, on the coarse grid: mean color and number of
 // their points; all have the first where nothing was before. With kKnown,

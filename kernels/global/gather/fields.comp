@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // How much light from surfaces of every base color reaches a surface of base color j around a coarse point, up to one
 // factor: their part of what it receives, projected onto their color. And the base colors themselves.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // What a surface of base color j receives around a coarse point, up to the scene's amount: the blurred light there and, in
 // part, that of the frame; its own color counts less, as a plane does not light itself. And the number of emitters.

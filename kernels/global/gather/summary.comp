@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
 
 // One workgroup: every base color's part of the frame's mean color, and its share of the points.
 PLANE_IN(0, colors);

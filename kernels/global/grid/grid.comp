@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // The points of the grid: mean color and how much it counts, its log chroma, and what the mean shading of its pixels seems
 // to be, with what is known of earlier frames and without. One point an invocation.

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
 
 // One workgroup: what the frame's points count on the average; whether it is a cut, by how much chroma changed where there
 // is light; and with it, what share the frame has in what is measured of the scene. And how far chroma spreads: where it

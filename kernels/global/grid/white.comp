@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
 
 // One workgroup: the color of the lamps, as the sixth-power mean of the grid's colors says it (shades of gray: Finlayson and
 // Trezzi 2004), mixed with that of before; and the lamps' layer.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 #include "residual.glsl"
 
 // Labels of the grid's points, by the chroma that their tint leaves; what it has beyond their base color, and how far that is

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../intrinsic/quad.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
+#include "global/model/model.glsl"
 
 // What share of light is direct and white, T0 / S: what the indirect light leaves of it, at most its weakest channel; its color is then the lamps', too. And
 // how bright reflectance is, for the next frame. Four pixels side by side an invocation.
@@ -14,7 +14,7 @@ PLANE_OUT(4, light);  // may be the same buffer
 SCALAR_OUT(5, memory);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6
-#include "../intrinsic/tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { ivec2 size; } push;
 
 void main() {

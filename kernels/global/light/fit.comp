@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // The residual as a slowly varying part of itself (a guided filter of itself, each component alone, weighted by belief), in
 // three passes over windows of the grid: the believed mean; variance and mean around each point, and from them slope and

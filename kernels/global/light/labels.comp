@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // Draws every pixel in the base color that it counts as; gray where the scene has none.
 PLANE_IN(0, frame);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
 
 // A pixel's indirect light E as shares of base colors, E / S = sum over k of b_k t_k and a remainder: what was gathered from
 // the surfaces of each, scaled to the mean of E, and then multiplicative steps of non-negative least squares

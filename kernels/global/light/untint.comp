@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../intrinsic/quad.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
+#include "global/model/model.glsl"
 #include "residual.glsl"
 
 // The frame without the tint of its light, I / tau, which intrinsicdecomp's energy then takes apart; and the light's color
@@ -20,7 +20,7 @@ PLANE_OUT(8, plain);
 PLANE_OUT(9, light);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 10
-#include "../intrinsic/tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
   float gauge, trust, trust_tint;

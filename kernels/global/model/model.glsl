@@ -4,7 +4,7 @@
 //
 // What light is, is decided on a grid of points, each the mean of factor x factor pixels; what arrives at a point from the
 // surfaces in view on one of half as many.
-#include "../intrinsic/guide.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 const float kLogFloor = 3e-3;  // black becomes neutral
 const int kSlots = 16;         // base colors

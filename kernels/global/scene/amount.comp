@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
-#include "counts.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
 
 // For every candidate amount of indirect light: the histogram of the chroma that is left at the points of the grid, and
 // how neutral it is. One point an invocation.

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
-#include "counts.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
 
 // One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
 // lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues. A color

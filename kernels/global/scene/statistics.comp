@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
 
 // One workgroup: the tint of the whole scene, from the sums of tint.comp.
 PLANE_IN(0, sums);

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "model.glsl"
-#include "counts.glsl"
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
 
 // The tint of light at the points of the grid, what share of it is indirect, how much a point says of its base color (more
 // where light is direct), and sums for the scene. And the histogram of the chroma that the tint leaves.

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
-#include "model.glsl"
-#include "counts.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
 
 // One workgroup: what every candidate amount costs, the entropy of its histogram less the share that is neutral, mixed with
 // what it cost before; and the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, with

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "tile_list.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
 
 namespace inverse {
 namespace {

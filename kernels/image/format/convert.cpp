@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <string>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(image_unpack_rgb);
-INVERSE_SHADER(image_unpack_yuv);
-INVERSE_SHADER(image_pack_rgb);
-INVERSE_SHADER(image_pack_yuv);
+INVERSE_SHADER(image_format_unpack_rgb);
+INVERSE_SHADER(image_format_unpack_yuv);
+INVERSE_SHADER(image_format_pack_rgb);
+INVERSE_SHADER(image_format_pack_yuv);
 
 namespace inverse {
 namespace {
@@ -92,9 +92,10 @@ uint64_t raw_words(const FrameFormat& format) { return (frame_bytes(format) + 3)
 Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  kernel_ = is_yuv(format.format)
-                ? TileKernel(device, shaders::image_unpack_yuv, yuv_constants(format), 4, kStrips)
-                : TileKernel(device, shaders::image_unpack_rgb, rgb_constants(format), 4, kStrips);
+  kernel_ =
+      is_yuv(format.format)
+          ? TileKernel(device, shaders::image_format_unpack_yuv, yuv_constants(format), 4, kStrips)
+          : TileKernel(device, shaders::image_format_unpack_rgb, rgb_constants(format), 4, kStrips);
 }
 
 void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
@@ -125,10 +126,11 @@ void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Pl
 Pack::Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  kernel_ = is_yuv(format.format)
-                ? TileKernel(device, shaders::image_pack_yuv, yuv_constants(format),
-                             TileList::kTile / drawn_at_once(format), kStrips)
-                : TileKernel(device, shaders::image_pack_rgb, rgb_constants(format), 4, kStrips);
+  kernel_ =
+      is_yuv(format.format)
+          ? TileKernel(device, shaders::image_format_pack_yuv, yuv_constants(format),
+                       TileList::kTile / drawn_at_once(format), kStrips)
+          : TileKernel(device, shaders::image_format_pack_rgb, rgb_constants(format), 4, kStrips);
 }
 
 void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,

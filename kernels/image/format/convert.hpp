@@ -1,10 +1,10 @@
 #pragma once
 #include <cstdint>
 
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
 #include "pixel_format.hpp"
-#include "plane.hpp"
-#include "tile_list.hpp"
 
 namespace inverse {
 

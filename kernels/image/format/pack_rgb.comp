@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
 #include "draw.glsl"
@@ -15,7 +15,7 @@ PLANE_IN(1, alpha_plane);
 WORD_OUT(2, raw);
 #define TILE_CONSTANT 5
 #define TILE_BINDING 3
-#include "tiles.glsl"
+#include "image/tiles/tiles.glsl"
 
 void store(uint row, uint index, uint word) {
   STORE(raw, push.offset.x + row * push.stride.x + index, word);

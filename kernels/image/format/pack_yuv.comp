@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
 #include "draw.glsl"
@@ -14,7 +14,7 @@ const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
 #define TILE_CONSTANT 7
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "image/tiles/tiles.glsl"
 
 void store(uint plane, uint row, uint index, uint word) {
   STORE(raw, push.offset[plane] + row * push.stride[plane] + index, word);

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "plane.hpp"
+#include "kernels/image/plane.hpp"
 #include "transfer.hpp"
 
 namespace inverse {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
 
@@ -14,7 +14,7 @@ WORD_IN(0, raw);
 PLANE_OUT(1, linear);
 #define TILE_CONSTANT 5
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "image/tiles/tiles.glsl"
 
 uint word(uint row, uint index) { return FETCH1(raw, word_index(0u, row, index)); }
 

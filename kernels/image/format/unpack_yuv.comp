@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "frame.glsl"
 #include "transfer.glsl"
 #include "yuv.glsl"
@@ -12,7 +12,7 @@ WORD_IN(0, raw);
 PLANE_OUT(1, linear);
 #define TILE_CONSTANT 7
 #define TILE_BINDING 2
-#include "tiles.glsl"
+#include "image/tiles/tiles.glsl"
 
 uint word(uint plane, uint row, uint index) { return FETCH1(raw, word_index(plane, row, index)); }
 uvec2 codes_of(uint word) { return (halves_of(word) >> SHIFT) & 1023u; }

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
 
 // Copies the listed tiles' part of a plane of quads, kStride vec4 each. One quad an invocation.
 layout(constant_id = 1) const uint kStride = 1u;

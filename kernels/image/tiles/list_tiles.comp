@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "tiles.glsl"
 
 // The tiles that have a flag, as a list in the order of the tiles, and how many workgroups their items need. One workgroup.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(image_list_tiles);
+INVERSE_SHADER(image_tiles_list_tiles);
 
 namespace inverse {
 namespace {
@@ -25,7 +25,7 @@ TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gp
     : columns_(along(extent.width)),
       rows_(along(extent.height)),
       workgroup_(device->variant().workgroup),
-      list_(device->kernel(shaders::image_list_tiles, {}, device->variant().lone_workgroup)),
+      list_(device->kernel(shaders::image_tiles_list_tiles, {}, device->variant().lone_workgroup)),
       flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),
       words_(gpu::Buffer::create(device, gpu::Element::word, kListTiles + tiles(), memory)) {}
 

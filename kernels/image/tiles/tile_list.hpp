@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

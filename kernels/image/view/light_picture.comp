@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 
 // Draws light of a frame with more than one bounce: S times its color, its direct share, what is not direct, or the share
 // that bounced off one base color.

@@ -1,9 +1,9 @@
 #include "light_picture.hpp"
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(image_light_picture);
+INVERSE_SHADER(image_view_light_picture);
 
 namespace inverse {
 namespace {
@@ -29,7 +29,8 @@ void LightPicture::record(gpu::Commands& commands, const Layers& layers, What wh
   const bool layer = what == What::layer;
   const PlanePtr& lamp = layers[Role::lamp];
   commands.dispatch(
-      device_->kernel(shaders::image_light_picture, {static_cast<uint32_t>(what), lamp ? 1U : 0U}),
+      device_->kernel(shaders::image_view_light_picture,
+                      {static_cast<uint32_t>(what), lamp ? 1U : 0U}),
       {layers[Role::intrinsic]->buffer, light->buffer, layer ? shares->buffer : light->buffer,
        layer ? layers[Role::bases]->buffer : light->buffer, lamp ? lamp->buffer : light->buffer,
        target.buffer},

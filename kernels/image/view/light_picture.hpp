@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "../gpu/commands.hpp"
-#include "layers.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
 
 namespace inverse {
 

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // One tile of a mosaic: a plane at half size, each pixel the mean of the 2x2 under it.
 PLANE_IN(0, picture);

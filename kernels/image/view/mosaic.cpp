@@ -1,15 +1,15 @@
 #include "mosaic.hpp"
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
-#include "pyramid.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(image_mosaic);
+INVERSE_SHADER(image_view_mosaic);
 
 namespace inverse {
 
 Mosaic::Mosaic(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::image_mosaic)) {}
+    : kernel_(device->kernel(shaders::image_view_mosaic)) {}
 
 void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
                     const Plane& target) const {

@@ -2,9 +2,9 @@
 #include <array>
 #include <utility>
 
-#include "../gpu/commands.hpp"
-#include "convert.hpp"
-#include "plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

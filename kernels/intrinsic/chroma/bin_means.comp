@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "bins.glsl"
 
 // Sums to means, and the sums back to 0 for the next splat. One bin an invocation.

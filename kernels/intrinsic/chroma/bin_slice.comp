@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
 // The cells' right-hand side for a correction of s': f = far + wanted - screen s', wanted = pull + g (m' - r_bin), `far`

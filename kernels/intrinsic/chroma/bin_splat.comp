@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
 // Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r at the present solution,

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(intrinsic_bin_splat);
-INVERSE_SHADER(intrinsic_bin_means);
-INVERSE_SHADER(intrinsic_bin_slice);
-INVERSE_SHADER(intrinsic_force);
-INVERSE_SHADER(intrinsic_total);
+INVERSE_SHADER(intrinsic_chroma_bin_splat);
+INVERSE_SHADER(intrinsic_chroma_bin_means);
+INVERSE_SHADER(intrinsic_chroma_bin_slice);
+INVERSE_SHADER(intrinsic_chroma_force);
+INVERSE_SHADER(solve_total);
 
 namespace inverse {
 namespace {
@@ -29,16 +29,16 @@ struct SplatPush {
 ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : cells_(cells),
       tables_(device->variant().own_tables ? kTables : 1),
-      weigh_(device->kernel(shaders::intrinsic_bin_splat, {1, tables_},
+      weigh_(device->kernel(shaders::intrinsic_chroma_bin_splat, {1, tables_},
                             tables_ > 1 ? kTableLanes : 0)),
-      splat_(device->kernel(shaders::intrinsic_bin_splat, {0, tables_},
+      splat_(device->kernel(shaders::intrinsic_chroma_bin_splat, {0, tables_},
                             tables_ > 1 ? kTableLanes : 0)),
-      mean_(device->kernel(shaders::intrinsic_bin_means, {tables_})),
-      slice_(device->kernel(shaders::intrinsic_bin_slice, {1})),
-      pull_(device->kernel(shaders::intrinsic_bin_slice, {0})),
-      force_(device->kernel(shaders::intrinsic_force, {0})),
-      looking_force_(device->kernel(shaders::intrinsic_force, {1})),
-      total_(device->kernel(shaders::intrinsic_total)),
+      mean_(device->kernel(shaders::intrinsic_chroma_bin_means, {tables_})),
+      slice_(device->kernel(shaders::intrinsic_chroma_bin_slice, {1})),
+      pull_(device->kernel(shaders::intrinsic_chroma_bin_slice, {0})),
+      force_(device->kernel(shaders::intrinsic_chroma_force, {0})),
+      looking_force_(device->kernel(shaders::intrinsic_chroma_force, {1})),
+      total_(device->kernel(shaders::solve_total)),
       weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),

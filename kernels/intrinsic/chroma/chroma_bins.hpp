@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "guide.hpp"
+#include "kernels/intrinsic/guide/guide.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
 
 // With how much force the cells' terms pull at s' as it stands after a correction: wanted - screen (s' + correction). The
 // finer levels relax against it. With kLook also sums up how hard the chroma bins pull, F = g (m' - r_bin - s'): without them

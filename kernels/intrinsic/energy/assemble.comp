@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "guide.glsl"
-#include "temporal.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
 
 // The pixels' right-hand side, from the edges' flux and, with kAnchored, the frame before; and where the solve starts: at
 // max_c i, shifted to the start of the pixels' cell, or as far as the frame before may be believed at its reflectance. One quad
@@ -20,7 +20,7 @@ PLANE_OUT(7, shading);      // the same buffer as the last frame's
 PLANE_OUT(8, now);          // m
 #define TILE_CONSTANT 2
 #define TILE_BINDING 9
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "guide.glsl"
-#include "temporal.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
 
 // The cells' part of the system (energy.glsl), from the prior; and, with kAnchored, how far their pixels may believe the
 // frame before, and where the solve starts. With kLook also sums up how far that is. One quad of cells, a row of a tile, an
@@ -25,7 +25,7 @@ PLANE_OUT(11, sums);     // of gate^2, -, -, -
 PLANE_IN(12, activity);  // of tiles (activity.glsl)
 #define TILE_CONSTANT 3
 #define TILE_BINDING 13
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;    // of level 2
   float anchor;  // t where nothing moves

@@ -12,7 +12,7 @@
 //
 //   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t s_before
 //   cells    screen = v + g                  pull = v V                              (added on multigrid level 2)
-#include "quad.glsl"
+#include "image/quad.glsl"
 
 // The system of a quad: weights w of the edges to the right and down, the right-hand side f and, where a level has it,
 // the diagonal's own mass. Levels 0 and 1 have the same small mass everywhere and no plane for it.

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "guide.glsl"
-#include "temporal.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
 
 // Makes a frame's layers, which another resolution has found, what the frame before left: the same frame will be solved
 // again and finds that nothing has changed but how far its solution has come. One quad of cells an invocation.

@@ -1,16 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "guide.glsl"
-#include "quad.glsl"
+#include "image/quad.glsl"
 
 // The guide's level 2 from its level 0: means over 4 x 4 pixels, and how active they are. One cell an invocation.
 PLANE_IN(0, fine);
 PLANE_OUT(1, cells);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 2
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 0
 
 ivec2 last = ivec2(push.size) - 1;

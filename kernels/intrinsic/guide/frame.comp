@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Adds the partial sums up and turns them into the frame's statistics. One workgroup.
 //   statistics[0] = mean log intensity, -, -, -       statistics[1] = sigma0 … sigma3 (what kind of frame this is)

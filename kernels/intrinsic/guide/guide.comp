@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "guide.glsl"
-#include "quad.glsl"
+#include "image/quad.glsl"
 
 // The guide's levels 0 and 1 from the frame: one level-1 cell, 2 x 2 pixels, an invocation.
 PLANE_IN(0, frame);
@@ -10,7 +10,7 @@ PLANE_OUT(1, fine);
 PLANE_OUT(2, coarse);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 3
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {

@@ -2,15 +2,15 @@
 
 #include <array>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(intrinsic_guide);
-INVERSE_SHADER(intrinsic_cells);
-INVERSE_SHADER(intrinsic_wide);
-INVERSE_SHADER(intrinsic_statistics);
-INVERSE_SHADER(intrinsic_frame);
+INVERSE_SHADER(intrinsic_guide_guide);
+INVERSE_SHADER(intrinsic_guide_cells);
+INVERSE_SHADER(intrinsic_guide_wide);
+INVERSE_SHADER(intrinsic_guide_statistics);
+INVERSE_SHADER(intrinsic_guide_frame);
 
 namespace inverse {
 namespace {
@@ -30,11 +30,11 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent1_(half_of(extent)),
       extent2_(half_of(extent1_)),
       extent4_(half_of(half_of(extent2_))),
-      guide_(device, shaders::intrinsic_guide, {}, 8, 8),
-      cells_kernel_(device, shaders::intrinsic_cells, {}, 4, 4),
-      wide_kernel_(device, shaders::intrinsic_wide, {}, 1, 1),
-      sum_(device->kernel(shaders::intrinsic_statistics, {kRows})),
-      frame_(device->kernel(shaders::intrinsic_frame, {}, kSumLanes)) {
+      guide_(device, shaders::intrinsic_guide_guide, {}, 8, 8),
+      cells_kernel_(device, shaders::intrinsic_guide_cells, {}, 4, 4),
+      wide_kernel_(device, shaders::intrinsic_guide_wide, {}, 1, 1),
+      sum_(device->kernel(shaders::intrinsic_guide_statistics, {kRows})),
+      frame_(device->kernel(shaders::intrinsic_guide_frame, {}, kSumLanes)) {
   using gpu::Buffer;
   using gpu::Element;
   level0_ = Buffer::create(device, Element::vec4, extent_.pixels());

@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "../image/tile_list.hpp"
-#include "quads.hpp"
+#include "kernels/image/quads.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
 
 namespace inverse {
 

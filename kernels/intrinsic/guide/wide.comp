@@ -1,15 +1,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "guide.glsl"
-#include "quad.glsl"
+#include "image/quad.glsl"
 
 // The guide's level 4 from its level 2. One cell of level 4 an invocation.
 PLANE_IN(0, cells);
 PLANE_OUT(1, wide);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 2
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
 #include "relax.glsl"
 
 // The coarse end of the multigrid in one dispatch of one workgroup: all levels from the first to a single pixel lie one

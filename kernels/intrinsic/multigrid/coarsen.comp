@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
 #include "relax.glsl"
 
 // The next coarser level's operator, once a frame: aggregates of 2 x 2 pixels add their masses up, and the edges between
@@ -16,7 +16,7 @@ PLANE_IN(1, force);  // of quads of cells
 PLANE_OUT(2, coarse_system);
 #define TILE_CONSTANT 4
 #define TILE_BINDING 3
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of the fine level
   uvec2 finest;  // size of level 0

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
 
 // Chebyshev's step after a cycle that led from s_k to V(s_k): s_(k+1) = s_(k-1) + w (c (V(s_k) - s_k) + s_k - s_(k-1)), with
 // w and c from the range of error factors of a cycle (multigrid.cpp). In place. With kMeasure also sums up how much the cycle
@@ -14,7 +14,7 @@ PLANE_OUT(3, next);   // the same buffer as `now`
 PLANE_OUT(4, sums);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 5
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 quads;  // a row, rows
   float w;

@@ -4,17 +4,17 @@
 #include <array>
 #include <cmath>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(intrinsic_smooth);
-INVERSE_SHADER(intrinsic_coarsen);
-INVERSE_SHADER(intrinsic_restrict);
-INVERSE_SHADER(intrinsic_coarse);
-INVERSE_SHADER(intrinsic_extrapolate);
-INVERSE_SHADER(intrinsic_carry);
-INVERSE_SHADER(intrinsic_settle);
+INVERSE_SHADER(intrinsic_multigrid_smooth);
+INVERSE_SHADER(intrinsic_multigrid_coarsen);
+INVERSE_SHADER(intrinsic_multigrid_restrict);
+INVERSE_SHADER(intrinsic_multigrid_coarse);
+INVERSE_SHADER(intrinsic_multigrid_extrapolate);
+INVERSE_SHADER(image_tiles_carry);
+INVERSE_SHADER(intrinsic_multigrid_settle);
 
 namespace inverse {
 namespace {
@@ -36,25 +36,25 @@ struct SmoothPush {
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_{{device, shaders::intrinsic_smooth, {3, 0, 4}, 2, 4},
-              {device, shaders::intrinsic_smooth, {3, 0, 2}, 1, 2},
-              {device, shaders::intrinsic_smooth, {4, 0, 0}, 0, 0}},
-      correct_{{device, shaders::intrinsic_smooth, {3, 1, 4}, 2, 4},
-               {device, shaders::intrinsic_smooth, {3, 1, 2}, 1, 2},
-               {device, shaders::intrinsic_smooth, {4, 1, 0}, 0, 0}},
-      coarsen_{{device, shaders::intrinsic_coarsen, {3, 3, 0}, 2, 8},
-               {device, shaders::intrinsic_coarsen, {3, 4, 1}, 1, 4},
-               {device, shaders::intrinsic_coarsen, {4, 4, 0}, 0, 0}},
-      restrict_{{device, shaders::intrinsic_restrict, {3, 1}, 2, 8},
-                {device, shaders::intrinsic_restrict, {3, 2}, 1, 4},
-                {device, shaders::intrinsic_restrict, {4, 0}, 0, 0}},
-      extrapolate_(device, shaders::intrinsic_extrapolate, {0}, 4, 16),
-      measure_(device, shaders::intrinsic_extrapolate, {1}, 4, 16),
-      carry_(device, shaders::intrinsic_carry, {1}, 4, 16) {
+    : smooth_{{device, shaders::intrinsic_multigrid_smooth, {3, 0, 4}, 2, 4},
+              {device, shaders::intrinsic_multigrid_smooth, {3, 0, 2}, 1, 2},
+              {device, shaders::intrinsic_multigrid_smooth, {4, 0, 0}, 0, 0}},
+      correct_{{device, shaders::intrinsic_multigrid_smooth, {3, 1, 4}, 2, 4},
+               {device, shaders::intrinsic_multigrid_smooth, {3, 1, 2}, 1, 2},
+               {device, shaders::intrinsic_multigrid_smooth, {4, 1, 0}, 0, 0}},
+      coarsen_{{device, shaders::intrinsic_multigrid_coarsen, {3, 3, 0}, 2, 8},
+               {device, shaders::intrinsic_multigrid_coarsen, {3, 4, 1}, 1, 4},
+               {device, shaders::intrinsic_multigrid_coarsen, {4, 4, 0}, 0, 0}},
+      restrict_{{device, shaders::intrinsic_multigrid_restrict, {3, 1}, 2, 8},
+                {device, shaders::intrinsic_multigrid_restrict, {3, 2}, 1, 4},
+                {device, shaders::intrinsic_multigrid_restrict, {4, 0}, 0, 0}},
+      extrapolate_(device, shaders::intrinsic_multigrid_extrapolate, {0}, 4, 16),
+      measure_(device, shaders::intrinsic_multigrid_extrapolate, {1}, 4, 16),
+      carry_(device, shaders::image_tiles_carry, {1}, 4, 16) {
   const uint32_t lanes = device->variant().lone_workgroup;
-  coarse_setup_ = device->kernel(shaders::intrinsic_coarse, {1}, lanes);
-  coarse_cycle_ = device->kernel(shaders::intrinsic_coarse, {0}, lanes);
-  settle_ = device->kernel(shaders::intrinsic_settle);
+  coarse_setup_ = device->kernel(shaders::intrinsic_multigrid_coarse, {1}, lanes);
+  coarse_cycle_ = device->kernel(shaders::intrinsic_multigrid_coarse, {0}, lanes);
+  settle_ = device->kernel(shaders::intrinsic_multigrid_settle);
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
 
 // To the next coarser level: every aggregate's right-hand side is the sum of its 2 x 2 residuals, its correction starts at
 // zero. On levels 0 and 1 (kMeans) also the aggregates' mean of s as it stands. One coarse quad an invocation.
@@ -16,7 +16,7 @@ PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
 #define TILE_CONSTANT 3
 #define TILE_BINDING 7
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
   uvec2 finest;  // size of level 0

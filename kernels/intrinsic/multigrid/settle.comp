@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: how far the solve has come after a cycle.
 //   progress[0] = mean square change by the last cycle, 1 where another one is worth its time or 0, cycles so far, -

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
 #include "relax.glsl"
 
 // Half a block Gauss-Seidel pass, in place: the grid is a checkerboard of blocks of 4 x 4 pixels, and a pass over each
@@ -25,7 +25,7 @@ PLANE_IN(3, force);      // of quads of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
 #define TILE_CONSTANT 4
 #define TILE_BINDING 5
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   uvec2 finest;  // size of level 0

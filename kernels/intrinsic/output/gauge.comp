@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "gauge.glsl"
 
 // One invocation: the mean around a quantile of the counts, the gauge that it asks for, filtered in time, and the counts back to zero.

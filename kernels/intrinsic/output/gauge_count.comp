@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "gauge.glsl"
-#include "quad.glsl"
-#include "guide.glsl"
+#include "image/quad.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // Counts ln max_c R over the cells of a frame, one cell of 4 x 4 pixels an invocation. Dark cells stay out: what little
 // light they have says more of the sensor than of the surface.

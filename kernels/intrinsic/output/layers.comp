@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "guide.glsl"
-#include "temporal.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
 
 // The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
 // one. With kAnchored, reflectance first moves only part of the way from the frame before, so that the sensor's noise is
@@ -24,7 +24,7 @@ PLANE_INOUT(10, kept);
 PLANE_OUT(11, intrinsic);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 12
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
   float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(intrinsic_gauge_count);
-INVERSE_SHADER(intrinsic_gauge);
+INVERSE_SHADER(intrinsic_output_gauge_count);
+INVERSE_SHADER(intrinsic_output_gauge);
 
 namespace inverse {
 namespace {
@@ -15,8 +15,8 @@ constexpr uint32_t kLanes = 8;        // of gauge.comp, which works on one
 }  // namespace
 
 OutputGauge::OutputGauge(const std::shared_ptr<gpu::Device>& device)
-    : count_(device->kernel(shaders::intrinsic_gauge_count)),
-      gauge_kernel_(device->kernel(shaders::intrinsic_gauge, {}, kLanes)),
+    : count_(device->kernel(shaders::intrinsic_output_gauge_count)),
+      gauge_kernel_(device->kernel(shaders::intrinsic_output_gauge, {}, kLanes)),
       counts_(gpu::Buffer::create(device, gpu::Element::word, kGaugeBins)),
       gauge_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 

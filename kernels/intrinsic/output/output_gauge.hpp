@@ -2,7 +2,7 @@
 #include <array>
 #include <memory>
 
-#include "guide.hpp"
+#include "kernels/intrinsic/guide/guide.hpp"
 
 namespace inverse {
 

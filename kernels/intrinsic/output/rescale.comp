@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Takes layers along that are not written anew when the output's scale moves. In place, one pixel an invocation.
 PLANE_IN(0, gauge);  // .w = how much ln c moved (gauge.comp)

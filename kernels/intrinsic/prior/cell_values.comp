@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One quad of cells an invocation.
 PLANE_IN(0, cells);
@@ -12,7 +12,7 @@ PLANE_IN(3, tuning);
 PLANE_OUT(4, value);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;  // of level 2
   float value_weight;

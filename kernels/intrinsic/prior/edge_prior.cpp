@@ -2,14 +2,14 @@
 
 #include <array>
 
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(intrinsic_fold);
-INVERSE_SHADER(intrinsic_edges);
-INVERSE_SHADER(intrinsic_cell_values);
-INVERSE_SHADER(intrinsic_change);
-INVERSE_SHADER(intrinsic_keep);
+INVERSE_SHADER(intrinsic_prior_fold);
+INVERSE_SHADER(intrinsic_prior_edges);
+INVERSE_SHADER(intrinsic_prior_cell_values);
+INVERSE_SHADER(intrinsic_prior_change);
+INVERSE_SHADER(intrinsic_prior_keep);
 
 namespace inverse {
 namespace {
@@ -24,12 +24,12 @@ struct Push {
 }  // namespace
 
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : fold_(device->kernel(shaders::intrinsic_fold)),
-      change_(device->kernel(shaders::intrinsic_change)),
-      edges_{TileKernel(device, shaders::intrinsic_edges, {0}, 4, 4),
-             TileKernel(device, shaders::intrinsic_edges, {1}, 4, 4)},
-      values_(device, shaders::intrinsic_cell_values, {}, 1, 4),
-      keep_(device, shaders::intrinsic_keep, {}, 8, 8),
+    : fold_(device->kernel(shaders::intrinsic_prior_fold)),
+      change_(device->kernel(shaders::intrinsic_prior_change)),
+      edges_{TileKernel(device, shaders::intrinsic_prior_edges, {0}, 4, 4),
+             TileKernel(device, shaders::intrinsic_prior_edges, {1}, 4, 4)},
+      values_(device, shaders::intrinsic_prior_cell_values, {}, 1, 4),
+      keep_(device, shaders::intrinsic_prior_keep, {}, 8, 8),
       changes_(device, extent),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4, kMostBiases)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // EdgePrior, pixels: from local cues of the guide, how much of every step is paint (a) and how much is light (b). An
 // invocation has a block of 4 x 4 pixels and their edges to the right or, with kDown, down. What edges share is evaluated
@@ -20,7 +20,7 @@ PLANE_OUT(5, system);  // of stride 3
 PLANE_OUT(6, flux);
 #define TILE_CONSTANT 2
 #define TILE_BINDING 7
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   ivec2 size;
   float reflectance_weight;

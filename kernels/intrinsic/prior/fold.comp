@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Folds the frame's statistics into the biases of the fitted functions, once a frame. One invocation.
 PLANE_IN(0, statistics);

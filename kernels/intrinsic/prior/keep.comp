@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
 
 // Keeps what the edges of listed tiles are evaluated on, and where all tiles are listed the frame's statistics. One cell of
 // guide level 1 an invocation.
@@ -11,7 +11,7 @@ PLANE_OUT(2, kept);
 PLANE_OUT(3, kept_statistics);
 #define TILE_CONSTANT 1
 #define TILE_BINDING 4
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 1
   uint tiles;  // of the frame

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // How far two decompositions of a frame are apart: sums over pixels of w, w d and w d^2, d the difference of log shading and w
 // the trust in the pixel, as what is dark shows neither reflectance nor shading. A strip of kRows pixels an invocation.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "guide.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/guide/guide.glsl"
 
 // Leads from one solution's layers to another's over several frames, where the picture stays. With kStart keeps what lies
 // between the two, d = difference of log shading, and the frame's m; without it adds to a later frame's log shading

@@ -2,21 +2,21 @@
 
 #include <array>
 
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
-#include "quads.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/image/quads.hpp"
 
-INVERSE_SHADER(intrinsic_upsample_sample);
-INVERSE_SHADER(intrinsic_upsample_fit);
-INVERSE_SHADER(intrinsic_upsample_layers);
+INVERSE_SHADER(intrinsic_resolution_upsample_sample);
+INVERSE_SHADER(intrinsic_resolution_upsample_fit);
+INVERSE_SHADER(intrinsic_resolution_upsample_layers);
 
 namespace inverse {
 
 GuidedUpsample::GuidedUpsample(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
-      sample_(device->kernel(shaders::intrinsic_upsample_sample)),
-      fit_(device->kernel(shaders::intrinsic_upsample_fit)),
-      layers_(device->kernel(shaders::intrinsic_upsample_layers)),
+      sample_(device->kernel(shaders::intrinsic_resolution_upsample_sample)),
+      fit_(device->kernel(shaders::intrinsic_resolution_upsample_fit)),
+      layers_(device->kernel(shaders::intrinsic_resolution_upsample_layers)),
       samples_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
       lines_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())) {}
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
-#include "quads.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/quads.hpp"
 
-INVERSE_SHADER(intrinsic_compare);
-INVERSE_SHADER(intrinsic_total);
+INVERSE_SHADER(intrinsic_resolution_compare);
+INVERSE_SHADER(solve_total);
 
 namespace inverse {
 namespace {
@@ -20,8 +20,8 @@ gpu::Items strips_of(Extent extent) {
 
 LayerDistance::LayerDistance(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
-      compare_(device->kernel(shaders::intrinsic_compare, {kRows})),
-      total_(device->kernel(shaders::intrinsic_total)),
+      compare_(device->kernel(shaders::intrinsic_resolution_compare, {kRows})),
+      total_(device->kernel(shaders::solve_total)),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
                                 gpu::partial_count(*compare_, strips_of(extent)))),
       sum_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {

@@ -1,15 +1,15 @@
 #include "layer_fade.hpp"
 
-#include "../gpu/shaders.hpp"
-#include "quads.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/quads.hpp"
 
-INVERSE_SHADER(intrinsic_fade);
+INVERSE_SHADER(intrinsic_resolution_fade);
 
 namespace inverse {
 
 LayerFade::LayerFade(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : start_(device->kernel(shaders::intrinsic_fade, {1})),
-      fade_(device->kernel(shaders::intrinsic_fade, {0})),
+    : start_(device->kernel(shaders::intrinsic_resolution_fade, {1})),
+      fade_(device->kernel(shaders::intrinsic_resolution_fade, {0})),
       planes_(device, extent) {}
 
 void LayerFade::dispatch(gpu::Commands& commands, const gpu::KernelPtr& kernel,

@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

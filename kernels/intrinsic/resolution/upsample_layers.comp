@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "guide.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "image/quad.glsl"
 #include "upsample.glsl"
 
 // The frame's layers: lines averaged over 3 x 3, interpolated to the pixels, and read at their m. One half-size pixel, up to

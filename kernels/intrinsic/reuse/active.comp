@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
 
 // Flags the tiles that a frame has to work on: those where the input changed, and those that by now lack more than `tolerance`
 // of what frames that worked on them would have given them, by what the last one that did changed and by what the coarse solve,

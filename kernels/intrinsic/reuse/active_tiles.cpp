@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <string>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(intrinsic_active);
-INVERSE_SHADER(intrinsic_activity);
-INVERSE_SHADER(intrinsic_spread);
+INVERSE_SHADER(intrinsic_reuse_active);
+INVERSE_SHADER(intrinsic_reuse_activity);
+INVERSE_SHADER(intrinsic_reuse_spread);
 
 namespace inverse {
 
@@ -17,9 +17,9 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
     : extent_(extent),
       lists_{TileList(device, extent), TileList(device, extent)},
       drawn_(device, extent),
-      active_(device->kernel(shaders::intrinsic_active)),
-      spread_(device->kernel(shaders::intrinsic_spread)),
-      look_(device, shaders::intrinsic_activity, {}, 1, 1),
+      active_(device->kernel(shaders::intrinsic_reuse_active)),
+      spread_(device->kernel(shaders::intrinsic_reuse_spread)),
+      look_(device, shaders::intrinsic_reuse_activity, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       busy_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (auto& changed : changed_)

@@ -3,8 +3,8 @@
 #include <memory>
 #include <span>
 
-#include "../image/tile_list.hpp"
-#include "quads.hpp"
+#include "kernels/image/quads.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
 
 namespace inverse {
 

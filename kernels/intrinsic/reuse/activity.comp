@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "temporal.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/temporal/temporal.glsl"
+#include "image/quad.glsl"
 
 // How much the log shading of tiles has changed by a frame, for each of those that it stood for, which shows in the brightness
 // of reflectance where the input is the same. Counts the tiles that the next frame will not leave out. One tile an invocation.
@@ -13,7 +13,7 @@ PLANE_INOUT(3, activity);
 WORD_INOUT(4, busy);  // one word
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 tiles;
   uvec2 quads;  // a row, rows

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 
 namespace inverse {
 

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "guide.glsl"
-#include "quad.glsl"
+#include "gpu/common.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "image/quad.glsl"
 #include "temporal.glsl"
 
 // How far every cell differs from the frame before: squared differences, in units of those that halve the anchor, of its local
@@ -17,7 +17,7 @@ PLANE_IN(4, memory);  // of quads of pixels
 PLANE_OUT(5, mismatch);  // difference, structure that moved, structure, -
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6
-#include "tile_position.glsl"
+#include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;  // of level 0
   float detail;

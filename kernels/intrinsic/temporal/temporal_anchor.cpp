@@ -2,14 +2,14 @@
 
 #include <array>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
 
-INVERSE_SHADER(intrinsic_mismatch);
-INVERSE_SHADER(intrinsic_calm);
-INVERSE_SHADER(intrinsic_carry);
-INVERSE_SHADER(intrinsic_verdict);
+INVERSE_SHADER(intrinsic_temporal_mismatch);
+INVERSE_SHADER(intrinsic_temporal_calm);
+INVERSE_SHADER(image_tiles_carry);
+INVERSE_SHADER(intrinsic_temporal_verdict);
 
 namespace inverse {
 namespace {
@@ -23,10 +23,10 @@ constexpr uint64_t tiles_of(Extent cells) {
 TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       cells_(half_of(half_of(extent))),
-      compare_(device, shaders::intrinsic_mismatch, {}, 4, 4),
-      carry_(device, shaders::intrinsic_carry, {kMemoryStride}, 4, 16),
-      calm_(device->kernel(shaders::intrinsic_calm)),
-      decide_(device->kernel(shaders::intrinsic_verdict, {}, kSumLanes)),
+      compare_(device, shaders::intrinsic_temporal_mismatch, {}, 4, 4),
+      carry_(device, shaders::image_tiles_carry, {kMemoryStride}, 4, 16),
+      calm_(device->kernel(shaders::intrinsic_temporal_calm)),
+      decide_(device->kernel(shaders::intrinsic_temporal_verdict, {}, kSumLanes)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
       now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),

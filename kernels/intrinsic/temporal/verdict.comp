@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Whether a frame continues the one before. One workgroup of 64.
 //   verdict[0] = mean mismatch of the frame, 1 where it is anchored or 0 at a cut, the share of the picture's structure that

@@ -1,4 +1,4 @@
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // First and last column and row around point i of side x side ones: two to each side, where there are so many.
 ivec4 around(int i, int side) {

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
-#include "../image/finite.glsl"
-#include "../image/srgb.glsl"
+#include "image/finite.glsl"
+#include "image/srgb.glsl"
 
 // What a guided filter compares at each point to find the mask: the picture's color, of which `guide_of` says how, and the
 // probability of the object.

@@ -1,23 +1,23 @@
 #include "guided_layers.hpp"
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(material_guided_colors);
-INVERSE_SHADER(material_guided_lines);
-INVERSE_SHADER(material_guided_mean);
-INVERSE_SHADER(material_guided_planes);
-INVERSE_SHADER(material_guided_points);
+INVERSE_SHADER(material_layers_guided_colors);
+INVERSE_SHADER(material_layers_guided_lines);
+INVERSE_SHADER(material_layers_guided_mean);
+INVERSE_SHADER(material_layers_guided_planes);
+INVERSE_SHADER(material_layers_guided_points);
 
 namespace inverse {
 
 GuidedLayers::GuidedLayers(const std::shared_ptr<gpu::Device>& device, uint32_t side)
     : side_(side),
-      mask_{device->kernel(shaders::material_guided_colors),
-            device->kernel(shaders::material_guided_planes),
-            device->kernel(shaders::material_guided_mean, {0}), nullptr},
-      specular_{device->kernel(shaders::material_guided_points),
-                device->kernel(shaders::material_guided_lines),
-                device->kernel(shaders::material_guided_mean, {1}), nullptr} {
+      mask_{device->kernel(shaders::material_layers_guided_colors),
+            device->kernel(shaders::material_layers_guided_planes),
+            device->kernel(shaders::material_layers_guided_mean, {0}), nullptr},
+      specular_{device->kernel(shaders::material_layers_guided_points),
+                device->kernel(shaders::material_layers_guided_lines),
+                device->kernel(shaders::material_layers_guided_mean, {1}), nullptr} {
   for (gpu::BufferPtr* buffer : {&mask_.result, &specular_.result, &points_, &fits_})
     *buffer = gpu::Buffer::create(device, gpu::Element::vec4, side * side);
 }

@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
-#include "../image/srgb.glsl"
+#include "image/srgb.glsl"
 
 // What a guided filter compares at each point: the picture's least channel, which a white highlight adds to as to any, and the
 // specular layer, at most that; linear. Of what is beside the object, zeros.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
-#include "../image/finite.glsl"
+#include "image/finite.glsl"
 
 // The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
 // all is bilinear; the mask follows the pixel's color by planes at the points, the specular layer its least channel by lines, so

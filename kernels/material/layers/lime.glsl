@@ -1,6 +1,6 @@
 // What the networks of thesis chapter 6 see and give. Colors are sRGB 0…1; the specular layer and the mirror image are linear
 // and of high dynamic range, so that they are coded as ln(1 + 4 x) / 2 (training/lime/README.md).
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 const float kObject = 0.5;  // probability from which on a point is of the object
 

@@ -1,17 +1,17 @@
 #include "under_highlights.hpp"
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(material_under_points);
-INVERSE_SHADER(material_under_pull);
-INVERSE_SHADER(material_under_push);
+INVERSE_SHADER(material_layers_under_points);
+INVERSE_SHADER(material_layers_under_pull);
+INVERSE_SHADER(material_layers_under_push);
 
 namespace inverse {
 
 UnderHighlights::UnderHighlights(const std::shared_ptr<gpu::Device>& device, uint32_t side)
-    : points_(device->kernel(shaders::material_under_points)),
-      pull_(device->kernel(shaders::material_under_pull)),
-      push_(device->kernel(shaders::material_under_push)) {
+    : points_(device->kernel(shaders::material_layers_under_points)),
+      pull_(device->kernel(shaders::material_layers_under_pull)),
+      push_(device->kernel(shaders::material_layers_under_push)) {
   const auto make = [&device](uint32_t points) {
     return gpu::Buffer::create(device, gpu::Element::vec4, points);
   };

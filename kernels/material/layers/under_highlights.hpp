@@ -2,7 +2,7 @@
 #include <memory>
 #include <vector>
 
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 
 namespace inverse {
 

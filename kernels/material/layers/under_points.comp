@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "lime.glsl"
-#include "../image/srgb.glsl"
+#include "image/srgb.glsl"
 
 // The object's light without highlights, at the points of the square where the camera tells it; w: whether it does.
 PLANE_IN(0, masked);  // sRGB where the object is, and its mask; behind one zero, as networks have it

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Half the size: the mean of what is known in 2 x 2 points; w: how much is, one known point counts whole.
 PLANE_IN(0, fine);

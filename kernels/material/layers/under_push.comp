@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Back to full size: what is not known here is taken, bilinearly, from the coarser points.
 PLANE_IN(0, fine);

@@ -4,9 +4,9 @@
 #include <optional>
 #include <span>
 
-#include "crop_change.hpp"
+#include "kernels/material/object/crop_change.hpp"
+#include "kernels/material/object/object_tracker.hpp"
 #include "object_light.hpp"
-#include "object_tracker.hpp"
 
 namespace inverse {
 

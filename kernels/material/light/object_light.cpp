@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "../image/transfer.hpp"
+#include "kernels/image/format/transfer.hpp"
 
 namespace inverse {
 namespace {

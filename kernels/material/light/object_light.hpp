@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "../environment/environment_fit.hpp"
-#include "../environment/normal_map.hpp"
-#include "material.hpp"
-#include "object_tracker.hpp"
+#include "kernels/environment/environment_fit.hpp"
+#include "kernels/environment/normal_map.hpp"
+#include "kernels/material/estimate/material.hpp"
+#include "kernels/material/object/object_tracker.hpp"
 
 namespace inverse {
 

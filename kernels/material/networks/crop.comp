@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "lime.glsl"
-#include "../image/srgb.glsl"
-#include "../image/finite.glsl"
+#include "material/layers/lime.glsl"
+#include "image/srgb.glsl"
+#include "image/finite.glsl"
 
 // A square of the frame as SegmentationNet takes it: side x side points, each the mean of the light on it in sRGB. The frame's
 // border goes on outside of it.

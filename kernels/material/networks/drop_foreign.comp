@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Points that are of no object, or of another one than the one that is followed, lose their probability.
 PLANE_INOUT(0, probability);

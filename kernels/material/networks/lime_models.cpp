@@ -1,8 +1,8 @@
 #include "lime_models.hpp"
 
-#include "../error.hpp"
-#include "../network/graph_file.hpp"
-#include "material.hpp"
+#include "common/error.hpp"
+#include "kernels/material/estimate/material.hpp"
+#include "kernels/network/graph_file.hpp"
 
 namespace inverse {
 namespace {

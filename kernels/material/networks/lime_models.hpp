@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "../network/graph.hpp"
+#include "kernels/network/graph.hpp"
 
 namespace inverse {
 

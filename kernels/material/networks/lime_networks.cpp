@@ -3,14 +3,14 @@
 #include <span>
 #include <utility>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(material_crop);
-INVERSE_SHADER(material_drop_foreign);
-INVERSE_SHADER(material_layers);
-INVERSE_SHADER(material_to_exponent);
-INVERSE_SHADER(material_to_mirror_and_albedo);
-INVERSE_SHADER(material_to_specular);
+INVERSE_SHADER(material_networks_crop);
+INVERSE_SHADER(material_networks_drop_foreign);
+INVERSE_SHADER(material_layers_layers);
+INVERSE_SHADER(material_networks_to_exponent);
+INVERSE_SHADER(material_networks_to_mirror_and_albedo);
+INVERSE_SHADER(material_networks_to_specular);
 
 namespace inverse {
 namespace {
@@ -45,15 +45,15 @@ LimeNetworks::LimeNetworks(const std::shared_ptr<gpu::Device>& device, Extent ex
       mirror_(make(device, models.mirror, side_)),
       albedo_(make(device, models.albedo, side_)),
       exponent_(make(device, models.exponent, side_)),
-      crop_(device->kernel(shaders::material_crop)),
-      drop_foreign_(device->kernel(shaders::material_drop_foreign)),
-      to_specular_(device->kernel(shaders::material_to_specular)),
-      to_mirror_and_albedo_(device->kernel(shaders::material_to_mirror_and_albedo)),
-      to_exponent_(device->kernel(shaders::material_to_exponent)),
+      crop_(device->kernel(shaders::material_networks_crop)),
+      drop_foreign_(device->kernel(shaders::material_networks_drop_foreign)),
+      to_specular_(device->kernel(shaders::material_networks_to_specular)),
+      to_mirror_and_albedo_(device->kernel(shaders::material_networks_to_mirror_and_albedo)),
+      to_exponent_(device->kernel(shaders::material_networks_to_exponent)),
       guided_(device, side_),
       under_(device, side_),
-      layers_{device->kernel(shaders::material_layers, {0}),
-              device->kernel(shaders::material_layers, {1})},
+      layers_{device->kernel(shaders::material_layers_layers, {0}),
+              device->kernel(shaders::material_layers_layers, {1})},
       planes_(device, extent) {}
 
 uint64_t LimeNetworks::bytes() const {

@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <memory>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
-#include "../network/network.hpp"
-#include "guided_layers.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/material/layers/guided_layers.hpp"
+#include "kernels/material/layers/under_highlights.hpp"
+#include "kernels/material/object/object_tracker.hpp"
+#include "kernels/network/network.hpp"
 #include "lime_models.hpp"
-#include "object_tracker.hpp"
-#include "under_highlights.hpp"
 
 namespace inverse {
 

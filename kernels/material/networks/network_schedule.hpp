@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "crop_change.hpp"
-#include "object_tracker.hpp"
+#include "kernels/material/object/crop_change.hpp"
+#include "kernels/material/object/object_tracker.hpp"
 
 namespace inverse {
 

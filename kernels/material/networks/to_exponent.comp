@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "lime.glsl"
-#include "../image/finite.glsl"
+#include "material/layers/lime.glsl"
+#include "image/finite.glsl"
 
 // What ExponentNet takes: codes of the specular layer and of the mirror image, where the object is.
 PLANE_IN(0, masked);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "lime.glsl"
-#include "../image/finite.glsl"
+#include "material/layers/lime.glsl"
+#include "image/finite.glsl"
 
 // What SpecularNet gave, where the object is: for MirrorNet, and with the picture for AlbedoNet.
 PLANE_IN(0, masked);

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "lime.glsl"
+#include "material/layers/lime.glsl"
 
 // What SpecularNet takes: the picture where the object is, and the mask.
 PLANE_IN(0, image);

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "../image/plane.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

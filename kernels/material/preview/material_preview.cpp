@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(material_preview);
+INVERSE_SHADER(material_preview_preview);
 
 namespace inverse {
 namespace {
@@ -16,7 +16,7 @@ constexpr float kSmallest = 2.0F;  // pixels across
 }  // namespace
 
 MaterialPreview::MaterialPreview(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::material_preview)), sphere_(device) {}
+    : kernel_(device->kernel(shaders::material_preview_preview)), sphere_(device) {}
 
 void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const Material& material,
                              const std::shared_ptr<const Environment>& light, float size,

@@ -2,9 +2,9 @@
 #include <memory>
 #include <optional>
 
-#include "../environment/lit_sphere.hpp"
-#include "../image/plane.hpp"
-#include "material.hpp"
+#include "kernels/environment/lit_sphere.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/material/estimate/material.hpp"
 
 namespace inverse {
 

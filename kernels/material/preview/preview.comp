@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 
 // The frame with a sphere before it, as a table of a lit sphere says that it looks.
 PLANE_IN(0, frame);
@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
 } push;
 const uint kRows = 4u;  // pixels an invocation, one above the other
 
-#include "../environment/lit_sphere.glsl"
+#include "environment/lit_sphere.glsl"
 
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "../environment/environment.hpp"
-#include "../light_stage/light_program.hpp"
+#include "kernels/environment/environment.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

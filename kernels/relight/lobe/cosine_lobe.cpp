@@ -2,14 +2,14 @@
 
 #include <cstring>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(reflectance_field_directions);
-INVERSE_SHADER(reflectance_field_light_table);
-INVERSE_SHADER(reflectance_field_lobes);
-INVERSE_SHADER(reflectance_field_relight);
-INVERSE_SHADER(reflectance_field_relight_sum);
-INVERSE_SHADER(reflectance_field_respond);
+INVERSE_SHADER(relight_lobe_directions);
+INVERSE_SHADER(relight_lobe_light_table);
+INVERSE_SHADER(relight_lobe_lobes);
+INVERSE_SHADER(relight_lobe_relight);
+INVERSE_SHADER(relight_lobe_relight_sum);
+INVERSE_SHADER(relight_lobe_respond);
 
 namespace inverse {
 namespace {
@@ -53,12 +53,12 @@ CosineLobe::CosineLobe(const std::shared_ptr<gpu::Device>& device, Extent extent
       extent_(extent),
       moments_(std::move(moments)),
       stage_lights_(static_cast<uint32_t>(lights.size())),
-      find_(device->kernel(shaders::reflectance_field_lobes)),
-      table_kernel_(device->kernel(shaders::reflectance_field_light_table)),
-      relight_(device->kernel(shaders::reflectance_field_relight)),
-      sum_(device->kernel(shaders::reflectance_field_relight_sum)),
-      respond_(device->kernel(shaders::reflectance_field_respond)),
-      directions_(device->kernel(shaders::reflectance_field_directions)),
+      find_(device->kernel(shaders::relight_lobe_lobes)),
+      table_kernel_(device->kernel(shaders::relight_lobe_light_table)),
+      relight_(device->kernel(shaders::relight_lobe_relight)),
+      sum_(device->kernel(shaders::relight_lobe_relight_sum)),
+      respond_(device->kernel(shaders::relight_lobe_respond)),
+      directions_(device->kernel(shaders::relight_lobe_directions)),
       grid_(gpu::Buffer::create(device, gpu::Element::vec4, moments_->table().size(),
                                 gpu::Memory::upload)),
       gains_(gpu::Buffer::create(device, gpu::Element::vec4, kEntries)),

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
-#include "light_cells.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/relight/lights/light_cells.hpp"
 #include "lobe_moments.hpp"
 
 namespace inverse {

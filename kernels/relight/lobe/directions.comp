@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/srgb.glsl"
+#include "gpu/common.glsl"
+#include "image/srgb.glsl"
 
 // Draws the lobes' directions as normal maps are: code values (1 + u)/2 in sRGB. Black where there is no light to tell.
 PLANE_IN(0, full);

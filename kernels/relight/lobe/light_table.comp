@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "lobe.glsl"
 
 // What lights give lobes of all directions and exponents (lobe.glsl): rgb = Σ_k weight_k max(0, u·w_k)^p / S(u, p), so that

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "light_cells.hpp"
+#include "kernels/relight/lights/light_cells.hpp"
 
 namespace inverse {
 namespace {

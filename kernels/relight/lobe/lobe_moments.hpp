@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "../light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

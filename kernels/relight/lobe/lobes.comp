@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 #include "lobe.glsl"
 
 // From a pair of gradients to F and the lobe (lobe.glsl). What is no number, negative or infinite is made a number first.

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "lobe.glsl"
 
 // The subject under lights, one after the other at every pixel: exact, and in time with their number.

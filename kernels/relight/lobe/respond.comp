@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "lobe.glsl"
 
 // What each light of the stage gives some pixels of the frame: samples from which light_reduction.cpp tells which lights matter.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 
 // What the network sees of a pair of gradients (training/olat/README.md): √F, and m = (A - B) / (F + 0.004), F = A + B, as six
 // channels of a value (network/value.glsl). Its size is a multiple of what the network divides by; beyond the frame the last

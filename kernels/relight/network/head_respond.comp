@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // What each light gives some pixels of the frame, as respond.comp, by the network.
 PLANE_IN(0, full);

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // The subject under lights, as the network sees it, Σ weight P, and under what was measured (MeasuredLight):
 //

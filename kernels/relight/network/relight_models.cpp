@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "../error.hpp"
-#include "../network/graph_file.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
 
 namespace inverse {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "../light_stage/light_program.hpp"
-#include "../network/graph.hpp"
+#include "kernels/network/graph.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(reflectance_field_encode);
-INVERSE_SHADER(reflectance_field_head_respond);
-INVERSE_SHADER(reflectance_field_head_sum);
+INVERSE_SHADER(relight_network_encode);
+INVERSE_SHADER(relight_network_head_respond);
+INVERSE_SHADER(relight_network_head_sum);
 
 namespace inverse {
 namespace {
@@ -55,9 +55,9 @@ RelightNetwork::RelightNetwork(const std::shared_ptr<gpu::Device>& device, Exten
       padded_(inverse::padded(extent)),
       head_(without_features(models)),
       network_(device, models.features, std::array{input_shape(padded_)}),
-      encode_(device->kernel(shaders::reflectance_field_encode)),
-      sum_(device->kernel(shaders::reflectance_field_head_sum)),
-      respond_(device->kernel(shaders::reflectance_field_head_respond)),
+      encode_(device->kernel(shaders::relight_network_encode)),
+      sum_(device->kernel(shaders::relight_network_head_sum)),
+      respond_(device->kernel(shaders::relight_network_head_respond)),
       weights_(uploaded_weights(device, models)),
       difference_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())) {}
 

@@ -2,9 +2,9 @@
 #include <memory>
 #include <span>
 
-#include "../network/network.hpp"
-#include "cosine_lobe.hpp"
-#include "measured_light.hpp"
+#include "kernels/network/network.hpp"
+#include "kernels/relight/lights/measured_light.hpp"
+#include "kernels/relight/lobe/cosine_lobe.hpp"
 #include "relight_models.hpp"
 
 namespace inverse {

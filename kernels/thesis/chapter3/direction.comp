@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // First half of a conjugate-gradient iteration: d = z + β d₀, q = A d, with partial sums of dᵀq and dᵀM d.

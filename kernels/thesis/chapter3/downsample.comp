@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // One step of the Gaussian pyramid (3.5.4): 5x5 binomial filter, every second pixel; borders repeat.

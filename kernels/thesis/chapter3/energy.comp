@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // The local terms of the energy at x: partial sums of (data and chromaticity, sparsity, smooth shading, 0).

@@ -27,8 +27,8 @@
 //   edges = (a to the right, a down, V to the right, V down), zero across the border
 //   node  = (ω_iw, G, Σ a, Σ V)
 
-#include "../image/conjugate_gradients.glsl"
-#include "../image/packed_chromaticity.glsl"
+#include "solve/conjugate_gradients.glsl"
+#include "thesis/shared/packed_chromaticity.glsl"
 
 layout(push_constant) uniform Push {
   ivec2 size;         // of the level

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The terms of the energy that pull to a target: partial sums of (0, 0, 0, samples and clusters).
 // mode 1: with the cluster prior.

@@ -1,5 +1,5 @@
 #pragma once
-#include "../ladder.hpp"
+#include "kernels/ladder.hpp"
 #include "thesis_params.hpp"
 
 namespace inverse {

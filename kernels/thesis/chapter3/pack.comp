@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // Writes a solution into a slot of a buffer of sample frames.

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // Bilinear interpolation from the coarser level; coarse pixel X lies on fine pixel 2X.

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // The system of an IRLS step at x: edges and node, and z = M⁻¹(b − A x), with partial sums of zᵀ(b − A x).

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The pulls of a pixel that change with every IRLS step: what does not change plus samples from the current frame,
 // (Σ g r_t + ω_cl r_cl, Σ g + ω_cl).

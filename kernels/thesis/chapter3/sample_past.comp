@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The pulls of a pixel that stay the same while a level is solved: samples from keyframes and, in mode 1, the cluster.
 PLANE_IN(6, image);

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // The input of the finest level: NaN and -Inf become 0, +Inf 1, the rest is clamped to 0...65504.

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: adds partial sums up and keeps the scalars of the conjugate gradients: rᵀz, α, β, the rᵀz with which the
 // level's first system began, whether a further iteration is worth its time, 1 or 0, and how many the frame has had.

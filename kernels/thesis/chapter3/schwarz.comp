@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One additive Schwarz iteration (3.5.2): a workgroup of 64 solves one 16x16 block by conjugate gradients, every
 // invocation a vertical strip of four pixels. Values outside the block stay as they were before the iteration: they are

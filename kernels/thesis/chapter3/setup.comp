@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // What a level knows before it is solved: constant parts of the edges, (2 w_r ω_cs, V).

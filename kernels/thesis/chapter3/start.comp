@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // The start on the coarsest level: reflectance and shading have the same magnitude, r = i/2, s = |i|/2.

@@ -3,29 +3,29 @@
 #include <algorithm>
 #include <cstring>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
-#include "../image/pyramid.hpp"
-#include "../image/sample_frames.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/thesis/shared/sample_frames.hpp"
 #include "push.hpp"
 
-INVERSE_SHADER(intrinsic_thesis_sanitize);
-INVERSE_SHADER(intrinsic_thesis_downsample);
-INVERSE_SHADER(intrinsic_thesis_setup);
-INVERSE_SHADER(intrinsic_thesis_start);
-INVERSE_SHADER(intrinsic_thesis_prolong);
-INVERSE_SHADER(intrinsic_thesis_pack);
-INVERSE_SHADER(intrinsic_thesis_sample);
-INVERSE_SHADER(intrinsic_thesis_sample_past);
-INVERSE_SHADER(intrinsic_thesis_reweight);
-INVERSE_SHADER(intrinsic_thesis_direction);
-INVERSE_SHADER(intrinsic_thesis_update);
-INVERSE_SHADER(intrinsic_thesis_scalars);
-INVERSE_SHADER(intrinsic_thesis_schwarz);
-INVERSE_SHADER(intrinsic_thesis_energy);
-INVERSE_SHADER(intrinsic_thesis_energy_pulls);
-INVERSE_SHADER(intrinsic_thesis_total);
-INVERSE_SHADER(intrinsic_thesis_layers);
+INVERSE_SHADER(thesis_chapter3_sanitize);
+INVERSE_SHADER(thesis_chapter3_downsample);
+INVERSE_SHADER(thesis_chapter3_setup);
+INVERSE_SHADER(thesis_chapter3_start);
+INVERSE_SHADER(thesis_chapter3_prolong);
+INVERSE_SHADER(thesis_chapter3_pack);
+INVERSE_SHADER(thesis_chapter3_sample);
+INVERSE_SHADER(thesis_chapter3_sample_past);
+INVERSE_SHADER(thesis_chapter3_reweight);
+INVERSE_SHADER(thesis_chapter3_direction);
+INVERSE_SHADER(thesis_chapter3_update);
+INVERSE_SHADER(thesis_chapter3_scalars);
+INVERSE_SHADER(thesis_chapter3_schwarz);
+INVERSE_SHADER(thesis_chapter3_energy);
+INVERSE_SHADER(thesis_chapter3_energy_pulls);
+INVERSE_SHADER(thesis_chapter3_total);
+INVERSE_SHADER(thesis_chapter3_layers);
 
 namespace inverse {
 namespace {
@@ -75,20 +75,20 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       extent_(extent),
       palette_(device),
       pool_(device, extent),
-      sanitize_(device->kernel(shaders::intrinsic_thesis_sanitize)),
-      downsample_(device->kernel(shaders::intrinsic_thesis_downsample)),
-      setup_(device->kernel(shaders::intrinsic_thesis_setup)),
-      start_(device->kernel(shaders::intrinsic_thesis_start)),
-      prolong_(device->kernel(shaders::intrinsic_thesis_prolong)),
-      pack_(device->kernel(shaders::intrinsic_thesis_pack)),
-      reweight_(device->kernel(shaders::intrinsic_thesis_reweight)),
-      direction_(device->kernel(shaders::intrinsic_thesis_direction)),
-      update_(device->kernel(shaders::intrinsic_thesis_update)),
-      scalars_kernel_(device->kernel(shaders::intrinsic_thesis_scalars, {}, kOneGroup)),
-      schwarz_(device->kernel(shaders::intrinsic_thesis_schwarz, {}, kBlockGroup)),
-      energy_(device->kernel(shaders::intrinsic_thesis_energy)),
-      total_(device->kernel(shaders::intrinsic_thesis_total, {}, kOneGroup)),
-      layers_(device->kernel(shaders::intrinsic_thesis_layers)) {
+      sanitize_(device->kernel(shaders::thesis_chapter3_sanitize)),
+      downsample_(device->kernel(shaders::thesis_chapter3_downsample)),
+      setup_(device->kernel(shaders::thesis_chapter3_setup)),
+      start_(device->kernel(shaders::thesis_chapter3_start)),
+      prolong_(device->kernel(shaders::thesis_chapter3_prolong)),
+      pack_(device->kernel(shaders::thesis_chapter3_pack)),
+      reweight_(device->kernel(shaders::thesis_chapter3_reweight)),
+      direction_(device->kernel(shaders::thesis_chapter3_direction)),
+      update_(device->kernel(shaders::thesis_chapter3_update)),
+      scalars_kernel_(device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup)),
+      schwarz_(device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup)),
+      energy_(device->kernel(shaders::thesis_chapter3_energy)),
+      total_(device->kernel(shaders::thesis_chapter3_total, {}, kOneGroup)),
+      layers_(device->kernel(shaders::thesis_chapter3_layers)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
@@ -153,9 +153,9 @@ void ThesisDecomposition::build_levels() {
       level.frames.push_back(plane(per_buffer));
     }
     const std::vector<uint32_t> constants = {static_cast<uint32_t>(level.slots)};
-    level.sample = device_->kernel(shaders::intrinsic_thesis_sample, constants);
-    level.sample_past = device_->kernel(shaders::intrinsic_thesis_sample_past, constants);
-    level.energy_pulls = device_->kernel(shaders::intrinsic_thesis_energy_pulls, constants);
+    level.sample = device_->kernel(shaders::thesis_chapter3_sample, constants);
+    level.sample_past = device_->kernel(shaders::thesis_chapter3_sample_past, constants);
+    level.energy_pulls = device_->kernel(shaders::thesis_chapter3_energy_pulls, constants);
     levels_.push_back(std::move(level));
   }
 }

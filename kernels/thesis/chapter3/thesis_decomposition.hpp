@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/layers.hpp"
-#include "../image/plane.hpp"
-#include "../palette/palette.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/palette/palette.hpp"
 #include "thesis_params.hpp"
 
 namespace inverse {

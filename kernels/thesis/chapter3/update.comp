@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
 
 // Second half of a conjugate-gradient iteration: x += α d, z −= α M⁻¹q, with partial sums of zᵀMz. In place: every

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "../gpu/reduce.hpp"
-#include "../image/sample_frames.hpp"
 #include "global_thesis_push.hpp"
-#include "refinement.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/thesis/chapter5/colors/refinement.hpp"
+#include "kernels/thesis/shared/sample_frames.hpp"
 
 namespace inverse {
 using namespace global_thesis;

@@ -4,13 +4,13 @@
 #include <span>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/layers.hpp"
-#include "../image/plane.hpp"
-#include "../palette/palette.hpp"
-#include "base_colors.hpp"
 #include "global_thesis_params.hpp"
-#include "marked_regions.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/palette/palette.hpp"
+#include "kernels/thesis/chapter5/colors/base_colors.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 
 namespace inverse {
 

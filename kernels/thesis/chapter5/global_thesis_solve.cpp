@@ -2,8 +2,8 @@
 // solution.
 #include <algorithm>
 
-#include "../gpu/reduce.hpp"
 #include "global_thesis_push.hpp"
+#include "kernels/gpu/reduce.hpp"
 
 namespace inverse {
 using namespace global_thesis;

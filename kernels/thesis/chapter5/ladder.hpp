@@ -1,6 +1,6 @@
 #pragma once
-#include "../ladder.hpp"
 #include "global_thesis_params.hpp"
+#include "kernels/ladder.hpp"
 
 namespace inverse {
 

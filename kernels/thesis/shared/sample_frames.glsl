@@ -7,7 +7,7 @@
 // Of the push constants it takes size, samples (drawn a pixel), frames (to draw from: the current one and the keyframes so
 // far), ring_start (slot of the oldest keyframe, from 0), ring_capacity (keyframe slots), stream and seed (of the random
 // numbers) and sample_threshold (τ_cc² on the grid of packed chromaticities).
-#include "random.glsl"
+#include "image/random.glsl"
 
 layout(constant_id = 1) const int kSlots = 6;
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "../gpu/device.hpp"
+#include "kernels/gpu/device.hpp"
 
 namespace inverse {
 

@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
+#include "detail.hpp"
 #include "tests/bench/metrics.hpp"
-#include "tests/bench/metrics/detail.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <random>
 
+#include "detail.hpp"
 #include "tests/bench/metrics.hpp"
-#include "tests/bench/metrics/detail.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "detail.hpp"
 #include "tests/bench/metrics.hpp"
-#include "tests/bench/metrics/detail.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "../palette/palette.hpp"
+#include "kernels/palette/palette.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 
 // The system of the base colors (5.7.1) from outer products: partial sums of Σ_x R² T_k T_l for layers k = y and l = z of
 // the dispatch, l ≤ k, and of Σ_x R T_k e for l = K. Invocations run along the pixels, `count` of them.

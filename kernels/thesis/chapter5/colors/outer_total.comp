@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup for each entry of the system: adds its `count` partial sums up.
 PLANE_IN(0, partials);

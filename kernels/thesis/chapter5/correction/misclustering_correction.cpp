@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(global_thesis_regions_reduce);
-INVERSE_SHADER(global_thesis_regions_try);
+INVERSE_SHADER(thesis_chapter5_correction_regions_reduce);
+INVERSE_SHADER(thesis_chapter5_correction_regions_try);
 
 namespace inverse {
 namespace {
@@ -31,8 +31,8 @@ MisclusteringCorrection::MisclusteringCorrection(const std::shared_ptr<gpu::Devi
     : device_(device),
       extent_(extent),
       halve_(device),
-      reduce_(device->kernel(shaders::global_thesis_regions_reduce)),
-      try_(device->kernel(shaders::global_thesis_regions_try)) {}
+      reduce_(device->kernel(shaders::thesis_chapter5_correction_regions_reduce)),
+      try_(device->kernel(shaders::thesis_chapter5_correction_regions_try)) {}
 
 /// Made when a region first needs it.
 MisclusteringCorrection::Level& MisclusteringCorrection::level(size_t index) {

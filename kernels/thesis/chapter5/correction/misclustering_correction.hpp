@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "../image/pyramid.hpp"
-#include "global_thesis.hpp"
-#include "marked_regions.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/thesis/chapter5/global_thesis.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 
 namespace inverse {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "../image/plane.hpp"
-#include "base_colors.hpp"
-#include "marked_regions.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/thesis/chapter5/colors/base_colors.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 
 namespace inverse {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(global_thesis_survey);
+INVERSE_SHADER(thesis_chapter5_correction_survey);
 
 namespace inverse {
 namespace {
@@ -30,7 +30,7 @@ RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Ext
     : device_(device),
       extent_(extent),
       most_(most),
-      survey_(device->kernel(shaders::global_thesis_survey)) {
+      survey_(device->kernel(shaders::thesis_chapter5_correction_survey)) {
   const auto part = [&](uint32_t size) { return (size - 1) / static_cast<uint32_t>(factor_) + 1; };
   do {
     small_ = {part(extent.width), part(extent.height)};

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "global_thesis.hpp"
-#include "marked_regions.hpp"
+#include "kernels/thesis/chapter5/global_thesis.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 #include "misclustering_survey.hpp"
 
 namespace inverse {

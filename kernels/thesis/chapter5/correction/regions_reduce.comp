@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Marked regions of a smaller frame: those of the fine pixel in the middle of each `factor`² of them.
 layout(push_constant) uniform Push {

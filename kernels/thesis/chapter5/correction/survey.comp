@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // A smaller frame in which misclustered regions are looked for on the host: of each `factor`² pixels the mean color of those
 // that have the cluster of the middle one, so that no color is mixed across a border, and, of the middle one, its cluster + 1

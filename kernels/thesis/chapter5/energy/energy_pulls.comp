@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The energy of the samples: partial sums of (0, 0, 0, samples).
 PLANE_IN(6, features);

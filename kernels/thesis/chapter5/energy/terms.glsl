@@ -1,6 +1,6 @@
 // The terms of the energy and their weights, for the kernels that need them.
 
-#include "../image/conjugate_gradients.glsl"
+#include "solve/conjugate_gradients.glsl"
 
 float sum3(vec3 v) { return v.r + v.g + v.b; }
 float mean3(vec3 v) { return sum3(v) * (1.0 / 3.0); }

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 #define TABLE_SLOT 0
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 
 // The layers: (R, S), S the mean of the shading, and the color of the light with the share of S that is direct,
 // (Σ_k b_k T_k / S, T_0 / S). Light that the penalty left below zero is none; where there is no light, it is white.

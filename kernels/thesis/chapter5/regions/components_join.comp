@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "regions.glsl"
 #define ROOTS_SLOT 1
 #include "components.glsl"

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cstring>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(global_thesis_components_start);
-INVERSE_SHADER(global_thesis_components_join);
-INVERSE_SHADER(global_thesis_regions_probe);
-INVERSE_SHADER(global_thesis_regions_click);
-INVERSE_SHADER(global_thesis_regions_mark);
+INVERSE_SHADER(thesis_chapter5_regions_components_start);
+INVERSE_SHADER(thesis_chapter5_regions_components_join);
+INVERSE_SHADER(thesis_chapter5_regions_regions_probe);
+INVERSE_SHADER(thesis_chapter5_regions_regions_click);
+INVERSE_SHADER(thesis_chapter5_regions_regions_mark);
 
 namespace inverse {
 namespace {
@@ -43,11 +43,11 @@ struct Push {
 MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       extent_(extent),
-      start_(device->kernel(shaders::global_thesis_components_start)),
-      join_(device->kernel(shaders::global_thesis_components_join)),
-      probe_(device->kernel(shaders::global_thesis_regions_probe)),
-      click_(device->kernel(shaders::global_thesis_regions_click)),
-      mark_(device->kernel(shaders::global_thesis_regions_mark)),
+      start_(device->kernel(shaders::thesis_chapter5_regions_components_start)),
+      join_(device->kernel(shaders::thesis_chapter5_regions_components_join)),
+      probe_(device->kernel(shaders::thesis_chapter5_regions_regions_probe)),
+      click_(device->kernel(shaders::thesis_chapter5_regions_regions_click)),
+      mark_(device->kernel(shaders::thesis_chapter5_regions_regions_mark)),
       roots_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       claims_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       plane_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())),

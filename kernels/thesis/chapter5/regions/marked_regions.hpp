@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 
 // How sparse the indirect light of a region is (5.5.2.2): partial sums of (Σ_k |T_k|, pixels) in region `slot`.
 PLANE_IN(0, state);

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The pulls of a pixel that change with every step: those that do not, plus samples from the current frame.
 PLANE_IN(6, features);

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/sample_frames.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/shared/sample_frames.glsl"
 
 // The pulls of a pixel that stay the same throughout a frame: clusters and samples from keyframes,
 // (Σ g r_t + λ r_cluster, Σ g + λ_clustering).

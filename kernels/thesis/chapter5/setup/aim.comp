@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 #define TABLE_SLOT 0
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 
 // Targets (r_cluster, λ_clustering; 0 without a cluster). mode 1: marked regions overrule clusters, where their x names the
 // slot of one.

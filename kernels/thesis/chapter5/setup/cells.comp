@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
 
 // What cuts are found by: the mean of ln c in each of 32 x 32 parts of the frame, of up to 16 of its pixels, and how much
 // light is there, into half `slot` of `cells`. One part an invocation.

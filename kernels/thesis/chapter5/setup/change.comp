@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: by how much the chroma of the frame's `count` parts changed from the frame before, on the average over its
 // light; the other half of `cells` is the frame before.

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
 
 // The input: NaN and -Inf become 0, +Inf 1, the rest is clamped to 0...65504; and ln c, which the clusters are found in.
 PLANE_IN(0, frame);

@@ -1,15 +1,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
-#include "../image/packed_chromaticity.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
+#include "thesis/shared/packed_chromaticity.glsl"
 
 // What a frame knows before it is solved: features (packed chromaticity, 1 − w_intensity (1 − |I|), λ_monochrome w_SR, slot
 // of the cluster whose center is the nearest in ln c, −1 where there are none).
 PLANE_IN(0, image);
 #define TABLE_SLOT 1
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 PLANE_OUT(2, features);
 
 void main() {

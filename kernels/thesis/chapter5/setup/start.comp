@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 #define TABLE_SLOT 0
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 
 // The start: r = r_cluster (without clusters ln I/max I), indirect layers that share indirect_start of the direct one, T_0
 // the least-squares fit of I.

@@ -1,10 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
 #define TABLE_SLOT 0
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 
 // A conjugate-gradient iteration begins: d = z + β d, in place, and what all unknowns of a pixel share of A d, through the
 // data term and gray shading: the forces on r, and that on the shading, of which layer k gets its dot product with b_k.

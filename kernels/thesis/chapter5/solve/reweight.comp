@@ -1,10 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
 #define TABLE_SLOT 0
-#include "table.glsl"
+#include "thesis/chapter5/energy/table.glsl"
 
 // The system of a Gauss-Newton step at x: nodes, diagonal M, z = M⁻¹b with partial sums of zᵀb, and a copy of x that the
 // step will be added to.

@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/conjugate_gradients.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "solve/conjugate_gradients.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: adds partial sums up and keeps the scalars of the conjugate gradients: rᵀz, α, β.
 // mode 0: a new system, rᵀz is the sum. mode 1: α = rᵀz / sum.x. mode 2: β = sum / rᵀz.

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: whether a step is taken as it is, by the energy without samples. A step is linear in what the data term
 // is not; where light spans decades it may overshoot by far, and is shortened then, twice at most before it is not taken.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 
 // A Gauss-Newton step ends: it moves r by kLargestStep at most and keeps everything within what single precision can
 // square. In place; the dispatch's z is the plane of the field.

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
 
 // A step by the factor that search.comp says; 1 leaves it to the bit, and 0 nothing of it, also where it is no number. In
 // place; the dispatch's z is the plane of the field.

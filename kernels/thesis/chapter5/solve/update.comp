@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "energy.glsl"
-#include "terms.glsl"
+#include "gpu/common.glsl"
+#include "thesis/chapter5/energy/energy.glsl"
+#include "thesis/chapter5/energy/terms.glsl"
 
 // A conjugate-gradient iteration ends: x += α d, z −= α M⁻¹q, with partial sums of zᵀMz. In place: every invocation reads
 // its own pixels before it writes them. All planes of the field are one tall image here.
