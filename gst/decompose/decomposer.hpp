@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/light_pictures.hpp"
+#include "gst/base/frames/light_pictures.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/ladder.hpp"
 #include "kernels/palette/scene_palette.hpp"

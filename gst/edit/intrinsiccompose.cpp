@@ -3,7 +3,7 @@
 #include <string>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/light_pictures.hpp"
+#include "gst/base/frames/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
 namespace inverse {

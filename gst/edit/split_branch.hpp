@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "gst/base/frame_io.hpp"
-#include "gst/base/light_pictures.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/frames/light_pictures.hpp"
 #include "kernels/edit/compose.hpp"
 
 namespace inverse {

@@ -5,7 +5,7 @@
 
 #include "gst/base/caps.hpp"
 #include "gst/base/errors.hpp"
-#include "gst/base/layers_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
 #include "gst/base/report.hpp"
 
 namespace inverse {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 

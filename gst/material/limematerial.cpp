@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/material_meta.hpp"
+#include "gst/base/meta/material_meta.hpp"
 #include "gst/base/models.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/image/view/mosaic.hpp"

@@ -15,10 +15,10 @@
 #include "clone_light.hpp"
 #include "gst/base/color.hpp"
 #include "gst/base/filter.hpp"
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/mesh/mesh_file.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/insertion.hpp"
-#include "mesh_file.hpp"
 
 namespace inverse {
 namespace {

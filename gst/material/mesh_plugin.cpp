@@ -1,6 +1,6 @@
 // The elements that draw meshes, nothing else.
 #include "gst/base/filter.hpp"
-#include "gst/base/layers_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kMaterialClone;

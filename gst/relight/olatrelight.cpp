@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "gray_gradients.hpp"
 #include "gst/base/filter.hpp"
-#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/meta/inverse_light_stage_meta.h"
 #include "gst/base/models.hpp"
 #include "gst/exr/environment_file.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/relight/relighting.hpp"
+#include "stage/gray_gradients.hpp"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {

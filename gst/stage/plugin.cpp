@@ -2,8 +2,8 @@
 #include <gst/gst.h>
 
 #include "gst/base/filter.hpp"
-#include "gst/base/layers_meta.hpp"
-#include "gst/base/light_stage_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
+#include "gst/base/meta/light_stage_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kOlatRelight;

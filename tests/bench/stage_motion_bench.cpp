@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "command_line.hpp"
-#include "gst/base/inverse_light_stage_meta.h"
-#include "gst/stage/sync/motion.hpp"
+#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "gst/stage/sync/assemble/motion.hpp"
 #include "stage/program/light_program.hpp"
 #include "tests/temporary_folder.hpp"
 

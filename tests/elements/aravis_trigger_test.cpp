@@ -7,7 +7,7 @@
 
 #include "aravis_fixture.hpp"
 #include "common/error.hpp"
-#include "gst/stage/sync/camera_trigger.hpp"
+#include "gst/stage/sync/lights/camera_trigger.hpp"
 #include "stage/triggers/triggered_capture.hpp"
 
 namespace inverse::testing {

@@ -1,5 +1,5 @@
 // From a camera's clock to the pipeline's, without a camera.
-#include "gst/stage/camera/camera_clock.hpp"
+#include "stage/triggers/camera_clock.hpp"
 
 #include <gtest/gtest.h>
 

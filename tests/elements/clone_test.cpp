@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lamp.hpp"
 #include "lime_fixture.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "element_test.hpp"
-#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

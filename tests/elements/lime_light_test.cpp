@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
 #include "tests/kernels/normal_map_file.hpp"

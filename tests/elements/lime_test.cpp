@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/has_networks.hpp"
 #include "tests/srgb.hpp"

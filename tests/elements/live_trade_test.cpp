@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "gst/base/repeats.hpp"
+#include "gst/base/frames/repeats.hpp"
 
 namespace inverse {
 namespace {

@@ -1,6 +1,6 @@
 // Streams and buffers that are not what they say they are: one clear error, or a picture.
 #include "element_test.hpp"
-#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
 
 namespace inverse::testing {
 namespace {

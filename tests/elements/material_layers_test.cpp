@@ -1,8 +1,8 @@
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 
-#include "gst/base/inverse_layers_meta.h"
-#include "gst/base/inverse_material_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
 #include "lime_fixture.hpp"
 #include "tests/srgb.hpp"
 

@@ -1,5 +1,5 @@
 // Mesh files, good and bad ones.
-#include "gst/mesh/mesh_file.hpp"
+#include "gst/material/mesh/mesh_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
 #include "kernels/image/layers.hpp"
 #include "relight_fixture.hpp"
 

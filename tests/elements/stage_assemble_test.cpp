@@ -1,6 +1,6 @@
 // lightstagesync: pairs of gradients.
 
-#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
 #include "stage_fixture.hpp"
 #include "tests/srgb.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "element_test.hpp"
-#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/meta/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"

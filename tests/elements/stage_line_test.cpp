@@ -3,7 +3,7 @@
 #include <mutex>
 
 #include "element_test.hpp"
-#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/meta/inverse_light_stage_meta.h"
 
 namespace inverse::testing {
 namespace {

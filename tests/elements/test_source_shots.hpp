@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "element_test.hpp"
-#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/meta/inverse_light_stage_meta.h"
 
 namespace inverse::testing {
 

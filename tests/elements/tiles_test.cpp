@@ -1,6 +1,6 @@
 // Video of which only a small part changes: only tiles that need work are worked on.
 #include "element_test.hpp"
-#include "gst/base/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_layers_meta.h"
 
 namespace inverse::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "layers_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
 
 namespace inverse {
 namespace {

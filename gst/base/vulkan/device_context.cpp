@@ -1,7 +1,7 @@
 #include "device_context.hpp"
 
 #include "common/error.hpp"
-#include "registered_once.hpp"
+#include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {
 namespace {

@@ -2,8 +2,8 @@
 #include <mutex>
 #include <string>
 
-#include "frame_io.hpp"
-#include "registered_once.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/meta/registered_once.hpp"
 #include "vulkan_bridge.hpp"
 #include "vulkan_bridge_detail.hpp"
 

@@ -1,6 +1,6 @@
 // The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbors,
 // and no template lets images in or out.
-#include "frame_io.hpp"
+#include "gst/base/frames/frame_io.hpp"
 #include "vulkan_bridge.hpp"
 
 namespace inverse {

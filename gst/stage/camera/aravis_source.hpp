@@ -7,7 +7,7 @@
 #include <string>
 
 #include "aravis_stream.hpp"
-#include "camera_clock.hpp"
+#include "stage/triggers/camera_clock.hpp"
 #include "stage/triggers/frame_ids.hpp"
 
 namespace inverse {

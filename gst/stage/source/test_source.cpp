@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "gst/base/caps.hpp"
-#include "gst/base/light_stage_meta.hpp"
+#include "gst/base/meta/light_stage_meta.hpp"
 #include "gst/base/report.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "gst/base/device_context.hpp"
-#include "gst/base/frame_io.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/vulkan/device_context.hpp"
 #include "kernels/virtual_stage/camera_schedule.hpp"
 #include "kernels/virtual_stage/olat_stack.hpp"
 #include "kernels/virtual_stage/virtual_camera.hpp"

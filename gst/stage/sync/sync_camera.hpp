@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "frame_assembler.hpp"
-#include "raw_frame.hpp"
+#include "gst/stage/sync/assemble/frame_assembler.hpp"
+#include "gst/stage/sync/assemble/raw_frame.hpp"
 #include "stage/labels/frame_labeler.hpp"
 
 namespace inverse {

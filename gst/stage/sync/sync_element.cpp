@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "gst/base/errors.hpp"
-#include "olat_assembler.hpp"
-#include "pair_assembler.hpp"
-#include "upstream.hpp"
+#include "gst/stage/sync/assemble/olat_assembler.hpp"
+#include "gst/stage/sync/assemble/pair_assembler.hpp"
+#include "gst/stage/sync/shared/upstream.hpp"
 
 namespace inverse {
 namespace {

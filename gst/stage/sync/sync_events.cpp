@@ -4,7 +4,7 @@
 #include "gst/base/caps.hpp"
 #include "gst/base/errors.hpp"
 #include "gst/base/report.hpp"
-#include "olat_assembler.hpp"
+#include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"
 
 namespace inverse {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "stage_labels.hpp"
-#include "sync_params.hpp"
+#include "gst/stage/sync/shared/stage_labels.hpp"
+#include "gst/stage/sync/shared/sync_params.hpp"
 
 namespace inverse {
 

@@ -1,6 +1,6 @@
 #include "gradient_layers.hpp"
 
-#include "gst/base/layers_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
 
 namespace inverse {
 

@@ -2,8 +2,8 @@
 #include <array>
 #include <memory>
 
-#include "gst/base/device_context.hpp"
-#include "gst/base/frame_io.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/vulkan/device_context.hpp"
 
 namespace inverse {
 

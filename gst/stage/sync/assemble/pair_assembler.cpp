@@ -5,8 +5,8 @@
 
 #include "frame_picture.hpp"
 #include "gst/base/caps.hpp"
-#include "gst/stage/gray_gradients.hpp"
 #include "motion.hpp"
+#include "stage/gray_gradients.hpp"
 
 namespace inverse {
 namespace {

@@ -1,7 +1,7 @@
 #include "camera_trigger.hpp"
 
 #include "gst/stage/camera/aravis_camera.hpp"
-#include "upstream.hpp"
+#include "gst/stage/sync/shared/upstream.hpp"
 
 namespace inverse {
 namespace {

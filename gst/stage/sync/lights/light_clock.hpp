@@ -7,8 +7,8 @@
 #include <mutex>
 #include <thread>
 
+#include "gst/stage/sync/shared/stage_labels.hpp"
 #include "stage/controllers/light_driver.hpp"
-#include "stage_labels.hpp"
 
 namespace inverse {
 

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "camera_trigger.hpp"
-#include "stage_labels.hpp"
+#include "gst/stage/sync/shared/stage_labels.hpp"
 
 namespace inverse {
 

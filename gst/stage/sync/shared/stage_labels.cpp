@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gst/base/light_stage_meta.hpp"
+#include "gst/base/meta/light_stage_meta.hpp"
 
 namespace inverse {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <mutex>
 
-#include "gst/base/inverse_light_stage_meta.h"
+#include "gst/base/meta/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {
