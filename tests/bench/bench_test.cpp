@@ -8,12 +8,12 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "device_session.hpp"
-#include "peer_despill.hpp"
-#include "scene.hpp"
+#include "tests/bench/methods/truth_clicks.hpp"
+#include "tests/bench/peers/peer_despill.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
-#include "truth_clicks.hpp"
 
 namespace inverse::bench {
 namespace {

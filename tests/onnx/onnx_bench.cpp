@@ -12,8 +12,8 @@
 #include "common/error.hpp"
 #include "kernels/network/network.hpp"
 #include "onnx_builder.hpp"
-#include "tests/bench/network_figures.hpp"
-#include "tests/bench/timing.hpp"
+#include "tests/bench/material/network_figures.hpp"
+#include "tests/bench/support/timing.hpp"
 #include "tools/onnx/onnx_import.hpp"
 
 namespace {

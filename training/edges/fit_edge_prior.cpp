@@ -22,8 +22,8 @@
 
 #include "problem.hpp"
 #include "scenes.hpp"
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/datasets.hpp"
+#include "tests/bench/scenes/datasets.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "weights.hpp"
 
 namespace inverse::training {

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_features.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_features.hpp"
 
 namespace inverse::training {
 namespace {

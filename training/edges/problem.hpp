@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "net.hpp"
-#include "tests/bench/image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::training {
 

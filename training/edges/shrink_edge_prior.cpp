@@ -19,10 +19,10 @@
 
 #include "net.hpp"
 #include "scenes.hpp"
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/datasets.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_features.hpp"
+#include "tests/bench/scenes/datasets.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_features.hpp"
 #include "weights.hpp"
 
 namespace inverse::training {

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "clip_frames.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/clip_frames.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace {
 

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "clip_frames.hpp"
-#include "clip_scenes.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/clip_frames.hpp"
+#include "tests/bench/support/clip_scenes.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace {
 

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
-#include "clip_frames.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/clip_frames.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace {
 

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
 #include "common/error.hpp"
 #include "kernels/environment/environment_fit.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/material/lime_material.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/srgb.hpp"
 #include "training/lime/corpus/background.hpp"
 #include "training/lime/corpus/blinn_phong.hpp"

@@ -8,8 +8,8 @@
 #include "kernels/network/graph_file.hpp"
 #include "kernels/network/network.hpp"
 #include "network_figures.hpp"
-#include "tests/kernels/network_builder.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/timing.hpp"
+#include "tests/kernels/network/network_builder.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
 #include "kernels/network/network.hpp"
+#include "tests/bench/support/command_line.hpp"
 
 namespace inverse::bench {
 

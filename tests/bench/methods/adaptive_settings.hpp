@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "method.hpp"
+#include "tests/bench/support/method.hpp"
 
 namespace inverse::bench {
 

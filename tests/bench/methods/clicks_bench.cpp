@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "clicks_stage.hpp"
-#include "metrics.hpp"
+#include "tests/bench/metrics/metrics.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "png_file.hpp"
+#include "tests/bench/metrics/png_file.hpp"
 
 namespace inverse::bench {
 

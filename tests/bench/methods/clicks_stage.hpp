@@ -9,7 +9,7 @@
 
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
 #include "kernels/thesis/chapter5/correction/region_proposals.hpp"
-#include "scene.hpp"
+#include "tests/bench/support/scene.hpp"
 #include "truth_clicks.hpp"
 
 namespace inverse::bench {

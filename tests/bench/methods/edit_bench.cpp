@@ -22,10 +22,10 @@
 #include "kernels/edit/light_edit.hpp"
 #include "kernels/edit/recolor.hpp"
 #include "kernels/global/global_intrinsic.hpp"
-#include "metrics.hpp"
-#include "peer_despill.hpp"
-#include "png_file.hpp"
-#include "scene.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/metrics/png_file.hpp"
+#include "tests/bench/peers/peer_despill.hpp"
+#include "tests/bench/support/scene.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::bench {

@@ -11,7 +11,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/format/convert.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace {
 

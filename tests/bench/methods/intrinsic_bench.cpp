@@ -18,9 +18,9 @@
 #include <string>
 #include <vector>
 
-#include "frames.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/frames.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace {
 

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
-#include "device_session.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "metrics.hpp"
-#include "scene.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
 
 namespace {
 

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "device_session.hpp"
-#include "frames.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "metrics.hpp"
-#include "scene.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/frames.hpp"
+#include "tests/bench/support/scene.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,8 +1,8 @@
 // globalintrinsic in the benchmark.
 #include "adaptive_settings.hpp"
-#include "changed_tiles.hpp"
 #include "kernels/global/ladder.hpp"
 #include "ladder_settings.hpp"
+#include "tests/bench/support/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {

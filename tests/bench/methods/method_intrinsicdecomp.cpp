@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "adaptive_settings.hpp"
-#include "changed_tiles.hpp"
 #include "kernels/intrinsic/ladder.hpp"
 #include "ladder_settings.hpp"
+#include "tests/bench/support/changed_tiles.hpp"
 
 namespace inverse::bench {
 namespace {

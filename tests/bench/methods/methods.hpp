@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include "device_session.hpp"
 #include "kernels/ladder.hpp"
 #include "kernels/thesis/chapter3/thesis_params.hpp"
-#include "scene.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
 
 namespace inverse::bench {
 

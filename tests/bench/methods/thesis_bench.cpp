@@ -11,9 +11,9 @@
 #include <cstring>
 #include <map>
 
-#include "frames.hpp"
+#include "tests/bench/support/frames.hpp"
+#include "tests/bench/support/timing.hpp"
 #include "thesis_options.hpp"
-#include "timing.hpp"
 
 namespace {
 

@@ -19,8 +19,8 @@
 #include <map>
 #include <string>
 
-#include "frames.hpp"
-#include "tests/reference/thesis_params.hpp"
+#include "tests/bench/support/frames.hpp"
+#include "tests/reference/thesis/thesis_params.hpp"
 #include "thesis_options.hpp"
 
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // The command line of the benchmarks of the thesis' method.
-#include "command_line.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/bench/support/command_line.hpp"
 
 namespace inverse::bench {
 

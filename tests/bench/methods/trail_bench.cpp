@@ -16,12 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "changed_tiles.hpp"
-#include "device_session.hpp"
-#include "frames.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
-#include "scene.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/changed_tiles.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/frames.hpp"
+#include "tests/bench/support/scene.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "image.hpp"
 #include "kernels/thesis/chapter5/colors/base_colors.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::bench {
 

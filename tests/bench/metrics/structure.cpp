@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "detail.hpp"
-#include "tests/bench/metrics.hpp"
+#include "metrics.hpp"
 
 namespace inverse::bench {
 namespace {

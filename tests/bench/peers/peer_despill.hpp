@@ -2,7 +2,7 @@
 // work on display codes (sRGB), as video has them.
 #pragma once
 
-#include "image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::bench {
 

@@ -1,7 +1,8 @@
-// intrinsicdecomp's energy (tests/reference/intrinsic_decomposition.hpp) for a single frame,
-// minimized the way one would without a GPU: sparse matrix, double precision, Eigen. Two solvers:
-// conjugate gradients with an inverse diagonal, and conjugate gradients whose preconditioner is
-// the sparse Cholesky factor of everything but the chroma bins (which couple the whole frame).
+// intrinsicdecomp's energy (tests/reference/intrinsic/intrinsic_decomposition.hpp) for a single
+// frame, minimized the way one would without a GPU: sparse matrix, double precision, Eigen. Two
+// solvers: conjugate gradients with an inverse diagonal, and conjugate gradients whose
+// preconditioner is the sparse Cholesky factor of everything but the chroma bins (which couple the
+// whole frame).
 #include <Eigen/SparseCholesky>
 #include <array>
 #include <cmath>
@@ -10,7 +11,7 @@
 #include <stdexcept>
 
 #include "peers.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 
 namespace inverse::bench {
 namespace {

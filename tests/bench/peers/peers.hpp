@@ -3,7 +3,7 @@
 // them sees a mask.
 #pragma once
 
-#include "method.hpp"
+#include "tests/bench/support/method.hpp"
 
 namespace inverse::bench {
 

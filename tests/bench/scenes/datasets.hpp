@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "scene.hpp"
+#include "tests/bench/support/scene.hpp"
 
 namespace inverse::bench {
 

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "datasets.hpp"
-#include "metrics.hpp"
-#include "scene.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/support/scene.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,6 +1,6 @@
 // Frames with their truth from the renderer of the bundled clip.
 #pragma once
-#include "scene.hpp"
+#include "tests/bench/support/scene.hpp"
 #include "tools/clip/transport.hpp"
 
 namespace inverse::bench {

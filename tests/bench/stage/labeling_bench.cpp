@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "command_line.hpp"
-#include "tests/light_stage/labeling_simulation.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "tests/stage/labeling_simulation.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "flat_file.hpp"
+#include "tests/bench/metrics/flat_file.hpp"
 
 namespace inverse::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::bench {
 

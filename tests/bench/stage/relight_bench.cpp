@@ -16,11 +16,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "command_line.hpp"
 #include "light_choices.hpp"
 #include "olat_set.hpp"
-#include "png_file.hpp"
 #include "relight_subject.hpp"
+#include "tests/bench/metrics/png_file.hpp"
+#include "tests/bench/support/command_line.hpp"
 
 namespace inverse::bench {
 namespace {

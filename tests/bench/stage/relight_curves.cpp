@@ -10,8 +10,8 @@
 // set's own size, over the subject, in per cent of its mean.
 #include <cstdio>
 
-#include "command_line.hpp"
 #include "relight_subject.hpp"
+#include "tests/bench/support/command_line.hpp"
 
 namespace inverse::bench {
 namespace {

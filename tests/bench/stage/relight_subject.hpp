@@ -9,7 +9,7 @@
 
 #include "kernels/relight/relighting.hpp"
 #include "olat_set.hpp"
-#include "timing.hpp"
+#include "tests/bench/support/timing.hpp"
 
 namespace inverse::bench {
 

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
 #include "gst/base/meta/inverse_light_stage_meta.h"
 #include "gst/stage/sync/assemble/motion.hpp"
 #include "stage/program/light_program.hpp"
+#include "tests/bench/support/command_line.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::bench {
 

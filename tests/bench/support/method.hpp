@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::bench {
 

@@ -10,11 +10,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "flat_file.hpp"
 #include "json.hpp"
 #include "method.hpp"
-#include "metrics.hpp"
 #include "scene.hpp"
+#include "tests/bench/metrics/flat_file.hpp"
+#include "tests/bench/metrics/metrics.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "flat_file.hpp"
+#include "tests/bench/metrics/flat_file.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::bench {

@@ -1,5 +1,5 @@
 // What caps say of color, and what they leave open: the picture that is meant, or one clear error.
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

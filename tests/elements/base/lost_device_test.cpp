@@ -2,10 +2,10 @@
 // environment variables decide (INVERSE_LOSE_DEVICE=N loses the device with the Nth submit).
 #include <set>
 
-#include "element_test.hpp"
-#include "own_process.hpp"
+#include "tests/elements/element_test.hpp"
+#include "tests/elements/own_process.hpp"
 #include "tests/has_element.hpp"
-#include "tests/kernels/lime_models.hpp"
+#include "tests/kernels/material/lime_models.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,6 +1,6 @@
 // Streams and buffers that are not what they say they are: one clear error, or a picture.
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

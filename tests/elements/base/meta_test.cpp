@@ -1,8 +1,8 @@
 // Our metas on their way through elements of GStreamer's own.
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_light_stage_meta.h"
 #include "gst/base/meta/inverse_material_meta.h"
+#include "tests/elements/element_test.hpp"
 #include "tests/has_networks.hpp"
 
 namespace inverse::testing {

@@ -1,6 +1,6 @@
 // Pictures that come again keep their layers; target-fps and latency-budget choose the work.
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

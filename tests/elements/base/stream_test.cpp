@@ -1,7 +1,7 @@
 // What an element makes of the stream around it: gaps, devices that go, latency, stats.
 #include <map>
 
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

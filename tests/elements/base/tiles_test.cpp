@@ -1,6 +1,6 @@
 // Video of which only a small part changes: only tiles that need work are worked on.
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

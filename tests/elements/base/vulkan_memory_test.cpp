@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 #include "tests/has_element.hpp"
-#include "tests/kernels/lime_models.hpp"
+#include "tests/kernels/material/lime_models.hpp"
 #include "vulkan_listener.hpp"
 
 namespace inverse::testing {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "element_test.hpp"
 #include "gst/base/color.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

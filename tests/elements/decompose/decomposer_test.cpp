@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

@@ -1,7 +1,7 @@
 // What the decomposers leave out by what a scene shows, as stats tell it.
 #include <cmath>
 
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

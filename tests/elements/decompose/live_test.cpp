@@ -1,7 +1,7 @@
 // target-fps and latency-budget: the work for a frame follows what it may take.
 #include <chrono>
 
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <thread>
 
-#include "element_test.hpp"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

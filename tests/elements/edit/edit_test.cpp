@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <tuple>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

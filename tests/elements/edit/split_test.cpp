@@ -5,8 +5,8 @@
 #include <map>
 #include <thread>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

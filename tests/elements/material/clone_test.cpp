@@ -11,8 +11,8 @@
 
 #include "gst/base/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
-#include "lamp.hpp"
 #include "lime_fixture.hpp"
+#include "tests/elements/lamp.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {

@@ -1,8 +1,8 @@
 #pragma once
 #include <cmath>
 
-#include "element_test.hpp"
-#include "tests/kernels/lime_models.hpp"
+#include "tests/elements/element_test.hpp"
+#include "tests/kernels/material/lime_models.hpp"
 
 namespace inverse::testing {
 

@@ -7,7 +7,7 @@
 #include "gst/base/meta/inverse_material_meta.h"
 #include "kernels/environment/environment.hpp"
 #include "lime_fixture.hpp"
-#include "tests/kernels/normal_map_file.hpp"
+#include "tests/kernels/environment/normal_map_file.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {

@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "element_test.hpp"
 #include "kernels/environment/environment.hpp"
-#include "lamp.hpp"
 #include "stage/program/light_program.hpp"
-#include "tests/kernels/relight_models.hpp"
+#include "tests/elements/element_test.hpp"
+#include "tests/elements/lamp.hpp"
+#include "tests/kernels/relight/relight_models.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_light_stage_meta.h"
 #include "stage/program/light_program.hpp"
+#include "tests/elements/element_test.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -4,7 +4,7 @@
 #include "stage/controllers/dmx_levels.hpp"
 #include "stage/controllers/sacn_receiver.hpp"
 #include "stage_fixture.hpp"
-#include "tests/light_stage/serial_controller.hpp"
+#include "tests/stage/serial_controller.hpp"
 
 namespace inverse::testing {
 namespace {

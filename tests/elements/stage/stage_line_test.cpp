@@ -2,8 +2,8 @@
 #include <map>
 #include <mutex>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_light_stage_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 namespace {

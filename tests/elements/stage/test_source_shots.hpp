@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "element_test.hpp"
 #include "gst/base/meta/inverse_light_stage_meta.h"
+#include "tests/elements/element_test.hpp"
 
 namespace inverse::testing {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "global_methods.hpp"
-#include "methods.hpp"
-#include "tests/reference/global_intrinsic.hpp"
+#include "tests/extremes/intrinsic/methods.hpp"
+#include "tests/reference/global/global_intrinsic.hpp"
 
 namespace inverse::extremes {
 namespace {

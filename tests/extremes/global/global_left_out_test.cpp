@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "global_methods.hpp"
-#include "window.hpp"
+#include "tests/extremes/support/window.hpp"
 
 namespace inverse::extremes {
 namespace {

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "inputs.hpp"
 #include "kernels/global/global_intrinsic.hpp"
 #include "kernels/thesis/chapter5/global_thesis.hpp"
+#include "tests/extremes/support/inputs.hpp"
 
 namespace inverse::extremes {
 

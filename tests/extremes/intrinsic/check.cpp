@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "methods.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 
 namespace inverse::extremes {
 namespace {

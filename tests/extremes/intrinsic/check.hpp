@@ -1,7 +1,7 @@
 // What holds for any input and any parameters.
 #pragma once
-#include "lab.hpp"
-#include "shrink.hpp"
+#include "tests/extremes/support/lab.hpp"
+#include "tests/extremes/support/shrink.hpp"
 
 namespace inverse::extremes {
 

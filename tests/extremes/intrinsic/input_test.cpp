@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "check.hpp"
-#include "inputs.hpp"
+#include "tests/extremes/support/inputs.hpp"
 
 namespace inverse::extremes {
 namespace {

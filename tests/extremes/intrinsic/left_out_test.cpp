@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "check.hpp"
-#include "inputs.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
-#include "window.hpp"
+#include "tests/extremes/support/inputs.hpp"
+#include "tests/extremes/support/window.hpp"
 
 namespace inverse::extremes {
 namespace {

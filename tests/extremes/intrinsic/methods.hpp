@@ -2,8 +2,8 @@
 #pragma once
 #include <memory>
 
-#include "inputs.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/extremes/support/inputs.hpp"
 
 namespace inverse::extremes {
 

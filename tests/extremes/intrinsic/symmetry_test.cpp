@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "grid_problem.hpp"
 #include "methods.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/extremes/problems/grid_problem.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 
 namespace inverse::extremes {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problem.hpp"
+#include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
 namespace {

@@ -8,7 +8,7 @@
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/gpu/shaders.hpp"
 #include "kernels/thesis/chapter5/global_thesis_push.hpp"
-#include "tests/reference/global_thesis_energy.hpp"
+#include "tests/reference/thesis/global_thesis_energy.hpp"
 #include "thesis_problem.hpp"
 
 INVERSE_SHADER(thesis_chapter5_solve_reweight);

@@ -1,9 +1,9 @@
 // Systems of a Gauss–Newton step of globalintrinsicthesis
-// (tests/reference/global_thesis_energy.hpp), put to the kernels as they are.
+// (tests/reference/thesis/global_thesis_energy.hpp), put to the kernels as they are.
 #pragma once
 #include <vector>
 
-#include "problem.hpp"
+#include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
 

@@ -5,7 +5,7 @@
 #include "kernels/image/pyramid.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 
 namespace inverse::extremes {
 namespace {

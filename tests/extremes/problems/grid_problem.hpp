@@ -1,10 +1,10 @@
-// Systems of intrinsicdecomp's multigrid (kernels/intrinsic/energy.glsl) with any weights, which
-// the edge prior bounds.
+// Systems of intrinsicdecomp's multigrid (kernels/intrinsic/energy/energy.glsl) with any weights,
+// which the edge prior bounds.
 #pragma once
 #include <vector>
 
-#include "lab.hpp"
-#include "problem.hpp"
+#include "tests/extremes/support/lab.hpp"
+#include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
 

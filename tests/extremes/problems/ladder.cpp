@@ -8,7 +8,7 @@
 
 #include "global_thesis_problem.hpp"
 #include "grid_problem.hpp"
-#include "problem.hpp"
+#include "tests/extremes/support/problem.hpp"
 #include "thesis_problem.hpp"
 
 namespace inverse::extremes {

@@ -5,7 +5,7 @@
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/gpu/shaders.hpp"
 #include "kernels/thesis/chapter3/push.hpp"
-#include "tests/reference/intrinsic_thesis.hpp"
+#include "tests/reference/thesis/intrinsic_thesis.hpp"
 
 INVERSE_SHADER(thesis_chapter3_setup);
 INVERSE_SHADER(thesis_chapter3_reweight);

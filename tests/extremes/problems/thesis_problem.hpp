@@ -1,11 +1,11 @@
-// Systems of an IRLS step of intrinsicdecompthesis (tests/reference/intrinsic_thesis_energy.hpp),
-// put to the kernels as they are.
+// Systems of an IRLS step of intrinsicdecompthesis
+// (tests/reference/thesis/intrinsic_thesis_energy.hpp), put to the kernels as they are.
 #pragma once
 #include <vector>
 
-#include "lab.hpp"
-#include "problem.hpp"
-#include "tests/reference/intrinsic_thesis_energy.hpp"
+#include "tests/extremes/support/lab.hpp"
+#include "tests/extremes/support/problem.hpp"
+#include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
 
 namespace inverse {
 struct ThesisPush;

@@ -1,12 +1,12 @@
 // Recoloring and composing against their specification, on ordinary and on hostile layers.
-#include "tests/reference/edit.hpp"
+#include "tests/reference/edit/edit.hpp"
 
 #include <functional>
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/edit/compose.hpp"
 #include "kernels/edit/recolor.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

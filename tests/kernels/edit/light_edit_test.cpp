@@ -1,14 +1,14 @@
 // Light with layers: edits, pictures and composing against their specification.
-#include "tests/reference/light_edit.hpp"
+#include "tests/reference/edit/light_edit.hpp"
 
 #include <functional>
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/edit/compose.hpp"
 #include "kernels/edit/light_edit.hpp"
 #include "kernels/edit/recolor.hpp"
 #include "kernels/image/view/light_picture.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/error.hpp"
 #include "kernels/environment/normal_map.hpp"
 #include "normal_map_file.hpp"
-#include "tests/reference/lit_sphere.hpp"
+#include "tests/reference/environment/lit_sphere.hpp"
 
 namespace inverse::testing {
 namespace {

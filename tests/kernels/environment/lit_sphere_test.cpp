@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "common/error.hpp"
-#include "gpu_fixture.hpp"
-#include "tests/reference/lit_sphere.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/environment/lit_sphere.hpp"
 
 namespace inverse::testing {
 namespace {

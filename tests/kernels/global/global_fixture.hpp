@@ -2,9 +2,9 @@
 #pragma once
 #include <cmath>
 
-#include "intrinsic_fixture.hpp"
 #include "kernels/global/global_intrinsic.hpp"
-#include "tests/reference/global_layers.hpp"
+#include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
+#include "tests/reference/global/global_layers.hpp"
 
 namespace inverse::testing {
 

@@ -1,6 +1,6 @@
 // No kernel of globalintrinsic is built in mid-stream.
-#include "intrinsic_fixture.hpp"
 #include "kernels/global/ladder.hpp"
+#include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
 
 namespace inverse::testing {
 

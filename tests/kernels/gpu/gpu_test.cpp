@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "gpu_fixture.hpp"
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 

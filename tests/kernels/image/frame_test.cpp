@@ -4,11 +4,11 @@
 #include <limits>
 #include <string>
 
-#include "gpu_fixture.hpp"
 #include "kernels/image/format/convert.hpp"
 #include "kernels/image/pyramid.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "tests/reference/mosaic.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/image/mosaic.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

@@ -1,11 +1,11 @@
 // Every pixel format against its reference, both ways.
-#include "tests/reference/pixel_format.hpp"
+#include "tests/reference/image/pixel_format.hpp"
 
 #include <cstring>
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/image/format/convert.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -1,7 +1,7 @@
 #include "kernels/image/pyramid.hpp"
 
-#include "gpu_fixture.hpp"
-#include "tests/reference/pyramid.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/image/pyramid.hpp"
 
 namespace inverse::testing {
 

@@ -6,7 +6,7 @@
 
 #include "intrinsic_fixture.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
-#include "tests/bench/metrics.hpp"
+#include "tests/bench/metrics/metrics.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -5,12 +5,12 @@
 #include <cstring>
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/image/pyramid.hpp"
 #include "kernels/intrinsic/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/multigrid.hpp"
-#include "tests/reference/output_gauge.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/multigrid.hpp"
+#include "tests/reference/intrinsic/output_gauge.hpp"
 
 namespace inverse::testing {
 

@@ -149,7 +149,7 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
   // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
-  // its cycles (tests/extremes/symmetry_test.cpp).
+  // its cycles (tests/extremes/intrinsic/symmetry_test.cpp).
   const Extent extent{160, 120};
   const Pixels pixels = scene(extent, 10);
   Pixels mirrored(pixels.size());

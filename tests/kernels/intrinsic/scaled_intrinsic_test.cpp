@@ -2,7 +2,7 @@
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 #include "intrinsic_fixture.hpp"
-#include "tests/reference/guided_upsample.hpp"
+#include "tests/reference/intrinsic/guided_upsample.hpp"
 
 namespace inverse::testing {
 namespace {

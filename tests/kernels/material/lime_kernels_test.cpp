@@ -7,11 +7,11 @@
 #include <tuple>
 #include <utility>
 
-#include "gpu_fixture.hpp"
 #include "kernels/gpu/shaders.hpp"
 #include "kernels/material/layers/guided_layers.hpp"
 #include "kernels/material/layers/under_highlights.hpp"
-#include "tests/reference/lime.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/material/lime.hpp"
 #include "tests/srgb.hpp"
 
 INVERSE_SHADER(material_networks_crop);

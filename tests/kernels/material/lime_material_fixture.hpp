@@ -1,9 +1,9 @@
 #pragma once
 #include <cmath>
 
-#include "gpu_fixture.hpp"
 #include "kernels/material/lime_material.hpp"
 #include "lime_models.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::testing {

@@ -3,7 +3,7 @@
 
 #include "kernels/material/networks/lime_models.hpp"
 #include "kernels/network/graph_file.hpp"
-#include "network_builder.hpp"
+#include "tests/kernels/network/network_builder.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {

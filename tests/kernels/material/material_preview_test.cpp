@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "gpu_fixture.hpp"
 #include "materials.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 

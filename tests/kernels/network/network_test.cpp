@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "gpu_fixture.hpp"
 #include "network_builder.hpp"
-#include "tests/reference/network.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/network/network.hpp"
 
 namespace inverse::testing {
 

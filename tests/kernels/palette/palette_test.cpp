@@ -3,10 +3,10 @@
 
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/palette/scene_palette.hpp"
-#include "tests/reference/palette.hpp"
-#include "tests/reference/scene_palette.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/palette/palette.hpp"
+#include "tests/reference/palette/scene_palette.hpp"
 
 namespace inverse::testing {
 

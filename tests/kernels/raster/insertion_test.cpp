@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "gpu_fixture.hpp"
 #include "kernels/gpu/shaders.hpp"
-#include "tests/reference/raster.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/raster/raster.hpp"
 
 INVERSE_SHADER(raster_blend);
 INVERSE_SHADER(raster_occlude);

@@ -1,13 +1,13 @@
 // Meshes drawn by compute, against brute force and against areas that are known.
-#include "tests/reference/raster.hpp"
+#include "tests/reference/raster/raster.hpp"
 
 #include <algorithm>
 #include <numbers>
 
 #include "common/error.hpp"
-#include "gpu_fixture.hpp"
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/raster/rasterizer.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
 
 namespace inverse::testing {
 namespace {

@@ -3,9 +3,9 @@
 #include <limits>
 #include <numbers>
 
-#include "gpu_fixture.hpp"
 #include "kernels/relight/lobe/cosine_lobe.hpp"
-#include "tests/reference/reflectance_field.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/relight/reflectance_field.hpp"
 
 namespace inverse::testing {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "kernels/network/graph_file.hpp"
-#include "network_builder.hpp"
+#include "tests/kernels/network/network_builder.hpp"
 
 namespace inverse::testing {
 

@@ -3,9 +3,9 @@
 #pragma once
 #include <algorithm>
 
-#include "gpu_fixture.hpp"
 #include "kernels/thesis/chapter5/global_thesis.hpp"
-#include "tests/reference/global_thesis_params.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/thesis/global_thesis_params.hpp"
 
 namespace inverse::testing {
 

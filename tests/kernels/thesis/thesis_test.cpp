@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "gpu_fixture.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
-#include "tests/reference/thesis_params.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/thesis/thesis_params.hpp"
 
 namespace inverse::testing {
 namespace {

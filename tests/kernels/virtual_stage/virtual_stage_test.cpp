@@ -4,12 +4,12 @@
 #include <numeric>
 
 #include "common/error.hpp"
-#include "gpu_fixture.hpp"
 #include "kernels/virtual_stage/camera_schedule.hpp"
 #include "kernels/virtual_stage/half.hpp"
 #include "kernels/virtual_stage/virtual_camera.hpp"
 #include "kernels/virtual_stage/virtual_head.hpp"
-#include "tests/reference/virtual_head.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/virtual_stage/virtual_head.hpp"
 
 namespace inverse::testing {
 namespace {

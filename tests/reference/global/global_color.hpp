@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference::global {
 

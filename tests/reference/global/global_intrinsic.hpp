@@ -9,8 +9,8 @@
 
 #include "global_amount.hpp"
 #include "global_tint.hpp"
-#include "intrinsic_decomposition.hpp"
-#include "output_gauge.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/output_gauge.hpp"
 
 namespace inverse::reference {
 

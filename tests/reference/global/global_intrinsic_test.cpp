@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "global_layers.hpp"
-#include "random.hpp"
+#include "tests/reference/random.hpp"
 
 namespace inverse::reference {
 namespace {

@@ -1,9 +1,10 @@
-// Four pictures in one, in double precision. This is the specification of kernels/image/mosaic.
+// Four pictures in one, in double precision. This is the specification of
+// kernels/image/view/mosaic.
 #pragma once
 
 #include <array>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 

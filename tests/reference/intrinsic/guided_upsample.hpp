@@ -1,6 +1,6 @@
 #pragma once
 // Guided upsampling of log shading (He and Sun, Fast Guided Filter, 2015), as
-// kernels/intrinsic/upsample.glsl does it.
+// kernels/intrinsic/resolution/upsample.glsl does it.
 #include <vector>
 
 namespace inverse::reference {

@@ -1,6 +1,6 @@
 // The scale in which intrinsicdecomp's layers go out, R c and S / c, in double precision. This is
-// the specification of kernels/intrinsic/output_gauge, which counts in bins of 1/32 where this
-// sorts.
+// the specification of kernels/intrinsic/output/output_gauge, which counts in bins of 1/32 where
+// this sorts.
 #pragma once
 
 #include <vector>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lit_sphere.hpp"
+#include "tests/reference/environment/lit_sphere.hpp"
 #include "tests/srgb.hpp"
 
 namespace inverse::reference {

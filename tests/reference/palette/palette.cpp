@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "random.hpp"
+#include "tests/reference/random.hpp"
 
 namespace inverse::reference {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 

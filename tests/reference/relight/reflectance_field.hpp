@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "kernels/relight/network/relight_models.hpp"
-#include "network.hpp"
-#include "plane.hpp"
+#include "tests/reference/network/network.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 

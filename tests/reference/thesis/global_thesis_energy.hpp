@@ -1,6 +1,6 @@
 // The energy of the global intrinsic decomposition (thesis, chapter 5, Eqs. 5.3–5.13) and the
 // linear systems of its Gauss–Newton steps, in double precision. This is the specification of
-// kernels/global_thesis.
+// kernels/thesis/chapter5.
 //
 // Unknowns of a pixel: r = ln R (three channels), T_0 (direct light), T_1 … T_K (indirect light,
 // one scalar for each base color b_k; b_0 is white).
@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "intrinsic_thesis_energy.hpp"
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 
 /// Every parameter of the method. The meaning of each is documented in
-/// kernels/global_thesis/global_thesis_params.hpp; the fields have the same names.
+/// kernels/thesis/chapter5/global_thesis_params.hpp; the fields have the same names.
 struct GlobalThesisParams {
   double lambda_data = 5000;
   double lambda_clustering = 200;

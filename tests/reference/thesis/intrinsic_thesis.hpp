@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "intrinsic_thesis_energy.hpp"
-#include "palette.hpp"
+#include "tests/reference/palette/palette.hpp"
 
 namespace inverse::reference {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "random.hpp"
+#include "tests/reference/random.hpp"
 
 namespace inverse::reference {
 namespace {

@@ -1,5 +1,5 @@
 // The decomposition energy of chapter 3 (Eqs. 3.3–3.15) and the linear systems of its IRLS steps,
-// in double precision. This is the specification of kernels/intrinsic_thesis.
+// in double precision. This is the specification of kernels/thesis/chapter3.
 //
 // Unknowns: one vector (r_R, r_G, r_B, s) a pixel, natural logarithms of reflectance and shading.
 #pragma once
@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 
 /// Every parameter of the method with the values of section 3.6. The meaning of each is documented
-/// in kernels/intrinsic_thesis/thesis_params.hpp; the fields have the same names.
+/// in kernels/thesis/chapter3/thesis_params.hpp; the fields have the same names.
 struct ThesisParams {
   double w_data = 10;
   double w_intensity = 0.8;

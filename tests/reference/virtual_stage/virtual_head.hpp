@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "plane.hpp"
+#include "tests/reference/plane.hpp"
 
 namespace inverse::reference {
 
