@@ -1,6 +1,6 @@
 // Writes one Markdown page for each element of the plugin, from what the element says of itself
 // (the same tables that gst-inspect-1.0 shows), with the hand-written
-// docs/elements/intro/<element>.md on top.
+// docs/reference/elements/intro/<element>.md on top.
 //
 // usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
 #include <gst/gst.h>

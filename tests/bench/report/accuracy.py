@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the tables of docs/measurements-accuracy.md from a results.json of `./dev bench --full`: given data alone.
+"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: given data alone.
 
     tests/bench/report/accuracy.py docs/report/results.json
 """
