@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails where docs/reference/elements is not what the elements say of themselves; ./dev docs mends it.
+# Fails where docs/reference/elements is not what the elements say of themselves; run ./dev docs then.
 set -euo pipefail
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT

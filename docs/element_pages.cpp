@@ -33,10 +33,10 @@ std::string plain(T value) {
   return text.str();
 }
 
-/// "0 … 1 (0.5)": the values that a property takes, and its default.
+/// "0…1 (0.5)": the values that a property takes, and its default.
 template <typename Spec>
 std::string range(const Spec* spec) {
-  return plain(spec->minimum) + " … " + plain(spec->maximum) + " (" + plain(spec->default_value) +
+  return plain(spec->minimum) + "…" + plain(spec->maximum) + " (" + plain(spec->default_value) +
          ")";
 }
 

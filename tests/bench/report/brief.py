@@ -180,10 +180,7 @@ the one with the smallest LMSE is shown. *Same energy*: solvers of `intrinsicdec
 
 {tables.by_regime({n: [p for p in of if p['method'] in SHOWN + ['thesis Schwarz']] for n, of in f['regimes'].items()})}
 Own and given data; **†: training sets, on whose frames constants of `intrinsicdecomp` were fitted. Their figures are optimistic.** No method is best everywhere. R = I / max_c I wins on
-palettes of one value, constant answers where their assumption is true. `intrinsicdecomp` at its default, with 95 % bootstrap intervals over scenes, differences paired by scene:
-
-{tables.by_regime_intervals(f['intervals'])}
-*Best baseline*: the best peer or constant answer in that regime at its best setting, which favors it. Under four scenes an interval is only the range; under three no statement is made.
+palettes of one value, constant answers where their assumption is true. Intervals and paired differences: [accuracy](../reference/accuracy.md).
 
 ## Indirect light
 Means over {f['light']['scenes']} scenes (four own stills, seven rendered sequences; all were looked at while `globalintrinsic` was tuned). `ind`: squared error of the indirect layer, relative to its
@@ -210,7 +207,7 @@ Frames of the bundled clip as NV12, memory to memory.
 - The own stills are four, and **the ranking on them depends on their light**: in a first version of flatter light, without the clay scene (sculptures), constant shading and Retinex scored best.
 - The own scenes were seen during development. Nothing was fitted to them, but constants of `globalintrinsic` were chosen with them in view.
 - Given data: {f['data']}. How it was used for training: [accuracy](../reference/accuracy.md).
-- All settings take turns on every frame, and programs take turns twice. Metrics (`tests/bench/metrics.hpp`) are tested against closed forms and scikit-image.
+- All settings take turns on every frame, and programs take turns twice. Metrics (`tests/bench/metrics/`) are tested against closed forms and scikit-image.
 """
 
 

@@ -210,7 +210,7 @@ Every method, its peers and answers without a solve, on one machine in one run. 
 sequence, every setting, every size. `--publish` also writes the short page that is committed, `docs/report`. `--resume` continues an interrupted run. `--data DIR` names another folder of ground truth,
 `--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
 run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and
-`scenes`: see `tests/bench/methods_main.cpp`).
+`scenes`: see `tests/bench/methods/methods_main.cpp`).
 
 - Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
 """ + (f"- Measuring took {machine['seconds'] / 60:.1f} minutes.\n" if machine.get("seconds") else "") + f"""\
@@ -218,9 +218,9 @@ run's `results.json` that this run does not make, or adds a device on which `ben
                (" — **other work ran meanwhile: trust ratios and processor time only**.\n" if load > 2.5 else ".\n") +
                """- All settings take turns on every frame""" + (", and programs take turns, twice" if results["full"] else "") + """; run time is the median. It is that of the
   method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
-""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over them.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
+""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over them.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/scenes/own_scenes.cpp`). They are few, and
   **the ranking on them depends on their light**: in a first version of flatter light, without the clay scene, constant
   shading and Retinex scored best. Nothing was fitted to them.
-- Metrics: `tests/bench/metrics.hpp`; tested against closed forms and scikit-image.
+- Metrics: `tests/bench/metrics/`; tested against closed forms and scikit-image.
 """)
     (folder / "README.md").write_text("\n".join(out))

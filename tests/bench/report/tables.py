@@ -371,7 +371,7 @@ def by_device(results):
     columns = [(results["device"], results["summary"]["own"])] + [(o["device"], o["points"]) for o in results.get("others") or []]
     if len(columns) < 2:
         return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
-                "(`tests/bench/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
+                "(`tests/bench/methods/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
     curves = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
     rows = []
     for p in columns[0][1]:
