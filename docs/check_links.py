@@ -33,7 +33,8 @@ def broken(page, link):
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
     listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"], capture_output=True, text=True)
-    pages = [root / name for name in listed.stdout.split()] or sorted(root.glob("[!.b]*/**/*.md"))
+    pages = [root / name for name in listed.stdout.split()] or [
+        p for p in sorted(root.rglob("*.md")) if not any(part.startswith((".", "build")) for part in p.relative_to(root).parts)]
     wrong = 0
     for page in pages:
         if not page.exists() or page.parent.name == "intro":  # whose links are of the page that is made of it
