@@ -34,7 +34,10 @@ def options():
                         help="where the report goes (default out/report, which git ignores)")
     parser.add_argument("--publish", action="store_true", help="also write the short page that is committed, docs/report")
     parser.add_argument("--plots-only", action="store_true", help="draw again from the report's results.json")
-    return parser.parse_args()
+    given = parser.parse_args()
+    if given.publish and not (given.full or given.plots_only):
+        parser.error("--publish needs a --full run")
+    return given
 
 
 def summarize(results):
