@@ -8,8 +8,8 @@
 namespace inverse {
 
 /// What globalintrinsicthesis has to tell of marked regions, as element messages
-/// (docs/elements/globalintrinsicthesis.md); all but what became of a click waits for the next
-/// frame.
+/// (docs/reference/elements/globalintrinsicthesis.md); all but what became of a click waits for the
+/// next frame.
 class RegionNews {
  public:
   void corrected(const MisclusteringCorrection::Result& result) { corrected_.push_back(result); }

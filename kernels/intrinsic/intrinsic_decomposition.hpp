@@ -20,8 +20,8 @@
 namespace inverse {
 
 /// Live intrinsic decomposition: reflectance and scalar shading of every frame of a video
-/// (energy.glsl; docs/method-intrinsicdecomp.md). Owns the kernels and the temporal state for one
-/// size on one device. Not thread-safe.
+/// (energy.glsl; docs/reference/methods/intrinsicdecomp.md). Owns the kernels and the temporal
+/// state for one size on one device. Not thread-safe.
 class IntrinsicDecomposition {
  public:
   struct Params {

@@ -14,7 +14,7 @@ struct LightDriverSettings {
     none,    ///< they are not: the rig has the program already and is stepped by its own trigger
     sacn,    ///< E1.31 over UDP, packets at every step
     ola,     ///< the same levels to olad on this machine, where this was built with its client
-    serial,  ///< the program is uploaded once and stepped (docs/light-stage-serial.md)
+    serial,  ///< the program is uploaded once and stepped (docs/reference/light-stage-serial.md)
   };
   Backend backend = Backend::none;
 

@@ -11,7 +11,7 @@
 
 namespace inverse::serial {
 
-/// The lines between us and a controller: docs/light-stage-serial.md.
+/// The lines between us and a controller: docs/reference/light-stage-serial.md.
 inline constexpr int kVersion = 1;
 /// Longer replies are not of this protocol.
 inline constexpr size_t kLongestReply = 512;

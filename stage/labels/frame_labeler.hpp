@@ -10,7 +10,8 @@
 
 namespace inverse {
 
-/// Says of each frame of one camera which step of a light program lit it (docs/light-stage.md).
+/// Says of each frame of one camera which step of a light program lit it
+/// (docs/reference/light-stage-labels.md).
 ///
 /// Triggers are counted by TriggerCounter. Where the program began is read from the pictures: its
 /// marker is black, full on, black, each a frame long. From then on pictures only check: who

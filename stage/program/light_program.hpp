@@ -46,7 +46,7 @@ struct LightStep {
 /// What the lights of a stage do from one trigger of the cameras to the next: a marker that shows
 /// where the program starts, and steps, once or again and again. One step is one frame of a camera.
 ///
-/// As JSON: docs/light-program.md.
+/// As JSON: docs/reference/light-program.md.
 struct LightProgram {
   static constexpr size_t kMaxLights = 4096, kMaxSteps = 65536;
   static constexpr size_t kMaxFileBytes = size_t{64} << 20;

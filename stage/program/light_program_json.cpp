@@ -1,4 +1,4 @@
-// Light programs as JSON: docs/light-program.md has the fields.
+// Light programs as JSON: docs/reference/light-program.md has the fields.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -108,8 +108,8 @@ class Controller {
   std::thread thread_;
 };
 
-/// A controller that does what docs/light-stage-serial.md says: keeps a program, and knows what its
-/// lights do. Written from that page alone.
+/// A controller that does what docs/reference/light-stage-serial.md says: keeps a program, and
+/// knows what its lights do. Written from that page alone.
 class Rig {
  public:
   std::string operator()(const std::string& line) {

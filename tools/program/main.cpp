@@ -1,5 +1,5 @@
 // inverse-light-program PROGRAM [--rate STEPS] [FILE]: writes a light program as JSON
-// (docs/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
+// (docs/reference/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
 #include <charconv>
 #include <cstdio>
 #include <string>

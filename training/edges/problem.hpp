@@ -1,5 +1,5 @@
 // One frame's decomposition as a differentiable function of the edge prior: the energy of
-// docs/method-intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
+// docs/reference/methods/intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
 #pragma once
 
 #include <vector>

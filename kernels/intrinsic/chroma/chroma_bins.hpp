@@ -7,7 +7,7 @@ namespace inverse {
 
 /// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal
 /// reflectance. Means of r = m' - s' over a grid of chroma (bins.glsl;
-/// docs/method-intrinsicdecomp.md, 4), in fixed point and so the same bits in every run.
+/// docs/reference/methods/intrinsicdecomp.md, 4), in fixed point and so the same bits in every run.
 class ChromaBins {
  public:
   /// `cells` is the size of guide level 2.
@@ -28,7 +28,8 @@ class ChromaBins {
   void record_force(gpu::Commands& commands, const State& state, bool look = false);
   /// One vec4, of the last look: sum of v (F / v)^2 and sum of v over the cells, F the force of the
   /// bins and v the weight of the value prior. The root of their ratio bounds how much cell means
-  /// of log shading, rms weighted by v, change without bins (docs/method-intrinsicdecomp.md, 4).
+  /// of log shading, rms weighted by v, change without bins
+  /// (docs/reference/methods/intrinsicdecomp.md, 4).
   const gpu::BufferPtr& binding() const { return binding_; }
 
  private:

@@ -1,4 +1,4 @@
-// The energy that intrinsicdecomp minimizes (docs/method-intrinsicdecomp.md), one unknown a pixel, s = ln shading:
+// The energy that intrinsicdecomp minimizes (docs/reference/methods/intrinsicdecomp.md), one unknown a pixel, s = ln shading:
 //
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here
 //        + sum over cells  v (s' - V)^2                  value prior: pins scale and low frequencies

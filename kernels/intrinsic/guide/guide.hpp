@@ -6,8 +6,8 @@
 
 namespace inverse {
 
-/// What a frame looks like to a prior (guide.glsl; docs/method-intrinsicdecomp.md, 1), made from
-/// linear RGB.
+/// What a frame looks like to a prior (guide.glsl; docs/reference/methods/intrinsicdecomp.md, 1),
+/// made from linear RGB.
 class Guide {
  public:
   /// Throws Error(limit) where the planes do not fit the device.

@@ -8,8 +8,8 @@ namespace inverse {
 /// Decides edge by edge how much of a step is paint and how much is light, and cell by cell what
 /// pins the rest (energy.glsl: a, b, v, V, g). The solver knows nothing of how: whatever fills the
 /// same three buffers can take its place. This one evaluates two small fitted functions of local
-/// cues (docs/method-intrinsicdecomp.md, 2), and can leave alone the edges of tiles that have not
-/// changed.
+/// cues (docs/reference/methods/intrinsicdecomp.md, 2), and can leave alone the edges of tiles that
+/// have not changed.
 class EdgePrior {
  public:
   struct Params {

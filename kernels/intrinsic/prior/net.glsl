@@ -1,5 +1,5 @@
 // What the fitted functions of EdgePrior are evaluated on and what their outputs mean
-// (docs/method-intrinsicdecomp.md, 2).
+// (docs/reference/methods/intrinsicdecomp.md, 2).
 const float kLogLow = -4.5, kLogHigh = 3.0;
 
 // log2(x + 0.01) for x >= 0, to 1e-4, for cues (ln(x + 0.01) + center) / 1.5: scale and center are in the constants of the

@@ -9,8 +9,8 @@
 namespace inverse {
 
 /// Which tiles of a frame need work: those whose input changed, and those whose solution still
-/// moves (active.comp, activity.comp; docs/method-intrinsicdecomp.md, 8). Who knows what changed
-/// tells so for every frame; without that, frames are worked on as a whole.
+/// moves (active.comp, activity.comp; docs/reference/methods/intrinsicdecomp.md, 8). Who knows what
+/// changed tells so for every frame; without that, frames are worked on as a whole.
 class ActiveTiles {
  public:
   ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent extent);

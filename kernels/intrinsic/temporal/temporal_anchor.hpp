@@ -6,8 +6,8 @@
 namespace inverse {
 
 /// What a frame leaves to the next one, and how far the next one may believe it (temporal.glsl;
-/// docs/method-intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing waits for the
-/// host.
+/// docs/reference/methods/intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing
+/// waits for the host.
 class TemporalAnchor {
  public:
   struct Params {

@@ -1,4 +1,4 @@
-// A subject under two color gradients, pixel by pixel, as one cosine lobe (Fyffe et al. 2009; docs/method-olatrelight.md).
+// A subject under two color gradients, pixel by pixel, as one cosine lobe (Fyffe et al. 2009; docs/reference/methods/olatrelight.md).
 //
 // Light of radiance 1 from direction w in the solid angle dw gives a pixel  R_c(w) dw = a_c max(0, u·w)^p dw,  of albedo a_c
 // in channel c. Lights of direction w shine with (1 + w_c)/2 in gradient A and (1 - w_c)/2 in B, so that

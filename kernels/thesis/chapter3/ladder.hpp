@@ -11,7 +11,7 @@ void thesis_level(ThesisParams& params) {
   params.pcg_iterations = kPcg;
 }
 
-/// The ladder of intrinsicdecompthesis (docs/measurements.md, Live trade). The thesis runs 4 x 8
+/// The ladder of intrinsicdecompthesis. The thesis runs 4 x 8
 /// iterations (section 3.6.5) and shows convergence with 7 x 8.
 inline const Ladder<ThesisParams>& thesis_ladder() {
   static const Ladder<ThesisParams> ladder{{{0.26, thesis_level<1, 4>},

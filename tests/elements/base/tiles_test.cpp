@@ -59,8 +59,8 @@ TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSam
       const auto picture = frame(4 * k);
       const auto got = some.process(picture), want = all.process(picture);
       ASSERT_FALSE(got.empty());
-      // Within a few percent of light, as docs/method-intrinsicdecomp.md, 8, promises on the
-      // average.
+      // Within a few percent of light, as docs/reference/methods/intrinsicdecomp.md, 8, promises on
+      // the average.
       EXPECT_LE(largest_difference(got, want), std::string(show) == "input" ? 0 : 40)
           << show << " " << k;
       double sum = 0;

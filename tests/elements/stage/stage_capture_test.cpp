@@ -293,7 +293,7 @@ TEST_F(StageCaptureFolder, TheFirstCaptureIsThereAsFarAsItCame) {
   EXPECT_NE(warnings[0].find("cut short: 12 of 15 pictures"), std::string::npos) << warnings[0];
 }
 
-// The launch line of docs/elements/lightstagesync.md, and pairs of what it plays.
+// The launch line of docs/reference/elements/lightstagesync.md, and pairs of what it plays.
 TEST(StageRoundTrip, ACaptureIsPlayedAsBrightAsTheSubjectWas) {
   const TemporaryFolder folder;
   const std::string location = folder / "capture";

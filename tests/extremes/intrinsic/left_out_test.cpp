@@ -115,7 +115,8 @@ std::optional<std::string> wrong_crossings(const Lab& lab, const Case& one, Coun
     counts.frames += 1;
     counts.listed += some.method.stats(k).crossed;
     // Light of 1e4 beside full scale can bind chroma bins in a few pixels of a frame of a few more
-    // without the mean telling so (docs/stability.md): finite and R S = I is all that is asked.
+    // without the mean telling so (docs/reference/stability.md): finite and R S = I is all that is
+    // asked.
     if (one.knobs != 0 || one.faults & kBeyondFormats) continue;
     params.adaptive = false;
     whole.play(frame, params);

@@ -201,7 +201,7 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
 
 // What moves leaves shading behind that is wrong for what it uncovers, and that fades for as long
 // as the video goes on: also where tiles are left out, to within the bound of
-// docs/method-intrinsicdecomp.md, 8.
+// docs/reference/methods/intrinsicdecomp.md, 8.
 TEST_F(IntrinsicTilesTest, WhatMovingThingsLeaveBehindFades) {
   constexpr double kMostRms = 0.04, kMostTile = 0.15;
   const Extent extent{240, 176};

@@ -4,7 +4,7 @@
 // chroma (global_amount.hpp); base colors are the modes of that chroma (global_palette.hpp); what
 // varies slowly around them is light, too (global_tint.hpp). The tint of the light is divided out,
 // and intrinsicdecomp's energy decides how bright reflectance and light are. See
-// docs/method-globalintrinsic.md. Double precision, no dependencies.
+// docs/reference/methods/globalintrinsic.md. Double precision, no dependencies.
 #pragma once
 
 #include "global_amount.hpp"

@@ -8,7 +8,7 @@
 // over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
 // edge. a, b, v, V and g come from
 // EdgePrior: here a small fitted function of local cues; the seam where a network may go. See
-// docs/method-intrinsicdecomp.md. Double precision, no dependencies.
+// docs/reference/methods/intrinsicdecomp.md. Double precision, no dependencies.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // What the edge prior of intrinsicdecomp looks at: a guide pyramid and the cues read from it.
-// Plain C++ in double precision; docs/method-intrinsicdecomp.md has the same equations.
+// Plain C++ in double precision; docs/reference/methods/intrinsicdecomp.md has the same equations.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ constexpr size_t kSlots = BaseColors::kMaxColors;
 constexpr float kFloor = 3e-3f;  // ε_c of chromaticities, as in the method's default
 
 // All of these were chosen on the project's own scenes and hold on those that are given, see
-// docs/method-globalintrinsicthesis.md.
+// docs/reference/methods/globalintrinsicthesis.md.
 constexpr float kLeastArea = 0.003f;     // of the frame
 constexpr int kLeastPixels = 12;         // of the small frame
 constexpr float kLeastShare = 0.1f;      // of a region's border, to the cluster of its base color
