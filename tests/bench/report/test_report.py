@@ -315,7 +315,7 @@ class Training(unittest.TestCase):
 
 
 class Brief(unittest.TestCase):
-    FOLDER = pathlib.Path(__file__).parents[3] / "docs/report"
+    FOLDER = pathlib.Path(__file__).resolve().parents[3] / "docs/report"
 
     def test_the_committed_page_is_that_of_its_figures(self):
         found = json.loads((self.FOLDER / "figures.json").read_text())
