@@ -1,6 +1,6 @@
 // Writes one Markdown page for each element of the plugin, from what the element says of itself
 // (the same tables that gst-inspect-1.0 shows), with the hand-written
-// docs/elements/intro/<element>.md on top.
+// docs/reference/elements/intro/<element>.md on top.
 //
 // usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
 #include <gst/gst.h>
@@ -9,6 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -30,52 +33,66 @@ std::string plain(T value) {
   return text.str();
 }
 
-struct Kind {
-  std::string type, range, value;
-};
+/// "0…1 (0.5)": the values that a property takes, and its default.
+template <typename Spec>
+std::string range(const Spec* spec) {
+  return plain(spec->minimum) + "…" + plain(spec->maximum) + " (" + plain(spec->default_value) +
+         ")";
+}
 
-Kind kind_of(GParamSpec* spec) {
-  if (G_IS_PARAM_SPEC_FLOAT(spec)) {
-    auto* s = G_PARAM_SPEC_FLOAT(spec);
-    return {"float", plain(s->minimum) + " … " + plain(s->maximum), plain(s->default_value)};
-  }
-  if (G_IS_PARAM_SPEC_DOUBLE(spec)) {
-    auto* s = G_PARAM_SPEC_DOUBLE(spec);
-    return {"double", plain(s->minimum) + " … " + plain(s->maximum), plain(s->default_value)};
-  }
-  if (G_IS_PARAM_SPEC_INT(spec)) {
-    auto* s = G_PARAM_SPEC_INT(spec);
-    return {"int", plain(s->minimum) + " … " + plain(s->maximum), plain(s->default_value)};
-  }
+std::string values_of(GParamSpec* spec) {
+  if (G_IS_PARAM_SPEC_FLOAT(spec)) return range(G_PARAM_SPEC_FLOAT(spec));
+  if (G_IS_PARAM_SPEC_DOUBLE(spec)) return range(G_PARAM_SPEC_DOUBLE(spec));
+  if (G_IS_PARAM_SPEC_INT(spec)) return range(G_PARAM_SPEC_INT(spec));
   if (G_IS_PARAM_SPEC_UINT(spec)) {
     auto* s = G_PARAM_SPEC_UINT(spec);
-    if (std::string(g_param_spec_get_blurb(spec)).find("0xAARRGGBB") != std::string::npos) {
-      char text[16];
-      g_snprintf(text, sizeof text, "0x%08x", s->default_value);
-      return {"color", "0xAARRGGBB", text};
-    }
-    return {"unsigned", plain(s->minimum) + " … " + plain(s->maximum), plain(s->default_value)};
+    if (std::string(g_param_spec_get_blurb(spec)).find("0xAARRGGBB") == std::string::npos)
+      return range(s);
+    char text[32];
+    g_snprintf(text, sizeof text, "color (0x%08x)", s->default_value);
+    return text;
   }
   if (G_IS_PARAM_SPEC_BOOLEAN(spec))
-    return {"boolean", "true, false", G_PARAM_SPEC_BOOLEAN(spec)->default_value ? "true" : "false"};
+    return G_PARAM_SPEC_BOOLEAN(spec)->default_value ? "boolean (true)" : "boolean (false)";
   if (G_IS_PARAM_SPEC_ENUM(spec)) {
     auto* s = G_PARAM_SPEC_ENUM(spec);
     std::string values;
     for (guint i = 0; i < s->enum_class->n_values; ++i)
       values += (i ? ", " : "") + std::string(s->enum_class->values[i].value_nick);
-    return {"one of", values, g_enum_get_value(s->enum_class, s->default_value)->value_nick};
+    return values + " (" + g_enum_get_value(s->enum_class, s->default_value)->value_nick + ")";
   }
   if (G_IS_PARAM_SPEC_STRING(spec)) {
     const char* value = G_PARAM_SPEC_STRING(spec)->default_value;
-    return {"string", "", value && *value ? value : "empty"};
+    return value && *value ? "text (" + std::string(value) + ")" : "text";
   }
-  return {g_type_name(spec->value_type), "", ""};
+  return g_type_name(spec->value_type);
 }
 
+/// When a property may be set; each of these has a table.
 std::string when(GParamFlags flags) {
-  if (!(flags & G_PARAM_WRITABLE)) return "read only";
-  if (flags & GST_PARAM_MUTABLE_PLAYING) return "any time";
-  return "before it starts";
+  if (!(flags & G_PARAM_WRITABLE)) return "Read only";
+  if (flags & GST_PARAM_MUTABLE_PLAYING) return "At any time";
+  return "Before the element starts";
+}
+
+/// The formats of a caps structure, separated by ", ".
+std::string formats_of(const GstStructure* structure) {
+  const GValue* format = gst_structure_get_value(structure, "format");
+  if (!format) return "any";
+  gchar* text = gst_value_serialize(format);
+  const std::string formats =
+      std::regex_replace(std::string(text), std::regex("\\(string\\)|[{}]"), "");
+  g_free(text);
+  const size_t first = formats.find_first_not_of(' ');
+  return formats.substr(first, formats.find_last_not_of(' ') + 1 - first);
+}
+
+/// A list's words in alphabetical order: two lists of the same words are one.
+std::multiset<std::string> sorted_words(const std::string& list) {
+  std::istringstream words(list + ",");
+  std::multiset<std::string> sorted;
+  for (std::string word; words >> word;) sorted.insert(word);
+  return sorted;
 }
 
 void write_page(GstElementFactory* factory, std::ostream& page, const std::string& intro) {
@@ -91,6 +108,7 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
     return a->direction != b->direction ? a->direction == GST_PAD_SINK
                                         : std::string(a->name_template) < b->name_template;
   });
+  std::set<std::multiset<std::string>> listed;
   for (GstStaticPadTemplate* pad : pads) {
     static const char* kPresence[] = {"always", "sometimes", "on request"};
     page << "- `" << pad->name_template << "` (" << (pad->direction == GST_PAD_SRC ? "out" : "in")
@@ -99,11 +117,11 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
     for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
       gchar* features = gst_caps_features_to_string(gst_caps_get_features(caps, i));
       const GstStructure* structure = gst_caps_get_structure(caps, i);
-      const GValue* format = gst_structure_get_value(structure, "format");
-      gchar* formats = format ? gst_value_serialize(format) : g_strdup("any");
-      page << "  - `" << gst_structure_get_name(structure) << "(" << features << ")`: " << formats
-           << "\n";
-      g_free(formats);
+      const std::string formats = formats_of(structure);
+      const bool known =
+          formats.find(',') != std::string::npos && !listed.insert(sorted_words(formats)).second;
+      page << "  - `" << gst_structure_get_name(structure) << "(" << features
+           << ")`: " << (known ? "the same formats" : formats) << "\n";
       g_free(features);
     }
     gst_caps_unref(caps);
@@ -111,8 +129,8 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   GstElement* element = gst_element_factory_create(factory, nullptr);
   guint count = 0;
   GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
-  page << "\n## Properties\n\n| property | type | values | default | changes | meaning "
-          "|\n|---|---|---|---|---|---|\n";
+  page << "\n## Properties\n";
+  std::map<std::string, std::string> tables;
   std::ostringstream choices;
   for (guint i = 0; i < count; ++i) {
     GParamSpec* spec = specs[i];
@@ -120,10 +138,8 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
         g_strcmp0(g_type_name(spec->owner_type), "GstBaseTransform") == 0 ||
         g_strcmp0(g_type_name(spec->owner_type), "GstBaseSrc") == 0)
       continue;
-    const Kind kind = kind_of(spec);
-    page << "| `" << spec->name << "` | " << kind.type << " | " << cell(kind.range) << " | "
-         << cell(kind.value) << " | " << when(spec->flags) << " | "
-         << cell(g_param_spec_get_blurb(spec)) << " |\n";
+    tables[when(spec->flags)] += "| `" + std::string(spec->name) + "` | " + cell(values_of(spec)) +
+                                 " | " + cell(g_param_spec_get_blurb(spec)) + " |\n";
     if (G_IS_PARAM_SPEC_ENUM(spec)) {
       choices << "\n`" << spec->name << "`:\n";
       auto* values = G_PARAM_SPEC_ENUM(spec)->enum_class;
@@ -132,6 +148,10 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
                 << "\n";
     }
   }
+  for (const auto& [title, rows] : tables)
+    page << "\n"
+         << title << ":\n\n| property | values (default) | meaning |\n|---|---|---|\n"
+         << rows;
   page << choices.str();
   g_free(specs);
   gst_object_unref(element);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The README's picture, docs/decomposition.jpg: a frame of what `./dev run --file` shows, 2 s into the bundled clip.
+# The README's picture, docs/images/decomposition.jpg: a frame of what `./dev run --file` shows, 2 s into the bundled clip.
 #   docs/make_picture.sh [BUILD]     (default build, which ./dev build-only build makes)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -12,4 +12,4 @@ pipelines/run --file --seconds 2 --out "$folder"
 # The last of its frames.
 gst-launch-1.0 -q filesrc location="$folder/decomposition.mkv" ! decodebin ! videoconvert ! videoscale method=lanczos \
   ! video/x-raw,format=I420,width=640,height=480 ! jpegenc quality=92 ! multifilesink location="$folder/%05d.jpg" max-files=1
-mv "$folder"/*.jpg docs/decomposition.jpg
+mv "$folder"/*.jpg docs/images/decomposition.jpg

@@ -1,7 +1,7 @@
 // The list of elements, nothing else.
-#include "base/filter.hpp"
-#include "base/layers_meta.hpp"
-#include "base/material_meta.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/layers_meta.hpp"
+#include "gst/base/meta/material_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kGlobalIntrinsic;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "inverse_layers_meta.h"
-#include "vulkan_bridge.hpp"
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/base/vulkan/vulkan_bridge.hpp"
 
 namespace inverse {
 namespace {

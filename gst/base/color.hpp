@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "image/transfer.hpp"
+#include "kernels/image/format/transfer.hpp"
 
 namespace inverse {
 

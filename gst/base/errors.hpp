@@ -1,7 +1,7 @@
 #pragma once
 #include <gst/gst.h>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "caps.hpp"
-#include "gpu/commands.hpp"
-#include "image/layers.hpp"
-#include "image/tile_list.hpp"
-#include "picture.hpp"
+#include "gst/base/frames/picture.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
 #include "property_table.hpp"
 
 namespace inverse {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "errors.hpp"
-#include "layers_meta.hpp"
+#include "gst/base/meta/layers_meta.hpp"
 #include "report.hpp"
 
 namespace inverse {

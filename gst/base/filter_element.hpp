@@ -5,10 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include "device_context.hpp"
 #include "filter.hpp"
-#include "frame_io.hpp"
-#include "repeats.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/frames/repeats.hpp"
+#include "gst/base/vulkan/device_context.hpp"
 
 namespace inverse {
 

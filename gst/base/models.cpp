@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 
 namespace inverse {
 

@@ -2,12 +2,12 @@
 #include <array>
 #include <optional>
 
-#include "base/filter.hpp"
-#include "base/light_pictures.hpp"
-#include "image/mosaic.hpp"
-#include "ladder.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/frames/light_pictures.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/ladder.hpp"
+#include "kernels/palette/scene_palette.hpp"
 #include "live_trade.hpp"
-#include "palette/scene_palette.hpp"
 
 namespace inverse {
 

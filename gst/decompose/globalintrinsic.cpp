@@ -1,6 +1,6 @@
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
-#include "base/color.hpp"
-#include "global/ladder.hpp"
+#include "gst/base/color.hpp"
+#include "kernels/global/ladder.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {

@@ -3,11 +3,11 @@
 #include <tuple>
 #include <utility>
 
-#include "base/color.hpp"
 #include "decomposer.hpp"
-#include "global_thesis/ladder.hpp"
-#include "global_thesis/warm_up.hpp"
-#include "image/mosaic.hpp"
+#include "gst/base/color.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/thesis/chapter5/correction/warm_up.hpp"
+#include "kernels/thesis/chapter5/ladder.hpp"
 #include "region_news.hpp"
 #include "region_requests.hpp"
 

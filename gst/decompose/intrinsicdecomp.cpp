@@ -1,5 +1,5 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
-#include "intrinsic/ladder.hpp"
+#include "kernels/intrinsic/ladder.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {

@@ -1,7 +1,7 @@
 // intrinsicdecompthesis: chapter 3 of the thesis to the letter.
 #include "decomposer.hpp"
-#include "intrinsic_thesis/ladder.hpp"
-#include "intrinsic_thesis/thesis_decomposition.hpp"
+#include "kernels/thesis/chapter3/ladder.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 
 namespace inverse {
 namespace {

@@ -1,15 +1,15 @@
 #pragma once
 #include <vector>
 
-#include "base/filter.hpp"
-#include "global_thesis/misclustering_correction.hpp"
-#include "global_thesis/region_proposals.hpp"
+#include "gst/base/filter.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
 
 namespace inverse {
 
 /// What globalintrinsicthesis has to tell of marked regions, as element messages
-/// (docs/elements/globalintrinsicthesis.md); all but what became of a click waits for the next
-/// frame.
+/// (docs/reference/elements/globalintrinsicthesis.md); all but what became of a click waits for the
+/// next frame.
 class RegionNews {
  public:
   void corrected(const MisclusteringCorrection::Result& result) { corrected_.push_back(result); }

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "decomposer.hpp"
-#include "intrinsic/scaled_intrinsic.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 

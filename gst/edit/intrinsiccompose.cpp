@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
-#include "base/filter.hpp"
-#include "base/light_pictures.hpp"
-#include "edit/compose.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/frames/light_pictures.hpp"
+#include "kernels/edit/compose.hpp"
 
 namespace inverse {
 namespace {

@@ -2,9 +2,9 @@
 // color.
 #include <optional>
 
-#include "base/color.hpp"
-#include "base/filter.hpp"
-#include "edit/light_edit.hpp"
+#include "gst/base/color.hpp"
+#include "gst/base/filter.hpp"
+#include "kernels/edit/light_edit.hpp"
 
 namespace inverse {
 namespace {

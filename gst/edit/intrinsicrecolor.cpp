@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "base/color.hpp"
-#include "base/filter.hpp"
-#include "edit/recolor.hpp"
+#include "gst/base/color.hpp"
+#include "gst/base/filter.hpp"
+#include "kernels/edit/recolor.hpp"
 
 namespace inverse {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "base/caps.hpp"
+#include "gst/base/caps.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/caps.hpp"
+#include "gst/base/caps.hpp"
 
 namespace inverse {
 namespace {

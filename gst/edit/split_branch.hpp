@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "base/frame_io.hpp"
-#include "base/light_pictures.hpp"
-#include "edit/compose.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/frames/light_pictures.hpp"
+#include "kernels/edit/compose.hpp"
 
 namespace inverse {
 

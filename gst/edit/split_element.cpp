@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "base/caps.hpp"
-#include "base/errors.hpp"
-#include "base/layers_meta.hpp"
-#include "base/report.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/base/errors.hpp"
+#include "gst/base/meta/layers_meta.hpp"
+#include "gst/base/report.hpp"
 
 namespace inverse {
 namespace {

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include "base/property_table.hpp"
+#include "gst/base/property_table.hpp"
 #include "split_branch.hpp"
 
 namespace inverse {

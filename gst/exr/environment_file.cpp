@@ -3,9 +3,9 @@
 #include <fstream>
 #include <vector>
 
-#include "error.hpp"
+#include "common/error.hpp"
+#include "common/regular_file.hpp"
 #include "exr_picture.hpp"
-#include "regular_file.hpp"
 
 namespace inverse {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "environment/environment.hpp"
+#include "kernels/environment/environment.hpp"
 
 namespace inverse {
 

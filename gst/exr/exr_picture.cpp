@@ -7,7 +7,7 @@
 
 #include <array>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "image/plane.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

@@ -1,9 +1,9 @@
 // The elements of light stages, nothing else.
 #include <gst/gst.h>
 
-#include "base/filter.hpp"
-#include "base/layers_meta.hpp"
-#include "base/light_stage_meta.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/layers_meta.hpp"
+#include "gst/base/meta/light_stage_meta.hpp"
 
 namespace inverse {
 extern const ElementInfo kOlatRelight;

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
 #include "edit.glsl"
 #define MODEL_BINDING 1
 #include "base_selection.glsl"

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
 #include "edit.glsl"
 
 // One workgroup: the base colors of light after an edit, and by how much they changed,

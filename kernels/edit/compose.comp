@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "edit.glsl"
 
 // Puts a frame together again from its layers: old = R S L as the decomposer made them, new = R' S' L' as they are now; L,

@@ -1,5 +1,5 @@
 // What the editing kernels share.
-#include "../image/finite.glsl"
+#include "image/finite.glsl"
 
 const uint kRows = 4u;         // pixels an invocation, one above the other
 const uint kSampleSide = 64u;  // a sample of a frame is at most this wide and high

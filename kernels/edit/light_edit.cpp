@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 #include "recolor.hpp"
 
 INVERSE_SHADER(edit_bases);

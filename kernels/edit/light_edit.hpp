@@ -1,8 +1,8 @@
 #pragma once
 #include <array>
 
-#include "../gpu/commands.hpp"
-#include "../image/layers.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
 
 namespace inverse {
 

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "recolor.glsl"
 
 // Recolors what has the key's chromaticity c = R / mean R and, within the value tolerance, its value. With the light that

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(edit_base_key);
 INVERSE_SHADER(edit_recolor);

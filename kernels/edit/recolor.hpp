@@ -2,9 +2,9 @@
 #include <array>
 #include <optional>
 
-#include "../gpu/commands.hpp"
-#include "../image/layers.hpp"
-#include "../palette/scene_palette.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/palette/scene_palette.hpp"
 #include "light_edit.hpp"
 
 namespace inverse {

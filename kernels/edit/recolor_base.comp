@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "recolor.glsl"
 #define MODEL_BINDING 4
 #include "base_selection.glsl"

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "recolor.glsl"
 
 // Recolors what is nearer to one cluster's color than to any other's, in ln R of the unedited reflectance: selection goes

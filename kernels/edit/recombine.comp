@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "edit.glsl"
 
 // Puts a frame whose highlights were taken off together again. Diffuse and specular layer explain all of it: where neither was

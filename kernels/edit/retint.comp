@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "edit.glsl"
 
 // The color of light after its base colors changed: L' = max(L + matte Σ_k t_k Δb_k, 0), t_k the share of S that bounced

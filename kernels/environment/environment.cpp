@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

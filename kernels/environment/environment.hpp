@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../image/plane.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

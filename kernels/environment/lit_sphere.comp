@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "lit_sphere.glsl"
 
 // What a surface looks like for each normal n of a table (thesis Eq. 6.1-6.3, k = 1/pi, viewer v = +z, far away):

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(environment_lit_sphere);
 

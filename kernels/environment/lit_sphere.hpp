@@ -3,8 +3,8 @@
 #include <memory>
 #include <optional>
 
-#include "../gpu/commands.hpp"
 #include "environment.hpp"
+#include "kernels/gpu/commands.hpp"
 #include "prefiltered_light.hpp"
 
 namespace inverse {

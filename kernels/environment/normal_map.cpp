@@ -6,8 +6,8 @@
 #include <cstring>
 #include <memory>
 
-#include "../error.hpp"
-#include "../regular_file.hpp"
+#include "common/error.hpp"
+#include "common/regular_file.hpp"
 
 // Of stb_image, the part that takes images apart, private to this file.
 #define STB_IMAGE_IMPLEMENTATION

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "../image/plane.hpp"
 #include "inflated_normals.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

@@ -13,9 +13,9 @@
 #include <fstream>
 #include <memory>
 
-#include "../error.hpp"
-#include "../file_extension.hpp"
-#include "../regular_file.hpp"
+#include "common/error.hpp"
+#include "common/file_extension.hpp"
+#include "common/regular_file.hpp"
 #include "environment.hpp"
 
 // Private to this file: an application may bring an stb of its own.

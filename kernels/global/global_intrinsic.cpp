@@ -5,29 +5,29 @@
 #include <cmath>
 #include <utility>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
 #include "global_model.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(global_amount);
-INVERSE_SHADER(global_believe);
-INVERSE_SHADER(global_blur);
-INVERSE_SHADER(global_direct);
-INVERSE_SHADER(global_emit);
-INVERSE_SHADER(global_fields);
-INVERSE_SHADER(global_fit);
-INVERSE_SHADER(global_grid);
-INVERSE_SHADER(global_labels);
-INVERSE_SHADER(global_look);
-INVERSE_SHADER(global_modes);
-INVERSE_SHADER(global_received);
-INVERSE_SHADER(global_shares);
-INVERSE_SHADER(global_statistics);
-INVERSE_SHADER(global_summary);
-INVERSE_SHADER(global_tint);
-INVERSE_SHADER(global_untint);
-INVERSE_SHADER(global_weigh);
-INVERSE_SHADER(global_white);
+INVERSE_SHADER(global_scene_amount);
+INVERSE_SHADER(global_light_believe);
+INVERSE_SHADER(global_gather_blur);
+INVERSE_SHADER(global_light_direct);
+INVERSE_SHADER(global_gather_emit);
+INVERSE_SHADER(global_gather_fields);
+INVERSE_SHADER(global_light_fit);
+INVERSE_SHADER(global_grid_grid);
+INVERSE_SHADER(global_light_labels);
+INVERSE_SHADER(global_grid_look);
+INVERSE_SHADER(global_scene_modes);
+INVERSE_SHADER(global_gather_received);
+INVERSE_SHADER(global_light_shares);
+INVERSE_SHADER(global_scene_statistics);
+INVERSE_SHADER(global_gather_summary);
+INVERSE_SHADER(global_scene_tint);
+INVERSE_SHADER(global_light_untint);
+INVERSE_SHADER(global_scene_weigh);
+INVERSE_SHADER(global_grid_white);
 
 namespace inverse {
 
@@ -107,30 +107,30 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   grid_ = reduced(extent_, factor_);
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
-  kernels_.tint = device_->kernel(shaders::global_tint);
-  kernels_.white = device_->kernel(shaders::global_white, {}, lanes);
-  kernels_.decide_and_start = device_->kernel(shaders::global_look, {1, 1}, lanes);
-  kernels_.decide = device_->kernel(shaders::global_look, {1, 0}, lanes);
-  kernels_.start = device_->kernel(shaders::global_look, {0, 1}, lanes);
+  kernels_.tint = device_->kernel(shaders::global_scene_tint);
+  kernels_.white = device_->kernel(shaders::global_grid_white, {}, lanes);
+  kernels_.decide_and_start = device_->kernel(shaders::global_grid_look, {1, 1}, lanes);
+  kernels_.decide = device_->kernel(shaders::global_grid_look, {1, 0}, lanes);
+  kernels_.start = device_->kernel(shaders::global_grid_look, {0, 1}, lanes);
   // Where points are eight pixels apart, four aligned ones lie between the same.
-  kernels_.untint = {device_, shaders::global_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
-  kernels_.summary = device_->kernel(shaders::global_summary, {}, lanes);
-  kernels_.received = device_->kernel(shaders::global_received);
-  kernels_.amount = device_->kernel(shaders::global_amount);
-  kernels_.statistics = device_->kernel(shaders::global_statistics, {}, lanes);
-  kernels_.fields = device_->kernel(shaders::global_fields);
-  kernels_.believe = device_->kernel(shaders::global_believe);
-  kernels_.direct = {device_, shaders::global_direct, {}, 4, 16};
-  kernels_.weigh = device_->kernel(shaders::global_weigh, {}, lanes);
-  kernels_.modes = device_->kernel(shaders::global_modes, {}, lanes);
+  kernels_.untint = {device_, shaders::global_light_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
+  kernels_.summary = device_->kernel(shaders::global_gather_summary, {}, lanes);
+  kernels_.received = device_->kernel(shaders::global_gather_received);
+  kernels_.amount = device_->kernel(shaders::global_scene_amount);
+  kernels_.statistics = device_->kernel(shaders::global_scene_statistics, {}, lanes);
+  kernels_.fields = device_->kernel(shaders::global_gather_fields);
+  kernels_.believe = device_->kernel(shaders::global_light_believe);
+  kernels_.direct = {device_, shaders::global_light_direct, {}, 4, 16};
+  kernels_.weigh = device_->kernel(shaders::global_scene_weigh, {}, lanes);
+  kernels_.modes = device_->kernel(shaders::global_scene_modes, {}, lanes);
   for (const uint32_t k : {0U, 1U}) {
-    kernels_.grid[k] = device_->kernel(shaders::global_grid, {k});
-    kernels_.emit[k] = device_->kernel(shaders::global_emit, {k});
-    kernels_.blur[k] = device_->kernel(shaders::global_blur, {k});
+    kernels_.grid[k] = device_->kernel(shaders::global_grid_grid, {k});
+    kernels_.emit[k] = device_->kernel(shaders::global_gather_emit, {k});
+    kernels_.blur[k] = device_->kernel(shaders::global_gather_blur, {k});
   }
-  kernels_.plain_grid = device_->kernel(shaders::global_grid, {0, 1});
+  kernels_.plain_grid = device_->kernel(shaders::global_grid_grid, {0, 1});
   for (const uint32_t pass : {0U, 1U, 2U})
-    kernels_.fit[pass] = device_->kernel(shaders::global_fit, {pass});
+    kernels_.fit[pass] = device_->kernel(shaders::global_light_fit, {pass});
 
   using gpu::Buffer;
   using gpu::Element;
@@ -235,7 +235,7 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
   for (uint32_t n = 0; n < count; ++n) layers[indirect_role(n)] = planes_.acquire();
   const auto share = [&](uint32_t n) { return layers[indirect_role(n < count ? n : 0)]->buffer; };
   commands.dispatch(
-      device_->kernel(shaders::global_shares, {count}),
+      device_->kernel(shaders::global_light_shares, {count}),
       {layers[Role::input]->buffer, tints_, slots_, fields_, layers[Role::bases]->buffer,
        layers[Role::light]->buffer, scene_, share(0), share(1), share(2), share(3)},
       place(), pixels_of(extent_));
@@ -244,7 +244,7 @@ void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_
 
 void GlobalIntrinsic::draw_labels(gpu::Commands& commands, const Plane& input,
                                   const Plane& target) {
-  commands.dispatch(device_->kernel(shaders::global_labels),
+  commands.dispatch(device_->kernel(shaders::global_light_labels),
                     {input.buffer, tints_, slots_, scene_, target.buffer}, place(),
                     pixels_of(extent_));
 }

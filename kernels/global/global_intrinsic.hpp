@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "../image/layers.hpp"
-#include "../intrinsic/scaled_intrinsic.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
 
 /// Reflectance, direct and indirect light of every frame of a video
-/// (docs/method-globalintrinsic.md): what light is indirect, and of what color, the image itself
-/// predicts, as its surfaces are the emitters; one amount for the scene and its base colors are
-/// measured; the tint that follows is divided out, and ScaledIntrinsic decides how bright
-/// reflectance and light are. Takes the place of chapter 5's energy (that takes the place of
+/// (docs/reference/methods/globalintrinsic.md): what light is indirect, and of what color, the
+/// image itself predicts, as its surfaces are the emitters; one amount for the scene and its base
+/// colors are measured; the tint that follows is divided out, and ScaledIntrinsic decides how
+/// bright reflectance and light are. Takes the place of chapter 5's energy (that takes the place of
 /// chapter 3's). For one size on one device. Not thread-safe.
 class GlobalIntrinsic {
  public:

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "../intrinsic/quads.hpp"
 #include "global_intrinsic.hpp"
+#include "kernels/image/quads.hpp"
 
 namespace inverse {
 

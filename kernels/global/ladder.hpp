@@ -1,8 +1,8 @@
 #pragma once
 #include <utility>
 
-#include "../intrinsic/ladder.hpp"
 #include "global_intrinsic.hpp"
+#include "kernels/intrinsic/ladder.hpp"
 
 namespace inverse {
 

@@ -1,5 +1,5 @@
 // GlobalIntrinsic::warm_up: short videos on small frames in which everything comes that can come.
-#include "../intrinsic/warm_up.hpp"
+#include "kernels/intrinsic/warm_up.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles one .comp file into both variants of SPIR-V, validates them, and writes them as a C++ source.
 
-usage: embed.py INPUT.comp NAME OUTPUT.cpp DEPFILE GLSLANG SPIRV_VAL
+usage: embed.py INPUT.comp NAME OUTPUT.cpp DEPFILE INCLUDES GLSLANG SPIRV_VAL
 """
 import pathlib
 import struct
@@ -17,15 +17,15 @@ def run(arguments):
 
 
 def main():
-    source, name, output, depfile, glslang, spirv_val = sys.argv[1:]
-    text = [f'// Generated from {pathlib.Path(source).name}.', '#include "gpu/kernel_source.hpp"', "namespace {"]
+    source, name, output, depfile, includes, glslang, spirv_val = sys.argv[1:]
+    text = [f'// Generated from {pathlib.Path(source).name}.', '#include "kernels/gpu/kernel_source.hpp"', "namespace {"]
     dependencies = set()
     sizes = []
     with tempfile.TemporaryDirectory() as folder:
         for variant, defines in (("fast", []), ("portable", ["-DPORTABLE"])):
             spv = pathlib.Path(folder) / f"{variant}.spv"
             deps = pathlib.Path(folder) / f"{variant}.d"
-            run([glslang, "-V", "--target-env", "vulkan1.1", *defines, "--depfile", deps, "-o", spv, source])
+            run([glslang, "-V", "--target-env", "vulkan1.1", f"-I{includes}", *defines, "--depfile", deps, "-o", spv, source])
             run([spirv_val, "--target-env", "vulkan1.1", spv])
             dependencies.update(deps.read_text().split(":", 1)[1].split())
             data = spv.read_bytes()

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // One pyramid level: each coarse pixel is the mean of the 2x2 fine pixels under it that exist.
 PLANE_IN(0, fine);

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include "../gpu/buffer.hpp"
+#include "kernels/gpu/buffer.hpp"
 
 namespace inverse {
 

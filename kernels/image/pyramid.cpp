@@ -1,6 +1,6 @@
 #include "pyramid.hpp"
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(image_halve);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 #include "plane.hpp"
 
 namespace inverse {

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <utility>
 
-#include "../gpu/reduce.hpp"
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
 
-INVERSE_SHADER(intrinsic_cell_terms);
-INVERSE_SHADER(intrinsic_assemble);
-INVERSE_SHADER(intrinsic_layers);
-INVERSE_SHADER(intrinsic_rescale);
-INVERSE_SHADER(intrinsic_take_over);
-INVERSE_SHADER(intrinsic_total);
+INVERSE_SHADER(intrinsic_energy_cell_terms);
+INVERSE_SHADER(intrinsic_energy_assemble);
+INVERSE_SHADER(intrinsic_output_layers);
+INVERSE_SHADER(intrinsic_output_rescale);
+INVERSE_SHADER(intrinsic_energy_take_over);
+INVERSE_SHADER(solve_total);
 
 namespace inverse {
 namespace {
@@ -50,16 +50,16 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       multigrid_(device_, extent),
       gauge_(device_),
       active_(device_, extent),
-      terms_kernel_(device_, shaders::intrinsic_cell_terms, {0, 0}, 0, 0),
-      anchored_terms_kernel_(device_, shaders::intrinsic_cell_terms, {1, 0}, 1, 4),
-      looking_terms_kernel_(device_, shaders::intrinsic_cell_terms, {1, 1}, 0, 0),
-      assemble_(device_, shaders::intrinsic_assemble, {0}, 0, 0),
-      anchored_assemble_(device_, shaders::intrinsic_assemble, {1}, 4, 16),
-      layers_(device_, shaders::intrinsic_layers, {0}, 0, 0),
-      anchored_layers_(device_, shaders::intrinsic_layers, {1}, 4, 4),
-      rescale_(device_->kernel(shaders::intrinsic_rescale)),
-      take_over_(device_->kernel(shaders::intrinsic_take_over)),
-      total_(device_->kernel(shaders::intrinsic_total)) {
+      terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {0, 0}, 0, 0),
+      anchored_terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {1, 0}, 1, 4),
+      looking_terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {1, 1}, 0, 0),
+      assemble_(device_, shaders::intrinsic_energy_assemble, {0}, 0, 0),
+      anchored_assemble_(device_, shaders::intrinsic_energy_assemble, {1}, 4, 16),
+      layers_(device_, shaders::intrinsic_output_layers, {0}, 0, 0),
+      anchored_layers_(device_, shaders::intrinsic_output_layers, {1}, 4, 4),
+      rescale_(device_->kernel(shaders::intrinsic_output_rescale)),
+      take_over_(device_->kernel(shaders::intrinsic_energy_take_over)),
+      total_(device_->kernel(shaders::solve_total)) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
   };

@@ -7,21 +7,21 @@
 #include <string>
 #include <vector>
 
-#include "../image/layers.hpp"
-#include "active_tiles.hpp"
-#include "chroma_bins.hpp"
-#include "edge_prior.hpp"
-#include "guide.hpp"
-#include "leave_out.hpp"
-#include "multigrid.hpp"
-#include "output_gauge.hpp"
-#include "temporal_anchor.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/intrinsic/chroma/chroma_bins.hpp"
+#include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic/multigrid/multigrid.hpp"
+#include "kernels/intrinsic/output/output_gauge.hpp"
+#include "kernels/intrinsic/prior/edge_prior.hpp"
+#include "kernels/intrinsic/reuse/active_tiles.hpp"
+#include "kernels/intrinsic/reuse/leave_out.hpp"
+#include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 
 namespace inverse {
 
 /// Live intrinsic decomposition: reflectance and scalar shading of every frame of a video
-/// (energy.glsl; docs/method-intrinsicdecomp.md). Owns the kernels and the temporal state for one
-/// size on one device. Not thread-safe.
+/// (energy.glsl; docs/reference/methods/intrinsicdecomp.md). Owns the kernels and the temporal
+/// state for one size on one device. Not thread-safe.
 class IntrinsicDecomposition {
  public:
   struct Params {

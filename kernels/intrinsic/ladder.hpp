@@ -1,5 +1,5 @@
 #pragma once
-#include "../ladder.hpp"
+#include "kernels/ladder.hpp"
 #include "scaled_intrinsic.hpp"
 
 namespace inverse {
@@ -15,7 +15,7 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.settled = kSettled;
 }
 
-/// The ladder of intrinsicdecomp (docs/measurements.md, Live trade).
+/// The ladder of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
 inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
   static const Ladder<ScaledIntrinsic::Params> ladder{
       {{0.37, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},

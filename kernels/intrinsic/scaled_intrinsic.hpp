@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "../image/pyramid.hpp"
-#include "guided_upsample.hpp"
 #include "intrinsic_decomposition.hpp"
-#include "layer_distance.hpp"
-#include "layer_fade.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/intrinsic/resolution/guided_upsample.hpp"
+#include "kernels/intrinsic/resolution/layer_distance.hpp"
+#include "kernels/intrinsic/resolution/layer_fade.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "../image/plane.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

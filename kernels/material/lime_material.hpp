@@ -4,15 +4,15 @@
 #include <memory>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
-#include "crop_change.hpp"
-#include "light_history.hpp"
-#include "lime_models.hpp"
-#include "lime_networks.hpp"
-#include "material_fusion.hpp"
-#include "network_schedule.hpp"
-#include "object_tracker.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/material/estimate/material_fusion.hpp"
+#include "kernels/material/light/light_history.hpp"
+#include "kernels/material/networks/lime_models.hpp"
+#include "kernels/material/networks/lime_networks.hpp"
+#include "kernels/material/networks/network_schedule.hpp"
+#include "kernels/material/object/crop_change.hpp"
+#include "kernels/material/object/object_tracker.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // Four numbers of a dense node: of everything in the image, with bias and activation; one workgroup a block. The elements of a
 // value are read in the order in which they lie, and the weights were laid out for that: [block] of bias, then

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // The mean of every channel; one workgroup a block.
 PLANE_IN(0, image);

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "../error.hpp"
-#include "../regular_file.hpp"
+#include "common/error.hpp"
+#include "common/regular_file.hpp"
 
 static_assert(std::endian::native == std::endian::little, "files are read as they lie in memory");
 

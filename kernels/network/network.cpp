@@ -3,8 +3,8 @@
 #include <cstring>
 #include <utility>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 #include "pack.hpp"
 
 INVERSE_SHADER(network_activate);

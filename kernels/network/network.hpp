@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "../gpu/commands.hpp"
+#include "kernels/gpu/commands.hpp"
 #include "plan.hpp"
 
 namespace inverse::network {

@@ -1,6 +1,6 @@
 // A value: channels in blocks of four, a vec4 a pixel, block by block, row by row, behind one vec4 of zeros. Outside of the
 // image is that zero, so that a kernel's border costs one max of an index.
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 layout(constant_id = 1) const uint kActivation = 0u;  // network::Activation
 

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "palette.glsl"
 
 // The cluster nearest to r in ln R: (ln color, index); index −1 where there is no cluster.

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "palette.glsl"
 
 // Averages the histogram over time and sets the frame's counts back to zero.

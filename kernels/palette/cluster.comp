@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "palette.glsl"
-#include "../image/workgroup_sum.glsl"
+#include "gpu/workgroup_sum.glsl"
 
 // One workgroup: weighted k-means over the list of bins, from the clusters that there are.
 PLANE_IN(0, list);

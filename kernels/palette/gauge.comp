@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "palette.glsl"
 
 // One workgroup: the quantile of ln R, the gauge that it asks for, and the counts back to zero.

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "palette.glsl"
 
 // Counts the values of ln R over all channels.

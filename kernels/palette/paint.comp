@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 
 // Paints every pixel in the color of the cluster nearest to it in ln R; black where there is none.
 PLANE_IN(0, model);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(palette_gauge_count);
 INVERSE_SHADER(palette_gauge);

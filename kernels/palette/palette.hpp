@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/finite.glsl"
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
 
 // ln R of every stride-th pixel of every stride-th row, for the palette: picked, not averaged, so that it stays free of
 // colors that are only borders between others.

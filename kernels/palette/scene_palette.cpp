@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(palette_pick);
 INVERSE_SHADER(palette_paint);

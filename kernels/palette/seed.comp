@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/random.glsl"
+#include "gpu/common.glsl"
+#include "image/random.glsl"
 #include "palette.glsl"
 
 // One workgroup: k-means++ for clusters without pixels: all of them at the start, later those that died. A cluster is

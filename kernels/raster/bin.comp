@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Which groups of triangles may show in which tile: a bit a group, 32 groups a word, the words of a tile in a row.
 PLANE_IN(0, boxes);

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "ground.glsl"
 
 // An object and its shadow over a frame, in linear light. The shadow is black that covers as much as light is missing.

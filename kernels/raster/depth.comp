@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "visible.glsl"
 
 // How near a mesh is: the mean depth where it covers a pixel, and the share that it covers.

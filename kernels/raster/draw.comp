@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "visible.glsl"
 
 // The picture of a mesh: linear RGB times coverage, and coverage. Each triangle that is seen in a pixel is shaded there, from a
@@ -9,7 +9,7 @@ PLANE_IN(3, placed);
 PLANE_IN(4, LIT_TABLE);
 PLANE_OUT(5, picture);
 #define LIT_TABLE LIT_TABLE
-#include "../environment/lit_sphere.glsl"
+#include "environment/lit_sphere.glsl"
 
 vec3 shade(int who, vec2 at) {
   vec3 p = FETCH(records, 4 * who).xyz, q = FETCH(records, 4 * who + 1).xyz, r = FETCH(records, 4 * who + 2).xyz;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // The triangles of a group: three edge functions each, and the box around all. A point is inside where all three of
 // a x + b y + c are positive; they are in the ratio of the corners' weights there. Record of a triangle: (a, b, c, z of the

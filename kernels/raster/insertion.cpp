@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(raster_occlude);
 INVERSE_SHADER(raster_blend);

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "../environment/lit_sphere.hpp"
+#include "kernels/environment/lit_sphere.hpp"
 #include "rasterizer.hpp"
 
 namespace inverse {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <string>
 
-#include "../error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

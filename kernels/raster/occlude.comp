@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 #include "ground.glsl"
 
 // What share of the light of an even sky an object keeps from each point of the ground (insertion.hpp).

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // Corners of a mesh as a camera far away sees them: position and normal by turns, in pixels of the picture (y down, z
 // towards the camera) and in the camera's axes.

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(raster_place);
 INVERSE_SHADER(raster_edges);

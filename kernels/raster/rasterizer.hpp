@@ -2,8 +2,8 @@
 #include <array>
 #include <memory>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 #include "mesh.hpp"
 
 namespace inverse {

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/random.glsl"
+#include "gpu/common.glsl"
+#include "image/random.glsl"
 
 // What a camera makes of light: rows moved sideways, gain, and the noise of a sensor.
 //   moved(x, y) = light(x - shift(y), y), linear between pixels;  shift(y) = sway (1 - y / (height - 1))

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <string>
 
-#include "../error.hpp"
-#include "../gpu/shaders.hpp"
+#include "common/error.hpp"
 #include "half.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(virtual_stage_weigh);
 

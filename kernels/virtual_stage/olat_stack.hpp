@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
-#include "../light_stage/light_program.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

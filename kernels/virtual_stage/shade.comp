@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // The head under one distant white light after the other, each of irradiance pi: linear RGB as half floats.
 //   L = (albedo + pi f_s) V (n·l),  f_s = D G F / (4 n·l n·v) with GGX, Smith and Schlick

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
-#include "../image/random.glsl"
+#include "gpu/common.glsl"
+#include "image/random.glsl"
 
 // What a camera sees of the head: where it is, how it is turned, and what it is made of.
 PLANE_IN(0, scene);

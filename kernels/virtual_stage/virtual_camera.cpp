@@ -1,6 +1,6 @@
 #include "virtual_camera.hpp"
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(virtual_stage_camera);
 

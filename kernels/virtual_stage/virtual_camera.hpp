@@ -1,6 +1,6 @@
 #pragma once
-#include "../gpu/commands.hpp"
-#include "../image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 
 namespace inverse {
 

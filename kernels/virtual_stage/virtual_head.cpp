@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "../gpu/shaders.hpp"
+#include "kernels/gpu/shaders.hpp"
 
 INVERSE_SHADER(virtual_stage_shade);
 INVERSE_SHADER(virtual_stage_surface);

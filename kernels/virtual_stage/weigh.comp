@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "../gpu/common.glsl"
+#include "gpu/common.glsl"
 
 // A frame by superposition: total (+)= sum over listed lights of color · OLAT image.
 WORD_IN(0, olats);    // half floats, two words a pixel, image after image

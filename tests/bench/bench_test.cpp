@@ -8,10 +8,10 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/bench/device_session.hpp"
-#include "tests/bench/peer_despill.hpp"
-#include "tests/bench/scene.hpp"
-#include "tests/bench/truth_clicks.hpp"
+#include "tests/bench/methods/truth_clicks.hpp"
+#include "tests/bench/peers/peer_despill.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
 #include "tests/srgb.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "denoise.hpp"
-#include "transport.hpp"
+#include "tools/clip/denoise.hpp"
+#include "tools/clip/transport.hpp"
 
 namespace inverse::clip {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "environment/environment.hpp"
+#include "kernels/environment/environment.hpp"
 
 namespace inverse::testing {
 

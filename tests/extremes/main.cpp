@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <cstring>
 
-#include "check.hpp"
-#include "error.hpp"
-#include "global_methods.hpp"
-#include "problem.hpp"
+#include "common/error.hpp"
+#include "tests/extremes/global/global_methods.hpp"
+#include "tests/extremes/intrinsic/check.hpp"
+#include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
 namespace {

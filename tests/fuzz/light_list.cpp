@@ -1,11 +1,11 @@
 // The lights.json of OLAT folders from anybody: refused with an Error, or as many unit vectors as
 // files.
-#include "light_stage/light_list.hpp"
+#include "stage/program/light_list.hpp"
 
 #include <cmath>
 #include <cstdlib>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -1,10 +1,10 @@
 // Light programs from anybody: refused with an Error, or read so that they can be written and read
 // again.
-#include "light_stage/light_program.hpp"
+#include "stage/program/light_program.hpp"
 
 #include <cstdlib>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

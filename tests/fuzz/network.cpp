@@ -5,8 +5,8 @@
 #include <cstring>
 #include <vector>
 
-#include "error.hpp"
-#include "network/graph_file.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
 
 namespace {
 

@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "error.hpp"
-#include "network/graph_file.hpp"
-#include "onnx_import.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
+#include "tools/onnx/onnx_import.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "environment/environment.hpp"
-#include "error.hpp"
+#include "common/error.hpp"
+#include "kernels/environment/environment.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse;

@@ -2,7 +2,7 @@
 // (in fours) and one that says when it comes.
 #include <cstdlib>
 
-#include "light_stage/sacn_receiver.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
 
 namespace {
 

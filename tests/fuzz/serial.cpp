@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "light_stage/serial_protocol.hpp"
+#include "stage/controllers/serial_protocol.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace inverse::serial;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "gpu/commands.hpp"
-#include "image/plane.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
 #include "tests/reference/plane.hpp"
 
 namespace inverse::testing {

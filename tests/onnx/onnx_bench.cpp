@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "../bench/network_figures.hpp"
-#include "../bench/timing.hpp"
-#include "error.hpp"
-#include "network/network.hpp"
+#include "common/error.hpp"
+#include "kernels/network/network.hpp"
 #include "onnx_builder.hpp"
-#include "onnx_import.hpp"
+#include "tests/bench/material/network_figures.hpp"
+#include "tests/bench/support/timing.hpp"
+#include "tools/onnx/onnx_import.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "onnx_model.hpp"
+#include "tools/onnx/onnx_model.hpp"
 
 namespace inverse::testing {
 

@@ -6,12 +6,12 @@
 #include <functional>
 #include <opencv2/dnn.hpp>
 
-#include "../kernels/gpu_fixture.hpp"
-#include "error.hpp"
-#include "network/graph_file.hpp"
-#include "network/network.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
+#include "kernels/network/network.hpp"
 #include "onnx_builder.hpp"
-#include "onnx_import.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tools/onnx/onnx_import.hpp"
 
 namespace inverse::testing {
 namespace {

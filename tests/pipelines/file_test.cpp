@@ -3,8 +3,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "../has_networks.hpp"
 #include "pipeline_test.hpp"
+#include "tests/has_networks.hpp"
 
 namespace inverse::testing {
 namespace {

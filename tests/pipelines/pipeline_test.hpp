@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_folder.hpp"
 #include "media.hpp"
 #include "process.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace inverse::testing {
 

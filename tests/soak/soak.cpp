@@ -22,10 +22,10 @@
 #include <thread>
 #include <vector>
 
-#include "../has_element.hpp"
 #include "growth.hpp"
 #include "line.hpp"
 #include "scenes.hpp"
+#include "tests/has_element.hpp"
 
 namespace inverse::soak {
 namespace {

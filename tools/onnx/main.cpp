@@ -7,8 +7,8 @@
 #include <iterator>
 #include <vector>
 
-#include "error.hpp"
-#include "network/graph_file.hpp"
+#include "common/error.hpp"
+#include "kernels/network/graph_file.hpp"
 #include "onnx_import.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "error.hpp"
+#include "common/error.hpp"
 #include "onnx_model.hpp"
 
 namespace inverse::onnx_import {

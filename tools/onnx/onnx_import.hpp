@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "network/graph.hpp"
+#include "kernels/network/graph.hpp"
 
 namespace inverse::onnx_import {
 

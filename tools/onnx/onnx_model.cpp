@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse::onnx_import {
 namespace {

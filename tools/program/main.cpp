@@ -1,13 +1,13 @@
 // inverse-light-program PROGRAM [--rate STEPS] [FILE]: writes a light program as JSON
-// (docs/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
+// (docs/reference/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
 #include <charconv>
 #include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "error.hpp"
-#include "light_stage/light_program.hpp"
+#include "common/error.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace {
 

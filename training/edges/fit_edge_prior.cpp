@@ -20,11 +20,11 @@
 #include <string>
 #include <thread>
 
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/datasets.hpp"
-#include "training/edges/problem.hpp"
-#include "training/edges/scenes.hpp"
-#include "training/edges/weights.hpp"
+#include "problem.hpp"
+#include "scenes.hpp"
+#include "tests/bench/scenes/datasets.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "weights.hpp"
 
 namespace inverse::training {
 namespace {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Turns the reference's literal weights into straight-line GLSL for the shaders of the edge prior.
 
-usage: net_to_glsl.py tests/reference/intrinsic_edge_weights.hpp > kernels/intrinsic/edge_net.glsl
+usage: net_to_glsl.py tests/reference/intrinsic/intrinsic_edge_weights.hpp > kernels/intrinsic/prior/edge_net.glsl
 
 The last kFrame cues of both nets are equal for all pixels of a frame. Their part of every sum is folded into the biases
 once a frame (fold.comp, by the tables FOLD_*), so a pixel evaluates the other cues only.

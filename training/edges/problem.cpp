@@ -1,9 +1,9 @@
-#include "training/edges/problem.hpp"
+#include "problem.hpp"
 
 #include <array>
 
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_features.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_features.hpp"
 
 namespace inverse::training {
 namespace {

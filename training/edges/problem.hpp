@@ -1,11 +1,11 @@
 // One frame's decomposition as a differentiable function of the edge prior: the energy of
-// docs/method-intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
+// docs/reference/methods/intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
 #pragma once
 
 #include <vector>
 
-#include "tests/bench/image.hpp"
-#include "training/edges/net.hpp"
+#include "net.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::training {
 

@@ -1,11 +1,11 @@
-#include "training/edges/scenes.hpp"
+#include "scenes.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
 
-#include "training/edges/textures.hpp"
+#include "textures.hpp"
 
 namespace inverse::training {
 namespace {

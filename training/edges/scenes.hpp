@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/bench/image.hpp"
+#include "tests/bench/metrics/image.hpp"
 
 namespace inverse::training {
 

@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/command_line.hpp"
-#include "tests/bench/datasets.hpp"
-#include "tests/reference/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic_features.hpp"
-#include "training/edges/net.hpp"
-#include "training/edges/scenes.hpp"
-#include "training/edges/weights.hpp"
+#include "net.hpp"
+#include "scenes.hpp"
+#include "tests/bench/scenes/datasets.hpp"
+#include "tests/bench/support/command_line.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/intrinsic_features.hpp"
+#include "weights.hpp"
 
 namespace inverse::training {
 namespace {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What lines of the picture's light (kernels/material/guided_*.comp) are worth to the layers: edges.py [--checkpoint models/lime].
+"""What lines of the picture's light (kernels/material/layers/guided_*.comp) are worth to the layers: edges.py [--checkpoint models/lime].
 Prints Markdown.
 
 Mask and specular layer, found at 128 × 128 points, in pictures of 512 × 512 against the true ones: between points bilinearly,

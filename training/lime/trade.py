@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws error against run time, by the size of the square and the width of SpecularNet: trade.py. The numbers are those of the
-model card's two tables (sizes.py and widths.py print them); writes docs/limematerial-trade.svg."""
+model card's two tables (sizes.py and widths.py print them); writes docs/images/limematerial-trade.svg."""
 import argparse
 import pathlib
 
@@ -24,7 +24,7 @@ def table(card, title):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--card", type=pathlib.Path, default=corpus.ROOT / "models/lime/README.md")
-    parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "docs/limematerial-trade.svg")
+    parser.add_argument("--out", type=pathlib.Path, default=corpus.ROOT / "docs/images/limematerial-trade.svg")
     args = parser.parse_args()
     card = args.card.read_text()
     pyplot.rcParams.update({"svg.hashsalt": "lime", "svg.fonttype": "none", "font.size": 9})

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Held-out subjects of make_corpus.py as flat dumps that the benchmarks of relighting read: flat_sets.py [--out out/olat].
 
-Writes OUT/sets/NAME.f32 of every subject of OUT/corpus/test (tests/bench/olat_set.hpp: pictures under both gradients, the
+Writes OUT/sets/NAME.f32 of every subject of OUT/corpus/test (tests/bench/stage/olat_set.hpp: pictures under both gradients, the
 mask three times, the lights; in the scale in which gradients are sums over lights).
 """
 import argparse

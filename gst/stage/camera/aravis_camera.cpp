@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "error.hpp"
+#include "common/error.hpp"
 
 namespace inverse {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "aravis_stream.hpp"
-#include "camera_clock.hpp"
-#include "light_stage/frame_ids.hpp"
+#include "stage/triggers/camera_clock.hpp"
+#include "stage/triggers/frame_ids.hpp"
 
 namespace inverse {
 

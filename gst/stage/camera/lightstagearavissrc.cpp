@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "aravis_source.hpp"
-#include "base/errors.hpp"
+#include "gst/base/errors.hpp"
 
 using inverse::AravisSource;
 

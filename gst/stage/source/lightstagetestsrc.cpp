@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/caps.hpp"
-#include "base/errors.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/base/errors.hpp"
 #include "test_source.hpp"
 
 using inverse::TestSource;

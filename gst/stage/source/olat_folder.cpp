@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "error.hpp"
-#include "light_stage/light_list.hpp"
+#include "common/error.hpp"
+#include "stage/program/light_list.hpp"
 
 namespace inverse {
 namespace {

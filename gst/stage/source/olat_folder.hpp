@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "exr/exr_picture.hpp"
-#include "image/plane.hpp"
-#include "light_stage/light_program.hpp"
+#include "gst/exr/exr_picture.hpp"
+#include "kernels/image/plane.hpp"
+#include "stage/program/light_program.hpp"
 
 namespace inverse {
 

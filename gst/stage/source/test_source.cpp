@@ -6,10 +6,10 @@
 #include <functional>
 #include <numbers>
 
-#include "base/caps.hpp"
-#include "base/light_stage_meta.hpp"
-#include "base/report.hpp"
-#include "virtual_stage/virtual_head.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/base/meta/light_stage_meta.hpp"
+#include "gst/base/report.hpp"
+#include "kernels/virtual_stage/virtual_head.hpp"
 
 namespace inverse {
 namespace {

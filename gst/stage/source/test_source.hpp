@@ -6,14 +6,14 @@
 #include <optional>
 #include <string>
 
-#include "base/device_context.hpp"
-#include "base/frame_io.hpp"
-#include "light_stage/sacn_receiver.hpp"
+#include "gst/base/frames/frame_io.hpp"
+#include "gst/base/vulkan/device_context.hpp"
+#include "kernels/virtual_stage/camera_schedule.hpp"
+#include "kernels/virtual_stage/olat_stack.hpp"
+#include "kernels/virtual_stage/virtual_camera.hpp"
 #include "olat_folder.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
 #include "test_source_params.hpp"
-#include "virtual_stage/camera_schedule.hpp"
-#include "virtual_stage/olat_stack.hpp"
-#include "virtual_stage/virtual_camera.hpp"
 
 namespace inverse {
 

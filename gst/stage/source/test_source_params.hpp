@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/property_table.hpp"
+#include "gst/base/property_table.hpp"
 
 namespace inverse {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "base/caps.hpp"
+#include "gst/base/caps.hpp"
 #include "sync_element.hpp"
 
 using inverse::SyncElement;

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "frame_assembler.hpp"
-#include "light_stage/frame_labeler.hpp"
-#include "raw_frame.hpp"
+#include "gst/stage/sync/assemble/frame_assembler.hpp"
+#include "gst/stage/sync/assemble/raw_frame.hpp"
+#include "stage/labels/frame_labeler.hpp"
 
 namespace inverse {
 

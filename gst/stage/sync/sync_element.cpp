@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "base/errors.hpp"
-#include "olat_assembler.hpp"
-#include "pair_assembler.hpp"
-#include "upstream.hpp"
+#include "gst/base/errors.hpp"
+#include "gst/stage/sync/assemble/olat_assembler.hpp"
+#include "gst/stage/sync/assemble/pair_assembler.hpp"
+#include "gst/stage/sync/shared/upstream.hpp"
 
 namespace inverse {
 namespace {

@@ -7,10 +7,10 @@
 #include <mutex>
 #include <vector>
 
-#include "base/device_context.hpp"
-#include "light_clock.hpp"
-#include "light_stage/frame_sets.hpp"
-#include "stage_trigger.hpp"
+#include "gst/base/vulkan/device_context.hpp"
+#include "gst/stage/sync/lights/light_clock.hpp"
+#include "gst/stage/sync/lights/stage_trigger.hpp"
+#include "stage/triggers/frame_sets.hpp"
 #include "sync_camera.hpp"
 
 namespace inverse {

@@ -1,10 +1,10 @@
 // Events and queries of lightstagesync's pads.
 #include <cmath>
 
-#include "base/caps.hpp"
-#include "base/errors.hpp"
-#include "base/report.hpp"
-#include "olat_assembler.hpp"
+#include "gst/base/caps.hpp"
+#include "gst/base/errors.hpp"
+#include "gst/base/report.hpp"
+#include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "sync_element.hpp"
 
 namespace inverse {

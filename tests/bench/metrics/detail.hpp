@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/bench/image.hpp"
+#include "image.hpp"
 
 namespace inverse::bench::detail {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/metrics/detail.hpp"
+#include "detail.hpp"
+#include "metrics.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "tests/bench/flat_file.hpp"
-#include "tests/bench/png_file.hpp"
+#include "flat_file.hpp"
+#include "png_file.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace inverse::bench {

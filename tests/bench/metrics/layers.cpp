@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/metrics/detail.hpp"
+#include "detail.hpp"
+#include "metrics.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/bench/metrics.hpp"
+#include "metrics.hpp"
 
 namespace inverse::bench {
 namespace {

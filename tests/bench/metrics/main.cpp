@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "tests/bench/flat_file.hpp"
-#include "tests/bench/metrics.hpp"
-#include "tests/bench/png_file.hpp"
+#include "flat_file.hpp"
+#include "metrics.hpp"
+#include "png_file.hpp"
 
 namespace inverse::bench {
 namespace {

@@ -1,5 +1,5 @@
 // Every measure where its value is known in closed form.
-#include "tests/bench/metrics.hpp"
+#include "metrics.hpp"
 
 #include <gtest/gtest.h>
 

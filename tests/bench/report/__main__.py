@@ -1,4 +1,4 @@
-"""Measures every method and writes docs/report: ./dev bench [--full] [--data DIR] [--against FILE] …"""
+"""Measures every method and writes a report: ./dev bench [--full] [--data DIR] [--publish] [--against FILE] …"""
 import argparse
 import json
 import multiprocessing
@@ -7,6 +7,7 @@ import sys
 
 import ablations
 import against
+import brief
 import intervals
 import light
 import measure
@@ -29,16 +30,20 @@ def options():
                         help="what bench-methods wrote on another machine, for a column of its own; or an earlier results.json, "
                         "from which tables are kept that this run does not make (those of --full)")
     parser.add_argument("--only", action="append", default=[], metavar="METHOD", help="measure these methods only")
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/report"), metavar="DIR",
-                        help="where the report goes (default docs/report)")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/report"), metavar="DIR",
+                        help="where the report goes (default out/report, which git ignores)")
+    parser.add_argument("--publish", action="store_true", help="also write the short page that is committed, docs/report")
     parser.add_argument("--plots-only", action="store_true", help="draw again from the report's results.json")
-    return parser.parse_args()
+    given = parser.parse_args()
+    if given.publish and not (given.full or given.plots_only):
+        parser.error("--publish needs a --full run")
+    return given
 
 
 def summarize(results):
-    rows = results["rows"]
+    rows = results["rows"] = summary.marked(results["rows"])
     own = summary.points(rows, sets={"own"}, device=results["device"])
-    names = dict.fromkeys(r["regime"] for r in rows if not r["video"])
+    names = sorted(dict.fromkeys(r["regime"] for r in rows if not r["video"]), key=lambda n: n.endswith(summary.MARK))
     videos = summary.points([r for r in rows if r["curve"] == "video ladder"], video=True, sets={"own"})
     clock = summary.steady_time(results["device"])
     curve = [p for p in own if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles"]
@@ -148,6 +153,8 @@ def main():
         add(results, given.add)
     measure.write(results, path)
     page.write(results, given.out, draw(results, given.out, work))
+    if given.publish:
+        brief.publish(results, pathlib.Path("docs/report"), given.out / "layers.jpg")
     bar.end()
     print(f"{given.out}/README.md")
     if not given.data.is_dir() and not given.plots_only:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Prints the tables of docs/measurements-accuracy.md from a results.json of `./dev bench --full`: given data alone.
+"""Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: held-out sets first, training sets apart.
 
-    tests/bench/report/accuracy.py docs/report/results.json
+    tests/bench/report/accuracy.py out/report/results.json
 """
 import json
 import pathlib
@@ -14,10 +14,15 @@ import summary
 import tables
 from tables import figure
 
-REGIMES = ["MIT objects", "hard shadow", "near-constant value", "diverse value"]
+REGIMES = ["own stills", "MIT objects", "diverse value", "near-constant value" + summary.MARK, "hard shadow" + summary.MARK]
 BASELINES = [("constant shading", "constant shading", ""), ("constant reflectance", "constant reflectance", ""),
              ("R = I / max_c I", "R = I / max_c I", ""), ("gray Retinex .1", "gray Retinex", "t .1"),
              ("color Retinex .5 .1", "color Retinex", "t .5, c .1"), ("color Retinex, chroma", "color Retinex", "c .1")]
+
+
+def grouped(rows):
+    """Rows with the project's own scenes as one regime and training sets apart."""
+    return [{**r, "regime": "own stills" if r["set"] == "own" else r["regime"]} for r in summary.marked(rows)]
 
 
 def by_scene(rows, method, setting=None):
@@ -71,29 +76,31 @@ def paired(rows):
 
 VIDEOS = [("input", "constant shading", "only", ""), ("thesis, no keyframes", "thesis PCG", "keyframes", "none"),
           ("thesis", "thesis PCG", "video", "4x8"), ("intrinsicdecomp, anchor off", "intrinsicdecomp", "without", "temporal anchor"),
-          ("intrinsicdecomp", "intrinsicdecomp", "adaptive", "on")]
+          ("intrinsicdecomp", "intrinsicdecomp", "video ladder", "2, 0.05")]
 
 
 def sequences(rows):
-    """Of sequences where much stands still: LMSE, flicker and jitter; of the others LMSE."""
+    """Sequences with constant true reflectance: LMSE, flicker and jitter; of the others LMSE."""
     rows = {(r["set"], r["scene"], r["method"], r["curve"], r["setting"]): r for r in rows if r["video"]}
     scenes = dict.fromkeys(k[:2] for k in rows)
     still = [s for s in scenes if rows[(*s, *VIDEOS[-1][1:])].get("flicker") is not None]
     def name(s):
         light = (s[0], "slow light") in scenes  # made of sequences where nothing but the light changes
-        return f"{s[0]}, " + (s[1] if s[1] != "video" else "moving light" if light else "things move")
+        if s[0] == "own":
+            return s[1]
+        return f"{summary.mark(s[0])}, " + (s[1] if s[1] != "video" else "moving light" if light else "things move")
     out = [[name(s), title, "" if title == "input" else figure(r["lmse20"]),
             figure(r["flicker"]), figure(r["jitter"])]
            for s in still for title, *key in VIDEOS for r in [rows[(*s, *key)]]]
     text = tables.table(["sequence", "", "LMSE", "flicker", "jitter"], out)
     moving = [s for s in scenes if s not in still]
     lines = [[title] + [figure(rows[(*s, *key)]["lmse20"]) for s in moving] for title, *key in VIDEOS[1:]]
-    return text + "\nThe camera moves, and nothing stays where it is, LMSE:\n\n" + tables.table([""] + [s[0] for s in moving], lines)
+    return text + "\nThe camera moves, LMSE:\n\n" + tables.table([""] + [s[1] if s[0] == "own" else summary.mark(s[0]) for s in moving], lines)
 
 
 def main():
     results = json.loads(pathlib.Path(sys.argv[1]).read_text())
-    rows = [r for r in results["rows"] if r["set"] != "own"]
+    rows = grouped(results["rows"])
     single = [r for r in rows if not r["video"]]
     if not any(r["curve"] == "weights" for r in single):
         sys.exit(f"{sys.argv[1]} is not of a --full run with given data")
@@ -102,7 +109,7 @@ def main():
     print(tables.without(ablations.stills(single, "intrinsicdecomp", summary.steady_time(results["device"]))))
     alone = ablations.leave_one_out(single)
     print(tables.left_out(alone), alone["picks"], sep="\n", end="\n\n")
-    print(sequences(rows))
+    print(sequences(sorted(rows, key=lambda r: (r["set"] != "own", r["set"] in summary.TRAINING))))
 
 
 main()

@@ -1,4 +1,4 @@
-"""docs/edits.jpg, from the strips that edit-bench --png writes: edits.py STRIPS FILE.jpg"""
+"""docs/images/edits.jpg, from the strips that edit-bench --png writes: edits.py STRIPS FILE.jpg"""
 import pathlib
 import sys
 

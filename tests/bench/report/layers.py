@@ -1,4 +1,4 @@
-"""The table "Measured" of docs/method-globalintrinsic.md, from what bench-methods and bench-peers wrote:
+"""The table "Measured" of docs/reference/methods/globalintrinsic.md, from what bench-methods and bench-peers wrote:
 layers.py FILE.json …   Videos: means over the frames that were judged; the MIT set: means over its objects, each a still."""
 import json
 import math

@@ -1,11 +1,11 @@
-"""The report's sections on methods that know of bounced light: errors of paint and of layers of light, base colors and
-clicks, what each base color costs, and whether frames wait for what is decided beside them."""
+"""The report's sections on methods with indirect light: errors of reflectance and of layers of light, base colors and marks,
+what each base color costs, and whether frames wait for background work."""
 import statistics
 
 import summary
 from tables import figure, table, time
 
-GROUPS = {"cornell": "cornell", "room": "room", "own": "own stills"}
+GROUPS = {"cornell": summary.mark("cornell"), "room": summary.mark("room"), "own": "own stills"}
 COLUMNS = [("lmse20_R", "LMSE R"), ("lmse20_S", "S"), ("lmse20_dir", "direct"), ("mse_R", "si-MSE R"), ("mse_S", "S"),
            ("dssim_R", "DSSIM R"), ("dssim_S", "S"), ("ind", "`ind`"), ("indJ", "`indJ`"), ("dirJ", "`dirJ`")]
 THESIS = "globalintrinsicthesis"
@@ -92,20 +92,20 @@ def paint_and_light(results):
     found = by_group(rows)
     if not found:
         return ""
-    out = ["## Paint and light, where both are known\n"]
+    out = ["## Reflectance and light\n"]
     if kept:
         out.append(f"From an earlier `--full` run (commit {kept['commit']}).\n")
     frames = max(r["frames"] for r in rows if r["set"] != "own") if any(r["set"] != "own" for r in rows) else 0
-    out.append(f"Rendered scenes tell direct from bounced light: the sequences cornell and room ({frames} frame{'s' if frames > 1 else ''} of each, where "
-               "they are at hand), and the project's own stills. R reflectance, S all light; colors count, so that errors are larger than those "
-               "above: one scale for all channels, not one for each. LMSE with windows of 20 pixels; `ind`, `indJ` and `dirJ` as in "
-               "*Layers beyond two*. At `quality=medium`.\n")
+    out.append(f"Rendered scenes with known direct and indirect light: the sequences cornell † and room † ({frames} frame{'s' if frames > 1 else ''} of each, if "
+               "available), and the project's own stills. R reflectance, S all light; one scale for all channels, so color errors count and figures are "
+               "larger than above. LMSE with windows of 20 pixels; `ind`, `indJ` and `dirJ` as in "
+               "*Indirect light*. At `quality=medium`.\n")
     out.append(errors(found))
     if THESIS in found:
-        out.append("\n`globalintrinsicthesis` knows its base colors before it is timed and scored, as in a video that has been going on. "
-                   "*Without soft Retinex weight*: every pixel counts (`alpha-sr`). *With correction*: somebody "
-                   "clicks on every region of half a percent of the frame or more of which most pixels were taken for a wrong base color, by the "
-                   "truth (.1 in ln chromaticity nearer to another), and the method chooses its color (Eq. 5.11); *true colors*: the one that the truth has.\n")
+        out.append("\n`globalintrinsicthesis` has its base colors before it is timed and scored, as in a running video. "
+                   "*Without soft Retinex weight*: every pixel counts (`alpha-sr`). *With correction*: every region of half a percent of the frame or "
+                   "more whose base color is wrong by the truth (.1 in ln chromaticity nearer to another) is marked, and the method chooses its "
+                   "color (Eq. 5.11); *true colors*: the true one is given.\n")
     colors = base_colors(found)
     if colors:
         out.append("### Base colors before and after refinement\n\nDistance in chromaticity (mean 1) from the mean true paint of the pixels that "
@@ -114,7 +114,7 @@ def paint_and_light(results):
 
 
 def verdict(found):
-    """What the figures say of refinement, clicks and the sparsity term."""
+    """What refinement and marks change, in words."""
     def mean(name, field):
         return summary.mean(v[field] for v in found.get(name, {}).values())
     before, after = mean(THESIS, "base_before"), mean(THESIS, "base_after")
@@ -122,7 +122,7 @@ def verdict(found):
     if None in (before, after, plain, bare):
         return ""
     return (f"\nRefinement takes base colors {'nearer to' if after < before else 'away from'} the paint here ({before:.2f} → {after:.2f}): what is "
-            f"refined is the color of the light in a layer, which the energy is free to mix. Clicks take reflectance from "
+            f"refined is the color of the light in a layer, which the energy can mix freely. Marks change the error of reflectance from "
             f"{figure(plain)} to {figure(bare)}.\n")
 
 
@@ -196,7 +196,7 @@ def costs(results, has):
         if has.get("background"):
             out.append("![Frame times](background.png)\n")
         at = f"{held['width']}×{held['height']}"
-        out.append(f"Frames of `globalintrinsicthesis` while base colors are refined and while the color of a marked region is decided, which "
-                   f"is meant to go on beside them: frames of the clip at {held['width']}×{held['height']}, blocks of each kind in turn, "
+        out.append(f"Frames of `globalintrinsicthesis` while base colors are refined and while the color of a marked region is decided in the "
+                   f"background: frames of the clip at {held['width']}×{held['height']}, blocks of each kind in turn, "
                    f"{held['refinements']} refinements and {held['decisions']} regions decided meanwhile.\n\n" + background(held) + held_up(held))
     return "\n".join(out)

@@ -1,4 +1,4 @@
-"""The report's page, docs/report/README.md."""
+"""The full report, out/report/README.md: every table of a run. The short page that is committed is brief.py's."""
 import ablations
 import light
 import summary
@@ -7,19 +7,19 @@ from tables import (adaptivity, all_elements, by_device, by_parts, by_regime, by
 
 
 def terms(results):
-    """The section on what each term is worth; empty where nothing was left out."""
+    """The section on what each term contributes; empty if no term was removed."""
     kept = results.get("kept")
     rows = kept["rows"] if kept else results["rows"]
     clock = summary.steady_time(results["device"])
-    out = ["## What each term is worth\n"]
+    out = ["## What each term contributes\n"]
     ours = ablations.stills(rows, "intrinsicdecomp", clock)
     if not ours:
         return ""
     if kept:
         out.append(f"From an earlier `--full` run (commit {kept['commit']}), which has more frames.\n")
-    out.append("One term left out of `intrinsicdecomp`, everything else as it ships; in brackets the number of scenes, and what that "
-               "makes of the error. The prior was fitted with all terms in place, so that a small loss says the others can stand in, "
-               "and a gain in one regime is paid in another. *Paint* and *light on edges* are the two halves of the edge prior, "
+    out.append("One term of `intrinsicdecomp` removed, everything else as shipped; in brackets the number of scenes, and the change "
+               "of the error. The prior was fitted with all terms in place: a small loss means that others replace the term, "
+               "and a gain in one regime costs another. *Paint* and *light on edges* are the two halves of the edge prior, "
                "each at a thousandth of its weight; *value* pins the largest channel, *chroma* joins equal colors.\n\n" + without(ours))
     video = ablations.videos(rows, clock)
     if video:
@@ -42,7 +42,7 @@ def failures(results):
         return ""
     lines = [f"- {f['part'] if 'part' in f else f['method'] + ' ' + f['curve'] + ' ' + f['setting'] + ', ' + f['set'] + ' ' + f['scene']}: "
              f"{f['why'].strip().splitlines()[-1]}" for f in results["failures"]]
-    return "## What failed\n\nEverything else was measured nevertheless:\n\n" + "\n".join(lines) + "\n"
+    return "## What failed\n\nEverything else was measured:\n\n" + "\n".join(lines) + "\n"
 
 
 def why_medium(stills, videos, has, regimes):
@@ -55,21 +55,21 @@ def why_medium(stills, videos, has, regimes):
     if not all(wanted) or None in (low["to_converged"], medium["to_converged"], low_video["flicker"], medium_video["flicker"]):
         return ""
     if medium["lmse20"] <= low["lmse20"] or medium_video["flicker"] >= low_video["flicker"]:
-        return ""  # then the front above says it
+        return ""  # then the front shows it
     text = (f"\nBy LMSE of these few scenes alone `low` would do ({low['lmse20']:.4f} against {medium['lmse20']:.4f} on stills): `medium`, the "
             "default, does not lie on the front above. ")
     if has.get("fronts"):
-        text += ("What that error of soft, single frames does not show is here:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
+        text += ("LMSE of single stills does not show this:\n\n![Fronts](fronts.png)\n\n*Flicker, hard shadows and real "
                  "objects against time; the gray band is the front of `intrinsicdecomp`'s levels.*\n\n")
-    return text + (f"What `medium` buys for the rest of its time is steadiness (flicker {medium_video['flicker']:.4f} against "
+    return text + (f"For its additional time `medium` gives steadiness (flicker {medium_video['flicker']:.4f} against "
                    f"{low_video['flicker']:.4f}), nearness to the converged solution ({medium['to_converged']:.3f} against "
-                   f"{low['to_converged']:.3f}), and shadows and small things at full sharpness" + sharper(regimes) + ".\n")
+                   f"{low['to_converged']:.3f}), and full resolution of shadows and small objects" + sharper(regimes) + ".\n")
 
 
 def sharper(regimes):
     """LMSE of both presets on hard shadows and real objects, in brackets; empty where they were not measured."""
     out = []
-    for regime, name in (("hard shadow", "hard shadows"), ("MIT objects", "real objects")):
+    for regime, name in (("hard shadow" + summary.MARK, "hard shadows" + summary.MARK), ("MIT objects", "real objects")):
         low, medium = (next((p["lmse20"] for p in regimes.get(regime, []) if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder" and
                              p["preset"] == preset), None) for preset in ("low", "medium"))
         if low and medium:
@@ -81,29 +81,28 @@ def leaving_out(results, has):
     """The section on adaptivity: through the element, of the kernels by scene with errors, and part by part."""
     entries, whole = results["adaptivity"], results.get("through_elements") or []
     kept = (results.get("kept") or {}).get("through_elements") or []
-    out = ["## What leaving out saves\n"]
+    out = ["## Skipped work\n"]
     if has["adaptivity"]:
         out.append("![Adaptivity](adaptivity.png)\n")
     if whole:
-        out.append("Whole elements, NV12 in system memory in and out, frames 25 and on of a video (what settles takes a second; of "
-                   "`globalintrinsic`, whose light comes to rest first, two: frames 57 and on where much is left out): a frame "
-                   "that comes again, a ball that moves over a still picture (a tenth of the width), the same picture under a camera's noise (every "
-                   "pixel changes in every frame), the clip (light moves everywhere). In bold: three times or more.\n\n" + through_elements(whole))
+        out.append("Whole elements, NV12 in system memory in and out, frames 25 and later of a video (`globalintrinsic`: 57 and later if much is "
+                   "skipped): a repeated frame, a ball that moves over a still picture (a tenth of the width), the same picture under sensor noise "
+                   "(every pixel changes), the clip (light moves everywhere). Bold: three times faster or more.\n\n" + through_elements(whole))
         parts = parts_of_elements(whole) or parts_of_elements(kept)
         if parts:
             out.append("Each property of `intrinsicdecomp` alone (all others 0), and all but it, processor time in relation to `adaptive=false`. Parts "
-                       "lean on each other: a tile leaves the solve once its edges are no longer decided anew and its cycles have settled.\n\n" + parts)
-    out.append("The kernels alone at 320×240, videos of 48 frames and more (shorter ones are played to and fro; errors are those of the last time). A video's "
-               "first frames look at what may be left out, which takes some percent of each; nothing more than the first two is left aside here.\n")
+                       "depend on each other: a tile is skipped only when its edges are reused and its cycles have converged.\n\n" + parts)
+    out.append("The kernels alone at 320×240, videos of at least 48 frames (shorter ones are played forth and back; errors are of the last pass). The "
+               "first frames of a video test what can be skipped, which costs some percent; only the first two frames are excluded.\n")
     for method in dict.fromkeys(e["method"] for e in entries):
         of = [e for e in entries if e["method"] == method]
-        out.append(f"**`{method}`**" + (": light's color and amount are held, too, where the scene rests; `tint` and `indJ` as in *Layers beyond two*"
+        out.append(f"**`{method}`**" + (": light's color and amount are reused too if the scene is static; `tint` and `indJ` as in *Indirect light*"
                                         if method == "globalintrinsic" else "") + "\n\n" + adaptivity(of))
         clock = "processor_ratio" if any(e["processor_ratio"] for e in of) else "device_ratio"
         parts = by_parts([e for e in of if e[clock]], clock, left_out_where)
         if parts:
             out.append(folded(f"Each part of {method} alone", parts + "\n" + by_parts(of, "lmse20_added", left_out_where)))
-    out.append("Frames of all settings were taken in turns, to and fro; ratios are medians of pairs, intervals bootstrapped.\n")
+    out.append("Frames of all settings take turns, forth and back; ratios are medians of pairs, intervals bootstrapped.\n")
     return "\n".join(out)
 
 
@@ -113,9 +112,9 @@ def write(results, folder, has):
     machine = results["machine"]
     knee = results["summary"]["knee"]
     knee = " to ".join(dict.fromkeys([knee[0], knee[-1]])) if knee else None
-    out = ["""# What a millisecond buys
+    out = ["""# Error against run time
 
-Error against run time of every method, its peers and the no-solve answers, on the same machine in the same run. Made by
+Every method, its peers and answers without a solve, on one machine in one run. Made by
 `./dev bench""" + (" --full" if results["full"] else "") + "`; every figure is in [results.json](results.json).\n"]
     out.append(headline(points) + "\n")
     out.append("![Error against run time](work-precision.png)\n\n"
@@ -123,11 +122,10 @@ Error against run time of every method, its peers and the no-solve answers, on t
                "`quality` presets, the default in bold. Bars: quartiles of run time. The gray band is the Pareto front. "
                "Of a peer's settings the one with the least error is shown.*\n")
     if has["picture"]:
-        out.append("![Layers](layers.jpg)\n\n*The still life: truth, and what methods make of it at their defaults (scaled to "
-                   "the truth by least squares).*\n")
-    out.append("## Each step of the ladder\n\nThe levels of work that `intrinsicdecomp` offers, as they ship: presets "
-               "(`quality=low|medium|high|best`; what is set explicitly wins), and the steps between them that live trade "
-               "(`target-fps`, `latency-budget`) takes. Single frames, own stills:\n\n" + exchange(points, "ladder") +
+        out.append("![Layers](layers.jpg)\n\n*The still life: truth, and each method at its default (scaled to the truth by "
+                   "least squares).*\n")
+    out.append("## Quality levels\n\nThe levels of `intrinsicdecomp` as shipped: presets (`quality`), and the levels between them that the rate "
+               "controller (`target-fps`, `latency-budget`) uses. Single frames, own stills:\n\n" + exchange(points, "ladder") +
                "\nFrames that continue a video, own videos:\n\n" +
                exchange(results["summary"]["videos"], "video ladder") + why_medium(points, results["summary"]["videos"], has, results["summary"]["regimes"]) +
                "\n## Each further cycle\n\nThe solve alone, at full resolution and with every cycle run:\n\n" +
@@ -135,37 +133,35 @@ Error against run time of every method, its peers and the no-solve answers, on t
     if knee:
         out.append("The knee of this curve (the points farthest below the line between its ends, in logarithms of error and "
                    f"{'processor' if 'llvmpipe' in results['device'] else 'device'} time) lies at **{knee} cycles**; the "
-                   "default is 2 for frames that continue a video, which start near their solution, and 4 for those that stand "
-                   "alone, of which a video has one.\n")
+                   "default is 2 for frames with history, which start near their solution, and 4 for frames without.\n")
     if has["convergence"]:
         out.append("![Convergence](convergence.png)\n\n"
                    "*Distance to the method's own converged solution (200 cycles; the thesis' 24×16 and 32×8 iterations) in "
                    "natural log units: 0.01 is one percent. The processor's solvers minimize `intrinsicdecomp`'s energy "
-                   "independently, in double precision, and are measured against the device's converged solution: where "
-                   "their curve ends is how well the two agree.*\n")
-    out.append("![Other knobs](knobs.png)\n\n*What else can be turned: resolution (shading enlarged again, with the full frame "
-               "as a guide or without, reflectance from the full frame) and pyramid levels, each from the default.*\n")
+                   "independently, in double precision, and are measured against the device's converged solution: the "
+                   "end of their curve shows how well the two agree.*\n")
+    out.append("![Other settings](knobs.png)\n\n*Other settings: resolution (shading enlarged with or without the full frame "
+               "as a guide, reflectance from the full frame) and pyramid levels, each from the default.*\n")
     out.append("## Everybody\n\n" + everybody(points, results["methods"]) +
                "\nMeans over the own stills. `low` to `best`: presets. LMSE 20 and 10: windows of 20 (Grosse et al.) and 10 pixels (the "
-               "thesis). Errors are means of reflectance and shading and invariant to scale; less is better but for MS-SSIM. "
-               "A dash: nothing to measure. WHDR: share of 2000 pairs of points whose order of reflectance comes out wrong. Of a filter's strengths the one "
-               "with the least LMSE is shown.\n")
+               "thesis). Errors are means of reflectance and shading and invariant to scale; smaller is better except for MS-SSIM. "
+               "A dash: nothing to measure. WHDR: share of 2000 pairs of points in wrong order of reflectance. Of a filter's strengths the one "
+               "with the smallest LMSE is shown.\n")
     if has["regimes"]:
         out.append("## By regime\n\n![By regime](regimes.png)\n\n" + by_regime(results["summary"]["regimes"]) +
                    "\n<details><summary>By scale-invariant MSE and DSSIM</summary>\n\n" + other_measures(results["summary"]["regimes"]) +
-                   "\n</details>\n\nOwn and given data together. No method is best everywhere: trivial answers win where their assumption "
-                   "holds (R = I / max_c I on palettes of one value). **Optimistic** for `intrinsicdecomp` are hard shadow and "
-                   "near-constant value of the given data, as a quarter of its prior's last fitting came from those sequences "
-                   "([accuracy](../measurements-accuracy.md)); the own set was never trained on.\n")
+                   "\n</details>\n\nOwn and given data together. No method is best everywhere: constant answers win if their assumption "
+                   "is true (R = I / max_c I on palettes of one value). **†: training sets of `intrinsicdecomp`; their figures are optimistic** "
+                   "([accuracy](../../docs/reference/accuracy.md)). It was never trained on the own set.\n")
     if results["summary"]["intervals"]:
-        out.append("How sure that is, at `quality=medium`, brackets being 95 % bootstrap intervals over scenes, differences "
-                   "paired by scene, and negative ones better:\n\n" + by_regime_intervals(results["summary"]["intervals"]) +
-                   "\nOf peers and trivial answers the best in that regime, at its best setting, which flatters it. Separated: zero "
-                   "lies outside the interval. Under six scenes even agreement of all of them is weak evidence, and under four "
-                   "the interval is merely the range over scenes; under three no verdict is given.\n")
+        out.append("Uncertainty at `quality=medium`: brackets are 95 % bootstrap intervals over scenes, differences are "
+                   "paired by scene, negative is better:\n\n" + by_regime_intervals(results["summary"]["intervals"]) +
+                   "\nBest baseline: the best peer or constant answer in that regime at its best setting, which favors it. Separated: zero "
+                   "lies outside the interval. Under six scenes even full agreement is weak evidence; under four the interval "
+                   "is only the range; under three no statement is made.\n")
     levels = ladder_by_regime(results["summary"]["regimes"])
     if levels:
-        out.append("The levels of live trade, LMSE (k = 20) / DSSIM:\n\n" + levels)
+        out.append("The quality levels, LMSE (k = 20) / DSSIM:\n\n" + levels)
     out.append(f"Given data: {results['data']}.\n")
     worth = terms(results)
     if worth:
@@ -174,8 +170,8 @@ Error against run time of every method, its peers and the no-solve answers, on t
     if known:
         out.append(known)
     if has.get("light"):
-        out.append("![Methods that know of bounced light](light.png)\n\n*Mean over cornell, room and the own stills: the ladders of the methods that tell "
-                   "bounced light from direct light; stars: guesses that need no solve.*\n")
+        out.append("![Methods with indirect light](light.png)\n\n*Mean over cornell †, room † and the own stills: the levels of the methods that separate "
+                   "indirect light; stars: guesses without a solve.*\n")
     beyond = layers_beyond_two(rows, results["methods"])
     if beyond:
         out.append(beyond)
@@ -186,7 +182,7 @@ Error against run time of every method, its peers and the no-solve answers, on t
                 "their first frame eight times under shot and read noise; true reflectance stands still in both."
                 if any(r["scene"] == "slow light" for r in rows) else "") + "\n")
     out.append(leaving_out(results, has))
-    out.append("## Condition number against digits kept\n\n")
+    out.append("## Condition number and digits\n\n")
     if results["extremes"]:
         out.append("![Condition numbers](conditions.png)\n\n*Each solver of `tests/extremes` in single precision against double "
                    "precision.*\n\n<details><summary>All cases</summary>\n\n" +
@@ -211,20 +207,20 @@ Error against run time of every method, its peers and the no-solve answers, on t
     out.append(f"""## How it was made
 
 `./dev bench` takes a bit more than a minute on two idle cores, `./dev bench --full` some thirty minutes: two frames and the whole video of every given
-sequence, every setting, every size. `--resume` goes on where one was interrupted. `--data DIR` names another folder of ground truth,
+sequence, every setting, every size. `--publish` also writes the short page that is committed, `docs/report`. `--resume` continues an interrupted run. `--data DIR` names another folder of ground truth,
 `--against FILE` prints what got better or worse since an earlier `results.json`, `--add FILE` keeps the tables of an earlier `--full`
 run's `results.json` that this run does not make, or adds a device on which `bench-methods` ran (it needs no more than libvulkan and
-`scenes`: see `tests/bench/methods_main.cpp`).
+`scenes`: see `tests/bench/methods/methods_main.cpp`).
 
 - Device: {results['device']}; {machine['processor']}, {machine['cores']} cores; {machine['system']}; commit {machine['commit']}.
 """ + (f"- Measuring took {machine['seconds'] / 60:.1f} minutes.\n" if machine.get("seconds") else "") + f"""\
 - The machine's load was {machine['load_before']:.1f} before and {machine['load_after']:.1f} after""" +
-               (" — **other work disturbed it: believe ratios and processor time only**.\n" if load > 2.5 else ".\n") +
+               (" — **other work ran meanwhile: trust ratios and processor time only**.\n" if load > 2.5 else ".\n") +
                """- All settings take turns on every frame""" + (", and programs take turns, twice" if results["full"] else "") + """; run time is the median. It is that of the
   method alone, from linear pixels in memory to layers in memory; conversion is in *Through the elements*.
-""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over them.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/own_scenes.cpp`). They are few, and
-  **the ranking on them depends on how they are lit**: in a first version, of flatter light and without the clay scene, doing
-  nothing (constant shading) and Retinex scored best. Nothing was fitted to them.
-- Metrics: `tests/bench/metrics.hpp`; tested against closed forms and scikit-image.
+""" + ("" if results["full"] else "- Distance to the converged solution is that of the first own still; with `--full` the mean over them.\n") + """- Own data: four stills and five videos of 320×240, rendered by the build (`tests/bench/scenes/own_scenes.cpp`). They are few, and
+  **the ranking on them depends on their light**: in a first version of flatter light, without the clay scene, constant
+  shading and Retinex scored best. Nothing was fitted to them.
+- Metrics: `tests/bench/metrics/`; tested against closed forms and scikit-image.
 """)
     (folder / "README.md").write_text("\n".join(out))

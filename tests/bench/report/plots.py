@@ -260,7 +260,7 @@ def regimes(by_regime, folder):
 
 
 def adaptivity(entries, clock, folder):
-    """What leaving out saves: time with it over time without, by scene, a panel for each method."""
+    """What skipping work saves: time with it over time without, by scene, a panel for each method."""
     ratio = clock.replace("_ms", "_ratio")
     panels = {}
     for e in entries:
@@ -290,7 +290,7 @@ def adaptivity(entries, clock, folder):
         ax.grid(axis="y", visible=False)
         ax.set_title(method)
     figure.supxlabel(f"{name} with adaptive=true over that without; median of interleaved pairs, 95 % interval", fontsize=9)
-    figure.suptitle("What leaving out saves")
+    figure.suptitle("Time saved by skipping work")
     figure.tight_layout()
     save(figure, folder, "adaptivity")
     return True

@@ -28,7 +28,7 @@ def fronts(videos, regimes, time, folder):
     """What presets buy that LMSE of single stills does not show."""
     ours = ("intrinsicdecomp", "globalintrinsic")
     panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
-    for regime, heading in (("hard shadow", "Hard shadows"), ("MIT objects", "Real objects (MIT)")):
+    for regime, heading in (("MIT objects", "Real objects (MIT)"), ("hard shadow" + summary.MARK, "Hard shadows" + summary.MARK)):
         panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "ladder"], "lmse20", plots.LMSE))
     panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], time)) > 2]
     if not panels:

@@ -1,4 +1,4 @@
-"""docs/relighting-curves.svg, from the table that relight-curves prints: relight.py FILE.md TO.svg"""
+"""docs/images/relighting-curves.svg, from the table that relight-curves prints: relight.py FILE.md TO.svg"""
 import pathlib
 import sys
 

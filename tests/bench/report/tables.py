@@ -155,7 +155,7 @@ def by_regime_intervals(entries):
 
 def given_video(row):
     """The name of a given sequence, and under what it is shown if not as it is."""
-    return row["set"] + ("" if row["scene"] == "video" else f", {row['scene']}")
+    return summary.mark(row["set"]) + ("" if row["scene"] == "video" else f", {row['scene']}")
 
 
 def folded(title, text):
@@ -329,7 +329,7 @@ def without_on_videos(entries):
 
 def left_out(found):
     rows = [[f"{n} ({e['scenes']})", figure(e["ships"]), figure(e["left_out"]), figure(e["best"])] for n, e in found["regimes"].items()]
-    return table(["LMSE (k = 20)", "as it ships", "chosen without the scene", "best for the regime itself"], rows)
+    return table(["LMSE (k = 20)", "as shipped", "chosen without the scene", "best for the regime itself"], rows)
 
 
 def layers_beyond_two(rows, methods):
@@ -357,12 +357,12 @@ def layers_beyond_two(rows, methods):
                      for s in scenes]
             table_rows.append([name(key, of), figure(summary.mean(r[field] for r in of.values()) if len(of) == len(scenes) else None)] +
                               cells)
-        out.append(folded(title, table([title, "mean"] + [f"{a if a != 'own' else b}" for a, b in scenes], table_rows)))
+        out.append(folded(title, table([title, "mean"] + [summary.mark(a) if a != "own" else b for a, b in scenes], table_rows)))
         for row in table_rows:
             means.setdefault(row[0], []).append(row[1])
-    return ("## Layers beyond two\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
+    return ("## Indirect light\n\nShading is the sum of direct light and of light from other surfaces, both RGB; errors are squared, relative "
             "to the squared truth: 0 is perfect, 1 as bad as black. Guesses are a share of `intrinsicdecomp`'s shading. Means over all scenes, "
-            "of who was measured on all of them:\n\n" +
+            "of the methods that were measured on all of them:\n\n" +
             table(["mean", "`ind`", "`indJ`", "`dirJ`", "`tint`"], [[n, *v] for n, v in means.items() if set(v) != {"–"}]) + "".join(out))
 
 
@@ -371,7 +371,7 @@ def by_device(results):
     columns = [(results["device"], results["summary"]["own"])] + [(o["device"], o["points"]) for o in results.get("others") or []]
     if len(columns) < 2:
         return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
-                "(`tests/bench/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
+                "(`tests/bench/methods/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
     curves = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
     rows = []
     for p in columns[0][1]:
@@ -387,7 +387,7 @@ def by_device(results):
 
 
 def ladder_by_regime(panels):
-    """The levels of live trade on all data."""
+    """The quality levels on all data."""
     names = [n for n, points in panels.items() if any(p["curve"] == "ladder" for p in points)]
     levels = {}
     for n in names:
@@ -395,7 +395,7 @@ def ladder_by_regime(panels):
             if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder":
                 levels.setdefault((p["order"], p["setting"], p["preset"]), {})[n] = p
     levels = {level: of for level, of in levels.items() if len(of) == len(names)}
-    if len(levels) < 5:  # presets alone say nothing of the steps between them
+    if len(levels) < 5:  # presets alone
         return ""
     rows = [[setting, f"`{preset}`" if preset else ""] + [f"{figure(of[n]['lmse20'])} / {figure(of[n]['dssim'], 3)}" 
                                                           for n in names] for (_, setting, preset), of in sorted(levels.items())]

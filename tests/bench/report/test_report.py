@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Checks the report's arithmetic where the answer is known."""
 import math
+import json
 import pathlib
 import sys
 import unittest
@@ -8,6 +9,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import ablations
 import against
+import brief
 import intervals
 import light
 import summary
@@ -141,7 +143,7 @@ class Light(unittest.TestCase):
     def test_base_colors_are_means_over_what_is_known(self):
         found = light.by_group(self.rows())
         self.assertAlmostEqual(found[light.THESIS]["cornell"]["base_before"], 0.2)
-        self.assertIn("| cornell | as it is | .200 | .400 | 25.0 % | – | – | 8.0 |", light.base_colors(found))
+        self.assertIn("| cornell † | as it is | .200 | .400 | 25.0 % | – | – | 8.0 |", light.base_colors(found))
         self.assertIn("| 4.0 | 3.0 | 8.0 |", light.base_colors(found))
         self.assertIn("away from", light.verdict(found))
 
@@ -301,6 +303,28 @@ class Page(unittest.TestCase):
         self.assertIn("| `e` | 320×1 | 1.0", tables.elements(found))
         self.assertIn("| `e` | 1920×1* | 1.0", tables.elements(found))
         self.assertEqual(len(tables.all_elements({"elements": [element(320)]})), 1)
+
+
+class Training(unittest.TestCase):
+    def test_training_sets_are_marked_once(self):
+        rows = [{"set": "room", "regime": "r"}, {"set": "mit", "regime": "r"}]
+        once = summary.marked(rows)
+        self.assertEqual([r["regime"] for r in once], ["r †", "r"])
+        self.assertEqual(summary.marked(once), once)
+        self.assertEqual(tables.given_video({"set": "room", "scene": "noise"}), "room †, noise")
+
+
+class Brief(unittest.TestCase):
+    FOLDER = pathlib.Path(__file__).resolve().parents[3] / "docs/report"
+
+    def test_the_committed_page_is_that_of_its_figures(self):
+        found = json.loads((self.FOLDER / "figures.json").read_text())
+        self.assertEqual(brief.page(found), (self.FOLDER / "README.md").read_text())
+
+    def test_training_sets_are_apart(self):
+        found = json.loads((self.FOLDER / "figures.json").read_text())
+        self.assertIn("hard shadow †", found["regimes"])
+        self.assertEqual(set(found["by_scene"]), {"patches", "sculptures", "still life", "toys"})
 
 
 class Against(unittest.TestCase):

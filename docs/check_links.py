@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Fails if a relative link of a committed page leads nowhere: docs/check_links.py [ROOT]. Checks files and headings."""
+import pathlib
+import re
+import subprocess
+import sys
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
+
+
+def anchors(page):
+    """Anchors of a page's headings, as GitHub makes them, and explicit ones."""
+    text = page.read_text()
+    found = set(re.findall(r'<a id="([^"]+)"', text))
+    for heading in re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE):
+        plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower().replace("`", "")
+        found.add(re.sub(r"[^\w\- ]", "", plain).strip().replace(" ", "-"))
+    return found
+
+
+def broken(page, link):
+    """What is wrong with a link of `page`; empty if nothing is."""
+    target, _, anchor = link.partition("#")
+    path = page.parent / target if target else page
+    if not path.exists():
+        return "no such file"
+    if anchor and path.suffix == ".md" and anchor not in anchors(path):
+        return "no such heading"
+    return ""
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"], capture_output=True, text=True)
+    pages = [root / name for name in listed.stdout.split()] or [
+        p for p in sorted(root.rglob("*.md")) if not any(part.startswith((".", "build")) for part in p.relative_to(root).parts)]
+    wrong = 0
+    for page in pages:
+        if not page.exists() or page.parent.name == "intro":  # whose links are of the page that is made of it
+            continue
+        for link in LINK.findall(CODE.sub("", page.read_text())):
+            if not re.match(r"[a-z]+:", link) and (why := broken(page, link)):
+                print(f"{page.relative_to(root)}: {link}: {why}")
+                wrong += 1
+    return 1 if wrong else 0
+
+
+sys.exit(main())

@@ -1,0 +1,274 @@
+#include "frame_io.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "gst/base/meta/layers_meta.hpp"
+
+namespace inverse {
+namespace {
+
+PixelFormat pixel_format(GstVideoFormat format) {
+  switch (format) {
+    case GST_VIDEO_FORMAT_RGBA:
+      return PixelFormat::rgba;
+    case GST_VIDEO_FORMAT_BGRA:
+      return PixelFormat::bgra;
+    case GST_VIDEO_FORMAT_RGBx:
+      return PixelFormat::rgbx;
+    case GST_VIDEO_FORMAT_BGRx:
+      return PixelFormat::bgrx;
+    case GST_VIDEO_FORMAT_RGB:
+      return PixelFormat::rgb;
+    case GST_VIDEO_FORMAT_BGR:
+      return PixelFormat::bgr;
+    case GST_VIDEO_FORMAT_RGBA64_LE:
+      return PixelFormat::rgba64_le;
+    case GST_VIDEO_FORMAT_GRAY8:
+      return PixelFormat::gray8;
+    case GST_VIDEO_FORMAT_GRAY16_LE:
+      return PixelFormat::gray16_le;
+    case GST_VIDEO_FORMAT_NV12:
+      return PixelFormat::nv12;
+    case GST_VIDEO_FORMAT_I420:
+      return PixelFormat::i420;
+    case GST_VIDEO_FORMAT_YUY2:
+      return PixelFormat::yuy2;
+    case GST_VIDEO_FORMAT_UYVY:
+      return PixelFormat::uyvy;
+    case GST_VIDEO_FORMAT_P010_10LE:
+      return PixelFormat::p010_10le;
+    case GST_VIDEO_FORMAT_I420_10LE:
+      return PixelFormat::i420_10le;
+    default:
+      throw Error(ErrorKind::unsupported, std::string("video format ") +
+                                              gst_video_format_to_string(format) +
+                                              " is not supported; insert videoconvert");
+  }
+}
+
+TransferFunction transfer_function(GstVideoTransferFunction function) {
+  switch (function) {
+    case GST_VIDEO_TRANSFER_GAMMA10:
+      return TransferFunction::linear;
+    case GST_VIDEO_TRANSFER_GAMMA18:
+      return TransferFunction::gamma18;
+    case GST_VIDEO_TRANSFER_GAMMA20:
+      return TransferFunction::gamma20;
+    case GST_VIDEO_TRANSFER_GAMMA22:
+      return TransferFunction::gamma22;
+    case GST_VIDEO_TRANSFER_GAMMA28:
+      return TransferFunction::gamma28;
+    case GST_VIDEO_TRANSFER_BT709:
+    case GST_VIDEO_TRANSFER_BT601:
+    case GST_VIDEO_TRANSFER_BT2020_10:
+    case GST_VIDEO_TRANSFER_BT2020_12:
+      return TransferFunction::bt709;
+    case GST_VIDEO_TRANSFER_SMPTE240M:
+      return TransferFunction::smpte240m;
+    case GST_VIDEO_TRANSFER_ADOBERGB:
+      return TransferFunction::adobe_rgb;
+    case GST_VIDEO_TRANSFER_SMPTE2084:
+      return TransferFunction::pq;
+    case GST_VIDEO_TRANSFER_ARIB_STD_B67:
+      return TransferFunction::hlg;
+    case GST_VIDEO_TRANSFER_LOG100:
+      return TransferFunction::log100;
+    case GST_VIDEO_TRANSFER_LOG316:
+      return TransferFunction::log316;
+    case GST_VIDEO_TRANSFER_SRGB:
+    case GST_VIDEO_TRANSFER_UNKNOWN:
+      break;  // what screens and still cameras mean when they do not say
+  }
+  return TransferFunction::srgb;
+}
+
+Matrix color_matrix(GstVideoColorMatrix matrix, bool yuv) {
+  switch (matrix) {
+    case GST_VIDEO_COLOR_MATRIX_BT601:
+      return Matrix::bt601();
+    case GST_VIDEO_COLOR_MATRIX_SMPTE240M:
+      return Matrix::smpte240m();
+    case GST_VIDEO_COLOR_MATRIX_FCC:
+      return Matrix::fcc();
+    case GST_VIDEO_COLOR_MATRIX_BT2020:
+      return Matrix::bt2020();
+    case GST_VIDEO_COLOR_MATRIX_RGB:
+    case GST_VIDEO_COLOR_MATRIX_UNKNOWN:
+      return yuv ? Matrix::bt601() : Matrix{};
+    case GST_VIDEO_COLOR_MATRIX_BT709:
+      break;
+  }
+  return Matrix::bt709();
+}
+
+/// Whether the buffer's GstVideoMeta, if it has one, describes a frame such as the caps promise.
+bool suits(const GstVideoInfo& info, GstBuffer* buffer) {
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  return !meta || (meta->format == GST_VIDEO_INFO_FORMAT(&info) &&
+                   meta->width >= static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) &&
+                   meta->height >= static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
+}
+
+/// Whether all rows of a plane lie in the memory that was mapped for it. GStreamer looks only at
+/// its first byte where strides and offsets come from a GstVideoMeta.
+bool holds_rows(const GstVideoFrame& frame, const FrameFormat& format, uint32_t plane) {
+  const GstMapInfo& map = frame.map[frame.meta ? plane : 0];
+  const auto* begin = static_cast<const uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, plane));
+  // A meta with a way of its own to map memory answers for it itself.
+  if (!map.data || begin < map.data || begin >= map.data + map.size) return frame.meta != nullptr;
+  const auto last = static_cast<int64_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane)) *
+                    (static_cast<int64_t>(plane_rows(format.format, format.extent, plane)) - 1);
+  const int64_t start = begin - map.data;
+  const auto row = static_cast<int64_t>(row_bytes(format.format, format.extent, plane));
+  return start + std::min<int64_t>(last, 0) >= 0 &&
+         start + std::max<int64_t>(last, 0) + row <= static_cast<int64_t>(map.size);
+}
+
+/// A mapped GstVideoFrame that unmaps itself. Throws where the buffer does not hold the frame that
+/// its caps promise.
+class MappedFrame {
+ public:
+  MappedFrame(const GstVideoInfo& info, const FrameFormat& format, GstBuffer* buffer,
+              GstMapFlags flags) {
+    const auto no_ref = static_cast<GstMapFlags>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF);
+    bool whole =
+        suits(info, buffer) &&
+        gst_video_frame_map(&frame_, &info, buffer, static_cast<GstMapFlags>(flags | no_ref));
+    if (whole) {
+      for (uint32_t plane = 0; plane < plane_count(format.format); ++plane)
+        whole &= holds_rows(frame_, format, plane);
+      if (!whole) gst_video_frame_unmap(&frame_);
+    }
+    if (!whole)
+      throw Error(ErrorKind::unsupported,
+                  "a buffer of " + std::to_string(gst_buffer_get_size(buffer)) +
+                      " bytes cannot hold the " + std::to_string(GST_VIDEO_INFO_WIDTH(&info)) +
+                      "x" + std::to_string(GST_VIDEO_INFO_HEIGHT(&info)) + " " +
+                      gst_video_format_to_string(GST_VIDEO_INFO_FORMAT(&info)) +
+                      " frame that its caps promise; mend the element that sent it");
+  }
+  MappedFrame(const MappedFrame&) = delete;
+  MappedFrame& operator=(const MappedFrame&) = delete;
+  ~MappedFrame() { gst_video_frame_unmap(&frame_); }
+
+  uint8_t* data(uint32_t plane) const {
+    return static_cast<uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame_, plane));
+  }
+  size_t stride(uint32_t plane) const {
+    return static_cast<size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame_, plane));
+  }
+
+ private:
+  GstVideoFrame frame_;
+};
+
+}  // namespace
+
+FrameFormat frame_format(const GstVideoInfo& info) {
+  FrameFormat format;
+  format.format = pixel_format(GST_VIDEO_INFO_FORMAT(&info));
+  format.extent = {static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
+                   static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
+  const GstVideoColorimetry& color = info.colorimetry;
+  const bool yuv = is_yuv(format.format);
+  format.matrix = color_matrix(color.matrix, yuv);
+  format.range = color.range == GST_VIDEO_COLOR_RANGE_16_235 ||
+                         (color.range == GST_VIDEO_COLOR_RANGE_UNKNOWN && yuv)
+                     ? Range::limited
+                     : Range::full;
+  format.transfer = Transfer::of(transfer_function(color.transfer));
+  if (info.chroma_site != GST_VIDEO_CHROMA_SITE_UNKNOWN)
+    format.site = {(info.chroma_site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0,
+                   (info.chroma_site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0};
+  return aligned_layout(format, 4);
+}
+
+bool is_gap(GstBuffer* buffer) {
+  return GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) && gst_buffer_get_size(buffer) == 0 &&
+         !layers_of(buffer);
+}
+
+FrameInput::FrameInput(const GstVideoInfo& info)
+    : info_(info), format_(frame_format(info)), changed_(format_.format, format_.extent) {}
+
+gpu::BufferPtr FrameInput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
+  return gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::upload);
+}
+
+void FrameInput::configure(const std::shared_ptr<gpu::Device>& device) {
+  unpack_.emplace(device, format_);
+}
+
+void FrameInput::warm_up(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& plane,
+                         const TileList& tiles) const {
+  unpack_->record(commands, raw, plane);
+  unpack_->record(commands, raw, plane, &tiles);
+}
+
+std::span<const uint8_t> FrameInput::changed_tiles(GstBuffer* buffer) {
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
+  std::array<ChangedTiles::Rows, 3> planes{};
+  const uint32_t count = plane_count(format_.format);
+  for (uint32_t plane = 0; plane < count; ++plane)
+    planes[plane] = {frame.data(plane), static_cast<ptrdiff_t>(frame.stride(plane))};
+  return changed_.next(std::span(planes).first(count));
+}
+
+void FrameInput::record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
+                        const Plane& plane, const TileList* listed) const {
+  load(commands, buffer, raw);
+  unpack_->record(commands, raw, plane, listed);
+}
+
+void FrameInput::load(gpu::Commands&, GstBuffer* buffer, const gpu::BufferPtr& raw) const {
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_READ);
+  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+    copy_plane(format_.format, format_.extent, plane, frame.data(plane), frame.stride(plane),
+               raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane]);
+}
+
+FrameOutput::FrameOutput(const GstVideoInfo& info, bool linear)
+    : info_(info), format_(frame_format(info)) {
+  if (linear) format_.transfer = Transfer::of(TransferFunction::linear);
+}
+
+gpu::BufferPtr FrameOutput::make_buffer(const std::shared_ptr<gpu::Device>& device) const {
+  auto raw =
+      gpu::Buffer::create(device, gpu::Element::word, raw_words(format_), gpu::Memory::readback);
+  memset(raw->map(), 0, raw->bytes());  // row padding goes out with the rows
+  return raw;
+}
+
+void FrameOutput::configure(const std::shared_ptr<gpu::Device>& device) {
+  pack_.emplace(device, format_);
+}
+
+void FrameOutput::warm_up(gpu::Commands& commands, const Plane& plane, const gpu::BufferPtr& raw,
+                          const TileList& tiles) const {
+  pack_->record(commands, {plane}, raw);
+  pack_->record(commands, {plane}, raw, &tiles);
+}
+
+void FrameOutput::record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
+                         const gpu::BufferPtr& raw, GstBuffer* buffer,
+                         const TileList* listed) const {
+  if (!picture.plane) throw Error(ErrorKind::internal, "an element drew no picture");
+  const PlanePtr& input = layers[Role::input];
+  pack_->record(commands,
+                {*picture.plane, picture.scalar ? Drawing::Source::shading : Drawing::Source::color,
+                 picture.gain, input ? input.get() : nullptr},
+                raw, listed);
+  store(commands, raw, buffer);
+}
+
+void FrameOutput::write(const gpu::BufferPtr& raw, GstBuffer* buffer) const {
+  const MappedFrame frame(info_, format_, buffer, GST_MAP_WRITE);
+  for (uint32_t plane = 0; plane < plane_count(format_.format); ++plane)
+    copy_plane(format_.format, format_.extent, plane,
+               raw->map_as<uint8_t>() + format_.offset[plane], format_.stride[plane],
+               frame.data(plane), frame.stride(plane));
+}
+
+}  // namespace inverse

@@ -1,0 +1,100 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <memory>
+#include <optional>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/format/changed_tiles.hpp"
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/layers.hpp"
+#include "picture.hpp"
+
+namespace inverse {
+
+/// What GStreamer says of a frame in memory, in the words of kernels/image. Throws
+/// Error(unsupported) where the format or its colorimetry cannot be handled, naming it.
+FrameFormat frame_format(const GstVideoInfo& info);
+
+/// Whether a buffer says that there is no frame for its time: flagged GAP and empty, without
+/// layers.
+bool is_gap(GstBuffer* buffer);
+
+/// From a buffer to a linear plane. This class reads system memory; who reads other memory
+/// overrides how the bytes get to the device.
+class FrameInput {
+ public:
+  explicit FrameInput(const GstVideoInfo& info);
+  FrameInput(const FrameInput&) = delete;
+  FrameInput& operator=(const FrameInput&) = delete;
+  virtual ~FrameInput() = default;
+
+  /// The device on which a frame lies already; null where it can be brought to any.
+  virtual std::shared_ptr<gpu::Device> device_of(GstElement*, GstBuffer*) { return nullptr; }
+  /// A buffer for the bytes of one frame on the device, for `record`.
+  virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
+  void configure(const std::shared_ptr<gpu::Device>& device);
+  /// Has the device build what `record` will need with and without a list, here of all tiles.
+  void warm_up(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& plane,
+               const TileList& tiles) const;
+  /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
+  /// row by row, 0 where all bytes are the same. Empty where there was none, or where the pixels
+  /// are not in system memory. Throws as `record`.
+  virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
+  /// The next frame has none before it to be compared with.
+  void forget() { changed_.reset(); }
+  /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; where
+  /// tiles are `listed`, of these alone. Throws Error(unsupported) where the buffer does not hold
+  /// what its caps say.
+  void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
+              const Plane& plane, const TileList* listed = nullptr) const;
+
+ protected:
+  /// Copies the bytes at once, or records copying them.
+  virtual void load(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw) const;
+
+  GstVideoInfo info_;
+  FrameFormat format_;  // on the device: rows padded to words
+
+ private:
+  std::optional<Unpack> unpack_;
+  ChangedTiles changed_;
+};
+
+/// From planes to a buffer, in system memory unless a derived class says otherwise.
+class FrameOutput {
+ public:
+  /// `linear` writes linear light whatever the caps' transfer curve is.
+  explicit FrameOutput(const GstVideoInfo& info, bool linear = false);
+  FrameOutput(const FrameOutput&) = delete;
+  FrameOutput& operator=(const FrameOutput&) = delete;
+  virtual ~FrameOutput() = default;
+
+  /// A buffer for the bytes of one frame on the device, for `record` and `write`.
+  virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
+  void configure(const std::shared_ptr<gpu::Device>& device);
+  /// Has the device build what `record` will need with and without a list, here of all tiles.
+  void warm_up(gpu::Commands& commands, const Plane& plane, const gpu::BufferPtr& raw,
+               const TileList& tiles) const;
+  /// Records drawing `picture` into `raw` and on to `buffer`, as far as the device does that. Alpha
+  /// comes from the input layer's w where there is one. Where tiles are `listed`, `raw` has the
+  /// others already.
+  void record(gpu::Commands& commands, const Picture& picture, const Layers& layers,
+              const gpu::BufferPtr& raw, GstBuffer* buffer, const TileList* listed = nullptr) const;
+  /// Whether `write` has to follow, once the commands are done.
+  virtual bool waits() const { return true; }
+  /// Copies what was drawn into a writable buffer.
+  virtual void write(const gpu::BufferPtr& raw, GstBuffer* buffer) const;
+
+ protected:
+  /// Records the way of the bytes from `raw` to `buffer`; nothing for system memory.
+  virtual void store(gpu::Commands&, const gpu::BufferPtr&, GstBuffer*) const {}
+
+  GstVideoInfo info_;
+  FrameFormat format_;
+
+ private:
+  std::optional<Pack> pack_;
+};
+
+}  // namespace inverse

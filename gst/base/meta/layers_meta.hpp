@@ -1,0 +1,22 @@
+#pragma once
+#include <gst/gst.h>
+
+#include "inverse_layers_meta.h"
+#include "kernels/image/layers.hpp"
+
+namespace inverse {
+
+/// Attaches layers to a buffer; the meta holds its own references to the planes.
+void attach_layers(GstBuffer* buffer, const Layers& layers);
+
+/// The layers of a buffer, or null where it carries none.
+const Layers* layers_of(GstBuffer* buffer);
+
+/// The layers of a buffer that carries some. Where nobody else holds the buffer they are moved out
+/// of it, so that an editor that is their only holder can work in place.
+Layers take_layers(GstBuffer* buffer);
+
+/// Registers the meta, so that its header works before the first frame.
+void register_layers_meta();
+
+}  // namespace inverse

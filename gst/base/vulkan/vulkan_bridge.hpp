@@ -1,0 +1,87 @@
+#pragma once
+#include <gst/video/video.h>
+
+#include <memory>
+#include <mutex>
+
+#include "kernels/gpu/device.hpp"
+
+namespace inverse {
+
+class FrameInput;
+class FrameOutput;
+
+/// The caps feature of frames that are images on a device of GStreamer's Vulkan library.
+inline constexpr const char* kVulkanImageFeature = "memory:VulkanImage";
+
+/// Whether this build knows GStreamer's Vulkan library (meson option `vulkan-memory`). Without it
+/// no template offers images, and nothing below is ever asked for.
+bool has_vulkan_images();
+
+/// One element's part in sharing a Vulkan device with elements of GStreamer's own Vulkan plugin
+/// (GstContexts `gst.vulkan.instance`, `gst.vulkan.device`, `gst.vulkan.queue`). Thread-safe.
+///
+/// Those elements look for a device on READY → PAUSED, sinks first: downstream, then upstream. So
+/// who of them starts first asks us; we pass the question on, and where nobody beyond has an answer
+/// we make a GstVulkanDevice on the physical device of our own choice. All ends on one device and,
+/// as their submit lock belongs to a GstVulkanQueue and not to the VkQueue, on one GstVulkanQueue.
+class VulkanNeighbor {
+ public:
+  VulkanNeighbor();
+  VulkanNeighbor(const VulkanNeighbor&) = delete;
+  VulkanNeighbor& operator=(const VulkanNeighbor&) = delete;
+  ~VulkanNeighbor();
+
+  /// Looks for the device of neighbors, downstream first, and wraps it; null where there is none.
+  /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
+  /// Error(no_device) where the kernels cannot run on it.
+  enum class Ask {
+    what_there_is,  ///< elements of ours make nothing for the question
+    make_one,       ///< a decomposer makes one: images are about to flow
+  };
+  std::shared_ptr<gpu::Device> find(GstElement* element, Ask ask);
+  /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
+  /// Throws Error(no_device) where GStreamer's Vulkan library cannot open it.
+  std::shared_ptr<gpu::Device> make(GstElement* element, const gpu::Device& like);
+  /// What was found or made last; null where nothing was.
+  std::shared_ptr<gpu::Device> held() const;
+
+  /// GstElement::set_context: takes note of an instance.
+  void set_context(GstElement* element, GstContext* context);
+  /// Answers a query for instance, device or queue with those of the device held; false where the
+  /// query is about something else or nothing is held.
+  bool answer(GstElement* element, GstQuery* query) const;
+  /// Whether a query asks for a device.
+  static bool asks_for_device(GstQuery* query);
+
+  /// Waits until the device held has done all that was submitted to it, by whomever. vulkanupload
+  /// frees what the device still reads where a stream stops in the middle of a frame (GStreamer
+  /// 1.22).
+  void settle() const;
+  /// Settles and lets go.
+  void release();
+
+ private:
+  struct Contexts;
+  mutable std::mutex mutex_;
+  std::unique_ptr<Contexts> contexts_;
+};
+
+/// Whether two devices are the same piece of hardware (or software), each opened on its own.
+bool same_hardware(const gpu::Device& a, const gpu::Device& b);
+
+/// From an image in `memory:VulkanImage` to a linear plane. RGBA and BGRA only; whether Vulkan
+/// calls the bytes SRGB or UNORM makes no difference, as they are copied. Throws as FrameInput.
+std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info);
+
+/// From planes to an image in `memory:VulkanImage`. Nobody waits: who takes the image submits to
+/// the same queue, later, behind the barrier that the memory tells of.
+std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
+
+/// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size
+/// of its buffers. New reference. Throws Error(limit) where the device has no images of this size,
+/// Error(out_of_memory), and Error(internal) where the device is no GstVulkanDevice.
+GstBufferPool* make_image_pool(const std::shared_ptr<gpu::Device>& device, GstCaps* caps,
+                               guint* size);
+
+}  // namespace inverse

@@ -1,0 +1,39 @@
+#pragma once
+// Between the files of the Vulkan bridge: what GStreamer knows an adopted device by.
+#include <gst/video/video.h>
+extern "C" {  // 1.22 forgets to say so in gstvkqueue.h
+#include <gst/vulkan/vulkan.h>
+}
+
+#include <memory>
+
+#include "kernels/gpu/device.hpp"
+
+namespace inverse::bridge {
+
+struct Unref {
+  void operator()(gpointer object) const { gst_object_unref(object); }
+};
+using InstanceRef = std::unique_ptr<GstVulkanInstance, Unref>;
+using DeviceRef = std::unique_ptr<GstVulkanDevice, Unref>;
+using QueueRef = std::unique_ptr<GstVulkanQueue, Unref>;
+template <typename T>
+T* add_ref(T* object) {
+  return static_cast<T*>(gst_object_ref(object));
+}
+
+/// Kept alive by the gpu::Device that wraps it.
+struct Handles {
+  DeviceRef device;
+  QueueRef queue;
+};
+
+/// The wrapped device, with the queue that `element`'s neighbors submit to where they tell. The
+/// same GstVulkanDevice gives the same object everywhere. Throws Error(no_device) where the kernels
+/// cannot run on it.
+std::shared_ptr<gpu::Device> adopt(GstElement* element, GstVulkanDevice* device);
+
+/// Null where GStreamer does not know the device.
+std::shared_ptr<Handles> handles_of(const gpu::Device& device);
+
+}  // namespace inverse::bridge

@@ -1,0 +1,55 @@
+#include "clone_light.hpp"
+
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "gst/exr/environment_file.hpp"
+
+namespace inverse {
+namespace {
+
+/// The light that a meta tells.
+Environment environment_of(const GstMaterialMeta& meta) {
+  const Extent extent{meta.environment_width, meta.environment_height};
+  gsize bytes = 0;
+  const void* data = g_bytes_get_data(meta.environment, &bytes);
+  std::vector<float> rgb(bytes / sizeof(float));
+  if (!rgb.empty()) memcpy(rgb.data(), data, rgb.size() * sizeof(float));
+  return {extent, std::move(rgb), "the estimated environment map"};
+}
+
+}  // namespace
+
+void CloneLight::start(const std::string& file, std::string& warning) {
+  warning.clear();
+  given_.reset();
+  told_.reset();
+  estimated_.reset();
+  if (!file.empty()) given_.emplace(load_environment(file, warning));
+}
+
+void CloneLight::begin(LitSphere& sphere) {
+  light_.reset();
+  if (!given_) return choose(sphere);
+  sphere.set_light(*given_);
+  from_ = "file";
+}
+
+void CloneLight::take(const GstMaterialMeta* meta, LitSphere& sphere) {
+  // Maps are large to compare: what is the same object is not looked at.
+  if (given_ || !meta || !meta->environment || meta->environment == told_.get()) return;
+  told_.reset(g_bytes_ref(meta->environment));  // kept, so that no other has its address
+  estimated_ = environment_of(*meta);
+  choose(sphere);
+}
+
+void CloneLight::choose(LitSphere& sphere) {
+  const Environment& now = estimated_ ? *estimated_ : studio_;
+  if (light_ && alike(now, *light_)) return;
+  sphere.set_light(now);
+  light_ = now;
+  from_ = estimated_ ? "estimate" : "studio";
+}
+
+}  // namespace inverse

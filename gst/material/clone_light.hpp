@@ -1,0 +1,42 @@
+#pragma once
+#include <gst/gst.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gst/base/meta/inverse_material_meta.h"
+#include "kernels/environment/environment.hpp"
+#include "kernels/environment/lit_sphere.hpp"
+
+namespace inverse {
+
+/// The light on a cloned object: a file's, else what the stream tells, else a studio's.
+class CloneLight {
+ public:
+  /// Before a stream: reads the file, if one is named. Throws Error as load_environment; `warning`
+  /// gets what is amiss with the file and does not hinder.
+  void start(const std::string& file, std::string& warning);
+  /// Lights a sphere that has no light yet.
+  void begin(LitSphere& sphere);
+  /// Lights it by what comes with a frame, where that is another light. Throws as Environment where
+  /// the stream's is none; the one before stays.
+  void take(const GstMaterialMeta* meta, LitSphere& sphere);
+  /// Where it is from: "file", "estimate" or "studio".
+  const char* from() const { return from_; }
+
+ private:
+  struct Unref {
+    void operator()(GBytes* bytes) const { g_bytes_unref(bytes); }
+  };
+  void choose(LitSphere& sphere);
+
+  const Environment studio_ = Environment::studio();
+  std::optional<PrefilteredLight> given_;  // by a file, which may be large: what is needed of it
+  std::unique_ptr<GBytes, Unref> told_;    // by the stream
+  std::optional<Environment> estimated_;   // the same
+  std::optional<Environment> light_;       // that the object is lit by where no file gives it
+  const char* from_ = "studio";
+};
+
+}  // namespace inverse

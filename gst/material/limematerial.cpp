@@ -1,0 +1,473 @@
+// limematerial: the material of the object in front of the camera (thesis chapter 6).
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/material_meta.hpp"
+#include "gst/base/models.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/material/lime_material.hpp"
+#include "kernels/material/preview/material_preview.hpp"
+#include "material_properties.hpp"
+
+namespace inverse {
+namespace {
+
+enum class LimeShow { input, mask, specular, diffuse, mirror, mosaic, preview };
+/// Where the light's normals come from when there is no normal map.
+enum class LightNormals { none, silhouette };
+
+struct Params : LimeMaterial::Params {
+  LimeShow show = LimeShow::diffuse;
+  std::string models;
+  bool tell_light = false;
+  LightNormals normals = LightNormals::silhouette;
+  std::string normal_map, environment_location;
+  float preview_size = 0.3F;
+
+  bool asks_for_light() const {
+    return tell_light || show == LimeShow::preview || !environment_location.empty();
+  }
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      choice<P>(
+          "show", &P::show, "GstInverseLimeShow",
+          {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
+           {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
+           {static_cast<int>(LimeShow::specular), "specular",
+            "Highlights: what the object's surface reflects, as gray; where the picture is "
+            "clipped, what is missing of it by channel, and so tinted"},
+           {static_cast<int>(LimeShow::diffuse), "diffuse",
+            "The frame without the object's highlights"},
+           {static_cast<int>(LimeShow::mirror), "mirror",
+            "What the object would reflect if it were a mirror of its specular albedo, as gray"},
+           {static_cast<int>(LimeShow::mosaic), "mosaic",
+            "Input, diffuse, specular and mirror at half size, side by side"},
+           {static_cast<int>(LimeShow::preview), "preview",
+            "The frame, and in its bottom right corner a sphere of the object's material under "
+            "the estimated light (that of a studio while none is known); nothing there while "
+            "no material is known"}},
+          "What to show; elements that take layers get all of them"),
+      number<P>("preview-size", &P::preview_size, 0.02F, 1,
+                "Diameter of the sphere of show=preview, over the frame's shorter side"),
+      text<P>("models", &P::models,
+              "Folder with a folder lime of networks; empty = the environment variable "
+              "INVERSE_MODELS, else where the plugin's models were installed",
+              Mutable::ready),
+      number<P>(
+          "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
+          "Frames over which the material is averaged, at most (thesis Eq. 6.5), and views over "
+          "which the light is (one estimate in four): lower where the camera turns"),
+      number<P>(
+          "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
+          "A diffuse albedo that is so far from the average (largest channel, linear) for "
+          "five frames is of another object: averaging starts anew; so it does for a specular "
+          "albedo twice as far, and a sixth of log2 of the shininess three times as far"),
+      flag<P>(
+          "adaptive", &P::adaptive,
+          "Leave out what cannot matter: all networks but the one that looks for the object while "
+          "there is none, or one that rests and whose material is known; that one, too, where "
+          "the picture rests; and drawing again what nothing else became known of"),
+      number<P>("recheck", &P::recheck, 1, 1000,
+                "The material of an object that rests is estimated every so many frames"),
+      flag<P>("light", &P::tell_light,
+              "Estimate the light around the object, for GstMaterialMeta and save-environment; "
+              "show=preview and environment-location do without being asked"),
+      choice<P>("normals", &P::normals, "GstInverseLightNormals",
+                {{static_cast<int>(LightNormals::none), "none",
+                  "There are none: without normal-map there is no light"},
+                 {static_cast<int>(LightNormals::silhouette), "silhouette",
+                  "The object is taken for a body inflated from its outline: right for spheres, "
+                  "near for other round things"}},
+                "Which way the object's surface faces, for the light, without normal-map"),
+      text<P>("normal-map", &P::normal_map,
+              "PNG of the normals in the frame, for a camera and an object that rest: RGB = xyz "
+              "from -1 to 1 (8 or 16 bits), x right, y up, z to the camera; scaled to the frame. "
+              "Empty = none",
+              Mutable::ready),
+      text<P>(
+          "environment-location", &P::environment_location,
+          "Radiance file (.hdr) that is written, in place of one that is there: the light, when "
+          "the stream ends or stops; empty = none. (materialclone's is read)",
+          Mutable::ready),
+      number<P>("steady", &P::steady, 0, 1,
+                "A material is known when its standard error (of albedos; of log2 of the "
+                "shininess, a sixth) is below this, and the last estimates differ from it by no "
+                "more (and by what they scatter)"),
+  };
+  return table;
+}
+
+/// Whether a tile of the frame that changed lies in the square.
+bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square& square) {
+  if (changed.empty()) return true;
+  constexpr uint32_t kTile = TileList::kTile;
+  const uint32_t columns = (frame.width + kTile - 1) / kTile;
+  for (size_t i = 0; i < changed.size(); ++i) {
+    const size_t column = i % columns, row = i / columns;
+    const auto left = static_cast<float>(column * kTile), top = static_cast<float>(row * kTile);
+    const float right = left + kTile, bottom = top + kTile;
+    if (changed[i] && right > square.x && left < square.x + square.size && bottom > square.y &&
+        top < square.y + square.size)
+      return true;
+  }
+  return false;
+}
+
+class LimeElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+  bool takes_pixels_for_square() const override { return true; }
+
+  void start() override {
+    const Params params = parameters_.snapshot();
+    models_ = LimeModels::load(models_folder(params.models, "lime"));  // files may be others
+    if (!params.environment_location.empty())
+      Environment::check_target(params.environment_location);
+    {
+      std::lock_guard lock(light_mutex_);
+      light_ = nullptr;
+      at_start_ = params;
+    }
+    warnings_.clear();
+    bare_ = false;
+    normal_map_ = nullptr;
+    if (!params.normal_map.empty()) {
+      std::string warning;
+      normal_map_ = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map, warning));
+      if (!warning.empty()) warnings_.push_back(warning);
+    }
+    told_.reset();
+    written_ = true;  // until there is a frame
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    extent_ = extent;
+    device_ = device;
+    method_.emplace(device, extent, *models_);
+    method_->set_normal_map(normal_map_);
+    mosaic_.emplace(device);
+    planes_.emplace(device, extent);
+    device->warm_up_once("limematerial", [this] { warm_up(); });
+    publish();
+  }
+  void release() override {
+    held_.reset();
+    method_.reset();
+    mosaic_.reset();
+    preview_.reset();
+    published_light_ = nullptr;
+    light_bytes_.reset();
+    planes_.reset();
+    device_.reset();
+    parameters_.publish(std::nullopt);
+  }
+  void reset() override {
+    held_.reset();
+    method_->reset();
+    preview_.reset();  // what was recorded of it may not have been computed
+    publish();
+  }
+  void ended() override {
+    const Params params = this->params();
+    if (params.environment_location.empty() || written_) return;
+    written_ = true;
+    save_environment(params.environment_location);
+  }
+  void save_environment(const std::string& path) override {
+    std::shared_ptr<const Environment> light;
+    {
+      std::lock_guard lock(light_mutex_);
+      light = light_;
+    }
+    if (path.empty()) throw Error(ErrorKind::output, "no file to write the light to was named");
+    if (!light) {
+      const Params params = this->params();
+      throw Error(
+          ErrorKind::output,
+          path +
+              " was not written, as there is no light yet: it takes an object whose material is "
+              "known and normals " +
+              (params.normal_map.empty() ? "(normals=silhouette or normal-map)"
+                                         : "where it is in normal-map=" + params.normal_map) +
+              (params.asks_for_light() ? "" : ", and light=true"));
+    }
+    light->save(path);
+  }
+
+  void process(FrameWork& frame) override {
+    Params params = this->params();
+    params.light_asked = params.asks_for_light();
+    params.layers_asked =
+        !frame.draw || (params.show != LimeShow::input && params.show != LimeShow::preview);
+    params.light.inflate = params.normals == LightNormals::silhouette;
+    params.light.fit.memory = params.fusion.memory;
+    written_ = false;
+    const PlanePtr input = frame.layers[Role::input];
+    const bool still = !changed_within(frame.changed, extent_, method_->square());
+    tell(frame);
+    warn(frame, params);
+    const uint64_t number = method_->recorded();
+    method_->record(frame.commands, *input, params, still);
+    frame.decorate = [object = method_->object(),
+                      light = method_->light() ? light_bytes_ : nullptr](GstBuffer* buffer) {
+      attach(buffer, object, light.get());
+    };
+    const State state{method_->news(), params.show, params.preview_size};
+    const bool again = frame.repeated && held_ && held_->state == state;
+    past_[frame.number % past_.size()] = {number, again};
+    if (!again) {
+      held_.reset();  // its planes may serve again
+      held_ = {state, frame.draw ? picture(frame, params, input) : Picture{},
+               frame.draw ? Layers{} : layers(frame, input)};
+    }
+    frame.picture = held_->picture;
+    if (!frame.draw) frame.layers = held_->layers;
+    frame.same_picture = again;
+    if (!frame.hold) held_.reset();
+  }
+
+  void took(uint64_t number, double) override {
+    method_->done(past(number).method);
+    publish();
+  }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const LimeMaterial::Report& report = method_->report(past(number).method);
+    const bool asked = params().asks_for_light();
+    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "kept", G_TYPE_BOOLEAN,
+                      past(number).kept, "segmentations", G_TYPE_UINT64, report.segmentations,
+                      "estimates", G_TYPE_UINT64, report.estimates, "light-views", G_TYPE_UINT64,
+                      asked ? method_->light_views() : 0, "network-bytes", G_TYPE_UINT64,
+                      method_->network_bytes(), nullptr);
+    describe_object(stats, method_->object());
+  }
+
+ private:
+  /// What that which goes out depends on, beside the frame: where it is the same for a frame that
+  /// is the one before, so is what goes out.
+  struct State {
+    uint64_t news;
+    LimeShow show;
+    float preview_size;
+    bool operator==(const State&) const = default;
+  };
+  /// What went out: a picture, or layers.
+  struct Held {
+    State state;
+    Picture picture;
+    Layers layers;
+  };
+  /// A frame that may be in flight: the method's number of it, and whether what went out is what
+  /// did with the one before.
+  struct Past {
+    uint64_t method = 0;
+    bool kept = false;
+  };
+  const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
+
+  /// As they are now, but for files: as at the start.
+  Params params() const {
+    Params params = parameters_.snapshot();
+    std::lock_guard lock(light_mutex_);
+    if (!at_start_) return params;
+    params.environment_location = at_start_->environment_location;
+    params.normal_map = at_start_->normal_map;
+    return params;
+  }
+
+  Layers layers(FrameWork& frame, const PlanePtr& input) {
+    const LimeMaterial::Layers found = method_->record_layers(frame.commands, *input);
+    return material_layers(input, found.diffuse, found.gloss);
+  }
+
+  Picture picture(FrameWork& frame, const Params& params, const PlanePtr& input) {
+    if (params.show == LimeShow::preview) return preview(frame, params, input);
+    if (params.show == LimeShow::input) return {input};
+    const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
+    switch (params.show) {
+      case LimeShow::input:
+      case LimeShow::preview:
+      case LimeShow::diffuse:
+        break;
+      case LimeShow::mask:
+        return {layers.diffuse, true};
+      case LimeShow::specular:
+        return {layers.gloss};
+      case LimeShow::mirror:
+        return {layers.gloss, true};
+      case LimeShow::mosaic: {
+        const PlanePtr tiles = planes_->acquire();
+        mosaic_->record(frame.commands, quarters(*input, *layers.diffuse, *layers.gloss), *tiles);
+        return {tiles};
+      }
+    }
+    return {layers.diffuse};
+  }
+
+  Picture preview(FrameWork& frame, const Params& params, const PlanePtr& input) {
+    if (!method_->object().known()) return {input};
+    if (!preview_) preview_.emplace(device_);
+    const PlanePtr with_sphere = planes_->acquire();
+    preview_->record(frame.commands, *input, method_->object().material, method_->light(),
+                     params.preview_size, *with_sphere);
+    return {with_sphere};
+  }
+
+  void warm_up() {
+    method_->warm_up();
+    MaterialPreview preview(device_);
+    gpu::Commands commands(device_);
+    const PlanePtr frame = planes_->acquire(), picture = planes_->acquire();
+    commands.begin();
+    commands.fill(frame->buffer);
+    preview.record(commands, *frame, Material{.bins = {1}}, nullptr, 1, *picture);
+    mosaic_->record(commands, quarters(*frame, *frame, *frame), *picture);
+    commands.submit();
+    commands.wait();
+  }
+
+  /// The mosaic: what comes in, the light under the highlights, the highlights, the mirror image.
+  static std::array<Mosaic::Tile, 4> quarters(const Plane& input, const Plane& diffuse,
+                                              const Plane& gloss) {
+    return {{{&input}, {&diffuse}, {&gloss}, {&gloss, Drawing::Source::shading}}};
+  }
+
+  static void describe_object(GstStructure* s, const LimeMaterial::Object& object) {
+    gst_structure_set(s, "found", G_TYPE_BOOLEAN, object.found, nullptr);
+    if (!object.found) return;
+    const auto real = [](float v) { return static_cast<gdouble>(v); };
+    const Material& m = object.material;
+    gst_structure_set(
+        s, "diffuse-red", G_TYPE_DOUBLE, real(m.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
+        real(m.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE, real(m.diffuse[2]), "specular",
+        G_TYPE_DOUBLE, real(m.specular), "shininess", G_TYPE_DOUBLE, real(m.shininess()), "bin",
+        G_TYPE_UINT, static_cast<guint>(m.bin()), "averaged", G_TYPE_UINT64, object.averaged,
+        "spread", G_TYPE_DOUBLE, real(object.spread), "left", G_TYPE_DOUBLE, real(object.box.left),
+        "top", G_TYPE_DOUBLE, real(object.box.top), "right", G_TYPE_DOUBLE, real(object.box.right),
+        "bottom", G_TYPE_DOUBLE, real(object.box.bottom), nullptr);
+  }
+
+  static void attach(GstBuffer* buffer, const LimeMaterial::Object& object, GBytes* light) {
+    if (GstMaterialMeta* old = gst_buffer_get_material_meta(buffer))
+      gst_buffer_remove_meta(buffer, &old->meta);  // of a limematerial before this one
+    GstMaterialMeta* meta = add_material_meta(buffer);
+    meta->found = object.found;
+    if (light) {
+      meta->environment = g_bytes_ref(light);
+      meta->environment_width = EnvironmentFit::kWidth;
+      meta->environment_height = EnvironmentFit::kHeight;
+    }
+    if (!object.found) return;
+    std::copy(object.material.diffuse.begin(), object.material.diffuse.end(), meta->diffuse);
+    std::copy(object.material.bins.begin(), object.material.bins.end(), meta->bins);
+    meta->specular = object.material.specular;
+    meta->shininess = object.material.shininess();
+    meta->averaged = object.averaged;
+    meta->left = object.box.left;
+    meta->top = object.box.top;
+    meta->right = object.box.right;
+    meta->bottom = object.box.bottom;
+  }
+
+  /// For the properties, which any thread may ask for.
+  void publish() {
+    const LimeMaterial::Object& object = method_->object();
+    parameters_.publish(object.known() ? std::optional(object.material) : std::nullopt);
+    const std::shared_ptr<const Environment>& light = method_->light();
+    if (light == published_light_) return;
+    published_light_ = light;
+    light_bytes_.reset();
+    if (!light) return;
+    light_bytes_.reset(g_bytes_new(light->rgb().data(), light->rgb().size() * sizeof(float)),
+                       g_bytes_unref);
+    std::lock_guard lock(light_mutex_);
+    light_ = light;
+  }
+
+  /// A message when an object comes or goes, and when its material is another than was told.
+  void tell(FrameWork& frame) {
+    const LimeMaterial::Object& object = method_->object();
+    const bool known = object.known();
+    if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
+    if (known)
+      told_ = object.material;
+    else
+      told_.reset();
+    StructurePtr message(gst_structure_new_empty("material"));
+    describe_object(message.get(), known ? object : LimeMaterial::Object{});
+    frame.messages.push_back(std::move(message));
+    frame.news.insert(frame.news.end(), kMaterialNews.begin(), kMaterialNews.end());
+  }
+  void warn(FrameWork& frame, const Params& params) {
+    for (std::string& warning : std::exchange(warnings_, {}))
+      frame.warnings.push_back(std::move(warning));
+    if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;
+    frame.warnings.push_back(
+        params.normal_map +
+        " has no normals where the object is, so that it tells nothing of the light; is it of this "
+        "camera and this object?");
+  }
+
+  static bool near(const Material& a, const Material& b) {
+    constexpr float kAlbedo = 0.02F, kOctaves = 0.25F;
+    for (size_t c = 0; c < 3; ++c)
+      if (std::fabs(a.diffuse[c] - b.diffuse[c]) > kAlbedo) return false;
+    return std::fabs(a.specular - b.specular) <= kAlbedo &&
+           std::fabs(std::log2(a.shininess() / b.shininess())) <= kOctaves;
+  }
+
+  MaterialProperties<Params> parameters_{table()};
+  std::optional<LimeModels> models_;
+  std::shared_ptr<const NormalMap> normal_map_;
+  Extent extent_;
+  std::optional<LimeMaterial> method_;
+  std::optional<Mosaic> mosaic_;
+  std::optional<MaterialPreview> preview_;
+  std::optional<PlanePool> planes_;
+  std::optional<Held> held_;  // of the frame before
+  std::array<Past, gpu::kFramesInFlight> past_{};
+  std::optional<Material> told_;
+
+  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<const Environment> published_light_;  // what the next two are of
+  std::shared_ptr<GBytes> light_bytes_;                 // for metas
+  std::vector<std::string> warnings_;         // of the files, to be told with the first frame
+  bool bare_ = false;                         // it was said that the object has no normals
+  mutable std::mutex light_mutex_;            // of what follows, up to the next blank line
+  std::shared_ptr<const Environment> light_;  // the last one since the start, for files
+  std::optional<Params> at_start_;
+
+  bool written_ = true;  // nothing came since
+};
+
+}  // namespace
+
+extern const ElementInfo kLimeMaterial;
+const ElementInfo kLimeMaterial{
+    "limematerial",
+    "GstLimeMaterial",
+    "Live material estimation",
+    "Filter/Analyzer/Video",
+    "Names the material of the object in front of the camera: diffuse and specular albedo and "
+    "shininess, with its mask, highlights and mirror image",
+    Flow::pixels,
+    Flow::pixels_or_layers,
+    kMaterialLayers,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new LimeElement); },
+    false,
+    true};
+
+}  // namespace inverse

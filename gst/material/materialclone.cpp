@@ -1,0 +1,311 @@
+// materialclone: an object of the material that was seen, drawn into the video (thesis 6.8, Figure
+// 6.11).
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clone_light.hpp"
+#include "gst/base/color.hpp"
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/inverse_material_meta.h"
+#include "gst/material/mesh/mesh_file.hpp"
+#include "kernels/environment/lit_sphere.hpp"
+#include "kernels/raster/insertion.hpp"
+
+namespace inverse {
+namespace {
+
+enum class MaterialFrom { stream, properties };
+
+struct Params {
+  std::string mesh, environment_location;
+  MaterialFrom source = MaterialFrom::stream;
+  uint32_t diffuse = 0xffbcbcbc;
+  float specular = 0.2F, shininess = 64;
+  Insertion::Params place;
+  float spin = 0;
+  float exposure = 0, rotation = 0;
+  bool drag = false;
+};
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      text<P>("mesh", &P::mesh,
+              "File of the object to draw: OBJ, PLY or glTF, at most 1000000 triangles, of which "
+              "the shape is used and no material; empty = a sphere",
+              Mutable::ready),
+      number<P>(
+          "x", [](P& p) -> float& { return p.place.x; }, -1, 2,
+          "Center of the object, fraction of the frame's width from its left edge"),
+      number<P>(
+          "y", [](P& p) -> float& { return p.place.y; }, -1, 2,
+          "Center of the object, fraction of the frame's height from its top edge"),
+      number<P>(
+          "size", [](P& p) -> float& { return p.place.size; }, 0, 4,
+          "Diameter of the sphere around the object, fraction of the frame's height"),
+      number<P>(
+          "yaw", [](P& p) -> float& { return p.place.yaw; }, -360, 360,
+          "Turn about the vertical in degrees; positive: what faces the camera goes to the right"),
+      number<P>(
+          "pitch", [](P& p) -> float& { return p.place.pitch; }, -360, 360,
+          "How far the object's top leans towards the camera (at yaw 0), degrees"),
+      number<P>(
+          "roll", [](P& p) -> float& { return p.place.roll; }, -360, 360,
+          "Turn in the picture (at yaw and pitch 0), degrees counterclockwise"),
+      number<P>("spin", &P::spin, -3600, 3600,
+                "Added to yaw with time, degrees a second of stream time"),
+      number<P>(
+          "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
+          "How far the camera looks down on the ground on which the object stands, degrees; 0: its "
+          "shadow cannot be seen"),
+      flag<P>(
+          "drag", &P::drag,
+          "Follow the mouse: the object goes where its first button is pressed, and with it until "
+          "it is released (navigation events of video sinks); x and y follow"),
+      text<P>(
+          "environment-location", &P::environment_location,
+          "Radiance (.hdr) or OpenEXR file that is read: the light, a panorama as seen from the "
+          "object, its middle towards the camera; empty = the light that limematerial estimates, "
+          "before that a neutral studio",
+          Mutable::ready),
+      number<P>("environment-rotation", &P::rotation, -360, 360,
+                "Turn of the light about the vertical in degrees; positive: what comes from the "
+                "camera comes from the right"),
+      number<P>("exposure", &P::exposure, -10, 10,
+                "Brightness of the light on the object, in stops"),
+      number<P>(
+          "shadow", [](P& p) -> float& { return p.place.shadow; }, 0, 1,
+          "Darkness of the object's shadow on the ground: 0 none, 1 all light of an even sky that "
+          "it keeps away"),
+      number<P>(
+          "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
+          "How soft the shadow is where the object touches the ground: so much of its radius it "
+          "counts as higher up"),
+      choice<P>("source", &P::source, "GstInverseMaterialFrom",
+                {{static_cast<int>(MaterialFrom::stream), "stream",
+                  "What limematerial says of the frame; while it has no object, the last that it "
+                  "had; before the first one, diffuse-color, specular and shininess"},
+                 {static_cast<int>(MaterialFrom::properties), "properties",
+                  "diffuse-color, specular and shininess"}},
+                "Where the material comes from"),
+      color<P>("diffuse-color", &P::diffuse,
+               "Diffuse albedo (0xAARRGGBB, sRGB) where the stream has none"),
+      number<P>("specular", &P::specular, 0, 1,
+                "Specular albedo, white, where the stream has none"),
+      number<P>("shininess", &P::shininess, 2, 1024,
+                "Exponent of highlights (Blinn-Phong) where the stream has none"),
+  };
+  return table;
+}
+
+/// That a software device draws in about a second.
+constexpr size_t kManyTriangles = 100'000;
+
+class CloneElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  bool takes_pixels_for_square() const override { return true; }
+
+  void start() override {
+    const Params params = parameters_.snapshot();
+    looked_ = false;
+    mesh_.reset();  // files may be others than at the last start
+    warnings_.clear();
+    std::string warning;
+    mesh_ = params.mesh.empty() ? Mesh::sphere() : load_mesh(params.mesh, warning);
+    if (!warning.empty()) warnings_.push_back(warning);
+    light_.start(params.environment_location, warning);
+    if (!warning.empty()) warnings_.push_back(warning);
+    seen_.reset();
+    warned_ = timeless_ = false;
+    told_size_ = false;
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    sphere_.emplace(device);
+    insertion_.emplace(device, extent);
+    insertion_->set_mesh(*mesh_);
+    if (device->is_cpu() && mesh_->triangles() > kManyTriangles && !std::exchange(told_size_, true))
+      warnings_.push_back(parameters_.snapshot().mesh + " has " +
+                          std::to_string(mesh_->triangles()) + " triangles, which \"" +
+                          device->name() +
+                          "\" draws in seconds whenever object, material or light change: simplify "
+                          "it to some ten thousand");
+    {
+      std::lock_guard lock(mouse_mutex_);
+      extent_ = extent;
+    }
+    light_.begin(*sphere_);
+    device->warm_up_once("materialclone", [&] { warm_up(device); });
+  }
+  void release() override {
+    insertion_.reset();
+    sphere_.reset();
+  }
+
+  void reset() override {
+    insertion_->forget();
+    sphere_->forget();
+  }
+
+  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+    std::vector<Setting> place;
+    std::lock_guard lock(mouse_mutex_);
+    held_ = parameters_.snapshot().drag && extent_.pixels() > 0 && (held_ || mouse == Mouse::press);
+    if (held_ && std::isfinite(x) && std::isfinite(y))
+      place = {{"x", std::clamp(x / extent_.width, -1.0, 2.0)},
+               {"y", std::clamp(y / extent_.height, -1.0, 2.0)}};
+    if (mouse == Mouse::release) held_ = false;
+    return place;
+  }
+
+  void process(FrameWork& frame) override {
+    const Params params = parameters_.snapshot();
+    const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
+    for (std::string& warning : std::exchange(warnings_, {}))
+      frame.warnings.push_back(std::move(warning));
+    try {
+      light_.take(meta, *sphere_);
+    } catch (const Error& error) {  // of the stream's, not ours: the light before stays
+      if (!warned_) frame.warnings.push_back(error.what());
+      warned_ = true;
+    }
+    // limematerial tells something with every frame, also where there is no object.
+    if (params.source == MaterialFrom::stream && frame.in && !std::exchange(looked_, true) && !meta)
+      frame.warnings.emplace_back(
+          "source=stream, but the frames bring no material: put limematerial before this element, "
+          "and nothing that crops, pads or turns the picture between them; source=properties draws "
+          "diffuse-color, specular and shininess");
+    const Surface surface = material(meta, params);
+    // Estimates that hardly differ are not worth a new picture; what somebody sets is.
+    if (!shown_ || !(surface_is_set_ ? surface == *shown_ : alike(surface, *shown_)))
+      shown_ = surface;
+    sphere_->record(
+        frame.commands, *shown_,
+        {std::exp2(params.exposure), params.rotation * std::numbers::pi_v<float> / 180});
+    frame.commands.stage("light");
+
+    const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
+    insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
+    frame.picture = {plane};
+    told_[frame.number % told_.size()] = {*shown_, material_from_, light_.from(),
+                                          insertion_->drawn(), insertion_->shadows()};
+  }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const Told& told = told_[number % told_.size()];
+    const Surface& surface = told.surface;
+    const auto real = [](float v) { return static_cast<gdouble>(v); };
+    gst_structure_set(stats, "triangles", G_TYPE_UINT64,
+                      static_cast<guint64>(mesh_ ? mesh_->triangles() : 0), "drawn", G_TYPE_UINT64,
+                      told.drawn, "shadows", G_TYPE_UINT64, told.shadows, "material", G_TYPE_STRING,
+                      told.material_from, "light", G_TYPE_STRING, told.light_from, "diffuse-red",
+                      G_TYPE_DOUBLE, real(surface.diffuse[0]), "diffuse-green", G_TYPE_DOUBLE,
+                      real(surface.diffuse[1]), "diffuse-blue", G_TYPE_DOUBLE,
+                      real(surface.diffuse[2]), "specular", G_TYPE_DOUBLE, real(surface.specular),
+                      "shininess", G_TYPE_DOUBLE, real(surface.shininess), nullptr);
+  }
+
+ private:
+  /// What stats say of a frame.
+  struct Told {
+    Surface surface;
+    const char *material_from = "", *light_from = "";
+    uint64_t drawn = 0, shadows = 0;
+  };
+
+  /// Where the object is in this frame, which spin turns.
+  Insertion::Params placed(FrameWork& frame, const Params& params) {
+    Insertion::Params place = params.place;
+    if (params.spin == 0) return place;
+    if (GST_CLOCK_TIME_IS_VALID(frame.time))
+      place.yaw = static_cast<float>(std::fmod(
+          place.yaw + params.spin * (static_cast<double>(frame.time) / GST_SECOND), 360.0));
+    else if (!std::exchange(timeless_, true))
+      frame.warnings.emplace_back(
+          "spin turns with stream time, and the frames have none: give them timestamps in a "
+          "segment of format time (appsrc: format=time)");
+    return place;
+  }
+
+  /// The material of this frame.
+  Surface material(const GstMaterialMeta* meta, const Params& params) {
+    const bool told = meta && meta->found && meta->averaged > 0;
+    if (told) {
+      seen_ = Surface{};
+      std::copy_n(meta->diffuse, 3, seen_->diffuse.begin());
+      seen_->specular = meta->specular;
+      seen_->shininess = meta->shininess;
+    }
+    surface_is_set_ = params.source == MaterialFrom::properties || !seen_;
+    material_from_ = surface_is_set_ ? "properties" : told ? "stream" : "held";
+    if (!surface_is_set_) return *seen_;
+    return {linear_color(params.diffuse), params.specular, params.shininess};
+  }
+
+  /// Has the device build all kernels.
+  static void warm_up(const std::shared_ptr<gpu::Device>& device) {
+    constexpr Extent kExtent{32, 32};
+    gpu::Commands commands(device);
+    LitSphere sphere(device);
+    sphere.set_light(Environment::studio());
+    Insertion insertion(device, kExtent);
+    insertion.set_mesh(Mesh::sphere());
+    const PlanePtr plane = PlanePool(device, kExtent).acquire();
+    commands.begin();
+    commands.fill(plane->buffer);
+    sphere.record(commands, {}, {});
+    insertion.record(commands, *plane, {}, sphere);
+    commands.submit();
+    commands.wait();
+  }
+
+  Parameters<Params> parameters_{table()};
+  std::optional<Mesh> mesh_;
+  CloneLight light_;
+  std::optional<Surface> seen_;  // what the stream told last
+  std::optional<Surface> shown_;
+  std::vector<std::string> warnings_;  // of the files, to be told with the first frame
+  bool told_size_ = false;             // that the mesh is large
+  bool warned_ = false;                // of light that is none
+  bool timeless_ = false;              // it was told that frames have no time
+  bool looked_ = false;                // whether the stream brings a material, once
+  std::mutex mouse_mutex_;
+  Extent extent_;                // of frames
+  bool held_ = false;            // the mouse's button is down
+  bool surface_is_set_ = false;  // by properties
+  const char* material_from_ = "properties";
+  std::optional<LitSphere> sphere_;
+  std::optional<Insertion> insertion_;
+  std::array<Told, gpu::kFramesInFlight> told_;  // by the frame's number
+};
+
+}  // namespace
+
+extern const ElementInfo kMaterialClone;
+const ElementInfo kMaterialClone{
+    "materialclone",
+    "GstMaterialClone",
+    "Live material cloning",
+    "Filter/Effect/Video",
+    "Draws an object into the video, of the material that limematerial sees in it and under the "
+    "light there, with a soft contact shadow",
+    Flow::pixels,
+    Flow::pixels,
+    nullptr,
+    nullptr,
+    [] { return std::unique_ptr<Filter>(new CloneElement); },
+    false,
+    false,
+    true};
+
+}  // namespace inverse

@@ -1,0 +1,16 @@
+// The elements that draw meshes, nothing else.
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/layers_meta.hpp"
+
+namespace inverse {
+extern const ElementInfo kMaterialClone;
+}  // namespace inverse
+
+static gboolean plugin_init(GstPlugin* plugin) {
+  inverse::register_layers_meta();
+  return inverse::register_filter(plugin, inverse::kMaterialClone);
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, inversemesh,
+                  "Draws meshes into live video, with a material that was seen there", plugin_init,
+                  VERSION, "LGPL", "gst-inverse", "Unknown package origin")

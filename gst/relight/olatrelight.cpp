@@ -1,0 +1,437 @@
+// olatrelight: a subject from a light stage, lit by any environment (thesis chapter 7).
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "gst/base/filter.hpp"
+#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "gst/base/models.hpp"
+#include "gst/exr/environment_file.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "kernels/relight/relighting.hpp"
+#include "stage/gray_gradients.hpp"
+#include "stage/program/light_program.hpp"
+
+namespace inverse {
+namespace {
+
+enum class RelightShow { relit, olat, mosaic, normal, albedo };
+
+struct Params : Relighting::Params {
+  RelightShow show = RelightShow::relit;
+  std::string program = "performance", environment, models;
+  std::array<float, 3> light{0.5F, 0.5F, 0.7F};
+};
+
+/// light-direction: three numbers, in one text.
+Property<Params> direction_property() {
+  using property_detail::named;
+  Property<Params> property = named<Params>("light-direction", &Params::light);
+  property.make_spec = [](const Params& defaults) {
+    char text[64];
+    snprintf(text, sizeof(text), "%g,%g,%g", double{defaults.light[0]}, double{defaults.light[1]},
+             double{defaults.light[2]});
+    return g_param_spec_string(
+        "light-direction", "light direction",
+        "Where the light of show=olat is, from the subject: x,y,z (x right, y up, z to the "
+        "camera), of any length but 0. light-x, light-y and light-z are the same, one by one, for "
+        "controllers; the mouse moves it while its first button is down",
+        g_intern_string(text),
+        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                 GST_PARAM_MUTABLE_PLAYING));
+  };
+  property.read = [](const Params& from, GValue* to) {
+    char text[64];
+    snprintf(text, sizeof(text), "%g,%g,%g", double{from.light[0]}, double{from.light[1]},
+             double{from.light[2]});
+    g_value_set_string(to, text);
+  };
+  property.write = [](Params& to, const GValue* from) {
+    const char* text = g_value_get_string(from);
+    std::array<float, 3> light{};
+    char rest = 0;
+    if (text && sscanf(text, " %f , %f , %f %c", &light[0], &light[1], &light[2], &rest) == 3 &&
+        std::all_of(light.begin(), light.end(), [](float v) { return std::fabs(v) <= 1e6F; }))
+      to.light = light;
+    else
+      g_warning(
+          "light-direction \"%s\" is not three numbers with commas between; it stays as it was",
+          text ? text : "");
+  };
+  return property;
+}
+
+const PropertyTable<Params>& table() {
+  using P = Params;
+  static const PropertyTable<P> table{
+      choice<P>(
+          "show", &P::show, "GstInverseRelightShow",
+          {{static_cast<int>(RelightShow::relit), "relit", "The subject under the environment"},
+           {static_cast<int>(RelightShow::olat), "olat",
+            "The subject under one light at light-direction, as bright as a quarter of the stage's "
+            "lights together"},
+           {static_cast<int>(RelightShow::mosaic), "mosaic",
+            "All lights on, directions, one light and relit at half size, side by side"},
+           {static_cast<int>(RelightShow::normal), "normal",
+            "Mean direction of the light that each pixel gives back, as a normal map: RGB = xyz"},
+           {static_cast<int>(RelightShow::albedo), "albedo",
+            "The subject under all lights: gradient A + gradient B"}},
+          "What to show"),
+      choice<P>("model", &P::model, "GstInverseRelightModel",
+                {{static_cast<int>(Relighting::Model::cosine_lobe), "cosine-lobe",
+                  "Each pixel gives light back in one lobe around one direction, which the "
+                  "gradients tell: no shadows, no training, fast"},
+                 {static_cast<int>(Relighting::Model::network), "network",
+                  "A network that was trained on heads: shadows and highlights, too"}},
+                "How the picture under one light is found", Mutable::ready),
+      text<P>("models", &P::models,
+              "Folder with a folder olat of networks, for model=network; empty = the environment "
+              "variable INVERSE_MODELS, else where the plugin's models were installed",
+              Mutable::ready),
+      text<P>("program", &P::program,
+              "Light program of the stage, for where its lights are: a JSON file, or "
+              "performance[:N] or static[:N] for N lights (331) of a geodesic dome",
+              Mutable::ready),
+      text<P>("environment", &P::environment,
+              "Latitude-longitude map of the light to show the subject in: a Radiance (.hdr) or "
+              "OpenEXR file, a panorama as seen from the subject, its middle towards the camera; "
+              "empty = a neutral studio. Radiance 1 from everywhere is the stage with all lights "
+              "on"),
+      number<P>("rotation", &P::rotation, -360, 360,
+                "Turn of the environment about the vertical in degrees; positive: what comes from "
+                "the camera comes from the right"),
+      number<P>("exposure", &P::exposure, -10, 10, "Brightness of all light, in stops"),
+      direction_property(),
+      number<P>(
+          "light-x", [](P& p) -> float& { return p.light[0]; }, -1e6F, 1e6F,
+          "x of light-direction: to the right"),
+      number<P>(
+          "light-y", [](P& p) -> float& { return p.light[1]; }, -1e6F, 1e6F,
+          "y of light-direction: up"),
+      number<P>(
+          "light-z", [](P& p) -> float& { return p.light[2]; }, -1e6F, 1e6F,
+          "z of light-direction: to the camera"),
+      number<P>(
+          "noise", [](P& p) -> float& { return p.lobe.noise; }, 1e-6F, 1,
+          "Linear light of A + B, 1 = full scale, that is as good as noise: where there is no "
+          "more, "
+          "directions are not trusted and light is taken to be given back from everywhere"),
+      number<P>("max-error", &P::max_error, 0, 1,
+                "How far a relit picture may be from the sum over all lights of the stage, mean "
+                "absolute difference over the mean, as far as 1600 of its pixels tell. The network "
+                "evaluates few lights, chosen to stay within it; 0 = all"),
+      flag<P>("adaptive", &P::adaptive,
+              "Leave out what cannot be seen: most lights (max-error), and all that was done "
+              "before where a picture comes again. false: all lights, one by one, at every pixel"),
+  };
+  return table;
+}
+
+class RelightElement final : public Filter {
+ public:
+  PropertyStore& parameters() override { return parameters_; }
+  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+
+  void start() override {
+    const Params params = parameters_.snapshot();
+    if (!stage_ || params.program != program_) {
+      const LightProgram program = light_program(params.program);
+      std::vector<Direction> lights;
+      for (const StageLight& light : program.lights) lights.push_back(light.direction);
+      stage_ = std::make_shared<const RelightStage>(std::move(lights));
+      gradient_ = program.colors(LightStep{StepKind::gradient_a, 0, {}, {}, {}});
+      program_ = params.program;
+    }
+    told_of_stage_ = told_of_gray_ = false;
+    model_ = params.model;
+    models_.reset();  // files may be others
+    if (model_ == Relighting::Model::network)
+      models_ = RelightModels::load(models_folder(params.models, "olat"));
+    load(params.environment);
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
+    const bool network = model_ == Relighting::Model::network;
+    method_.emplace(device, extent, stage_, network ? &*models_ : nullptr);
+    method_->set_environment(map_);
+    mosaic_.emplace(device);
+    planes_.emplace(device, extent);
+    picture_ = nullptr;
+    {
+      std::lock_guard lock(mouse_mutex_);
+      extent_ = extent;
+    }
+    device->warm_up_once(network ? "olatrelight network" : "olatrelight", [&] { warm_up(device); });
+  }
+  void release() override {
+    picture_ = nullptr;
+    last_a_ = last_b_ = nullptr;
+    method_.reset();
+    mosaic_.reset();
+    planes_.reset();
+  }
+  void reset() override {
+    picture_ = nullptr;
+    last_a_ = last_b_ = nullptr;
+    method_->forget();
+  }
+
+  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+    std::vector<Setting> light;
+    std::lock_guard lock(mouse_mutex_);
+    if (mouse == Mouse::press) held_ = parameters_.snapshot().show == RelightShow::olat;
+    if (held_ && extent_.pixels() > 0 && std::isfinite(x) && std::isfinite(y)) {
+      // The picture is a sphere's half that faces the camera; beyond its rim lights are beside it.
+      const double side = std::min(extent_.width, extent_.height);
+      double across = (2 * x - extent_.width) / side, up = (extent_.height - 2 * y) / side;
+      const double r = std::hypot(across, up);
+      if (r > 1) {
+        across /= r;
+        up /= r;
+      }
+      light = {{"light-x", across},
+               {"light-y", up},
+               {"light-z", std::sqrt(std::max(0.0, 1 - across * across - up * up))}};
+    }
+    if (mouse == Mouse::release) held_ = false;
+    return light;
+  }
+
+  void process(FrameWork& frame) override {
+    Params params = parameters_.snapshot();
+    params.model = model_;
+    check_colors(frame);
+    take_environment(frame, params);
+    check_label(frame);
+    take_pair(frame, params);
+    const bool same = params.adaptive && picture_ && shown_ && alike(*shown_, params) &&
+                      method_->version() == version_;
+    if (same) {
+      frame.same_picture = true;
+    } else {
+      picture_ = planes_->acquire();
+      draw(frame.commands, params, *picture_);
+      drawn_ = method_->stats();
+    }
+    shown_ = params;
+    version_ = method_->version();
+    Report& report = reports_[frame.number % reports_.size()];
+    report = {drawn_, same};
+    report.stats.fitted = method_->stats().fitted;
+    frame.picture = {picture_};
+    frame.layers = {picture_->extent, {}};
+    frame.layers[Role::input] = picture_;  // for its alpha
+  }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
+    const auto& [report, repeated] = reports_[number % reports_.size()];
+    gst_structure_set(stats, "environment", G_TYPE_STRING, environment_name_.c_str(), "lights",
+                      G_TYPE_UINT64, report.lights, "lit", G_TYPE_UINT64, report.lit, "evaluated",
+                      G_TYPE_UINT64, report.evaluated, "expected-error", G_TYPE_DOUBLE,
+                      report.expected_error, "environment-shown", G_TYPE_DOUBLE, report.shown,
+                      "fitted", G_TYPE_BOOLEAN, report.fitted, "repeated", G_TYPE_BOOLEAN, repeated,
+                      "largest-exponent", G_TYPE_DOUBLE, stage_->moments->largest_exponent(),
+                      "network-bytes", G_TYPE_UINT64, method_ ? method_->network_bytes() : 0,
+                      nullptr);
+  }
+
+ private:
+  struct Report {
+    Relighting::Stats stats;
+    bool repeated = false;
+  };
+
+  /// Whether two sets of parameters make the same of the same picture.
+  static bool alike(const Params& a, const Params& b) {
+    return a.show == b.show && a.light == b.light && a.rotation == b.rotation &&
+           a.exposure == b.exposure && a.max_error == b.max_error && a.adaptive == b.adaptive;
+  }
+
+  void load(const std::string& path) {
+    std::string warning;
+    const Environment environment =
+        path.empty() ? Environment::studio() : load_environment(path, warning);
+    map_ = LightCells::map(environment);
+    environment_path_ = path;
+    environment_name_ = path.empty() ? "studio" : path;
+    if (!warning.empty()) pending_warning_ = warning;
+    if (method_) method_->set_environment(map_);
+  }
+
+  /// Another file while playing: one that cannot be read is told once, and the light stays.
+  void take_environment(FrameWork& frame, const Params& params) {
+    const bool asked = params.environment != asked_;
+    asked_ = params.environment;
+    if (asked && asked_ != environment_path_) try {
+        load(asked_);
+      } catch (const Error& error) {
+        frame.warnings.push_back(std::string(error.what()) + "; the light before stays");
+      }
+    if (pending_warning_) frame.warnings.push_back(*std::exchange(pending_warning_, {}));
+  }
+
+  /// Layers were looked at by who made them.
+  void check_colors(FrameWork& frame) {
+    if (!frame.gray || told_of_gray_) return;
+    told_of_gray_ = true;
+    frame.warnings.emplace_back(kGrayGradients);
+  }
+
+  /// What lightstagesync says of the frame has to be what it is taken for.
+  void check_label(FrameWork& frame) {
+    const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
+    if (!meta) return;
+    if (meta->kind != GST_LIGHT_STAGE_GRADIENTS)
+      throw Error(ErrorKind::unsupported,
+                  "frames show one step of a light program each, not the two gradients; set "
+                  "assemble=pairs on lightstagesync");
+    if (told_of_stage_ || lit_by_this_stage(*meta)) return;
+    told_of_stage_ = true;
+    frame.warnings.push_back("frames were lit by " + std::to_string(meta->lights) +
+                             " lights that are not where the " + std::to_string(gradient_.size()) +
+                             " of \"" + program_ +
+                             "\" are; set program to the one that lightstagesync has");
+  }
+
+  /// Gradients tell where lights are.
+  bool lit_by_this_stage(const GstLightStageMeta& meta) const {
+    if (meta.lights != gradient_.size() || !meta.colors) return false;
+    gsize size = 0;
+    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta.colors, &size));
+    if (size != gradient_.size() * sizeof(LightColor)) return false;
+    const float* ours = gradient_.front().data();
+    for (size_t i = 0; i < 3 * gradient_.size(); ++i)
+      if (std::abs(colors[i] - ours[i]) > 1e-3F) return false;
+    return true;
+  }
+
+  void take_pair(FrameWork& frame, const Params& params) {
+    const bool layers = frame.layers.gradients();
+    const PlanePtr a = layers ? frame.layers[Role::gradient_a] : frame.layers[Role::input];
+    const PlanePtr b = layers ? frame.layers[Role::gradient_b] : a;
+    const Extent extent = planes_->extent();
+    const uint32_t second = layers ? 0 : extent.width;
+    if (!a || a->extent.height != extent.height || a->extent.width != extent.width + second ||
+        b->extent != a->extent)
+      throw Error(ErrorKind::unsupported,
+                  "the two gradients are not of the size that caps say; mend the element that sent "
+                  "them");
+    // Planes that are held are not written to: the same ones hold the same picture.
+    const bool again =
+        !frame.fresh && params.adaptive && (layers ? a == last_a_ && b == last_b_ : frame.repeated);
+    last_a_ = layers ? a : nullptr;
+    last_b_ = layers ? b : nullptr;
+    const bool lit = params.show != RelightShow::normal && params.show != RelightShow::albedo;
+    method_->record_pair(frame.commands, {*a, *b, second}, params, frame.number, again, lit);
+  }
+
+  static Direction light_of(const Params& params) {
+    const auto& l = params.light;
+    const double length = std::hypot(double{l[0]}, double{l[1]}, double{l[2]});
+    if (!(length > 0)) return {0, 0, 1};
+    return {l[0] / length, l[1] / length, l[2] / length};
+  }
+
+  void draw(gpu::Commands& commands, const Params& params, const Plane& target) {
+    const CosineLobe& lobes = method_->lobes();
+    switch (params.show) {
+      case RelightShow::relit:
+        return method_->record_relit(commands, params, target);
+      case RelightShow::olat:
+        return method_->record_olat(commands, params, light_of(params), target);
+      case RelightShow::normal:
+        return lobes.record_directions(commands, params.lobe, target);
+      case RelightShow::albedo:
+        return commands.copy(lobes.full()->buffer, target.buffer, target.buffer->bytes());
+      case RelightShow::mosaic: {
+        const PlanePtr directions = planes_->acquire(), one = planes_->acquire(),
+                       all = planes_->acquire();
+        lobes.record_directions(commands, params.lobe, *directions);
+        method_->record_relit(commands, params, *all);
+        method_->record_olat(commands, params, light_of(params), *one);
+        mosaic_->record(commands,
+                        {{{lobes.full().get()}, {directions.get()}, {one.get()}, {all.get()}}},
+                        target);
+        return;
+      }
+    }
+  }
+
+  /// Has the device build all kernels, on a small frame: the network would take long for all
+  /// lights.
+  void warm_up(const std::shared_ptr<gpu::Device>& device) {
+    constexpr Extent kSmall{64, 64};
+    Params params;
+    params.model = model_;
+    const bool network = model_ == Relighting::Model::network;
+    Relighting method(device, kSmall, stage_, network ? &*models_ : nullptr);
+    method.set_environment(map_);
+    PlanePool planes(device, kSmall);
+    const PlanePtr black = planes.acquire(), target = planes.acquire(), tiles = planes.acquire();
+    gpu::Commands commands(device);
+    commands.begin();
+    commands.fill(black->buffer);
+    method.record_pair(commands, {*black, *black}, params, 0, false, true);
+    method.record_relit(commands, params, *target);
+    method.record_olat(commands, params, {0, 0, 1}, *target);
+    method.lobes().record_directions(commands, params.lobe, *target);
+    mosaic_->record(commands, {{{target.get()}, {}, {}, {}}}, *tiles);
+    commands.submit();
+    commands.wait();
+  }
+
+  Parameters<Params> parameters_{table()};
+  std::string program_;
+  std::vector<LightColor> gradient_;  // of the program's lights
+  bool told_of_stage_ = false, told_of_gray_ = false;
+  std::shared_ptr<const RelightStage> stage_;
+  Relighting::Model model_{};  // that it was started with, whatever is set since
+  std::optional<RelightModels> models_;
+  LightCells::Map map_;
+  std::string environment_path_, environment_name_ = "studio";
+  std::string asked_;  // the environment that was last asked for, and perhaps could not be read
+  std::optional<std::string> pending_warning_;
+
+  std::optional<Relighting> method_;
+  std::optional<Mosaic> mosaic_;
+  std::optional<PlanePool> planes_;
+
+  // Of the frame before.
+  PlanePtr picture_, last_a_, last_b_;
+  std::optional<Params> shown_;
+  uint64_t version_ = 0;
+  Relighting::Stats drawn_;
+  std::array<Report, 8> reports_{};
+
+  std::mutex mouse_mutex_;
+  Extent extent_;
+  bool held_ = false;  // the mouse's button is down
+};
+
+}  // namespace
+
+extern const ElementInfo kOlatRelight;
+const ElementInfo kOlatRelight{
+    "olatrelight",
+    "GstOlatRelight",
+    "Light stage relighting",
+    "Filter/Effect/Video",
+    "Shows a subject that a light stage lit by two color gradients under any light: an environment "
+    "map, or one light from any direction",
+    Flow::layers_or_pixels,
+    Flow::pixels,
+    kGradientLayers,
+    "lightstagesync",
+    [] { return std::unique_ptr<Filter>(new RelightElement); },
+    false,
+    false,
+    true,
+    2};
+
+}  // namespace inverse

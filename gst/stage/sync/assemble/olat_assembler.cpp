@@ -1,0 +1,322 @@
+#include "olat_assembler.hpp"
+
+#include <ImfRgbaFile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "common/error.hpp"
+#include "frame_picture.hpp"
+#include "motion.hpp"
+#include "olat_motion.hpp"
+#include "stage/program/light_list.hpp"
+
+namespace inverse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Position = LightProgram::Position;
+
+/// Linear light as half floats.
+void write_exr(const std::string& path, const cv::Mat& light) try {
+  std::vector<Imf::Rgba> row(static_cast<size_t>(light.cols));
+  Imf::RgbaOutputFile file(path.c_str(), light.cols, light.rows, Imf::WRITE_RGB);
+  for (int y = 0; y < light.rows; ++y) {
+    const auto* from = light.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < light.cols; ++x)
+      row[static_cast<size_t>(x)] = Imf::Rgba(from[x][0], from[x][1], from[x][2]);
+    file.setFrameBuffer(row.data() - static_cast<ptrdiff_t>(y) * light.cols, 1,
+                        static_cast<size_t>(light.cols));
+    file.writePixels(1);
+  }
+} catch (const std::exception& error) {
+  throw Error(ErrorKind::output, "cannot write " + path + ": " + error.what());
+}
+
+constexpr double kMuchClipped = 0.1;
+constexpr double kWhole = 0.9;  // of the pictures: frames are lost now and then
+
+/// How much of what is lit is at the end of the scale in all channels.
+double clipped_share(const cv::Mat& light) {
+  double lit = 0, clipped = 0;
+  for (int y = 0; y < light.rows; y += 2)
+    for (int x = 0; x < light.cols; x += 2) {
+      const auto& rgb = light.at<cv::Vec3f>(y, x);
+      lit += std::max({rgb[0], rgb[1], rgb[2]}) > 0.05F ? 1 : 0;
+      clipped += std::min({rgb[0], rgb[1], rgb[2]}) > 0.97F ? 1 : 0;
+    }
+  return lit > 0 ? clipped / lit : 0;
+}
+
+std::string file_name(const LightStep& step) {
+  if (step.kind != StepKind::olat) return std::string(name_of(step.kind)) + ".exr";
+  char name[32];
+  std::snprintf(name, sizeof name, "olat/%03u.exr", step.light);
+  return name;
+}
+
+/// Takes those pictures of an earlier capture away that are not of the new one, and nothing else.
+void clear_capture(const std::string& folder, const std::set<std::string>& fresh) {
+  std::error_code none;
+  for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
+    if (const std::string name = std::string(kind) + ".exr"; !fresh.contains(name))
+      std::filesystem::remove(folder + "/" + name, none);
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/olat", none)) {
+    const std::string stem = entry.path().stem().string();
+    if (entry.path().extension() == ".exr" &&
+        stem.find_first_not_of("0123456789") == std::string::npos &&
+        !fresh.contains("olat/" + stem + ".exr"))
+      std::filesystem::remove(entry.path(), none);
+  }
+}
+
+/// Also to another disk.
+void move_file(const std::string& from, const std::string& to) {
+  std::error_code failed;
+  std::filesystem::rename(from, to, failed);
+  if (!failed) return;
+  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove(from);
+}
+
+/// How many pictures a whole capture has.
+size_t pictures_of(const LightProgram& program) {
+  std::set<std::string> names;
+  for (const LightStep& step : program.steps) names.insert(file_name(step));
+  return names.size();
+}
+
+}  // namespace
+
+OlatAssembler::OlatAssembler(GstElement* element, GstPad* src,
+                             std::shared_ptr<const StageLabels> labels, const SyncParams& params,
+                             uint32_t camera)
+    : FrameAssembler(element, src, std::move(labels)), location_(params.location), camera_(camera) {
+  gst_video_info_init(&info_);
+}
+
+void OlatAssembler::check(const SyncParams& params, const LightProgram& program) {
+  if (params.assemble != SyncParams::Assemble::olat) return;
+  const auto has = [&](StepKind kind) {
+    return std::any_of(program.steps.begin(), program.steps.end(),
+                       [&](const LightStep& step) { return step.kind == kind; });
+  };
+  if (!has(StepKind::olat) || !has(StepKind::tracking))
+    throw Error(ErrorKind::file, "\"" + program.name +
+                                     "\" has no single lights with tracking frames among them to "
+                                     "assemble; take the program \"static\", or assemble=none");
+  if (params.location.empty()) return;
+  std::error_code failed;
+  std::filesystem::create_directories(params.location, failed);
+  if (failed || !std::filesystem::is_directory(params.location))
+    throw Error(ErrorKind::output,
+                "the folder " + params.location + " cannot be made: " +
+                    (failed ? failed.message() : "there is a file of this name"));
+}
+
+uint64_t OlatAssembler::longest_pass(const LightProgram& program) {
+  const bool marked = program.marker != LightProgram::Marker::none;
+  return program.steps.size() + (marked ? LightProgram::kMarkerSteps : 0);
+}
+
+bool OlatAssembler::set_caps(GstCaps* caps) {
+  // What was before has another size or format: it goes out as far as it came.
+  if (finish(false) < GST_FLOW_EOS) return false;
+  if (!gst_video_info_from_caps(&info_, caps)) return false;
+  linear_.emplace(info_);
+  return FrameAssembler::set_caps(caps);
+}
+
+GstFlowReturn OlatAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
+  if (!label) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  }
+  GstFlowReturn flow = GST_FLOW_OK;
+  const bool new_pass =
+      !held_.empty() && (held_.back().label.trigger > label->trigger ||
+                         held_.back().label.position.pass != label->position.pass);
+  if (new_pass) flow = assemble(true);
+  if (flow != GST_FLOW_OK) {
+    gst_buffer_unref(buffer);
+    return flow;
+  }
+  // A camera has few buffers, and a capture many frames.
+  held_.push_back({HeldBuffer(gst_buffer_copy_deep(buffer)), *label});
+  gst_buffer_unref(buffer);
+  const bool step = label->position.part == Position::Part::step;
+  return step && label->position.index + 1 == labels_->program().steps.size() ? assemble(true)
+                                                                              : GST_FLOW_OK;
+}
+
+GstFlowReturn OlatAssembler::finish(bool program_over) {
+  return held_.empty() ? GST_FLOW_OK : assemble(program_over);
+}
+
+void OlatAssembler::forget() { held_.clear(); }
+
+GstFlowReturn OlatAssembler::assemble(bool ended) {
+  // Whatever goes wrong: they are not assembled again, and no draft stays.
+  std::vector<Held> all = std::exchange(held_, {});
+  const auto remove_draft = [this](const void*) {
+    std::error_code none;
+    if (!location_.empty()) std::filesystem::remove_all(draft(), none);
+  };
+  const std::unique_ptr<const void, decltype(remove_draft)> draft_guard(this, remove_draft);
+  remove_draft(this);
+  files_.clear();
+  olat_files_.clear();
+  std::map<uint64_t, cv::Mat> tracking;
+  double clipped = 0;
+  for (const Held& held : all) {
+    if (labels_->program().kind(held.label.position) != StepKind::tracking) continue;
+    const cv::Mat light = linear_light(*linear_, read_codes(info_, held.buffer.get()));
+    clipped = std::max(clipped, clipped_share(light));
+    tracking[held.label.trigger] = Motion::gray(light);
+  }
+  if (clipped > kMuchClipped)
+    GST_ELEMENT_WARNING(
+        element_, STREAM, FAILED,
+        ("%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
+         "not seen there; let the camera or the lights' controller expose the steps \"tracking\" "
+         "for a shorter time than single lights, and say so in the program (\"exposure\" of these "
+         "steps: it changes nothing by itself)",
+         static_cast<int>(std::lround(100 * clipped))),
+        (nullptr));
+  std::unique_ptr<OlatMotion> motion;
+  if (!tracking.empty()) motion = std::make_unique<OlatMotion>(tracking);
+  const uint64_t last = tracking.empty() ? 0 : tracking.rbegin()->first;
+  GstFlowReturn flow = GST_FLOW_OK;
+  for (const Held& held : all) {
+    if (flow != GST_FLOW_OK) break;
+    const bool moves = motion && held.label.trigger < last;
+    flow = send(held, moves ? motion->at(held.label.trigger) : cv::Mat());
+  }
+  if (!files_.empty() || !olat_files_.empty()) publish(ended && flow == GST_FLOW_OK);
+  std::lock_guard lock(mutex_);
+  ++passes_;
+  mean_motion_ = motion ? motion->mean_length() : 0;
+  return flow;
+}
+
+GstFlowReturn OlatAssembler::send(const Held& held, const cv::Mat& displacement) {
+  cv::Mat codes;
+  // Of the tracking frames the last is the one that all are moved to.
+  const bool tracking = labels_->program().kind(held.label.position) == StepKind::tracking;
+  const bool to_disk = !location_.empty() && !(tracking && !displacement.empty()) &&
+                       held.label.position.part == Position::Part::step;
+  if (to_disk || !displacement.empty()) codes = read_codes(info_, held.buffer.get());
+  if (to_disk) {
+    cv::Mat light = linear_light(*linear_, codes);
+    if (!displacement.empty()) light = Motion::moved(light, displacement);
+    save(held, light);
+  }
+  GstBuffer* buffer = gst_buffer_ref(held.buffer.get());
+  if (!displacement.empty()) {
+    GstBuffer* there = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), nullptr);
+    if (!there) {
+      gst_buffer_unref(buffer);
+      throw Error(ErrorKind::out_of_memory, "no memory for a frame; use smaller ones");
+    }
+    gst_buffer_copy_into(
+        there, buffer,
+        static_cast<GstBufferCopyFlags>(GST_BUFFER_COPY_FLAGS | GST_BUFFER_COPY_TIMESTAMPS), 0,
+        static_cast<gsize>(-1));
+    gst_buffer_unref(buffer);
+    buffer = there;
+    write_codes(info_, buffer, Motion::moved(codes, displacement));
+  }
+  {
+    std::lock_guard lock(mutex_);
+    ++(displacement.empty() ? still_ : moved_);
+  }
+  return FrameAssembler::take(buffer, &held.label);
+}
+
+/// A folder for each camera.
+std::string OlatAssembler::folder() const {
+  return location_ + "/camera_" + std::to_string(camera_);
+}
+
+void OlatAssembler::save(const Held& held, const cv::Mat& light) {
+  std::error_code failed;
+  std::filesystem::create_directories(draft() + "/olat", failed);
+  if (failed)
+    throw Error(ErrorKind::output,
+                "the folder " + draft() + " cannot be made: " + failed.message());
+  const LightStep& step = labels_->program().steps[held.label.position.index];
+  const std::string name = file_name(step);
+  write_exr(draft() + "/" + name, cv::max(light, 0));
+  if (step.kind == StepKind::olat)
+    olat_files_[step.light] = name;
+  else
+    files_[name_of(step.kind)] = name;
+  std::lock_guard lock(mutex_);
+  ++written_;
+}
+
+/// lights.json beside the pictures, as lightstagetestsrc reads it: which is which.
+void OlatAssembler::save_list() const {
+  const LightProgram& program = labels_->program();
+  Json list = {{"format", LightList::kCapture},
+               {"version", 1},
+               {"program", program.name},
+               {"camera", camera_},
+               {"width", GST_VIDEO_INFO_WIDTH(&info_)},
+               {"height", GST_VIDEO_INFO_HEIGHT(&info_)},
+               {"light", "linear, 1 = full scale of the camera"}};
+  for (const auto& [kind, file] : files_) list[kind] = file;
+  list["lights"] = Json::array();
+  // All of them: one whose frame was lost has no file.
+  for (uint32_t light = 0; light < program.lights.size(); ++light) {
+    Json one = {{"index", light}, {"direction", program.lights[light].direction}};
+    if (const auto file = olat_files_.find(light); file != olat_files_.end())
+      one["file"] = file->second;
+    list["lights"].push_back(one);
+  }
+  const std::string path = draft() + "/lights.json";
+  std::ofstream file(path);
+  file << list.dump(2) << "\n";
+  if (!file.flush()) throw Error(ErrorKind::output, "cannot write " + path);
+}
+
+/// The draft takes the place of an earlier capture. One that was cut short, whatever by, is put
+/// beside it.
+void OlatAssembler::publish(bool ended) try {
+  save_list();
+  const size_t wanted = pictures_of(labels_->program()), got = files_.size() + olat_files_.size();
+  const bool whole = got == wanted || (ended && static_cast<double>(got) >= kWhole * wanted);
+  std::string to = folder();
+  const bool beside = !whole && std::filesystem::exists(to + "/lights.json");
+  if (beside) to += ".partial";
+  if (!whole)
+    GST_ELEMENT_WARNING(element_, STREAM, FAILED,
+                        ("the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
+                         to.c_str(), beside ? ", and the one before it stays where it is" : ""),
+                        (nullptr));
+  std::filesystem::create_directories(to + "/olat");
+  std::set<std::string> fresh;
+  for (const auto& [kind, name] : files_) fresh.insert(name);
+  for (const auto& [light, name] : olat_files_) fresh.insert(name);
+  for (const std::string& name : fresh) move_file(draft() + "/" + name, to + "/" + name);
+  move_file(draft() + "/lights.json", to + "/lights.json");
+  clear_capture(to, fresh);
+} catch (const std::filesystem::filesystem_error& error) {
+  throw Error(ErrorKind::output,
+              std::string("the capture cannot be put where it belongs: ") + error.what());
+}
+
+void OlatAssembler::add_stats(GstStructure* stats) const {
+  std::lock_guard lock(mutex_);
+  gst_structure_set(stats, "passes", G_TYPE_UINT64, passes_, "compensated", G_TYPE_UINT64, moved_,
+                    "as-they-were", G_TYPE_UINT64, still_, "written", G_TYPE_UINT64, written_,
+                    "mean-motion", G_TYPE_DOUBLE, mean_motion_, nullptr);
+}
+
+}  // namespace inverse

@@ -1,0 +1,44 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
+
+// The points of the grid: mean color and how much it counts, its log chroma, and what the mean shading of its pixels seems
+// to be, with what is known of earlier frames and without. One point an invocation.
+layout(constant_id = 1) const bool kRaw = false;   // as the lamps color it
+layout(constant_id = 2) const bool kPlain = false;  // colors alone, of lamps that are white
+PLANE_IN(0, frame);
+SCALAR_IN(1, memory);  // mean ln R
+PLANE_IN(2, scene);
+PLANE_OUT(3, colors);  // rgb; weight
+PLANE_OUT(4, points);  // chroma; shading as before, and as guessed
+layout(push_constant) uniform Push {
+  SIZES
+  float gauge;
+} push;
+
+const float kDark = 0.01, kBright = 0.98;  // what has a color to trust
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= push.grid.x * push.grid.y) return;
+  ivec2 first = push.factor * ivec2(i % push.grid.x, i / push.grid.x), last = min(first + push.factor, push.size);
+  vec3 white = kRaw || kPlain ? vec3(1.0) : color_of(FETCH(scene, SCENE_WHITE).xy);
+  vec4 sum = vec4(0.0);
+  float guessed = 0.0;
+  for (int y = first.y; y < last.y; ++y)
+    for (int x = first.x; x < last.x; ++x) {
+      int n = y * push.size.x + x;
+      vec3 rgb = sanitize(FETCH(frame, n).rgb) / white;
+      sum.rgb += rgb;
+      if (kPlain) continue;
+      sum.w += shading_before(rgb, FETCH1(memory, n));
+      guessed += shading_guessed(rgb, push.gauge);
+    }
+  float share = 1.0 / float((last.x - first.x) * (last.y - first.y));
+  sum *= share;
+  float mean = mean3(sum.rgb);
+  bool fair = mean > kDark && max(max(sum.r, sum.g), sum.b) < kBright;
+  STORE(colors, i, vec4(sum.rgb, fair ? mean : 0.0));
+  STORE(points, i, vec4(chroma_of(sum.rgb), sum.w, share * guessed));
+}

@@ -1,0 +1,58 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
+
+// One workgroup: what the frame's points count on the average; whether it is a cut, by how much chroma changed where there
+// is light; and with it, what share the frame has in what is measured of the scene. And how far chroma spreads: where it
+// hardly does, nothing can be said of the light's, so that all of it is direct. Where the lamps' color is taken out, the
+// cut is looked for before that (kDecide alone), and the rest follows after it.
+layout(constant_id = 1) const bool kDecide = true;
+layout(constant_id = 2) const bool kStart = true;
+PLANE_IN(0, colors);
+PLANE_INOUT(1, points);  // .z becomes the shading to start from
+PLANE_INOUT(2, before);  // chroma, the last frame's
+PLANE_INOUT(3, scene);
+layout(push_constant) uniform Push {
+  int count;  // of points
+  float cut;
+  float renew;
+  uint first;  // 1: there is no frame before
+  float none, full;  // spreads of chroma up to which there is no color to go by, and from which on there is
+} push;
+
+const float kMost = 0.5;  // change of log chroma that counts fully
+
+void main() {
+  vec4 sum = vec4(0.0), moments = vec4(0.0);
+  for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
+    float weight = FETCH(colors, i).w;
+    vec2 chroma = LOAD(points, i).xy, off = chroma - LOAD(before, i).xy;
+    moments += weight * vec4(chroma, dot(chroma, chroma), 0.0);
+    sum += vec4(weight, weight * min(length(off) / kMost, 1.0), 0.0, 0.0);
+  }
+  sum = workgroup_sum(sum);
+  moments = workgroup_sum(moments) / (sum.x + 1e-9);
+  float change = sum.y / (sum.x + 1e-9);
+  bool cut = kDecide ? push.first == 1u || !(change <= push.cut) : LOAD(scene, SCENE_TIME).x > 0.0;
+  for (int i = int(gl_LocalInvocationID.x); i < push.count; i += int(gl_WorkGroupSize.x)) {
+    vec4 point = LOAD(points, i);
+    if (kDecide) STORE(before, i, vec4(point.xy, 0.0, 0.0));
+    if (kStart && cut) LOAD(points, i).z = point.w;
+  }
+  if (gl_LocalInvocationID.x > 0u) return;
+  if (kDecide) {
+    float frames = cut ? 1.0 : LOAD(scene, SCENE_TIME).y + 1.0;
+    STORE(scene, SCENE_TIME, vec4(cut ? 1.0 : 0.0, min(frames, 1e6), max(push.renew, 1.0 / frames), change));
+  }
+  if (!kStart) return;
+  float spread = sqrt(max(moments.z - dot(moments.xy, moments.xy), 0.0));
+  float usable = push.full > 0.0 ? smoothstep(push.none, push.full, spread) : 1.0;
+  LOAD(scene, SCENE_AMOUNT).z = sum.x / float(push.count) + 1e-9;
+  LOAD(scene, SCENE_TINT).zw = vec2(usable, spread);
+  if (usable > 0.0) return;
+  LOAD(scene, SCENE_AMOUNT).xyw = LOAD(scene, SCENE_TINT).xyz = vec3(0.0);
+  LOAD(scene, SCENE_TIME).y = 0.0;  // what was found before says nothing of what is seen when color comes back
+  for (int s = 0; s < kSlots; ++s) STORE(scene, SCENE_COLORS + s, vec4(0.0));
+}

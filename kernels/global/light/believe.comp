@@ -1,0 +1,29 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
+#include "residual.glsl"
+
+// Labels of the grid's points, by the chroma that their tint leaves; what it has beyond their base color, and how far that is
+// believed to be light.
+PLANE_IN(0, points);
+PLANE_IN(1, tints);
+WORD_IN(2, slots);  // of bins
+PLANE_IN(3, scene);
+WORD_OUT(4, labels);
+PLANE_OUT(5, raw);  // residual, belief
+layout(push_constant) uniform Push {
+  int count;
+  float trust, trust_tint;
+} push;
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= push.count) return;
+  vec4 tint = FETCH(tints, i);
+  vec2 off = FETCH(points, i).xy - tint.xy;
+  uint label = FETCH1(slots, bin_of(off));
+  STORE(labels, i, label);
+  if (FETCH(scene, SCENE_AMOUNT).w > 1.5) off -= FETCH(scene, SCENE_COLORS + int(label)).xy;
+  STORE(raw, i, vec4(off, belief(off, tint.z, FETCH(scene, SCENE_TINT).x, push.trust, push.trust_tint), 0.0));
+}

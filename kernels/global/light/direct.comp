@@ -1,0 +1,34 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
+#include "global/model/model.glsl"
+
+// What share of light is direct and white, T0 / S: what the indirect light leaves of it, at most its weakest channel; its color is then the lamps', too. And
+// how bright reflectance is, for the next frame. Four pixels side by side an invocation.
+PLANE_IN(0, frame);  // without tint
+PLANE_IN(1, intrinsic);
+PLANE_IN(2, scene);
+PLANE_IN(3, tau);     // untint.comp
+PLANE_OUT(4, light);  // may be the same buffer
+SCALAR_OUT(5, memory);
+#define TILE_CONSTANT 1
+#define TILE_BINDING 6
+#include "image/tiles/tile_position.glsl"
+layout(push_constant) uniform Push { ivec2 size; } push;
+
+void main() {
+  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
+  if (first.y >= push.size.y) return;
+  vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
+  int last = min(first.x + 4, push.size.x);
+  for (int x = first.x; x < last; ++x) {
+    int n = first.y * push.size.x + x;
+    vec3 lit = sanitize(FETCH(frame, n).rgb) + kIntensityFloor;
+    float shading = FETCH(intrinsic, n).w;
+    STORE(memory, n, log(lit.r * lit.g * lit.b) * (1.0 / 3.0) - log(max(shading, 1e-6)));
+    vec4 own = FETCH(tau, n);
+    float direct = max(shading * mean3(own.rgb) - own.w, 0.0) / max(shading, 1e-12);
+    STORE(light, n, vec4(white * own.rgb, min(min(direct, 1.0), min(min(own.r, own.g), own.b))));
+  }
+}

@@ -1,0 +1,26 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "global/model/model.glsl"
+
+// Draws every pixel in the base color that it counts as; gray where the scene has none.
+PLANE_IN(0, frame);
+PLANE_IN(1, tints);
+WORD_IN(2, slots);
+PLANE_IN(3, scene);
+PLANE_OUT(4, picture);
+layout(push_constant) uniform Push { SIZES } push;
+
+void main() {
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= push.size.x) return;
+  int n = at.y * push.size.x + at.x;
+  vec2 tint;
+  TINT_AT(tint, tints, at)
+  vec3 white = color_of(FETCH(scene, SCENE_WHITE).xy);
+  int label = int(FETCH1(slots, bin_of(chroma_of(sanitize(FETCH(frame, n).rgb) / white) - tint)));
+  vec4 base = FETCH(scene, SCENE_COLORS + min(label, kSlots - 1));
+  vec3 color = color_of(base.xy);
+  bool known = FETCH(scene, SCENE_AMOUNT).w > 0.0 && base.z > 0.0;
+  STORE(picture, n, vec4(known ? color / max(color.r, max(color.g, color.b)) : vec3(0.5), 1.0));
+}

@@ -1,0 +1,77 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
+#include "global/model/model.glsl"
+#include "residual.glsl"
+
+// The frame without the tint of its light, I / tau, which intrinsicdecomp's energy then takes apart; and the light's color
+// tau with the mean of the indirect light that was gathered. Four pixels side by side an invocation.
+layout(constant_id = 1) const bool kWide = false;  // all four lie between the same points of the grid
+PLANE_IN(0, frame);
+SCALAR_IN(1, memory);
+PLANE_IN(2, tints);
+WORD_IN(3, slots);
+PLANE_IN(4, received);
+PLANE_IN(5, smooth_part);   // fit.comp, first pass
+PLANE_IN(6, coefficients);  // last pass
+PLANE_IN(7, scene);
+PLANE_OUT(8, plain);
+PLANE_OUT(9, light);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 10
+#include "image/tiles/tile_position.glsl"
+layout(push_constant) uniform Push {
+  SIZES
+  float gauge, trust, trust_tint;
+} push;
+
+const float kLeastTau = 0.02;  // of a channel
+
+#define AROUND(name, where) name[0] = FETCH(where, around.x); name[1] = FETCH(where, around.y); \
+  name[2] = FETCH(where, around.z); name[3] = FETCH(where, around.w);
+#define BLEND(name) mix(mix(name[0], name[1], u.y), mix(name[2], name[3], u.y), v.y)
+
+void main() {
+  ivec2 first = ivec2(tile_position(uint(push.size.x + 3) / 4u)) * ivec2(4, 1);
+  if (first.y >= push.size.y) return;
+  vec4 known = FETCH(scene, SCENE_AMOUNT), statistics = FETCH(scene, SCENE_TINT);
+  bool cut = FETCH(scene, SCENE_TIME).x > 0.0;
+  vec4 lamps = FETCH(scene, SCENE_WHITE);
+  vec3 white = color_of(lamps.xy);
+  vec2 v = between(first.y, float(push.factor), push.grid.y);
+  vec4 tint_at[4], smooth_at[4], fit_at[4];
+  int last = min(first.x + 4, push.size.x);
+  for (int x = first.x; x < last; ++x) {
+    int n = first.y * push.size.x + x;
+    vec3 tau = vec3(1.0), indirect = vec3(0.0);
+    vec4 pixel = FETCH(frame, n);
+    vec3 rgb = sanitize(pixel.rgb) / white;
+    if (known.x > 0.0) {
+      vec2 u = between(x, float(push.factor), push.grid.x);
+      if (!kWide || x == first.x) {
+        ivec2 low = ivec2(u.x, v.x), high = min(low + 1, push.grid - 1);
+        ivec4 around = ivec4(low.y * push.grid.x + ivec2(low.x, high.x), high.y * push.grid.x + ivec2(low.x, high.x));
+        AROUND(tint_at, tints)
+        AROUND(smooth_at, smooth_part)
+        AROUND(fit_at, coefficients)
+      }
+      float shading = cut ? shading_guessed(rgb, push.gauge) : shading_before(rgb, FETCH1(memory, n));
+      vec2 z = chroma_of(rgb);
+      int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
+      RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))
+      indirect = known.x * colored_by(lamps.z, indirect);
+      if (known.w > 1.5) {  // a frame of one color says nothing of its light's
+        vec2 tint = chroma_of(light_of(shading, indirect));
+        float fraction = fraction_of(shading, indirect);
+        vec2 e = z - tint - FETCH(scene, SCENE_COLORS + label).xy;
+        e = mix(BLEND(smooth_at).xy, e, belief(e, fraction, statistics.x, push.trust, push.trust_tint));
+        vec4 fit = BLEND(fit_at);
+        tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
+      }
+    }
+    tau = max(tau, max(vec3(kLeastTau), rgb / kMostLight));  // what the solve takes, so that R S tau stays the frame
+    STORE(plain, n, vec4(rgb / tau, pixel.w));
+    STORE(light, n, vec4(tau, mean3(indirect)));
+  }
+}

@@ -1,0 +1,235 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
+
+// One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
+// lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues. A color
+// whose peak is gone stays a while, in the basin that it fell into, and its slot for longer.
+// Reads what it wrote itself, and so uses storage buffers.
+WORD_IN(0, counts);
+PLANE_INOUT(1, scene);
+WORD_OUT(2, slots);  // of bins
+layout(set = 0, binding = 3, std430) coherent restrict buffer histogram_block { float histogram_data[]; };
+layout(set = 0, binding = 4, std430) coherent restrict buffer heights_block { float heights_data[]; };  // 2 kBinCount
+layout(set = 0, binding = 5, std430) coherent restrict buffer work_block { int work_data[]; };
+layout(push_constant) uniform Push {
+  float smoothing;    // standard deviation, bins
+  float least_share;  // of all mass, for a mode to count
+  float same;         // chroma up to which a mode continues a color of before
+  float follow;       // share of the newest frame in where a color usually is
+  int most;           // base colors at most
+  int keep, forget;   // frames that a color without a mode stays, and keeps its slot
+} push;
+
+// Of work: every bin's peak; of peaks, the mass of their basin and its moments about them, in fixed point; a list.
+const int kPeak = 0, kMass = kBinCount, kMoment = 2 * kBinCount, kList = 4 * kBinCount, kListed = kList + 1;
+const float kMassUnit = 16777216.0, kMomentUnit = 4194304.0;
+const int kMostListed = 1024;
+const int kReach = 8;   // of the smoothing, bins
+const int kAround = 2;  // bins around where a color usually is that tell whether it is there
+
+#define SYNC memoryBarrierBuffer(); barrier()
+#define EVERY_BIN(b) for (int b = int(gl_LocalInvocationID.x); b < kBinCount; b += int(gl_WorkGroupSize.x))
+
+shared vec4 modes[kSlots];  // center, mass, slot
+shared int mode_peaks[kSlots];
+shared int mode_count;
+
+float smoothed(int b, int from, int step, int along) {
+  int reach = min(int(ceil(3.0 * push.smoothing)), kReach);
+  float sum = 0.0, all = 0.0, narrow = -0.5 / (push.smoothing * push.smoothing);
+  for (int d = -reach; d <= reach; ++d) {
+    float w = exp(narrow * float(d * d));
+    all += w;
+    if (along + d >= 0 && along + d < kBins)
+      sum += w * (from < 0 ? LOAD(histogram, b + d * step) : LOAD(heights, from + b + d * step));
+  }
+  return sum / all;
+}
+
+float mass_around(vec2 chroma) {
+  int at = bin_of(chroma);
+  ivec2 middle = ivec2(at & (kBins - 1), at / kBins), low = max(middle - kAround, 0), high = min(middle + kAround, kBins - 1);
+  float sum = 0.0;
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x) sum += LOAD(histogram, y * kBins + x);
+  return sum;
+}
+
+// Gives modes the slots of the colors that they continue, nearest pairs first, and others a free one, or that of the color that
+// has been away for longest; adds the colors that stay without a mode.
+void keep_slots(float all) {
+  bool anew = LOAD(scene, SCENE_TIME).y < 1.5;
+  uint free = (1u << push.most) - 1u;
+  for (int s = 0; s < kSlots; ++s)
+    if (anew || s >= push.most) LOAD(scene, SCENE_MEMORY + s) = vec4(0.0);
+  for (int pair = 0; pair < mode_count; ++pair) {
+    float nearest = push.same * push.same;
+    int mode = -1, slot = -1;
+    for (int m = 0; m < mode_count; ++m)
+      for (int s = 0; s < push.most; ++s) {
+        vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+        vec2 off = memory.xy - modes[m].xy;
+        if (modes[m].w < 0.0 && (free & (1u << s)) != 0u && memory.z > 0.0 && dot(off, off) < nearest) {
+          nearest = dot(off, off);
+          mode = m;
+          slot = s;
+        }
+      }
+    if (mode < 0) break;
+    modes[mode].w = float(slot);
+    free &= ~(1u << slot);
+  }
+  int seen = mode_count;
+  for (int s = 0; s < push.most; ++s) {
+    vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+    if ((free & (1u << s)) == 0u || memory.z == 0.0) continue;
+    memory.w += 1.0;
+    LOAD(scene, SCENE_MEMORY + s) = memory.w > float(push.forget) ? vec4(0.0) : memory;
+    float left = mass_around(memory.xy);
+    if (memory.w > float(push.keep) || mode_count == push.most || left < 0.5 * push.least_share * all) continue;
+    modes[mode_count] = vec4(memory.xy, left, float(s));
+    mode_peaks[mode_count++] = LOAD(work, kPeak + bin_of(memory.xy));
+    free &= ~(1u << s);
+  }
+  for (int m = 0; m < seen; ++m) {
+    if (modes[m].w < 0.0) {
+      int slot = -1;
+      float longest = -1.0;
+      for (int s = push.most - 1; s >= 0; --s) {
+        vec4 memory = LOAD(scene, SCENE_MEMORY + s);
+        float away = memory.z == 0.0 ? 3e38 : memory.w;
+        if ((free & (1u << s)) != 0u && away >= longest) {
+          longest = away;
+          slot = s;
+        }
+      }
+      modes[m].w = float(slot);
+      free &= ~(1u << slot);
+      LOAD(scene, SCENE_MEMORY + slot) = vec4(modes[m].xy, 1.0, 0.0);
+    }
+    int at = SCENE_MEMORY + int(modes[m].w);
+    LOAD(scene, at) = vec4(mix(LOAD(scene, at).xy, modes[m].xy, push.follow), 1.0, 0.0);
+  }
+}
+
+// Modes in falling order of mass, and their slots.
+void choose(float all) {
+  int count = min(LOAD(work, kList), kMostListed);
+  mode_count = 0;
+  for (int m = 0; m < push.most; ++m) {
+    int best = -1;
+    float most = 0.0;
+    int first = kBinCount;
+    for (int l = 0; l < count; ++l) {
+      int peak = LOAD(work, kListed + l);
+      if (peak < 0) continue;
+      float mass = float(LOAD(work, kMass + peak)) / kMassUnit;
+      if (mass > most || (mass == most && peak < first)) {
+        best = l;
+        most = mass;
+        first = peak;
+      }
+    }
+    if (best < 0) break;
+    int peak = LOAD(work, kListed + best);
+    LOAD(work, kListed + best) = -1;
+    vec2 moment = vec2(LOAD(work, kMoment + 2 * peak), LOAD(work, kMoment + 2 * peak + 1)) / kMomentUnit;
+    modes[m] = vec4(bin_center(peak) + moment / most, most, -1.0);
+    mode_peaks[m] = peak;
+    ++mode_count;
+  }
+  if (mode_count == 0) {
+    modes[0] = vec4(0.0, 0.0, 0.0, -1.0);
+    mode_peaks[0] = bin_of(vec2(0.0));
+    mode_count = 1;
+  }
+  keep_slots(all);
+  bool usable = LOAD(scene, SCENE_TINT).z > 0.0;
+  for (int s = 0; s < kSlots; ++s) LOAD(scene, SCENE_COLORS + s) = vec4(0.0);
+  for (int m = 0; m < mode_count; ++m) LOAD(scene, SCENE_COLORS + int(modes[m].w)) = vec4(modes[m].xy, 1.0, modes[m].z) * float(usable);
+  LOAD(scene, SCENE_AMOUNT).w = usable ? float(mode_count) : 0.0;
+}
+
+void main() {
+  vec4 sum = vec4(0.0);
+  EVERY_BIN(b) sum.x += float(FETCH1(counts, b)) / kCountUnit;
+  float scale = 1.0 / max(workgroup_sum(sum).x, 1e-9);
+  sum = vec4(0.0);
+  float renew = LOAD(scene, SCENE_TIME).z;
+  EVERY_BIN(b) {
+    float now = scale * float(FETCH1(counts, b)) / kCountUnit;
+    now = mix(LOAD(histogram, b), now, renew);
+    LOAD(histogram, b) = now;
+    LOAD(work, kMass + b) = LOAD(work, kMoment + 2 * b) = LOAD(work, kMoment + 2 * b + 1) = 0;
+    sum.x += now;
+  }
+  if (gl_LocalInvocationID.x == 0u) LOAD(work, kList) = 0;
+  float all = workgroup_sum(sum).x;
+  SYNC;
+  EVERY_BIN(b) LOAD(heights, b) = smoothed(b, -1, 1, b & (kBins - 1));
+  SYNC;
+  EVERY_BIN(b) LOAD(heights, kBinCount + b) = smoothed(b, 0, kBins, b / kBins);
+  SYNC;
+  EVERY_BIN(b) {
+    ivec2 at = ivec2(b & (kBins - 1), b / kBins), low = max(at - 1, 0), high = min(at + 1, kBins - 1);
+    int best = b;
+    float most = LOAD(heights, kBinCount + b);
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        float height = LOAD(heights, kBinCount + y * kBins + x);
+        if (height > most) {
+          most = height;
+          best = y * kBins + x;
+        }
+      }
+    LOAD(work, kPeak + b) = best;
+  }
+  SYNC;
+  // Whoever is ahead is followed further up, in whatever order.
+  for (int k = 0; k < 6; ++k) {
+    EVERY_BIN(b) LOAD(work, kPeak + b) = LOAD(work, kPeak + LOAD(work, kPeak + b));
+    SYNC;
+  }
+  EVERY_BIN(b) {
+    float mass = LOAD(histogram, b);
+    if (mass > 0.0) {
+      int peak = LOAD(work, kPeak + b);
+      vec2 off = mass * (bin_center(b) - bin_center(peak));
+      atomicAdd(LOAD(work, kMass + peak), int(mass * kMassUnit + 0.5));
+      atomicAdd(LOAD(work, kMoment + 2 * peak), int(floor(off.x * kMomentUnit + 0.5)));
+      atomicAdd(LOAD(work, kMoment + 2 * peak + 1), int(floor(off.y * kMomentUnit + 0.5)));
+    }
+  }
+  SYNC;
+  EVERY_BIN(b) {
+    float mass = float(LOAD(work, kMass + b)) / kMassUnit;
+    if (mass > 0.0 && mass >= push.least_share * all) {
+      int place = atomicAdd(LOAD(work, kList), 1);
+      if (place < kMostListed) LOAD(work, kListed + place) = b;
+    }
+  }
+  SYNC;
+  if (gl_LocalInvocationID.x == 0u) choose(all);
+  barrier();
+  EVERY_BIN(b) {
+    int peak = LOAD(work, kPeak + b), best = -1, nearest = 0;
+    float least = 3e38;
+    float least_here = 3e38;
+    for (int m = 0; m < mode_count; ++m) {
+      vec2 off = modes[m].xy - bin_center(b);
+      if (mode_peaks[m] == peak && dot(off, off) < least_here) {
+        least_here = dot(off, off);
+        best = m;
+      }
+      if (dot(off, off) < least) {
+        least = dot(off, off);
+        nearest = m;
+      }
+    }
+    STORE(slots, b, uint(modes[best < 0 ? nearest : best].w));
+  }
+}

@@ -1,0 +1,74 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "gpu/workgroup_sum.glsl"
+#include "global/model/model.glsl"
+#include "global/model/counts.glsl"
+
+// One workgroup: what every candidate amount costs, the entropy of its histogram less the share that is neutral, mixed with
+// what it cost before; and the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, with
+// how much narrower it is than the prior. Colors that lie close together are moved alike by any tint, past the borders of
+// bins and towards gray, which says nothing of whether it is right: the less chroma spreads, the less a difference of cost
+// is trusted; but not where it is about the color of light.
+WORD_IN(0, counts);
+PLANE_INOUT(1, scene);
+layout(push_constant) uniform Push {
+  float ln_least, ln_ratio;  // of candidates
+  float neutral;             // weight of neutrality
+  float ln_typical, spread;  // the prior
+  float trust, full_trust;  // from this spread of chroma on; below, in proportion to it
+  float manual;             // above 0: the amount
+  float renew_color;        // least share of the newest frame in how far the color of light is believed
+} push;
+
+const float kSure = 0.06;  // confidence that is enough for the color
+
+float cost[kCandidates];
+
+// Mean and variance of ln kappa.
+vec2 moments(float trust) {
+  float least = 3e38;
+  for (int k = 0; k < kCandidates; ++k) {
+    float off = (push.ln_least + float(k) * push.ln_ratio - push.ln_typical) / push.spread;
+    least = min(least, trust * cost[k] + 0.5 * off * off);
+  }
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < kCandidates; ++k) {
+    float ln = push.ln_least + float(k) * push.ln_ratio, off = (ln - push.ln_typical) / push.spread;
+    sum += exp(least - trust * cost[k] - 0.5 * off * off) * vec3(1.0, ln, ln * ln);
+  }
+  vec2 mean = sum.yz / sum.x;
+  return vec2(mean.x, max(0.0, mean.y - mean.x * mean.x));
+}
+
+void main() {
+  for (int k = 0; k < kCandidates; ++k) {
+    // sum p ln p = sum c ln c / all - ln all
+    vec4 sum = vec4(0.0);
+    for (int b = int(gl_LocalInvocationID.x); b < kBinCount; b += int(gl_WorkGroupSize.x)) {
+      float c = float(FETCH1(counts, k * kBinCount + b)) / kCountUnit;
+      if (c > 0.0) sum += vec4(c * log(c), c, 0.0, 0.0);
+    }
+    sum = workgroup_sum(sum);
+    float all = max(sum.y, 1e-9);
+    int sums = kCandidates * kBinCount + 2 * k;
+    cost[k] = log(all) - sum.x / all -
+              push.neutral * float(FETCH1(counts, sums)) / max(float(FETCH1(counts, sums + 1)), 1e-4);
+  }
+  if (gl_LocalInvocationID.x > 0u) return;
+  float renew = LOAD(scene, SCENE_TIME).z;
+  for (int k = 0; k < kCandidates; ++k) {
+    float before = LOAD(scene, SCENE_COSTS + k / 4)[k % 4];
+    cost[k] = mix(before, cost[k], renew);
+    LOAD(scene, SCENE_COSTS + k / 4)[k % 4] = cost[k];
+  }
+  // What hardly any color is left to see by goes before the color does.
+  float usable = LOAD(scene, SCENE_TINT).z, spread = LOAD(scene, SCENE_TINT).w;
+  vec2 blind = moments(0.0), seen = moments(push.trust * min(1.0, spread / push.full_trust)), sharp = moments(push.trust);
+  vec2 confidence = usable * clamp(1.0 - vec2(seen.y, sharp.y) / blind.y, 0.0, 1.0);
+  bool manual = push.manual > 0.0;
+  LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
+  // Over more frames than the rest: light that loses its color and finds it again is seen.
+  float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
+  LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, belief, share);
+}

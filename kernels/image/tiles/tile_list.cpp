@@ -1,0 +1,75 @@
+#include "tile_list.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "kernels/gpu/shaders.hpp"
+
+INVERSE_SHADER(image_tiles_list_tiles);
+
+namespace inverse {
+namespace {
+
+// As in tiles.glsl.
+constexpr uint32_t kListArguments = 4, kListSizes = 7, kListTiles = 32;
+
+std::vector<uint32_t> with(std::vector<uint32_t> constants, uint32_t across, uint32_t down) {
+  constants.push_back(across);
+  constants.push_back(down);
+  return constants;
+}
+
+}  // namespace
+
+TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gpu::Memory memory)
+    : columns_(along(extent.width)),
+      rows_(along(extent.height)),
+      workgroup_(device->variant().workgroup),
+      list_(device->kernel(shaders::image_tiles_list_tiles, {}, device->variant().lone_workgroup)),
+      flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),
+      words_(gpu::Buffer::create(device, gpu::Element::word, kListTiles + tiles(), memory)) {}
+
+void TileList::record(gpu::Commands& commands) const {
+  const struct { uint32_t tiles, columns, workgroup; } push{tiles(), columns_, workgroup_};
+  commands.dispatch(list_, {flags_, words_}, push, {});
+}
+
+void TileList::assign(std::span<const uint8_t> flags) const {
+  auto* words = words_->map_as<uint32_t>();
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < tiles(); ++i)
+    if (flags[i]) words[kListTiles + count++] = i / columns_ << 16U | i % columns_;
+  words[0] = count;
+  for (uint32_t size = 0; size < kListSizes; ++size) {
+    uint32_t* groups = words + kListArguments + 3 * size;
+    groups[0] = ((count << size) + workgroup_ - 1) / workgroup_;
+    groups[1] = groups[2] = 1;
+  }
+}
+
+uint64_t TileList::arguments(uint32_t items_a_tile) {
+  return sizeof(uint32_t) *
+         (kListArguments + 3ULL * static_cast<uint32_t>(std::countr_zero(items_a_tile)));
+}
+
+std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns) {
+  const auto rows = static_cast<uint32_t>(flags.size() / columns);
+  std::vector<uint8_t> spread(flags.size());
+  for (uint32_t y = 0; y < rows; ++y)
+    for (uint32_t x = 0; x < columns; ++x) {
+      if (!flags[size_t{y} * columns + x]) continue;
+      for (uint32_t v = y > 0 ? y - 1 : 0; v <= std::min(y + 1, rows - 1); ++v)
+        for (uint32_t u = x > 0 ? x - 1 : 0; u <= std::min(x + 1, columns - 1); ++u)
+          spread[size_t{v} * columns + u] = 1;
+    }
+  return spread;
+}
+
+TileKernel::TileKernel(const std::shared_ptr<gpu::Device>& device, const gpu::KernelSource& source,
+                       const std::vector<uint32_t>& constants, uint32_t across, uint32_t down)
+    : whole_(device->kernel(source, with(constants, 0, 0))),
+      listed_(across > 0 ? device->kernel(source, with(constants, across, down)) : nullptr),
+      items_(across * down),
+      nothing_(gpu::Buffer::create(device, gpu::Element::word, 1)) {}
+
+}  // namespace inverse

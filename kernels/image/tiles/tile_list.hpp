@@ -1,0 +1,84 @@
+#pragma once
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+
+namespace inverse {
+
+/// Tiles of 16 x 16 pixels to which work on a frame is limited: a list (tiles.glsl), with the
+/// numbers of workgroups for kernels that run over it. It is made on the device from flags, or on
+/// the host.
+class TileList {
+ public:
+  static constexpr uint32_t kTile = 16;  ///< pixels along a tile
+  /// Tiles along so many pixels, and of a whole frame.
+  static constexpr uint32_t along(uint32_t pixels) { return (pixels + kTile - 1) / kTile; }
+  static constexpr uint32_t count(Extent extent) {
+    return along(extent.width) * along(extent.height);
+  }
+  /// Memory::upload for a list that is made on the host.
+  TileList(const std::shared_ptr<gpu::Device>& device, Extent extent,
+           gpu::Memory memory = gpu::Memory::device);
+
+  /// How many tiles a frame has, and along its width.
+  uint32_t tiles() const { return columns_ * rows_; }
+  uint32_t columns() const { return columns_; }
+  uint32_t rows() const { return rows_; }
+  /// One word a tile, row by row: 1 where it is to be listed, else 0. Somebody's kernel fills it.
+  const gpu::BufferPtr& flags() const { return flags_; }
+  /// Records making the list from the flags.
+  void record(gpu::Commands& commands) const;
+  /// Makes the list on the host: the tiles where `flags`, row by row, is not 0. No work with the
+  /// list may be in flight.
+  void assign(std::span<const uint8_t> flags) const;
+  /// The list; its first word is how many tiles it has.
+  const gpu::BufferPtr& words() const { return words_; }
+  /// Where in `words` the workgroups of a kernel with so many invocations a tile (a power of two up
+  /// to 64) are, in bytes.
+  static uint64_t arguments(uint32_t items_a_tile);
+
+ private:
+  uint32_t columns_, rows_, workgroup_;
+  gpu::KernelPtr list_;
+  gpu::BufferPtr flags_, words_;
+};
+
+/// Those tiles, row by row, `columns` a row, that are flagged or beside (also diagonally) one that
+/// is.
+std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns);
+
+/// A kernel that runs over a whole frame or over the tiles of a list. The list is its last binding;
+/// its last two constants are how many invocations a tile has across and down; 0 where it only runs
+/// over whole frames.
+class TileKernel {
+ public:
+  TileKernel() = default;
+  TileKernel(const std::shared_ptr<gpu::Device>& device, const gpu::KernelSource& source,
+             const std::vector<uint32_t>& constants, uint32_t across, uint32_t down);
+
+  /// Records it over the tiles of `listed`, or over `whole` where that is null.
+  template <typename Push>
+  void dispatch(gpu::Commands& commands, const TileList* listed,
+                std::initializer_list<gpu::BufferPtr> buffers, const Push& push,
+                gpu::Items whole) const {
+    std::vector<gpu::BufferPtr> all(buffers);
+    all.push_back(listed ? listed->words() : nothing_);
+    const auto bytes = std::as_bytes(std::span(&push, 1));
+    if (listed)
+      commands.dispatch_indirect(listed_, all, bytes, listed->words(), TileList::arguments(items_));
+    else
+      commands.dispatch(whole_, all, bytes, whole);
+  }
+  const gpu::KernelPtr& whole() const { return whole_; }
+
+ private:
+  gpu::KernelPtr whole_, listed_;
+  uint32_t items_ = 0;      // invocations a tile
+  gpu::BufferPtr nothing_;  // in the list's place
+};
+
+}  // namespace inverse

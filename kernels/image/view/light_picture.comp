@@ -1,0 +1,43 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "image/finite.glsl"
+
+// Draws light of a frame with more than one bounce: S times its color, its direct share, what is not direct, or the share
+// that bounced off one base color.
+layout(constant_id = 1) const uint kWhat = 0u;  // LightPicture::What
+layout(constant_id = 2) const bool kLamp = false;  // direct light has a color
+const uint kAll = 0u, kDirect = 1u, kIndirect = 2u, kLayer = 3u;
+PLANE_IN(0, intrinsic);
+PLANE_IN(1, light);
+PLANE_IN(2, share);  // kLayer: the plane of indirect shares
+PLANE_IN(3, bases);
+PLANE_IN(4, lamp);  // one pixel; kLamp
+PLANE_OUT(5, picture);
+layout(push_constant) uniform Push {
+  uvec2 size;
+  uint base;  // kLayer: which base color
+} push;
+const uint kRows = 4u;  // pixels an invocation, one above the other
+
+void main() {
+  uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
+  if (at.x >= push.size.x) return;
+  vec4 base = vec4(0.0), slot = vec4(0.0);
+  vec3 white = kLamp ? finite(FETCH(lamp, 0)).rgb : vec3(1.0);
+  if (kWhat == kLayer) {
+    base = finite(FETCH(bases, int(push.base)));
+    if (base.w == 0.0) base = vec4(0.0);
+    slot[push.base & 3u] = 1.0;
+  }
+  uint last = min(at.y + kRows, push.size.y);
+  for (uint y = at.y; y < last; ++y) {
+    int n = int(y * push.size.x + at.x);
+    vec4 l = finite(FETCH(light, n));
+    vec3 color = kWhat == kDirect     ? l.w * white
+                 : kWhat == kIndirect ? max(l.rgb - l.w * white, vec3(0.0))
+                 : kWhat == kLayer    ? base.rgb * dot(slot, finite(FETCH(share, n)))
+                                      : l.rgb;
+    STORE(picture, n, vec4(min(finite(FETCH(intrinsic, n)).w * color, vec3(kLargest)), 1.0));
+  }
+}

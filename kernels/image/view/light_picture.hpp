@@ -1,0 +1,28 @@
+#pragma once
+#include <memory>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+
+namespace inverse {
+
+/// Draws the light of frames with more than one bounce (Layers::global), linear RGB, w = 1.
+class LightPicture {
+ public:
+  enum class What : uint8_t {
+    all,       ///< direct and indirect light, in color
+    direct,    ///< what comes straight from the lamps, in their color
+    indirect,  ///< the rest, in color
+    layer,     ///< what bounced off one base color; black where there is no such color
+  };
+  explicit LightPicture(const std::shared_ptr<gpu::Device>& device);
+
+  /// `layers` must be global and have the target's extent; `base` is 0…kMaxBases − 1.
+  void record(gpu::Commands& commands, const Layers& layers, What what, const Plane& target,
+              uint32_t base = 0) const;
+
+ private:
+  std::shared_ptr<gpu::Device> device_;
+};
+
+}  // namespace inverse

@@ -1,0 +1,29 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+
+// One tile of a mosaic: a plane at half size, each pixel the mean of the 2x2 under it.
+PLANE_IN(0, picture);
+PLANE_OUT(1, target);
+layout(push_constant) uniform Push {
+  uvec2 size;    // of both planes
+  uvec2 origin;  // of the tile in the target
+  uvec2 tile;    // its size
+  uint shading;  // 1: draw w as gray
+  float gain;    // 0: black, whatever the picture holds
+} push;
+
+void main() {
+  uvec2 at = gl_GlobalInvocationID.xy;
+  if (at.x >= push.tile.x) return;
+  uvec2 first = at * 2u;
+  uvec2 last = min(first + 1u, push.size - 1u);
+  uint top = first.y * push.size.x;
+  uint bottom = last.y * push.size.x;
+  vec4 sum = FETCH(picture, int(top + first.x)) + FETCH(picture, int(top + last.x)) +
+             FETCH(picture, int(bottom + first.x)) + FETCH(picture, int(bottom + last.x));
+  vec3 color = (push.shading != 0u ? sum.www : sum.rgb) * (0.25 * push.gain);
+  if (push.gain == 0.0) color = vec3(0.0);
+  uvec2 to = at + push.origin;
+  STORE(target, to.y * push.size.x + to.x, vec4(color, 1.0));
+}

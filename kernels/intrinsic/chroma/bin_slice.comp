@@ -1,0 +1,42 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "bins.glsl"
+
+// The cells' right-hand side for a correction of s': f = far + wanted - screen s', wanted = pull + g (m' - r_bin), `far`
+// being what the finer levels left. Without kPulls g is 0 and wanted = pull. One quad of cells an invocation.
+layout(constant_id = 1) const bool kPulls = true;
+PLANE_IN(0, cells);
+PLANE_IN(1, terms);
+PLANE_IN(2, mean);  // s'
+PLANE_IN(3, far);
+SCALAR_IN(4, means);
+PLANE_OUT(5, system);  // of stride 4
+PLANE_OUT(6, wanted);
+layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
+
+void main() {
+  uint quads = QUADS(push.size.x);
+  uvec2 position = grid_position(quads);
+  if (position.y >= push.size.y) return;
+  int at = int(position.y * quads + position.x);
+  vec4 s = FETCH(mean, at), found = s, m = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN);
+  for (uint k = 0u; kPulls && k < 4u; ++k) {
+    uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
+    vec2 fraction;
+    uvec2 bin = bin_of(FETCH(cells, int(CELL_STRIDE * cell)).yz, fraction);
+    int from = int(bin.y) * kBins + int(bin.x);
+    vec4 four = vec4(FETCH1(means, from), FETCH1(means, from + 1), FETCH1(means, from + kBins), FETCH1(means, from + kBins + 1));
+    bvec4 known = lessThan(four, vec4(kEmptyBin));
+    vec4 hat = mix(vec4(0.0), hats(fraction), known);
+    float sum = dot(hat, vec4(1.0)), r = dot(hat, mix(vec4(0.0), four, known)) / max(sum, 1e-20);
+    found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
+    m = m.yzwx;
+  }
+  vec4 want = FETCH(terms, TERMS_STRIDE * at + TERMS_PULL);
+  if (kPulls) want += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
+  STORE(wanted, uint(at), want);
+  STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + want - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s);
+}

@@ -1,0 +1,54 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "bins.glsl"
+
+// Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r at the present solution,
+// r = m' - s' - (correction of s'). One quad of cells an invocation, and all invocations share the bins through atomics; or,
+// where kTables > 1, kTables invocations go over all quads and each has bins of its own: a CPU takes longer for an atomic
+// addition than for all else here. Sums in fixed point are the same either way.
+layout(constant_id = 1) const bool kWeights = false;
+layout(constant_id = 2) const uint kTables = 1;
+PLANE_IN(0, cells);
+PLANE_IN(1, terms);
+PLANE_IN(2, mean);        // s'
+PLANE_IN(3, correction);
+WORD_INOUT(4, sums);      // kBins x kBins x kTables, signed fixed point, starts at 0
+layout(push_constant) uniform Push {
+  uvec2 size;  // of level 2
+  float scale;
+} push;
+
+void add(uint bin, int share) {
+  if (kTables > 1u)
+    LOAD(sums, bin * kTables + gl_GlobalInvocationID.x) += uint(share);
+  else
+    atomicAdd(LOAD(sums, bin), uint(share));
+}
+
+void main() {
+  uint quads = QUADS(push.size.x), all = quads * push.size.y;
+  for (uint i = gl_GlobalInvocationID.x; i < all; i += kTables > 1u ? kTables : all) {
+    uvec2 position = grid_place(i, quads);
+    int at = int(i);
+    vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);
+    if (!kWeights) {
+      vec4 r = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN) - FETCH(mean, at) - FETCH(correction, at);
+      part *= clamp(r / kMostReflectance, -1.0, 1.0);
+    }
+    uint count = min(push.size.x - 4u * position.x, 4u);
+    for (uint k = 0u; k < count; ++k) {
+      vec2 fraction, chroma = FETCH(cells, int(CELL_STRIDE * (position.y * push.size.x + 4u * position.x + k))).yz;
+      uvec2 bin = bin_of(chroma, fraction);
+      ivec4 shares = ivec4(round(hats(fraction) * part.x));
+      uint to = bin.y * uint(kBins) + bin.x;
+      add(to, shares.x);
+      add(to + 1u, shares.y);
+      add(to + uint(kBins), shares.z);
+      add(to + uint(kBins) + 1u, shares.w);
+      part = part.yzwx;
+    }
+  }
+}

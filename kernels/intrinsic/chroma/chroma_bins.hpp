@@ -1,0 +1,47 @@
+#pragma once
+#include <memory>
+
+#include "kernels/intrinsic/guide/guide.hpp"
+
+namespace inverse {
+
+/// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal
+/// reflectance. Means of r = m' - s' over a grid of chroma (bins.glsl;
+/// docs/reference/methods/intrinsicdecomp.md, 4), in fixed point and so the same bits in every run.
+class ChromaBins {
+ public:
+  /// `cells` is the size of guide level 2.
+  ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
+
+  /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in
+  /// `terms`; where it is 0, the frame has no bins.
+  void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
+                      float most_weight);
+  /// The solution that the means are taken at, and where the right-hand side goes that follows from
+  /// them.
+  struct State {
+    gpu::BufferPtr terms, means, correction, far, system, force;
+  };
+  /// Records the means and the right-hand side for a correction.
+  void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
+  /// Records the force that is left after it, and with `look` what `binding` tells.
+  void record_force(gpu::Commands& commands, const State& state, bool look = false);
+  /// One vec4, of the last look: sum of v (F / v)^2 and sum of v over the cells, F the force of the
+  /// bins and v the weight of the value prior. The root of their ratio bounds how much cell means
+  /// of log shading, rms weighted by v, change without bins
+  /// (docs/reference/methods/intrinsicdecomp.md, 4).
+  const gpu::BufferPtr& binding() const { return binding_; }
+
+ private:
+  gpu::Items splat_items() const;
+
+  Extent cells_;
+  uint32_t tables_;
+  float scale_ = 1;
+  bool on_ = true;
+  gpu::KernelPtr weigh_, splat_, mean_, slice_, pull_, force_, looking_force_, total_;
+  gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
+  bool cleared_ = false;  // the sums' unused slots
+};
+
+}  // namespace inverse

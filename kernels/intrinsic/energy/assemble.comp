@@ -1,0 +1,54 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
+
+// The pixels' right-hand side, from the edges' flux and, with kAnchored, the frame before; and where the solve starts: at
+// max_c i, shifted to the start of the pixels' cell, or as far as the frame before may be believed at its reflectance. One quad
+// an invocation.
+layout(constant_id = 1) const bool kAnchored = false;
+PLANE_IN(0, flux);
+PLANE_IN(1, start);    // of cells (cell_terms.comp)
+PLANE_IN(2, level0);
+PLANE_IN(3, force);         // of cells, with their anchors
+PLANE_IN(4, memory);        // the last frame's
+PLANE_IN(5, last_shading);  // its solution
+PLANE_OUT(6, system);       // of stride 3
+PLANE_OUT(7, shading);      // the same buffer as the last frame's
+PLANE_OUT(8, now);          // m
+#define TILE_CONSTANT 2
+#define TILE_BINDING 9
+#include "image/tiles/tile_position.glsl"
+layout(push_constant) uniform Push { uvec2 size; } push;
+
+void main() {
+  uint quads = QUADS(push.size.x);
+  uvec2 position = tile_position(quads);
+  if (position.y >= push.size.y) return;
+  int at = int(position.y * quads + position.x);
+  vec4 right = FETCH(flux, FLUX_STRIDE * at + FLUX_RIGHT);
+  float left = position.x > 0u ? FETCH(flux, FLUX_STRIDE * (at - 1) + FLUX_RIGHT).w : 0.0;
+  vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
+  if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(quads)) + FLUX_DOWN);
+  int cells = int((position.y / 4u) * QUADS(quads) + position.x / 4u);
+  vec4 m = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
+  for (uint k = 0u; k < 4u; ++k) {
+    uint x = min(4u * position.x + k, push.size.x - 1u);
+    vec4 guide = FETCH(level0, int(position.y * push.size.x + x));
+    m = vec4(m.yzw, guide.x);
+    s = vec4(s.yzw, s.x + guide.x + guide.w);
+  }
+  bvec4 inside = INSIDE(position.x, push.size.x);
+  if (kAnchored) {
+    float gate = FETCH(start, START_STRIDE * cells + START_GATE)[position.x & 3u];
+    float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
+    vec4 before = m - FETCH(memory, MEMORY_STRIDE * at + MEMORY_MEAN) + FETCH(last_shading, at);
+    sum += MASKED(anchor * before, inside);
+    s += gate * (before - s);
+  }
+  STORE(system, 3u * uint(at) + SYSTEM_RHS, sum);
+  STORE(shading, uint(at), MASKED(s, inside));
+  STORE(now, uint(MEMORY_STRIDE * at) + MEMORY_MEAN, m);
+}

@@ -1,0 +1,62 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
+
+// Makes a frame's layers, which another resolution has found, what the frame before left: the same frame will be solved
+// again and finds that nothing has changed but how far its solution has come. One quad of cells an invocation.
+PLANE_IN(0, frame);
+PLANE_IN(1, intrinsic);  // R.rgb, S
+PLANE_IN(2, cells);
+PLANE_IN(3, wide);
+PLANE_IN(4, gauge);  // .x = ln c (gauge.comp)
+PLANE_IN(5, level0);
+PLANE_OUT(6, memory);
+PLANE_OUT(7, shading);
+PLANE_OUT(8, kept);
+PLANE_OUT(9, means);       // of the cells ...
+PLANE_OUT(10, correction);  // ... with nothing yet to be added
+PLANE_OUT(11, force);      // none: what it balanced was another system's
+layout(push_constant) uniform Push { uvec2 size; } push;
+
+const float kLeastShading = 1e-20;
+
+void main() {
+  uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u;
+  uint quads = QUADS(push.size.x), cell_quads = QUADS(cell_size.x);
+  uvec2 position = grid_position(cell_quads);
+  if (position.y >= cell_size.y) return;
+  float scale = FETCH(gauge, 0).x;
+  vec4 mean = vec4(0.0);
+  for (uint k = 0u; k < 4u; ++k) {
+    uvec2 cell = uvec2(4u * position.x + k, position.y);
+    mean = mean.yzwx;
+    if (cell.x >= cell_size.x) continue;
+    uvec2 first = 4u * cell, count = min(push.size - first, uvec2(4u));
+    vec4 columns = cell_weights(count.x), rows = cell_weights(count.y);
+    for (uint y = first.y; y < first.y + count.y; ++y) {
+      vec4 m = vec4(0.0), s = m, bright = m;
+      for (uint x = 0u; x < 4u; ++x) {
+        int pixel = int(y * push.size.x + first.x + min(x, count.x - 1u));
+        vec3 rgb = sanitize(FETCH(frame, pixel).rgb);
+        m = vec4(m.yzw, FETCH(level0, pixel).x);
+        s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kLeastShading)) + scale);
+        bright = vec4(bright.yzw, log((rgb.r + rgb.g + rgb.b) / 3.0 + kIntensityFloor));
+      }
+      uint quad = y * quads + cell.x;
+      STORE(memory, MEMORY_STRIDE * quad + MEMORY_MEAN, m);
+      STORE(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS, bright - s);
+      STORE(shading, quad, MASKED(s, INSIDE(cell.x, push.size.x)));
+      mean.w += rows.x * dot(columns, s);
+      rows = rows.yzwx;
+    }
+    uint at = cell.y * cell_size.x + cell.x;
+    STORE(kept, at, cell_state(FETCH(cells, int(CELL_STRIDE * at)), FETCH(wide, int((cell.y / 4u) * cell_quads + cell.x / 4u))));
+  }
+  uint to = position.y * cell_quads + position.x;
+  STORE(means, to, mean);
+  STORE(correction, to, vec4(0.0));
+  STORE(force, FORCE_STRIDE * to + FORCE_PULL, vec4(0.0));
+}

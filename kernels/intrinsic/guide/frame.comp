@@ -1,0 +1,38 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+
+// Adds the partial sums up and turns them into the frame's statistics. One workgroup.
+//   statistics[0] = mean log intensity, -, -, -       statistics[1] = sigma0 … sigma3 (what kind of frame this is)
+PLANE_IN(0, intensity_sums);
+PLANE_IN(1, chromatic_sums);
+PLANE_IN(2, plain_sums);
+PLANE_OUT(3, statistics);
+layout(push_constant) uniform Push { uint count; } push;
+
+shared vec4 sums[3 * 64];  // the workgroup has 64 lanes
+
+void main() {
+  uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+  vec4 intensity = vec4(0.0), chromatic = vec4(0.0), plain = vec4(0.0);
+  for (uint i = lane; i < push.count; i += lanes) {
+    intensity += FETCH(intensity_sums, int(i));
+    chromatic += FETCH(chromatic_sums, int(i));
+    plain += FETCH(plain_sums, int(i));
+  }
+  sums[lane] = intensity;
+  sums[lanes + lane] = chromatic;
+  sums[2u * lanes + lane] = plain;
+  barrier();
+  if (lane > 0u) return;
+  for (uint i = 1u; i < lanes; ++i) {
+    intensity += sums[i];
+    chromatic += sums[lanes + i];
+    plain += sums[2u * lanes + i];
+  }
+  intensity.x += 1e-6;
+  chromatic.xz += vec2(0.02 * 0.1, 0.02);
+  STORE(statistics, 0, vec4(intensity.y / intensity.x, 0.0, 0.0, 0.0));
+  STORE(statistics, 1, vec4(log(chromatic.x / chromatic.z + 0.01) + 2.0, 4.0 * chromatic.y / chromatic.z - 2.0,
+                            5.0 * intensity.z / intensity.x - 1.5, log(plain.x / (plain.y + 1e-6) + 0.003) + 3.0));
+}

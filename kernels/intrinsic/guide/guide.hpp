@@ -1,0 +1,42 @@
+#pragma once
+#include <memory>
+
+#include "kernels/image/quads.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
+
+namespace inverse {
+
+/// What a frame looks like to a prior (guide.glsl; docs/reference/methods/intrinsicdecomp.md, 1),
+/// made from linear RGB.
+class Guide {
+ public:
+  /// Throws Error(limit) where the planes do not fit the device.
+  Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
+  /// Records its making from a frame; of the tiles `listed` alone where that is not null, and the
+  /// frame's statistics from these and what was there.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
+              const TileList* listed = nullptr);
+
+  Extent extent() const { return extent_; }
+  Extent extent1() const { return extent1_; }
+  Extent cell_extent() const { return extent2_; }           ///< of level 2
+  const gpu::BufferPtr& level0() const { return level0_; }  ///< vec4 a pixel: m, c0, c1, u
+  const gpu::BufferPtr& level1() const { return level1_; }  ///< means of 2 x 2
+  const gpu::BufferPtr& cells() const {
+    return cells_;
+  }  ///< level 2, two vec4 a cell of 4 x 4 pixels
+  const gpu::BufferPtr& wide() const { return wide_; }  ///< level 4, vec4 a cell of 16 x 16 pixels
+  const gpu::BufferPtr& statistics() const {
+    return statistics_;
+  }  ///< of the frame, two vec4 (frame.comp)
+
+ private:
+  Extent extent_, extent1_, extent2_, extent4_;
+  TileKernel guide_, cells_kernel_, wide_kernel_;
+  gpu::KernelPtr sum_, frame_;
+  gpu::BufferPtr level0_, level1_, cells_, wide_, statistics_;
+  gpu::BufferPtr sums_[3];
+  bool cleared_ = false;  // the sums' unused slots
+};
+
+}  // namespace inverse

@@ -1,0 +1,109 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "kernels/image/quads.hpp"
+#include "kernels/image/tiles/tile_list.hpp"
+
+namespace inverse {
+
+/// Multigrid for the linear system of energy.glsl: one unknown a pixel, edges to four neighbors,
+/// and terms of 4 x 4 cells that enter on level 2. Levels shrink 2:1 to a single pixel; aggregates
+/// of 2 x 2 carry corrections; blocks of 4 x 4 pixels are relaxed in checkerboard order, their rows
+/// solved exactly. Levels of few pixels run in one dispatch.
+class Multigrid {
+ public:
+  struct Params {
+    /// Least share that a coarse edge keeps of the edges that it stands for, 0.5…1. All of them (1)
+    /// bind aggregates twice as strongly as the smooth functions that they stand for; 0.5 is right
+    /// for equal weights, more is slower and safer where weights jump.
+    float scale = 0.6F;
+    /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
+    /// renewed before each.
+    uint32_t cell_cycles = 2;
+    /// Consecutive cycles are combined so that errors of which a cycle leaves between nothing and
+    /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
+    /// diverges on some frames, because the chroma bins lag behind.
+    float slowest = 0.5F;
+    bool operator==(const Params&) const = default;
+  };
+  /// How much of the work of a frame's cycles is done.
+  struct Progress {
+    bool measured = false;  ///< this cycle sums up what it changed
+    bool conditional =
+        false;          ///< left out where the one before was measured and is the last one needed
+    float settled = 0;  ///< rms change by a cycle, log units, that no further one need follow
+  };
+  static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kForceStride = 3;  ///< vec4 a quad of cells of `cell_force`
+  static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
+
+  /// Throws Error(limit) where a level does not fit the device.
+  Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Pixels: edges' weights to the right and down and the right-hand side, three vec4 a quad.
+  const gpu::BufferPtr& system() const { return levels_[0].system; }
+  /// The unknown, one vec4 a quad; cycles improve it in place.
+  const gpu::BufferPtr& field() const { return levels_[0].field; }
+  /// The force with which the cells' terms pull at the pixels, their screen, and a mass of each of
+  /// their pixels, three vec4 a quad of cells; set before the operators are made, and the force
+  /// renewed by every cycle's `after`.
+  const gpu::BufferPtr& cell_force() const { return cell_force_; }
+  /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
+  /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
+  /// writes.
+  const gpu::BufferPtr& cell_means() const { return cell_means_; }
+  const gpu::BufferPtr& cell_correction() const { return levels_[2].field; }
+  const gpu::BufferPtr& cell_far() const { return cell_far_; }
+  const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
+
+  /// Everything of a frame is recorded for the tiles `listed` alone where that is not null: on
+  /// levels 0 and 1. Levels from the cells' on are always solved as a whole; of other tiles they
+  /// take what `record_residual` last found, and corrections do not reach these.
+  ///
+  /// Records the coarse operators, once a frame, from `system` and `cell_force`.
+  void record_operators(gpu::Commands& commands, const Params& params,
+                        const TileList* listed = nullptr) const;
+  /// Records what pixels, as they stand, leave to the cells of the right-hand side: for those which
+  /// the next cycles do not list.
+  void record_residual(gpu::Commands& commands, const TileList* listed) const;
+  /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
+  /// `after` their force after the last correction.
+  void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
+                    const Progress& progress, const std::function<void()>& before,
+                    const std::function<void()>& after, const TileList* listed = nullptr);
+  /// One vec4, of the last measured cycle (settle.comp): mean square change of the unknown, log
+  /// units²; whether further cycles are needed; measured cycles of this frame so far.
+  const gpu::BufferPtr& progress() const { return progress_; }
+  /// How many levels there are, the single pixel included.
+  uint32_t depth() const { return depth_; }
+
+ private:
+  struct Level {
+    Extent extent;
+    gpu::BufferPtr system, field;
+    float mass;  // of every pixel, where the system has no plane of masses
+  };
+  void smooth(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void correct(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void restrict_to(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
+  void extrapolate(gpu::Commands& commands, float slowest, uint32_t k, const Progress& progress,
+                   const TileList* listed);
+  void cell_cycle(gpu::Commands& commands, const Params& params) const;
+
+  std::vector<Level> levels_;  // the last one holds all that run in one dispatch
+  uint32_t depth_ = 1;
+  TileKernel smooth_[3];  // on levels 0, 1, further down
+  TileKernel correct_[3];
+  TileKernel coarsen_[3];  // between levels 0-1, 1-2, further down
+  TileKernel restrict_[3];
+  TileKernel extrapolate_, measure_, carry_;
+  gpu::KernelPtr coarse_setup_, coarse_cycle_, settle_;
+  gpu::BufferPtr starts_[2];  // of this cycle and the one before
+  gpu::BufferPtr sums_, progress_;
+  bool cleared_ = false;
+  gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
+};
+
+}  // namespace inverse

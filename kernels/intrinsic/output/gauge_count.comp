@@ -1,0 +1,30 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "gauge.glsl"
+#include "image/quad.glsl"
+#include "intrinsic/guide/guide.glsl"
+
+// Counts ln max_c R over the cells of a frame, one cell of 4 x 4 pixels an invocation. Dark cells stay out: what little
+// light they have says more of the sensor than of the surface.
+PLANE_IN(0, cells);
+PLANE_IN(1, shading);
+WORD_INOUT(2, counts);
+layout(push_constant) uniform Push { uvec2 size; } push;
+
+void main() {
+  uint quads = QUADS(push.size.x);
+  uvec2 cell = grid_position(quads);
+  uint first = 4u * cell.y;
+  if (first >= push.size.y) return;
+  uvec2 count = min(push.size - 4u * cell, uvec2(4u));
+  vec4 columns = cell_weights(count.x), rows = cell_weights(count.y);
+  float mean = 0.0;
+  for (uint y = 0u; y < count.y; ++y) {
+    mean += rows.x * dot(columns, FETCH(shading, int((first + y) * quads + cell.x)));
+    rows = rows.yzwx;
+  }
+  vec4 guide = FETCH(cells, int(CELL_STRIDE * (cell.y * quads + cell.x)));
+  float brightest = guide.x + guide.w;
+  if (brightest > kDarkest) atomicAdd(counts_data[gauge_bin(brightest - mean)], 1u);
+}

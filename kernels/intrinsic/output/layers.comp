@@ -1,0 +1,86 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "intrinsic/energy/energy.glsl"
+#include "intrinsic/guide/guide.glsl"
+#include "intrinsic/temporal/temporal.glsl"
+
+// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
+// one. With kAnchored, reflectance first moves only part of the way from the frame before, so that the sensor's noise is
+// averaged over frames and stays in shading: as the cells say, interpolated between them, and less where a pixel changed
+// otherwise than its cell. One cell, 4 x 4 pixels, an invocation.
+layout(constant_id = 1) const bool kAnchored = false;
+PLANE_IN(0, frame);
+PLANE_IN(1, cells);
+PLANE_IN(2, wide);
+PLANE_IN(3, gauge);  // .x = ln c (gauge.comp)
+PLANE_IN(4, start);  // of cells (cell_terms.comp)
+PLANE_IN(5, before);    // m and the brightness of reflectance, the last frame's
+PLANE_IN(6, now);       // m (assemble.comp)
+PLANE_IN(7, shading);
+PLANE_OUT(8, memory);   // the same buffer as `now`: the brightness of reflectance
+PLANE_OUT(9, held);     // the same buffer as `shading`
+PLANE_INOUT(10, kept);
+PLANE_OUT(11, intrinsic);
+#define TILE_CONSTANT 2
+#define TILE_BINDING 12
+#include "image/tiles/tile_position.glsl"
+layout(push_constant) uniform Push {
+  uvec2 size;
+  float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
+} push;
+
+uint quads = QUADS(push.size.x);
+
+float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(quads)) + x / 4) + START_HOLD)[x & 3]; }
+// Of a row of cells: this one and those beside it.
+vec3 holds_of(ivec2 cell, int y) {
+  return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(quads) - 1), y));
+}
+
+void main() {
+  uvec2 cell = tile_position(quads);
+  uint first = 4u * cell.y;
+  if (first >= push.size.y) return;
+  uvec2 count = min(push.size - 4u * cell, uvec2(4u));
+  float scale = FETCH(gauge, 0).x;
+  uint at = cell.y * quads + cell.x;
+  vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
+  float change = 0.0;
+  vec3 above = vec3(0.0), here = above, below = above;
+  if (kAnchored) {
+    int y = int(cell.y), last = int(push.size.y + 3u) / 4 - 1;
+    change = guide.x - LOAD(kept, at).w;
+    above = holds_of(ivec2(cell), max(y - 1, 0));
+    here = holds_of(ivec2(cell), y);
+    below = holds_of(ivec2(cell), min(y + 1, last));
+  }
+  for (uint y = 0u; y < count.y; ++y) {
+    uint quad = (first + y) * quads + cell.x;
+    int mean = int(MEMORY_STRIDE * quad) + MEMORY_MEAN, brightness = int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS;
+    vec4 s = FETCH(shading, int(quad)), bright = vec4(0.0);
+    for (uint x = 0u; x < 4u; ++x) {
+      vec3 rgb = sanitize(FETCH(frame, int((first + y) * push.size.x + min(4u * cell.x + x, push.size.x - 1u))).rgb);
+      bright = vec4(bright.yzw, rgb.r + rgb.g + rgb.b);
+    }
+    bright = log(bright / 3.0 + kIntensityFloor);
+    if (kAnchored) {
+      float down = 0.25 * float(y) - 0.375;  // from the cell's center, in cells
+      vec3 row = down < 0.0 ? mix(here, above, -down) : mix(here, below, down);
+      vec4 hold = vec4(mix(row.yy, row.xx, vec2(0.375, 0.125)), mix(row.yy, row.zz, vec2(0.125, 0.375)));
+      vec4 off = push.texture * (FETCH(now, mean) - FETCH(before, mean) - change);
+      hold /= 1.0 + off * off;
+      s += MASKED(hold * (bright - FETCH(before, brightness) - s), INSIDE(cell.x, push.size.x));
+      STORE(held, quad, s);
+    }
+    STORE(memory, uint(brightness), bright - s);
+    for (uint x = 0u; x < count.x; ++x) {
+      uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
+      vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
+      float light = exp(s.x - scale);
+      STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
+      s = s.yzwx;
+    }
+  }
+  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(quads) + cell.x / 4u))));
+}

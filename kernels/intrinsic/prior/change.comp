@@ -1,0 +1,36 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "image/quad.glsl"
+
+// Flags the tiles whose edges have to be evaluated again: those where a cell of guide level 1, in the tile or up to two
+// cells around it, differs by more than the tolerance from what the edges were evaluated on; all of them where the frame's
+// statistics do, or where there are no edges yet (all = 1). One tile an invocation.
+PLANE_IN(0, level1);
+PLANE_IN(1, kept);
+PLANE_IN(2, statistics);
+PLANE_IN(3, kept_statistics);
+WORD_OUT(4, flags);
+layout(push_constant) uniform Push {
+  uvec2 size;  // of level 1
+  float tolerance;
+  uint all;
+} push;
+
+const int kTileCells = 8;  // along a tile
+
+void main() {
+  uvec2 tiles = (push.size + uint(kTileCells) - 1u) / uint(kTileCells), tile = grid_position(tiles.x);
+  if (tile.y >= tiles.y) return;
+  vec4 worst = abs(FETCH(statistics, 1) - FETCH(kept_statistics, 1));
+  worst = max(worst, abs(FETCH(statistics, 0) - FETCH(kept_statistics, 0))) * 0.25;
+  ivec2 first = max(ivec2(tile) * kTileCells - 2, ivec2(0));
+  ivec2 last = min(ivec2(tile) * kTileCells + kTileCells + 1, ivec2(push.size) - 1);
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x) {
+      int at = y * int(push.size.x) + x;
+      worst = max(worst, abs(FETCH(level1, at) - FETCH(kept, at)));
+    }
+  bool same = max(max(worst.x, worst.y), max(worst.z, worst.w)) <= push.tolerance;  // false for NaN
+  STORE(flags, tile.y * tiles.x + tile.x, push.all == 1u || !same ? 1u : 0u);
+}

@@ -1,0 +1,77 @@
+#pragma once
+#include <memory>
+
+#include "kernels/intrinsic/guide/guide.hpp"
+
+namespace inverse {
+
+/// Decides edge by edge how much of a step is paint and how much is light, and cell by cell what
+/// pins the rest (energy.glsl: a, b, v, V, g). The solver knows nothing of how: whatever fills the
+/// same three buffers can take its place. This one evaluates two small fitted functions of local
+/// cues (docs/reference/methods/intrinsicdecomp.md, 2), and can leave alone the edges of tiles that
+/// have not changed.
+class EdgePrior {
+ public:
+  struct Params {
+    /// Factor on a, how firmly reflectance stays even across an edge; 1e-3…1e3.
+    float reflectance_weight = 1.0F;
+    /// Factor on b, how firmly shading stays even; 1e-3…1e3.
+    float shading_weight = 1.0F;
+    /// Factor on v, how firmly the largest channel of reflectance stays near 1; 1e-3…1e3. Pins the
+    /// free scale.
+    float value_weight = 1.0F;
+    /// Factor on g, how firmly equal chroma means equal reflectance; 0…1e3, 0 switches the chroma
+    /// bins off.
+    float chroma_weight = 1.0F;
+    bool operator==(const Params&) const = default;
+  };
+  /// Where the prior writes. Edges stay there from frame to frame.
+  struct Target {
+    gpu::BufferPtr system;  ///< three vec4 a quad; the first two are a + b to the right and down
+    gpu::BufferPtr flux;    ///< two vec4 a quad: a (m_x - m_y) to the right and down
+    gpu::BufferPtr value;   ///< three vec4 a quad of cells: v, V, g
+  };
+  static constexpr uint64_t kFluxStride = 2, kValueStride = 3;
+  /// The largest g that it writes, for a chroma_weight of 1: e^3 a pixel, 16 pixels a cell.
+  static constexpr float kMostChroma = 16 * 20.0856F;
+
+  EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records everything anew. `keep`: for a `record_changes` that follows.
+  void record(gpu::Commands& commands, const Guide& guide, const Target& target,
+              const Params& params, bool keep = false);
+  /// As `record`, but keeps the edges of tiles of 16 x 16 pixels where the guide's 2 x 2 means are
+  /// within `tolerance` (log units) of those that the edges were evaluated on. The first time, and
+  /// after another target or other params, it does everything.
+  void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
+                      const Params& params, float tolerance);
+  /// Records the edges and values of listed tiles; the target has all the others already.
+  void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
+                    const Params& params, const TileList& listed) const;
+  /// Forgets what the edges were evaluated on.
+  void reset() { known_ = false; }
+  /// How many tiles a frame has.
+  uint32_t tiles() const { return changes_.tiles(); }
+  /// Words; the first is how many tiles the last `record_changes` evaluated.
+  const gpu::BufferPtr& evaluated() const { return changes_.words(); }
+  /// Guide::statistics of the frame on which all edges were evaluated last.
+  const gpu::BufferPtr& kept_statistics() const { return kept_statistics_; }
+
+ private:
+  void record_edges(gpu::Commands& commands, const Guide& guide, const Target& target,
+                    const Params& params, const TileList* listed) const;
+  void record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
+                     const Params& params, const TileList* listed) const;
+  void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
+
+  gpu::KernelPtr fold_, change_;
+  TileKernel edges_[2];  // to the right, down
+  TileKernel values_, keep_;
+  TileList changes_;
+  gpu::BufferPtr biases_, kept_, kept_statistics_;
+  Params known_params_;
+  gpu::BufferPtr known_system_;
+  bool known_ = false;
+};
+
+}  // namespace inverse

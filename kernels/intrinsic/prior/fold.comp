@@ -1,0 +1,13 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+
+// Folds the frame's statistics into the biases of the fitted functions, once a frame. One invocation.
+PLANE_IN(0, statistics);
+PLANE_OUT(1, biases);
+#define EDGE_NET_TABLES
+#include "edge_net.glsl"
+
+void main() {
+  if (gl_GlobalInvocationID.x == 0u) fold_biases(FETCH(statistics, 1));
+}

@@ -1,0 +1,31 @@
+#pragma once
+#include <array>
+#include <memory>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+
+namespace inverse {
+
+/// How far two decompositions of a frame are apart: root mean square of the difference of log
+/// shading, natural log units, one common factor removed, over pixels weighted by I / (I + 0.02),
+/// I the mean channel: what is dark shows neither layer (compare.comp).
+class LayerDistance {
+ public:
+  LayerDistance(const std::shared_ptr<gpu::Device>& device, Extent extent);
+  /// Records the comparison of two intrinsic planes (R.rgb, S) of `frame` as number `slot` of
+  /// kFramesInFlight.
+  void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& one,
+              const gpu::BufferPtr& other, uint64_t slot);
+  /// Of a slot whose Commands have been waited for.
+  float value(uint64_t slot) const;
+
+ private:
+  Extent extent_;
+  gpu::KernelPtr compare_, total_;
+  gpu::BufferPtr sums_, sum_;
+  std::array<gpu::BufferPtr, gpu::kFramesInFlight> found_;
+  bool cleared_ = false;  // the sums' unused slots
+};
+
+}  // namespace inverse

@@ -1,0 +1,79 @@
+#pragma once
+#include <memory>
+
+#include "kernels/intrinsic/guide/guide.hpp"
+
+namespace inverse {
+
+/// What a frame leaves to the next one, and how far the next one may believe it (temporal.glsl;
+/// docs/reference/methods/intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing
+/// waits for the host.
+class TemporalAnchor {
+ public:
+  struct Params {
+    /// Weight of the previous frame's reflectance where nothing moves but the light, pixel by
+    /// pixel, 0…1e3; 0 switches it off, and holding it with it.
+    float anchor_weight = 1.2F;
+    /// How many frames after a reset or cut it takes until the weight is that, 1…1e3: a first
+    /// frame's word is worth no more than another's.
+    float anchor_frames = 7.0F;
+    /// Change of chroma that halves it, natural log units, 1e-3…10; it counts less in the dark.
+    float anchor_chroma = 0.5F;
+    /// Change of local log contrast that halves it, 1e-3…10.
+    float anchor_detail = 4.0F;
+    /// Deviation of the change of log intensity inside a cell that halves it, 1e-3…10.
+    float anchor_texture = 2.0F;
+    /// Share of the structure around, 0.01…100, that halves it when it moves: edges of shadows come
+    /// and go, but paint stays in place unless content moves.
+    float anchor_motion = 0.4F;
+    /// Share of the previous frame's reflectance that stays, 0…0.99, where neither content nor
+    /// light changes: what is left to withstand there is the sensor's noise.
+    float hold = 0.8F;
+    /// Change of a cell's log intensity that halves that, 1e-3…10.
+    float hold_light = 0.02F;
+    /// Difference between a pixel's change of log intensity and its cell's that halves that,
+    /// 1e-3…10.
+    float hold_texture = 0.2F;
+    /// Mean mismatch of a frame, 0…1, from which on it is a cut.
+    float cut_fraction = 0.3F;
+    bool operator==(const Params&) const = default;
+  };
+  static constexpr uint64_t kMemoryStride = 2;  ///< vec4 a quad of pixels (temporal.glsl)
+  static constexpr uint64_t kStartStride = 3;   ///< vec4 a quad of cells (temporal.glsl)
+
+  TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Records how far the frame of `guide` matches the one kept; needs `kept` and `memory` of one.
+  /// `continues`: that one was compared with another, too. Where only tiles are `listed`, the
+  /// others are as they were.
+  void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues,
+              const TileList* listed = nullptr);
+  const gpu::BufferPtr& kept() const {
+    return kept_;
+  }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
+  const gpu::BufferPtr& memory() const {
+    return memory_;
+  }  ///< of quads of pixels: m and the brightness of reflectance
+  const gpu::BufferPtr& now() const {
+    return now_;
+  }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
+  /// The frame at work is done: what it left is what the next one finds. Where it worked on
+  /// `listed` tiles alone, records carrying theirs over.
+  void advance(gpu::Commands& commands, const TileList* listed = nullptr);
+  const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
+  const gpu::BufferPtr& tiles() const {
+    return tiles_;
+  }  ///< vec4 a tile of 4 x 4 cells (calm.comp)
+  const gpu::BufferPtr& verdict() const {
+    return verdict_;
+  }  ///< one vec4 (verdict.comp): mean mismatch; 1 anchored or 0 cut; share of structure that moved
+
+ private:
+  Extent extent_, cells_;
+  TileKernel compare_, carry_;
+  gpu::KernelPtr calm_, decide_;
+  gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, verdict_;
+  bool cleared_ = false;
+};
+
+}  // namespace inverse

@@ -1,0 +1,18 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "lime.glsl"
+#include "image/finite.glsl"
+#include "image/srgb.glsl"
+
+// What a guided filter compares at each point to find the mask: the picture's color, of which `guide_of` says how, and the
+// probability of the object.
+PLANE_IN(0, image);  // sRGB; behind one zero, as networks have it
+PLANE_IN(1, probability);
+PLANE_OUT(2, result);
+layout(push_constant) uniform Push { int count; } push;
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i < push.count)
+    STORE(result, i, vec4(guide_of(to_linear(FETCH(image, 1 + i).rgb)), finite(FETCH(probability, 1 + i)).x));
+}

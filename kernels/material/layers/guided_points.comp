@@ -1,0 +1,20 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "lime.glsl"
+#include "image/srgb.glsl"
+
+// What a guided filter compares at each point: the picture's least channel, which a white highlight adds to as to any, and the
+// specular layer, at most that; linear. Of what is beside the object, zeros.
+PLANE_IN(0, masked);
+PLANE_IN(1, codes);
+PLANE_OUT(2, result);  // guide, layer, 0, mask
+layout(push_constant) uniform Push { int count; } push;
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= push.count) return;
+  vec4 here = FETCH(masked, 1 + i);
+  float guide = to_linear(vec3(min(here.r, min(here.g, here.b)))).x;
+  float layer = min(decode(FETCH(codes, 1 + i).x), guide);
+  STORE(result, i, here.w * vec4(guide, layer, 0.0, 1.0));
+}

@@ -1,0 +1,56 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "kernels/environment/environment_fit.hpp"
+#include "kernels/environment/normal_map.hpp"
+#include "kernels/material/estimate/material.hpp"
+#include "kernels/material/object/object_tracker.hpp"
+
+namespace inverse {
+
+/// The light around the object, from what the networks saw and said of it: brings their pictures
+/// and the object's normals together for EnvironmentFit. On the host: a view is 128 x 128 points.
+class ObjectLight {
+ public:
+  struct Params {
+    EnvironmentFit::Params fit;
+    bool inflate = true;  ///< normals from the object's outline where there is no normal map
+  };
+  /// What is known of one frame, at side x side points of a square.
+  struct View {
+    std::span<const float> image;   ///< sRGB, four numbers a point
+    std::span<const float> codes;   ///< of specular layer and mirror image, four numbers a point
+    std::span<const uint8_t> mask;  ///< not 0 where the object is
+    uint32_t side = 0;
+    Square square;
+    Extent frame;
+  };
+
+  /// Takes a frame. `map`, which may be null, has the normals of the whole frame. Nothing where
+  /// there are no normals.
+  void add(const View& view, const NormalMap* map, const Params& params);
+  /// The light that this material and what was taken so far make likely; null where nothing does.
+  std::shared_ptr<const Environment> light(const Material& material, const Params& params) const;
+  void reset() { fit_.reset(); }
+  /// As EnvironmentFit's.
+  void shorten(uint64_t views) { fit_.shorten(views); }
+  uint64_t views() const { return fit_.count(); }
+  /// Whether the object of the last frame had no normals.
+  bool lacks_normals() const { return lacks_normals_; }
+
+ private:
+  const std::vector<Normal>& normals(const View& view, const NormalMap* map);
+
+  EnvironmentFit fit_;
+  // The last normals, and what they are of.
+  std::vector<Normal> normals_;
+  std::vector<uint8_t> mask_;
+  Square square_;
+  const NormalMap* map_ = nullptr;
+  bool lacks_normals_ = false;
+};
+
+}  // namespace inverse

@@ -1,0 +1,139 @@
+#include "lime_networks.hpp"
+
+#include <span>
+#include <utility>
+
+#include "kernels/gpu/shaders.hpp"
+
+INVERSE_SHADER(material_networks_crop);
+INVERSE_SHADER(material_networks_drop_foreign);
+INVERSE_SHADER(material_layers_layers);
+INVERSE_SHADER(material_networks_to_exponent);
+INVERSE_SHADER(material_networks_to_mirror_and_albedo);
+INVERSE_SHADER(material_networks_to_specular);
+
+namespace inverse {
+namespace {
+
+struct Place {
+  Place(Extent extent, const Square& square, uint32_t points)
+      : width(static_cast<int32_t>(extent.width)),
+        height(static_cast<int32_t>(extent.height)),
+        x(square.x),
+        y(square.y),
+        pixels(square.size / static_cast<float>(points)),
+        side(static_cast<int32_t>(points)) {}
+  int32_t width, height;
+  float x, y, pixels;
+  int32_t side;
+};
+
+network::Network make(const std::shared_ptr<gpu::Device>& device, network::Graph& graph,
+                      uint32_t side) {
+  const network::Shape shape{graph.inputs[0].channels, side, side};
+  return {device, std::move(graph), std::span(&shape, 1)};
+}
+
+}  // namespace
+
+LimeNetworks::LimeNetworks(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                           LimeModels models)
+    : extent_(extent),
+      side_(models.side),
+      segmentation_(make(device, models.segmentation, side_)),
+      specular_(make(device, models.specular, side_)),
+      mirror_(make(device, models.mirror, side_)),
+      albedo_(make(device, models.albedo, side_)),
+      exponent_(make(device, models.exponent, side_)),
+      crop_(device->kernel(shaders::material_networks_crop)),
+      drop_foreign_(device->kernel(shaders::material_networks_drop_foreign)),
+      to_specular_(device->kernel(shaders::material_networks_to_specular)),
+      to_mirror_and_albedo_(device->kernel(shaders::material_networks_to_mirror_and_albedo)),
+      to_exponent_(device->kernel(shaders::material_networks_to_exponent)),
+      guided_(device, side_),
+      under_(device, side_),
+      layers_{device->kernel(shaders::material_layers_layers, {0}),
+              device->kernel(shaders::material_layers_layers, {1})},
+      planes_(device, extent) {}
+
+uint64_t LimeNetworks::bytes() const {
+  uint64_t sum = 0;
+  for (const network::Network* net : {&segmentation_, &specular_, &mirror_, &albedo_, &exponent_})
+    sum += net->plan().bytes() + net->weight_bytes();
+  return sum;
+}
+
+void LimeNetworks::record_mask(gpu::Commands& commands, const Plane& frame, const Square& square) {
+  commands.dispatch(crop_, {frame.buffer, picture()}, Place(extent_, square, side_),
+                    {side_ * side_});
+  segmentation_.record(commands);
+  new_mask_ = true;
+  commands.stage("segmentation");
+}
+
+void LimeNetworks::record_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign) {
+  commands.dispatch(drop_foreign_, {probability(), foreign}, static_cast<int32_t>(side_ * side_),
+                    {side_ * side_});
+}
+
+void LimeNetworks::record_material(gpu::Commands& commands) {
+  const auto points = static_cast<int32_t>(side_ * side_);
+  const gpu::Items items{side_ * side_};
+  commands.dispatch(to_specular_, {picture(), probability(), specular_.input(0)}, points, items);
+  specular_.record(commands);
+  commands.stage("specular");
+  commands.dispatch(to_mirror_and_albedo_,
+                    {specular_.input(0), specular_.output(0), mirror_.input(0), albedo_.input(0)},
+                    points, items);
+  mirror_.record(commands);
+  commands.stage("mirror");
+  commands.dispatch(to_exponent_,
+                    {specular_.input(0), mirror_.input(0), mirror_.output(0), codes()}, points,
+                    items);
+  under_.record(commands, specular_.input(0), codes());
+  commands.stage("under-highlights");
+  albedo_.record(commands);
+  commands.stage("albedo");
+  exponent_.record(commands);
+  new_codes_ = true;
+  commands.stage("exponent");
+}
+
+LimeNetworks::Layers LimeNetworks::record_layers(gpu::Commands& commands, const Plane& frame,
+                                                 const Square& square) {
+  if (new_mask_) guided_.record_mask(commands, picture(), probability());
+  if (new_codes_) guided_.record_specular(commands, specular_.input(0), codes());
+  if (new_mask_ || new_codes_) commands.stage("guided-layers");
+  new_mask_ = new_codes_ = false;
+  return draw(commands, frame, square, true);
+}
+
+LimeNetworks::Layers LimeNetworks::record_bare_layers(gpu::Commands& commands, const Plane& frame) {
+  return draw(commands, frame, {}, false);
+}
+
+LimeNetworks::Layers LimeNetworks::draw(gpu::Commands& commands, const Plane& frame,
+                                        const Square& square, bool known) {
+  Layers layers{planes_.acquire(), planes_.acquire()};
+  commands.dispatch(layers_[known],
+                    {frame.buffer, guided_.mask(), codes(), guided_.specular(), under_.diffuse(),
+                     layers.diffuse->buffer, layers.gloss->buffer},
+                    Place(extent_, square, side_), {extent_.width, extent_.height});
+  commands.stage("layers");
+  return layers;
+}
+
+void LimeNetworks::warm_up(gpu::Commands& commands) {
+  const PlanePtr frame = planes_.acquire();
+  commands.fill(frame->buffer);
+  const Square square{0, 0, 1};
+  record_mask(commands, *frame, square);
+  const gpu::BufferPtr foreign = gpu::Buffer::create(probability()->device(), gpu::Element::word,
+                                                     size_t{side_} * side_, gpu::Memory::upload);
+  record_foreign(commands, foreign);
+  record_material(commands);
+  record_layers(commands, *frame, square);
+  record_bare_layers(commands, *frame);
+}
+
+}  // namespace inverse

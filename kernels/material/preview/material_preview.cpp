@@ -1,0 +1,50 @@
+#include "material_preview.hpp"
+
+#include <algorithm>
+
+#include "kernels/gpu/shaders.hpp"
+
+INVERSE_SHADER(material_preview_preview);
+
+namespace inverse {
+namespace {
+
+constexpr uint32_t kRows = 4;      // preview.comp
+constexpr float kMargin = 0.06F;   // to the frame's borders, of the diameter
+constexpr float kSmallest = 2.0F;  // pixels across
+
+}  // namespace
+
+MaterialPreview::MaterialPreview(const std::shared_ptr<gpu::Device>& device)
+    : kernel_(device->kernel(shaders::material_preview_preview)), sphere_(device) {}
+
+void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const Material& material,
+                             const std::shared_ptr<const Environment>& light, float size,
+                             const Plane& picture) {
+  const bool same_light =
+      light_ && (*light_ == light || (*light_ && light && alike(**light_, *light)));
+  if (!same_light) {
+    sphere_.set_light(light ? *light : Environment::studio());
+    light_ = light;
+  }
+  const Surface surface{material.diffuse, material.specular, material.shininess()};
+  if (!surface_ || !alike(*surface_, surface)) surface_ = surface;
+  sphere_.record(commands, *surface_, {});
+  const auto width = static_cast<float>(frame.extent.width);
+  const auto height = static_cast<float>(frame.extent.height);
+  const float diameter = std::max(size * std::min(width, height), kSmallest);
+  const float off = diameter * (0.5F + kMargin * (1 - size));
+  const struct {
+    uint32_t size[2];
+    float middle[2], radius;
+    uint32_t side;
+  } push{{frame.extent.width, frame.extent.height},
+         {width - off, height - off},
+         diameter / 2,
+         sphere_.table().extent.width};
+  commands.dispatch(kernel_, {frame.buffer, sphere_.table().buffer, picture.buffer}, push,
+                    {frame.extent.width, (frame.extent.height - 1) / kRows + 1});
+  commands.stage("preview");
+}
+
+}  // namespace inverse

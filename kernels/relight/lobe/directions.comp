@@ -1,0 +1,23 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "image/srgb.glsl"
+
+// Draws the lobes' directions as normal maps are: code values (1 + u)/2 in sRGB. Black where there is no light to tell.
+PLANE_IN(0, full);
+PLANE_IN(1, lobes);
+PLANE_OUT(2, picture);
+layout(push_constant) uniform Push {
+  uvec2 size;
+  float least;  // F of all channels that is as good as nothing
+} push;
+
+void main() {
+  uvec2 at = gl_GlobalInvocationID.xy;
+  if (at.x >= push.size.x) return;
+  uint i = at.y * push.size.x + at.x;
+  vec4 f = FETCH(full, int(i)), lobe = FETCH(lobes, int(i));
+  vec3 code = 0.5 + 0.5 * lobe.xyz * inversesqrt(max(dot(lobe.xyz, lobe.xyz), 1e-12));
+  bool lit = f.r + f.g + f.b > push.least && dot(lobe.xyz, lobe.xyz) > 1e-12;
+  STORE(picture, i, vec4(lit ? to_linear(code) : vec3(0.0), f.w));
+}

@@ -1,0 +1,52 @@
+#pragma once
+#include <memory>
+#include <span>
+
+#include "kernels/network/network.hpp"
+#include "kernels/relight/lights/measured_light.hpp"
+#include "kernels/relight/lobe/cosine_lobe.hpp"
+#include "relight_models.hpp"
+
+namespace inverse {
+
+/// Relights a subject by a network (thesis 7.4, with its outlook's late fusion of directions): its
+/// features once a frame, then two small layers a light, for frames of one size and any directions.
+class RelightNetwork {
+ public:
+  RelightNetwork(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                 const RelightModels& models);
+
+  /// Finds the features of a frame.
+  void record_features(gpu::Commands& commands, const GradientPair& pair);
+  /// Draws the subject under lights, and under what was measured where that is not dark, linear
+  /// RGB; w as in `full` (CosineLobe::full of the same frame). `share`: what a light of weight 1 is
+  /// of the light that the whole sphere gives with radiance 1 (1/N for N lights all around);
+  /// `noise`: CosineLobe::Params.
+  void record_sum(gpu::Commands& commands, const Plane& full, std::span<const WeightedLight> lights,
+                  double share, const Plane& target, const MeasuredLight& measured = {},
+                  float noise = CosineLobe::Params{}.noise) const;
+  /// As CosineLobe::record_responses.
+  void record_responses(gpu::Commands& commands, const Plane& full,
+                        std::span<const Direction> lights, double share,
+                        const gpu::BufferPtr& samples, const gpu::BufferPtr& responses) const;
+
+  /// Features of the last `record_features`: a value of 64 channels of `padded()`.
+  const gpu::BufferPtr& features() const { return network_.output(0); }
+  Extent padded() const { return padded_; }
+  /// Device memory of weights and images.
+  uint64_t bytes() const {
+    return network_.weight_bytes() + network_.plan().bytes() + difference_->bytes();
+  }
+
+ private:
+  gpu::BufferPtr uploaded(std::span<const WeightedLight> lights, double share) const;
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_, padded_;
+  RelightModels head_;  // its layers for the lights
+  network::Network network_;
+  gpu::KernelPtr encode_, sum_, respond_;
+  gpu::BufferPtr weights_, difference_;
+};
+
+}  // namespace inverse

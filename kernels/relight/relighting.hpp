@@ -1,0 +1,110 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "kernels/relight/lights/light_reduction.hpp"
+#include "kernels/relight/lights/measured_light.hpp"
+#include "kernels/relight/lobe/cosine_lobe.hpp"
+#include "kernels/relight/network/relight_network.hpp"
+
+namespace inverse {
+
+/// A stage as relighting knows it: where its lights are, and what follows from that.
+struct RelightStage {
+  explicit RelightStage(std::vector<Direction> lights)
+      : cells(std::move(lights)),
+        moments(std::make_shared<const LobeMoments>(cells.lights())),
+        share(cells.covered() /
+              (4 * 3.14159265358979 * static_cast<double>(cells.lights().size()))) {}
+  const std::vector<Direction>& lights() const { return cells.lights(); }
+
+  LightCells cells;
+  std::shared_ptr<const LobeMoments> moments;
+  double share;  ///< of the sphere that one light stands for
+};
+
+/// Relights a subject that a light stage lit by two gradients, frame by frame. What depends on the
+/// picture alone is found once and kept while it comes again; of the environment's lights, the
+/// network evaluates those that matter.
+class Relighting {
+ public:
+  enum class Model : uint8_t { cosine_lobe, network };
+  struct Params {
+    Model model = Model::cosine_lobe;
+    float rotation = 0;       ///< of the environment about y, degrees
+    float exposure = 0;       ///< stops
+    float max_error = 0.02F;  ///< of a relit picture with few lights, of its mean
+    bool adaptive = true;     ///< else all lights at every pixel
+    CosineLobe::Params lobe;
+  };
+  struct Stats {
+    uint64_t lights = 0;        ///< of the stage
+    uint64_t lit = 0;           ///< of these, that the environment does not leave dark
+    uint64_t evaluated = 0;     ///< lights that were summed
+    double expected_error = 0;  ///< that comes of leaving out the others
+    double shown = 1;           ///< share of the environment's light that falls where lights are
+    bool fitted = false;        ///< the picture was another than the one before
+  };
+
+  /// `models` may be null: then there is no network.
+  Relighting(const std::shared_ptr<gpu::Device>& device, Extent extent,
+             std::shared_ptr<const RelightStage> stage, const RelightModels* models);
+
+  void set_environment(LightCells::Map map);
+  /// Another scene: what was found of frames before is of no use.
+  void forget();
+
+  /// Takes the frame of this number (counted up by one a frame). `again`: it is the one before.
+  /// `lit`: pictures of lights will be drawn. Throws Error(internal) where the network is wanted
+  /// and there is none.
+  void record_pair(gpu::Commands& commands, const GradientPair& pair, const Params& params,
+                   uint64_t number, bool again, bool lit);
+  /// The subject under the environment.
+  void record_relit(gpu::Commands& commands, const Params& params, const Plane& target);
+  /// The subject under one light from any direction, as bright as a quarter of the stage's lights:
+  /// a white wall that faces it is as bright as under all of them.
+  void record_olat(gpu::Commands& commands, const Params& params, const Direction& light,
+                   const Plane& target);
+  const CosineLobe& lobes() const { return lobe_; }
+
+  /// Grows whenever a picture of the same kind, with the same parameters, would be another.
+  uint64_t version() const { return version_; }
+  const Stats& stats() const { return stats_; }
+  uint64_t network_bytes() const { return network_ ? network_->bytes() : 0; }
+
+  static constexpr uint64_t kEvery = 8;       ///< frames from one look at what matters to the next
+  static constexpr uint64_t kRetry = 64;      ///< where few lights were not enough
+  static constexpr uint32_t kSamples = 1600;  ///< pixels that are looked at
+
+ private:
+  void take_responses(const Params& params, uint64_t number);
+  void choose(const Params& params);
+  RelightNetwork& network() const;
+
+  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<const RelightStage> stage_;
+  CosineLobe lobe_;
+  std::unique_ptr<RelightNetwork> network_;
+  LightCells::Map map_;
+
+  std::optional<Params> weighed_;  // parameters that weights_ are of
+  std::vector<Rgb> weights_;
+  SplitLight split_;  // these, for the network
+  std::optional<LightReduction::Choice> choice_;
+  std::optional<Params> chosen_;  // parameters that choice_ is of
+  uint64_t retry_ = 0;            // the frame before which all lights stay all
+  bool table_is_old_ = true;
+  float table_exposure_ = 0;
+
+  std::optional<CosineLobe::Params> fitted_;  // of the frame that lobe_ holds
+  bool has_features_ = false;
+  gpu::BufferPtr samples_, responses_;
+  std::optional<uint64_t> asked_;   // the frame whose responses are on their way
+  std::optional<uint64_t> looked_;  // the frame that was looked at last
+  LightReduction reduction_;
+  uint64_t version_ = 0;
+  Stats stats_;
+};
+
+}  // namespace inverse

@@ -1,0 +1,461 @@
+#include "thesis_decomposition.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/thesis/shared/sample_frames.hpp"
+#include "push.hpp"
+
+INVERSE_SHADER(thesis_chapter3_sanitize);
+INVERSE_SHADER(thesis_chapter3_downsample);
+INVERSE_SHADER(thesis_chapter3_setup);
+INVERSE_SHADER(thesis_chapter3_start);
+INVERSE_SHADER(thesis_chapter3_prolong);
+INVERSE_SHADER(thesis_chapter3_pack);
+INVERSE_SHADER(thesis_chapter3_sample);
+INVERSE_SHADER(thesis_chapter3_sample_past);
+INVERSE_SHADER(thesis_chapter3_reweight);
+INVERSE_SHADER(thesis_chapter3_direction);
+INVERSE_SHADER(thesis_chapter3_update);
+INVERSE_SHADER(thesis_chapter3_scalars);
+INVERSE_SHADER(thesis_chapter3_schwarz);
+INVERSE_SHADER(thesis_chapter3_energy);
+INVERSE_SHADER(thesis_chapter3_energy_pulls);
+INVERSE_SHADER(thesis_chapter3_total);
+INVERSE_SHADER(thesis_chapter3_layers);
+
+namespace inverse {
+namespace {
+
+constexpr int kBlock = 16;            // Schwarz
+constexpr uint32_t kBlockGroup = 64;  // invocations that solve one block
+constexpr uint32_t kStrip = 8;        // pixels an invocation of the strip kernels
+constexpr uint32_t kOneGroup = 128;   // invocations of the kernels that run as one workgroup
+constexpr uint64_t kScalars = 6;      // as in scalars.comp
+constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
+// Layout of a readback buffer, in vec4: gauge, scalars, palette, trace.
+constexpr uint64_t kScalarsAt = 1, kColorsAt = 3, kTraceAt = kColorsAt + kColors;
+
+/// The radical inverse of n in `base`, times the block size, rounded down.
+int halton(int n, int base) {
+  int digits = 0, denominator = 1;
+  for (; n > 0; n /= base) {
+    digits = digits * base + n % base;
+    denominator *= base;
+  }
+  return kBlock * digits / denominator;
+}
+
+gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
+gpu::Items strips_of(Extent extent) { return {extent.width, (extent.height - 1) / kStrip + 1}; }
+
+}  // namespace
+
+int thesis_levels(Extent extent, int requested) {
+  int possible = 1;
+  for (uint32_t side = std::max(extent.width, extent.height); side > 1; side = (side + 1) / 2) {
+    ++possible;
+  }
+  int wanted = requested;
+  if (requested <= 0) {
+    wanted = 3;
+    for (uint32_t side = std::min(extent.width, extent.height) / 4; side >= 48 && wanted < 5;
+         side /= 2) {
+      ++wanted;
+    }
+  }
+  return std::min(wanted, possible);
+}
+
+ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : device_(device),
+      extent_(extent),
+      palette_(device),
+      pool_(device, extent),
+      sanitize_(device->kernel(shaders::thesis_chapter3_sanitize)),
+      downsample_(device->kernel(shaders::thesis_chapter3_downsample)),
+      setup_(device->kernel(shaders::thesis_chapter3_setup)),
+      start_(device->kernel(shaders::thesis_chapter3_start)),
+      prolong_(device->kernel(shaders::thesis_chapter3_prolong)),
+      pack_(device->kernel(shaders::thesis_chapter3_pack)),
+      reweight_(device->kernel(shaders::thesis_chapter3_reweight)),
+      direction_(device->kernel(shaders::thesis_chapter3_direction)),
+      update_(device->kernel(shaders::thesis_chapter3_update)),
+      scalars_kernel_(device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup)),
+      schwarz_(device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup)),
+      energy_(device->kernel(shaders::thesis_chapter3_energy)),
+      total_(device->kernel(shaders::thesis_chapter3_total, {}, kOneGroup)),
+      layers_(device->kernel(shaders::thesis_chapter3_layers)) {
+  const auto plane = [&] {
+    return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
+  };
+  for (auto* buffer : {&links_, &pulls_, &constant_pulls_, &edges_, &nodes_, &preconditioned_,
+                       &products_, &clusters_, &directions_[0], &directions_[1]}) {
+    *buffer = plane();
+  }
+  partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
+                                  gpu::partial_count(*direction_, strips_of(extent)));
+  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  set_params({});
+}
+
+void ThesisDecomposition::set_params(const Params& params) {
+  Params p = params;
+  for (float* weight : {&p.w_data, &p.w_reflectance, &p.w_shading, &p.w_chromaticity,
+                        &p.w_non_local, &p.w_clustering}) {
+    *weight = std::clamp(*weight, 0.0f, 1e6f);
+  }
+  for (float* share : {&p.w_intensity, &p.w_cs}) *share = std::clamp(*share, 0.0f, 1.0f);
+  for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
+  p.p = std::clamp(p.p, 0.0f, 2.0f);
+  p.alpha_cs = std::clamp(p.alpha_cs, 0.0f, 1e4f);
+  p.alpha_clustering = std::clamp(p.alpha_clustering, 0.0f, 1e3f);
+  p.tau_cc = std::clamp(p.tau_cc, 0.0f, 3.0f);
+  p.epsilon = std::clamp(p.epsilon, 1e-6f, 1.0f);
+  p.settled = std::clamp(p.settled, 0.0f, 1.0f);
+  p.levels = std::clamp(p.levels, 0, 12);
+  p.irls_iterations = std::clamp(p.irls_iterations, 1, 64);
+  p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
+  p.samples = std::clamp(p.samples, 0, 64);
+  p.keyframes = std::clamp(p.keyframes, 0, 5);
+  p.keyframe_spacing = std::clamp(p.keyframe_spacing, 1, 1000);
+  const bool rebuild = levels_.empty() || p.keyframes != params_.keyframes ||
+                       thesis_levels(extent_, p.levels) != levels();
+  params_ = p;
+  Palette::Params palette = palette_.params();
+  palette.tau_cc = p.tau_cc;
+  palette.chroma_floor = p.chroma_floor;
+  palette.seed = p.seed;
+  palette_.set_params(palette);
+  if (rebuild) build_levels();
+  build_readback();
+}
+
+void ThesisDecomposition::build_levels() {
+  levels_.clear();
+  reset();
+  Extent extent = extent_;
+  for (int n = thesis_levels(extent_, params_.levels); n > 0; --n, extent = half_of(extent)) {
+    Level level;
+    level.extent = extent;
+    const auto plane = [&](uint64_t planes) {
+      return gpu::Buffer::create(device_, gpu::Element::vec4, planes * extent.pixels());
+    };
+    level.image = plane(1);
+    level.solution = plane(1);
+    const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
+    level.slots = sample_slots_per_buffer(*device_, slots, extent.pixels());
+    const auto per_buffer = std::min<uint64_t>(static_cast<uint64_t>(level.slots), slots);
+    for (uint64_t first = 0; first < slots; first += per_buffer) {
+      level.frames.push_back(plane(per_buffer));
+    }
+    const std::vector<uint32_t> constants = {static_cast<uint32_t>(level.slots)};
+    level.sample = device_->kernel(shaders::thesis_chapter3_sample, constants);
+    level.sample_past = device_->kernel(shaders::thesis_chapter3_sample_past, constants);
+    level.energy_pulls = device_->kernel(shaders::thesis_chapter3_energy_pulls, constants);
+    levels_.push_back(std::move(level));
+  }
+}
+
+void ThesisDecomposition::build_readback() {
+  uint64_t entries = 1;
+  if (params_.trace) {
+    entries = levels_.size() * (static_cast<uint64_t>(params_.irls_iterations) + 1);
+  }
+  if ((params_.energy || params_.trace) && !energy_partials_) {
+    for (auto* buffer : {&energy_partials_, &energy_pull_partials_}) {
+      *buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
+                                    gpu::partial_count(*energy_, pixels_of(extent_)));
+    }
+    cleared_ = false;
+  }
+  if (trace_ && trace_->count() >= entries) return;
+  trace_ = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
+  for (Readback& readback : readback_) {
+    readback.buffer =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kTraceAt + entries, gpu::Memory::readback);
+    readback.stats = {};
+  }
+}
+
+void ThesisDecomposition::reset() {
+  palette_.reset();
+  since_reset_ = 0;
+  stored_keyframes_ = 0;
+}
+
+ThesisPush ThesisDecomposition::push_for(size_t level) const {
+  const Params& p = params_;
+  ThesisPush push{};
+  push.size[0] = static_cast<int32_t>(levels_[level].extent.width);
+  push.size[1] = static_cast<int32_t>(levels_[level].extent.height);
+  push.samples = p.w_non_local > 0 ? p.samples : 0;
+  push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
+  push.ring_capacity = std::max(p.keyframes, 1);
+  push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
+  push.stream = static_cast<uint32_t>(level);
+  push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
+  push.w_data = p.w_data;
+  push.w_intensity = p.w_intensity;
+  push.w_reflectance = p.w_reflectance;
+  push.w_shading = p.w_shading;
+  push.w_chromaticity = p.w_chromaticity;
+  push.w_non_local = p.w_non_local;
+  push.w_clustering = p.w_clustering;
+  push.w_cs = p.w_cs;
+  push.alpha_cs = p.alpha_cs;
+  push.alpha_clustering = p.alpha_clustering;
+  const float threshold = p.tau_cc * 1365.0f;
+  push.sample_threshold = threshold * threshold;
+  push.log_floor = p.log_floor;
+  push.chroma_floor = p.chroma_floor;
+  push.p = p.p;
+  push.epsilon2 = p.epsilon * p.epsilon;
+  push.settled = p.settled;
+  push.irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f;
+  return push;
+}
+
+std::vector<gpu::BufferPtr> ThesisDecomposition::frame_buffers(size_t level) const {
+  std::vector<gpu::BufferPtr> buffers = levels_[level].frames;
+  buffers.resize(6, buffers.front());
+  return buffers;
+}
+
+void ThesisDecomposition::pack(gpu::Commands& commands, size_t level, int slot) {
+  const Level& at = levels_[level];
+  ThesisPush push = push_for(level);
+  push.slot = slot % at.slots;
+  commands.dispatch(pack_, {at.image, at.solution, at.frames[static_cast<size_t>(slot / at.slots)]},
+                    push, pixels_of(at.extent));
+}
+
+Plane ThesisDecomposition::sample_frame(int level) const {
+  const Level& at = levels_.at(static_cast<size_t>(level));
+  return {at.extent, at.frames.front()};
+}
+
+void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step,
+                                   bool clustered) {
+  const Level& at = levels_[level];
+  ThesisPush push = push_for(level);
+  push.mode = clustered ? 1 : 0;
+  commands.dispatch(energy_, {at.image, at.solution, links_, energy_partials_}, push,
+                    pixels_of(at.extent));
+  std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
+  buffers.insert(buffers.end(), {at.image, clusters_, at.solution, energy_pull_partials_});
+  commands.dispatch(at.energy_pulls, buffers, std::as_bytes(std::span(&push, 1)),
+                    pixels_of(at.extent));
+  push.count = static_cast<int32_t>(gpu::partial_count(*energy_, pixels_of(at.extent)));
+  push.slot = static_cast<int32_t>(current_->energy.size());
+  commands.dispatch(total_, {energy_partials_, energy_pull_partials_, trace_}, push, {kOneGroup});
+  current_->energy.push_back({static_cast<int>(level), step, 0, 0, 0, 0});
+}
+
+void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, int step) {
+  const Level& at = levels_[level];
+  ThesisPush push = push_for(level);
+  const gpu::Items strips = strips_of(at.extent);
+  push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
+  const auto reduce = [&](int mode) {
+    push.mode = mode;
+    commands.dispatch(scalars_kernel_, {partials_, scalars_}, push, {kOneGroup});
+  };
+  push.slot = step;
+  reduce(0);
+  const auto iterate = [&](int k) {
+    const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
+    const auto& direction = directions_[static_cast<size_t>(k) % 2];
+    commands.dispatch(
+        direction_,
+        {preconditioned_, previous, edges_, nodes_, scalars_, direction, products_, partials_},
+        push, strips);
+    reduce(1);
+    commands.dispatch(update_,
+                      {at.solution, preconditioned_, direction, products_, nodes_, scalars_,
+                       at.solution, preconditioned_, partials_},
+                      push, strips);
+    reduce(2);
+  };
+  constexpr uint64_t kGoesOn = 4 * sizeof(float);  // into `scalars_`
+  for (int k = 0; k < params_.pcg_iterations; ++k) {
+    if (params_.settled > 0)
+      commands.when(scalars_, kGoesOn, [&] { iterate(k); });
+    else
+      iterate(k);
+  }
+}
+
+void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int step) {
+  Level& at = levels_[level];
+  if (!at.spare) {
+    at.spare = gpu::Buffer::create(device_, gpu::Element::vec4, at.extent.pixels());
+  }
+  ThesisPush push = push_for(level);
+  push.count = params_.pcg_iterations;
+  push.shift[0] = halton(step, 2);
+  push.shift[1] = halton(step, 3);
+  const auto blocks = [](int32_t size, int32_t shift) {
+    return static_cast<uint32_t>((size + shift - 1) / kBlock + 1);
+  };
+  commands.dispatch(
+      schwarz_, {at.solution, preconditioned_, edges_, nodes_, at.spare}, push,
+      {blocks(push.size[0], push.shift[0]) * kBlockGroup, blocks(push.size[1], push.shift[1])});
+  std::swap(at.solution, at.spare);
+}
+
+void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clustered) {
+  ThesisPush push = push_for(level);
+  const gpu::Items pixels = pixels_of(levels_[level].extent);
+  const auto pull = [&](const gpu::KernelPtr& kernel, const gpu::BufferPtr& in,
+                        const gpu::BufferPtr& out) {
+    std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
+    buffers.insert(buffers.end(), {levels_[level].image, in, out});
+    commands.dispatch(kernel, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  };
+  commands.dispatch(setup_, {levels_[level].image, links_}, push, pixels);
+  push.mode = clustered ? 1 : 0;
+  if (push.frames == 1) push.samples = 0;  // nothing but clusters
+  const bool pulls = clustered || push_for(level).samples > 0;
+  if (pulls)
+    pull(levels_[level].sample_past, clusters_, constant_pulls_);
+  else  // of this frame's levels all come to nothing
+    commands.fill(pulls_);
+  push.samples = push_for(level).samples;
+  for (int step = 0; step <= params_.irls_iterations; ++step) {
+    const bool last = step == params_.irls_iterations;
+    const bool evaluated = params_.trace || (last && level == 0 && params_.energy);
+    if (last && !evaluated) break;
+    if (pulls || evaluated) pack(commands, level, 0);
+    if (evaluated) evaluate(commands, level, step - 1, clustered);
+    if (last) break;
+    if (pulls) pull(levels_[level].sample, constant_pulls_, pulls_);
+    commands.dispatch(reweight_,
+                      {levels_[level].solution, links_, pulls_, levels_[level].image, edges_,
+                       nodes_, preconditioned_, partials_},
+                      push, strips_of(levels_[level].extent));
+    if (params_.solver == Params::Solver::pcg) {
+      conjugate_gradients(commands, level, step);
+    } else {
+      schwarz(commands, level, step);
+    }
+  }
+}
+
+uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
+  static_assert(sizeof(ThesisPush) <= gpu::Kernel::kPushBytes);
+  if (frame.extent != extent_) {
+    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
+  }
+  if (!cleared_) {
+    // Sums leave some slots untouched, and the first direction is multiplied by zero.
+    for (const auto& buffer : {partials_, energy_partials_, energy_pull_partials_}) {
+      if (buffer) commands.fill(buffer);
+    }
+    cleared_ = true;
+  }
+  commands.fill(scalars_);  // counts the frame's iterations
+  const uint64_t number = recorded_++;
+  Readback& readback = readback_[number % readback_.size()];
+  readback.stats = {};
+  current_ = &readback.stats;
+  current_->levels = levels();
+  current_->irls_iterations = params_.irls_iterations;
+  current_->pcg_iterations = params_.pcg_iterations;
+  current_->keyframes = std::min(stored_keyframes_, params_.keyframes);
+  const bool samples = params_.w_non_local > 0 && params_.samples > 0;
+  current_->clustered = levels() > 1 && params_.w_clustering > 0;
+  if (!samples) {
+    current_->keyframes = 0;
+    current_->skipped.emplace_back("samples: none, or their weight is 0");
+  } else if (current_->keyframes == 0) {
+    current_->skipped.emplace_back("keyframes: none so far, or none wanted");
+  }
+  if (params_.w_clustering <= 0) current_->skipped.emplace_back("clusters: their weight is 0");
+
+  commands.dispatch(sanitize_, {frame.buffer, levels_[0].image}, push_for(0), pixels_of(extent_));
+  for (size_t n = 1; n < levels_.size(); ++n) {
+    ThesisPush push = push_for(n);
+    push.other_size[0] = static_cast<int32_t>(levels_[n - 1].extent.width);
+    push.other_size[1] = static_cast<int32_t>(levels_[n - 1].extent.height);
+    commands.dispatch(downsample_, {levels_[n - 1].image, levels_[n].image}, push,
+                      pixels_of(levels_[n].extent));
+  }
+  commands.stage("pyramid");
+
+  for (size_t n = levels_.size(); n-- > 0;) {
+    const Level& at = levels_[n];
+    ThesisPush push = push_for(n);
+    if (n + 1 == levels_.size()) {
+      commands.dispatch(start_, {at.image, at.solution}, push, pixels_of(at.extent));
+    } else {
+      const Level& coarse = levels_[n + 1];
+      push.other_size[0] = static_cast<int32_t>(coarse.extent.width);
+      push.other_size[1] = static_cast<int32_t>(coarse.extent.height);
+      commands.dispatch(prolong_, {coarse.solution, at.solution}, push, pixels_of(at.extent));
+    }
+    const bool clustered = n == 0 && current_->clustered;
+    if (clustered) {
+      palette_.record_update(commands, {levels_[1].extent, levels_[1].solution});
+      palette_.record_assign(commands, {extent_, at.solution}, {extent_, clusters_});
+      commands.stage("clusters");
+    }
+    solve(commands, n, clustered);
+    commands.stage(n == 0 ? "finest level" : "coarser level");
+  }
+  if (!current_->clustered) palette_.record_update(commands, {extent_, levels_[0].solution});
+
+  if (samples && params_.keyframes > 0 &&
+      since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
+    for (size_t n = 0; n < levels_.size(); ++n) {
+      pack(commands, n, 1 + stored_keyframes_ % params_.keyframes);
+    }
+    ++stored_keyframes_;
+  }
+  ++since_reset_;
+
+  const PlanePtr plane = pool_.acquire();
+  commands.dispatch(layers_, {levels_[0].solution, palette_.gauge(), plane->buffer}, push_for(0),
+                    pixels_of(extent_));
+  layers.extent = extent_;
+  layers[Role::intrinsic] = plane;
+  layers[Role::model] = plane;
+  solution_ = {extent_, levels_[0].solution};
+  commands.stage("layers");
+
+  commands.copy(palette_.gauge(), readback.buffer, sizeof(float));
+  commands.copy(scalars_, readback.buffer, kScalars * sizeof(float), 0, 16 * kScalarsAt);
+  commands.copy(palette_.colors(), readback.buffer, 16 * kColors, 0, 16 * kColorsAt);
+  if (!current_->energy.empty()) {
+    commands.copy(trace_, readback.buffer, 16 * current_->energy.size(), 0, 16 * kTraceAt);
+  }
+  return number;
+}
+
+ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
+  if (recorded_ == 0) return {};
+  if (frame >= recorded_ || frame + readback_.size() < recorded_) {
+    throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
+  }
+  const Readback& readback = readback_[frame % readback_.size()];
+  const auto* values = readback.buffer->map_as<float>();
+  Stats stats = readback.stats;
+  stats.gauge = values[0];
+  if (params_.solver == Params::Solver::pcg)
+    stats.iterations = static_cast<int>(values[4 * kScalarsAt + 5]);
+  stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;
+  stats.clusters = Palette::read(values + 4 * kColorsAt, palette_.params().clusters);
+  for (size_t k = 0; k < stats.clusters.size(); ++k) {
+    if (stats.clusters[k].index == static_cast<int>(k)) ++stats.cluster_count;
+  }
+  for (size_t n = 0; n < stats.energy.size(); ++n) {
+    std::memcpy(&stats.energy[n].data_and_chromaticity, values + 4 * (kTraceAt + n),
+                4 * sizeof(float));
+  }
+  return stats;
+}
+
+}  // namespace inverse

@@ -1,0 +1,128 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/palette/palette.hpp"
+#include "thesis_params.hpp"
+
+namespace inverse {
+
+struct ThesisPush;
+
+/// The intrinsic video decomposition of the thesis, chapter 3, for frames of one size. The energy
+/// and the systems are in energy.glsl. Keeps keyframes and the palette from frame to frame.
+class ThesisDecomposition {
+ public:
+  using Params = ThesisParams;
+
+  /// Energy by group of terms, summed over the pixels of a level.
+  struct Energy {
+    int level;  ///< 0 is the finest
+    int step;   ///< IRLS step after which it was taken; −1 is the start
+    float data_and_chromaticity, sparsity, smoothness, samples_and_clusters;
+    double total() const {
+      return static_cast<double>(data_and_chromaticity) + sparsity + smoothness +
+             samples_and_clusters;
+    }
+  };
+
+  struct Stats {
+    int levels = 0;
+    int irls_iterations = 0;  ///< a level
+    int pcg_iterations = 0;   ///< a reweighting
+    int keyframes = 0;        ///< that samples were drawn from
+    /// False: a single level, with nothing to cluster beforehand, or a weight of 0.
+    bool clustered = false;
+    std::vector<std::string> skipped;  ///< what was left out, and why
+    float gauge = 0;                   ///< ln of the factor from the solver's R to the layer's
+    int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
+    float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
+    std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
+    std::vector<Palette::Cluster> clusters;
+    int cluster_count = 0;  ///< of them that have pixels and are not merged into another
+  };
+
+  /// Throws Error(limit, out_of_memory).
+  ThesisDecomposition(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Takes effect with the next frame. A change of levels or keyframes forgets the past.
+  void set_params(const Params& params);
+  const Params& params() const { return params_; }
+  int levels() const { return static_cast<int>(levels_.size()); }
+
+  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
+  /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. R is scaled so that
+  /// its 99.5 % quantile is near 0.95, averaged over time. Returns the frame's number for `stats`.
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
+
+  /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
+  void reset();
+
+  /// Of one of the last three frames, once its Commands have been waited for; empty before the
+  /// first frame. Throws Error(internal) for older ones.
+  Stats stats(uint64_t frame) const;
+
+  /// (r, s) of the finest level in the solver's gauge: valid until the next record.
+  const Plane& solution() const { return solution_; }
+  /// (r_cluster, index) that the last frame's finest level was pulled to, where stats say
+  /// clustered.
+  Plane clusters() const { return {extent_, clusters_}; }
+  /// (r, packed chromaticity) of a level, as the current frame's samples saw it.
+  Plane sample_frame(int level) const;
+  const Palette& palette() const { return palette_; }
+
+ private:
+  struct Level {
+    Extent extent;
+    gpu::BufferPtr image, solution, spare;
+    std::vector<gpu::BufferPtr> frames;  ///< sample frames, `slots` to a buffer
+    int slots = 0;
+    gpu::KernelPtr sample, sample_past, energy_pulls;
+  };
+  struct Readback {
+    gpu::BufferPtr buffer;
+    Stats stats;
+  };
+
+  void build_levels();
+  void build_readback();
+  ThesisPush push_for(size_t level) const;
+  void pack(gpu::Commands& commands, size_t level, int slot);
+  void solve(gpu::Commands& commands, size_t level, bool clustered);
+  void conjugate_gradients(gpu::Commands& commands, size_t level, int step);
+  void schwarz(gpu::Commands& commands, size_t level, int step);
+  void evaluate(gpu::Commands& commands, size_t level, int step, bool clustered);
+  std::vector<gpu::BufferPtr> frame_buffers(size_t level) const;
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  Params params_;
+  Palette palette_;
+  PlanePool pool_;
+  gpu::KernelPtr sanitize_, downsample_, setup_, start_, prolong_, pack_, reweight_, direction_,
+      update_, scalars_kernel_, schwarz_, energy_, total_, layers_;
+  // Shared by all levels, of the finest level's size.
+  gpu::BufferPtr links_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
+      clusters_;
+  std::array<gpu::BufferPtr, 2> directions_;
+  gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
+  std::vector<Level> levels_;
+  Plane solution_;
+  std::array<Readback, gpu::kFramesInFlight> readback_;
+  Stats* current_ = nullptr;  // of the frame being recorded
+  bool cleared_ = false;
+  uint64_t recorded_ = 0;     // frames since construction
+  uint32_t since_reset_ = 0;  // frames since the last reset
+  int stored_keyframes_ = 0;  // since the last reset
+};
+
+/// Pyramid levels for a size: `requested`, or three to five by resolution when it is 0, at most as
+/// many as lead to 1×1.
+int thesis_levels(Extent extent, int requested);
+
+}  // namespace inverse

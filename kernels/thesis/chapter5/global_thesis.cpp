@@ -1,0 +1,416 @@
+#include "global_thesis.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "global_thesis_push.hpp"
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/thesis/chapter5/colors/refinement.hpp"
+#include "kernels/thesis/shared/sample_frames.hpp"
+
+namespace inverse {
+using namespace global_thesis;
+namespace {
+
+// What the palette forgets a frame of a color that is gone: it retires within two seconds.
+constexpr float kFade = 0.3f;
+constexpr uint64_t kScalars = 3;  // as in scalars.comp
+constexpr uint64_t kSearch = 4;   // as in search.comp
+
+}  // namespace
+
+GlobalThesis::GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent)
+    : device_(device),
+      extent_(extent),
+      palette_(device),
+      pool_(device, extent),
+      bases_pool_(device, {kMaxBases, 1}) {
+  const auto planes = [&](uint64_t count) {
+    return gpu::Buffer::create(device, gpu::Element::vec4, count * extent.pixels());
+  };
+  for (auto* buffer : {&image_, &chroma_, &targets_, &features_, &pulls_, &constant_pulls_})
+    *buffer = planes(1);
+  for (auto* buffer : {&nodes_, &forces_}) *buffer = planes(2);  // also what four layers need
+  most_layers_ = most_layers(*device, extent);
+  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
+  search_ = gpu::Buffer::create(device, gpu::Element::scalar, kSearch);
+  shorten_ = gpu::Buffer::create(device, gpu::Element::word, 1);
+  colors_readback_.buffer =
+      gpu::Buffer::create(device, gpu::Element::vec4, kColors, gpu::Memory::readback);
+  set_params({});
+}
+
+int GlobalThesis::most_layers(const gpu::Device& device, Extent extent) {
+  const uint64_t plane = 16 * extent.pixels();
+  const uint64_t texels = device.variant().portable ? std::numeric_limits<uint64_t>::max() / 16
+                                                    : device.limits().texel_elements;
+  const uint64_t bytes = std::min(device.limits().storage_buffer_bytes, 16 * texels);
+  const uint64_t planes = std::min<uint64_t>(bytes / plane, 1 + kIndirectPlanes);
+  return 4 * (static_cast<int>(planes) - 1);
+}
+
+void GlobalThesis::set_params(const Params& params) {
+  Params p = params;
+  for (float* weight : {&p.lambda_data, &p.lambda_clustering, &p.lambda_r_sparsity,
+                        &p.lambda_r_consistency, &p.lambda_monochrome, &p.lambda_i_sparsity,
+                        &p.lambda_smoothness, &p.lambda_non_negativity}) {
+    *weight = std::clamp(*weight, 0.0f, 1e6f);
+  }
+  p.lambda_ir = std::clamp(p.lambda_ir, 1e-3f, 1e9f);
+  p.lambda_cr = std::clamp(p.lambda_cr, 0.0f, 1e9f);
+  for (float* share : {&p.w_intensity, &p.indirect_start, &p.refine_settled, &p.cut_fraction})
+    *share = std::clamp(*share, 0.0f, 1.0f);
+  for (float* floor : {&p.log_floor, &p.chroma_floor}) *floor = std::clamp(*floor, 1e-6f, 0.5f);
+  for (float* floor : {&p.epsilon, &p.epsilon_r}) *floor = std::clamp(*floor, 1e-4f, 1.0f);
+  for (float* distance : {&p.tau_cc, &p.tau_merge, &p.tau_neutral})
+    *distance = std::clamp(*distance, 0.0f, 3.0f);
+  p.p = std::clamp(p.p, 0.0f, 2.0f);
+  p.alpha_sr = std::clamp(p.alpha_sr, 0.0f, 1e4f);
+  p.clusters = std::clamp(p.clusters, 1, most_layers_);
+  p.steps = std::clamp(p.steps, 1, 64);
+  p.pcg_iterations = std::clamp(p.pcg_iterations, 1, 256);
+  p.samples = std::clamp(p.samples, 0, 64);
+  p.keyframes = std::clamp(p.keyframes, 0, 5);
+  p.keyframe_spacing = std::clamp(p.keyframe_spacing, 1, 1000);
+  p.refine_rounds = std::clamp(p.refine_rounds, 0, 100);
+  const bool rebuild = frames_.empty() || p.keyframes != params_.keyframes;
+  if ((p.p == 1) != (params_.p == 1)) kernels_ = {};
+  params_ = p;
+
+  Palette::Params palette = palette_.params();
+  palette.clusters = p.clusters;
+  palette.tau_cc = p.tau_merge;
+  palette.fade = kFade;
+  palette.apart = p.tau_merge;
+  palette.chroma_floor = p.chroma_floor;
+  palette.seed = p.seed;
+  palette_.set_params(palette);
+  if (rebuild) {
+    const auto slots = static_cast<uint64_t>(p.keyframes) + 1;
+    hold_frames(sample_slots_per_buffer(*device_, slots, extent_.pixels()));
+  }
+  const uint64_t entries = 2 * (p.trace ? static_cast<uint64_t>(p.steps) + 1 : 1);
+  if (trace_ && trace_->count() >= entries) return;
+  trace_ = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
+  for (Readback& readback : readback_) {
+    readback = {};
+    readback.buffer =
+        gpu::Buffer::create(device_, gpu::Element::vec4, kTraceAt + entries, gpu::Memory::readback);
+    readback.table = gpu::Buffer::create(device_, gpu::Element::vec4, BaseColors::kTableEntries,
+                                         gpu::Memory::upload);
+  }
+}
+
+/// Sample frames, so many to a buffer; those before are forgotten.
+void GlobalThesis::hold_frames(int slots_per_buffer) {
+  const auto slots = static_cast<uint64_t>(params_.keyframes) + 1;
+  const auto per_buffer = std::min(static_cast<uint64_t>(slots_per_buffer), slots);
+  if (slots_ != slots_per_buffer) kernels_ = {};
+  slots_ = slots_per_buffer;
+  frames_.clear();
+  for (uint64_t first = 0; first < slots; first += per_buffer) {
+    frames_.push_back(
+        gpu::Buffer::create(device_, gpu::Element::vec4, per_buffer * extent_.pixels()));
+  }
+  stored_keyframes_ = 0;
+  since_reset_ = 0;
+}
+
+/// All but the base colors.
+void GlobalThesis::forget_frames() {
+  palette_.reset();
+  since_reset_ = 0;
+  stored_keyframes_ = 0;
+  rounds_ = 0;
+  system_pending_ = false;
+  has_state_ = false;
+  looked_ = false;
+  ++epoch_;
+}
+
+void GlobalThesis::reset() {
+  forget_frames();
+  colors_.reset();
+  scene_since_ = 0;
+}
+
+void GlobalThesis::cut() {
+  forget_frames();
+  if (colors_.given()) return;
+  colors_.loosen();
+  scene_since_ = UINT64_MAX;
+}
+
+void GlobalThesis::set_base_colors(std::span<const Rgb> colors) {
+  if (colors.size() > static_cast<size_t>(most_layers_))
+    throw Error(ErrorKind::limit, "the device can bind the layers of " +
+                                      std::to_string(most_layers_) + " base colors at " +
+                                      std::to_string(extent_.width) + "x" +
+                                      std::to_string(extent_.height) + ", and " +
+                                      std::to_string(colors.size()) + " were given");
+  colors_.set(colors);
+  rounds_ = 0;
+}
+
+void GlobalThesis::set_base_colors(const BaseColors& colors) {
+  colors_ = colors;
+  colors_.hold();
+  has_state_ = false;
+}
+
+/// Fields for so many planes of indirect layers.
+void GlobalThesis::hold_fields(int groups) {
+  if (groups <= held_groups_) return;
+  const uint64_t entries = (static_cast<uint64_t>(groups) + 1) * extent_.pixels();
+  for (auto* buffer :
+       {&states_[0], &states_[1], &directions_, &preconditioned_, &products_, &diagonals_}) {
+    *buffer = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
+  }
+  const Kernels& at = kernels(groups);
+  const auto planes = static_cast<uint32_t>(groups) + 1;
+  // The tallest dispatch of those that sum up.
+  partials_ = gpu::Buffer::create(
+      device_, gpu::Element::vec4,
+      gpu::partial_count(*at.reweight, {extent_.width, extent_.height + planes}));
+  held_groups_ = groups;
+  has_state_ = false;
+}
+
+GlobalThesis::Push GlobalThesis::push_for() const {
+  const Params& p = params_;
+  Push push{};
+  push.size[0] = static_cast<int32_t>(extent_.width);
+  push.size[1] = static_cast<int32_t>(extent_.height);
+  push.samples = p.lambda_r_consistency > 0 ? p.samples : 0;
+  push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
+  push.ring_capacity = std::max(p.keyframes, 1);
+  push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
+  push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
+  push.centers = colors_.slots();
+  push.layers = colors_.layers();
+  push.lambda_data = p.lambda_data;
+  push.lambda_clustering = p.lambda_clustering;
+  push.lambda_r_sparsity = p.lambda_r_sparsity;
+  push.lambda_r_consistency = p.lambda_r_consistency;
+  push.lambda_monochrome = p.lambda_monochrome;
+  push.lambda_i_sparsity = p.lambda_i_sparsity;
+  push.lambda_smoothness = p.lambda_smoothness;
+  push.lambda_non_negativity = p.lambda_non_negativity;
+  push.p = p.p;
+  const bool consistent = p.irls == Params::Irls::consistent;
+  push.irls_r = consistent ? 0.5f * p.p : 1.0f;
+  push.irls_light = consistent ? 0.5f : 1.0f;
+  push.alpha_sr = p.alpha_sr;
+  push.w_intensity = p.w_intensity;
+  const float threshold = p.tau_cc * 1365.0f;
+  push.sample_threshold = threshold * threshold;
+  push.epsilon = p.epsilon;
+  push.epsilon_r = p.epsilon_r;
+  push.log_floor = p.log_floor;
+  push.chroma_floor = p.chroma_floor;
+  push.indirect_start = p.indirect_start;
+  return push;
+}
+
+GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
+  Readback& readback = readback_[number % readback_.size()];
+  if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
+  clear(readback, epoch_);
+  return readback;
+}
+
+void GlobalThesis::clear(Readback& readback, uint32_t epoch) {
+  readback.stats = {};
+  readback.collected = readback.refining = readback.scored = readback.compared = readback.searched =
+      false;
+  readback.epoch = epoch;
+}
+
+/// Compares the frame with the one before.
+void GlobalThesis::look(gpu::Commands& commands, uint64_t number) {
+  if (params_.cut_fraction == 0) {
+    looked_ = false;
+    return;
+  }
+  if (!cells_) {
+    cells_ = gpu::Buffer::create(device_, gpu::Element::vec4, 2 * kCells);
+    change_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
+    commands.fill(cells_);
+  }
+  Push push = push_for();
+  push.slot = static_cast<int32_t>(number % 2);
+  push.count = static_cast<int32_t>(kCells);
+  commands.dispatch(kernels(0).cells, {chroma_, image_, cells_}, push, {kCells});
+  commands.dispatch(kernels(0).change, {cells_, change_}, push, {kOneGroup});
+  commands.copy(change_, current_->buffer, 16, 0, 16 * kChangeAt);
+  current_->compared = std::exchange(looked_, true);
+}
+
+/// The image, and what the palette makes of it.
+void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
+  if (frame.extent != extent_) {
+    throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
+  }
+  commands.dispatch(kernels(0).sanitize, {frame.buffer, image_, chroma_}, push_for(),
+                    {extent_.width, extent_.height});
+  if (!colors_.given()) palette_.record_update(commands, {extent_, chroma_});
+  commands.copy(palette_.colors(), current_->buffer, 16 * kColors, 0, 16 * kColorsAt);
+}
+
+void GlobalThesis::record_colors(gpu::Commands& commands, const Plane& frame) {
+  current_ = &colors_readback_;
+  clear(*current_, epoch_);
+  prepare(commands, frame);
+  commands.stage("clusters");
+}
+
+void GlobalThesis::collect_colors() {
+  if (std::exchange(colors_readback_.collected, true) || colors_readback_.epoch != epoch_) return;
+  const auto* values = colors_readback_.buffer->map_as<float>();
+  colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
+}
+
+uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
+                              const Hints& hints) {
+  static_assert(sizeof(Push) <= gpu::Kernel::kPushBytes);
+  const gpu::Items pixels{extent_.width, extent_.height};
+  groups_ = (colors_.layers() + 3) / 4;
+  const bool fresh = groups_ > held_groups_;
+  hold_fields(groups_);
+  at_ = &kernels(groups_);
+  if (fresh) {
+    // Sums leave some slots untouched, and the first direction is multiplied by zero.
+    commands.fill(partials_);
+  }
+  const uint64_t number = recorded_++;
+  current_ = &next_readback(number);
+  Stats& stats = current_->stats;
+  stats.layers = colors_.layers();
+  stats.colors = static_cast<int>(colors_.colors().size());
+  stats.steps = params_.steps;
+  stats.pcg_iterations = params_.pcg_iterations;
+  stats.keyframes = std::min(stored_keyframes_, params_.keyframes);
+  stats.warm = params_.warm_start && has_state_ && state_order_ == colors_.order();
+  colors_.write_table(current_->table->map_as<float>());
+
+  prepare(commands, frame);
+  look(commands, number);
+  commands.stage("clusters");
+  Push push = push_for();
+  commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
+  if (hints.regions) hints.regions->record(commands, {extent_, features_});
+  const gpu::BufferPtr regions = hints.regions         ? hints.regions->plane().buffer
+                                 : hints.fixed_regions ? hints.fixed_regions->buffer
+                                                       : nullptr;
+  push.mode = regions ? 1 : 0;
+  commands.dispatch(at_->aim, {current_->table, features_, regions ? regions : features_, targets_},
+                    push, pixels);
+  if (!stats.warm) {
+    commands.dispatch(at_->start,
+                      {current_->table, image_, targets_, features_, states_[current_state_]},
+                      push_for(), pixels);
+  }
+  push = push_for();
+  if (push.frames == 1) push.samples = 0;  // nothing but clusters
+  std::vector<gpu::BufferPtr> buffers = frame_buffers();
+  buffers.insert(buffers.end(), {features_, targets_, constant_pulls_});
+  commands.dispatch(at_->sample_past, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  commands.stage("setup");
+
+  if (params_.line_search) begin_search(commands);
+  for (int n = 0; n <= params_.steps; ++n) {
+    const bool last = n == params_.steps;
+    pack(commands, 0);
+    if (params_.trace || (last && params_.energy)) evaluate(commands, n - 1);
+    if (!last) step(commands);
+  }
+  if (params_.line_search) {
+    commands.copy(search_, current_->buffer, search_->bytes(), 0, 16 * kSearchAt);
+    current_->searched = true;
+  }
+  has_state_ = true;
+  state_order_ = colors_.order();
+  if (params_.keyframes > 0 &&
+      since_reset_ % static_cast<uint32_t>(params_.keyframe_spacing) == 0) {
+    pack(commands, 1 + stored_keyframes_ % params_.keyframes);
+    ++stored_keyframes_;
+  }
+  ++since_reset_;
+  commands.stage("steps");
+
+  // Colors of the scene before are on their way out.
+  if (refining() && !system_pending_ && scene_since_ != UINT64_MAX) record_refinement(commands);
+  if (regions && hints.scored_region > 0) {
+    if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
+    push.slot = hints.scored_region;
+    commands.dispatch(at_->score, {solution(), regions, partials_}, push, pixels);
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
+    commands.dispatch(at_->outer_total, {partials_, score_}, push, {kOneGroup});
+    commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
+    current_->scored = true;
+  }
+  write_layers(commands, layers);
+  if (!stats.energy.empty()) {
+    commands.copy(trace_, current_->buffer, 32 * stats.energy.size(), 0, 16 * kTraceAt);
+  }
+  commands.stage("layers");
+  return number;
+}
+
+void GlobalThesis::collect(uint64_t frame) {
+  if (frame >= recorded_ || frame + readback_.size() < recorded_) return;
+  Readback& readback = readback_[frame % readback_.size()];
+  if (readback.collected) return;
+  readback.collected = true;
+  if (readback.refining) system_pending_ = false;
+  if (readback.epoch != epoch_) return;  // of a scene that is over
+  const auto* values = readback.buffer->map_as<float>();
+  const bool looks = readback.compared && params_.cut_fraction > 0;
+  if (looks && values[4 * kChangeAt] > params_.cut_fraction) {
+    readback.stats.cut = true;
+    cut();
+    return;
+  }
+  if (readback.refining && readback.version == colors_.version()) {
+    const size_t layers = readback.colors.size();
+    const auto delta = solve_refinement({values + 4 * kSystemAt, 4 * layers * (layers + 1)},
+                                        readback.colors, readback.initial, params_.lambda_data,
+                                        params_.lambda_ir, params_.lambda_cr);
+    const float change = colors_.refine(delta);
+    rounds_ = change < params_.refine_settled ? params_.refine_rounds : rounds_ + 1;
+  }
+  if (frame < collected_) return;  // a later frame's palette is known already
+  collected_ = frame + 1;
+  colors_.update(Palette::read(values + 4 * kColorsAt, params_.clusters), params_.tau_neutral);
+  if (scene_since_ == UINT64_MAX) scene_since_ = recorded_;
+}
+
+GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
+  if (recorded_ == 0) return {};
+  if (frame >= recorded_ || frame + readback_.size() < recorded_) {
+    throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
+  }
+  const Readback& readback = readback_[frame % readback_.size()];
+  const auto* values = readback.buffer->map_as<float>();
+  Stats stats = readback.stats;
+  if (readback.compared) stats.change = values[4 * kChangeAt];
+  if (readback.searched) stats.shortened = static_cast<int>(values[4 * kSearchAt + 2]);
+  if (readback.scored) {
+    stats.score = values[4 * kScoreAt];
+    stats.region = values[4 * kScoreAt + 1];
+  }
+  for (size_t n = 0; n < stats.energy.size(); ++n) {
+    std::memcpy(&stats.energy[n].data, values + 4 * (kTraceAt + 2 * n), 8 * sizeof(float));
+  }
+  return stats;
+}
+
+uint64_t GlobalThesis::bytes_per_pixel(int layers, int keyframes) {
+  const auto fields = static_cast<uint64_t>(layers + 3) / 4 + 1;
+  // Six fields; image, chroma, targets, features, two pulls, two of nodes and of forces; samples.
+  return 16 * (6 * fields + 10 + static_cast<uint64_t>(keyframes) + 1);
+}
+
+}  // namespace inverse

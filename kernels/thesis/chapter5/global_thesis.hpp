@@ -1,0 +1,218 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "global_thesis_params.hpp"
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/image/plane.hpp"
+#include "kernels/palette/palette.hpp"
+#include "kernels/thesis/chapter5/colors/base_colors.hpp"
+#include "kernels/thesis/chapter5/regions/marked_regions.hpp"
+
+namespace inverse {
+
+struct GlobalThesisPush;
+
+/// The global intrinsic video decomposition of the thesis, chapter 5, for frames of one size: into
+/// reflectance, direct light and one layer of indirect light for each base color. The energy and
+/// the systems are in energy.glsl. Keeps keyframes, palette and base colors from frame to frame.
+///
+/// The base colors live on the host, as the kernels are built for their number: a frame is
+/// decomposed with those that are known when it is recorded, and what it tells about them (its
+/// palette, the system of their refinement) is taken in by `collect` when the device is done with
+/// it, so that no frame waits. Who wants the very first frame decomposed with its own colors
+/// records `record_colors` before, waits and calls `collect_colors`.
+///
+/// A cut of the scene is found in the same way, and so as late as its frame is collected: from the
+/// next frame on, keyframes and palette are the new scene's, and base colors when that frame's
+/// palette is known; until then, those of the old scene serve. Colors that were given stay.
+class GlobalThesis {
+ public:
+  using Params = GlobalThesisParams;
+  using Rgb = BaseColors::Rgb;
+
+  /// Energy by term, summed over pixels.
+  struct Energy {
+    int step;  ///< after which it was taken; −1 is the start
+    float data, clustering, r_sparsity, r_consistency;
+    float monochrome, i_sparsity, smoothness, non_negativity;
+    double total() const {
+      return static_cast<double>(data) + clustering + r_sparsity + r_consistency + monochrome +
+             i_sparsity + smoothness + non_negativity;
+    }
+  };
+
+  struct Stats {
+    int layers = 0;              ///< K: indirect layers of the frame
+    int colors = 0;              ///< base colors, with those too near to white for a layer
+    int steps = 0;               ///< Gauss–Newton steps
+    int pcg_iterations = 0;      ///< for each
+    int keyframes = 0;           ///< that samples were drawn from
+    bool warm = false;           ///< began where the last frame ended
+    bool refining = false;       ///< the frame recorded the system of the base colors
+    int shortened = 0;           ///< steps that would have raised the energy
+    std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
+    bool cut = false;            ///< a cut was found here when the frame was collected
+    float change = 0;            ///< of chroma from the frame before, as Params::cut_fraction
+    float score = 0;             ///< Σ_k |T_k| over the region asked for in `record` (5.5.2.2)
+    float region = 0;            ///< its pixels
+  };
+
+  /// Throws Error(limit, out_of_memory).
+  GlobalThesis(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Layers of indirect light that the device can bind for frames of this size, a multiple of 4 up
+  /// to kMaxBases; 0 or less where it cannot hold such frames at all. Params::clusters is kept
+  /// within it.
+  static int most_layers(const gpu::Device& device, Extent extent);
+
+  /// Takes effect with the next frame. A change of keyframes forgets the past.
+  void set_params(const Params& params);
+  const Params& params() const { return params_; }
+
+  /// What `record` may be told about a frame.
+  struct Hints {
+    MarkedRegions* regions = nullptr;  ///< of the same size; takes the frame in
+    /// Instead: the regions as they are, (slot or −1, number or 0) a pixel.
+    const Plane* fixed_regions = nullptr;
+    int scored_region = 0;  ///< number of one whose sparsity is wanted in the stats
+  };
+
+  /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) with the base colors
+  /// known now, into Role::intrinsic = (R, S), S the mean of the shading; Role::light = the color
+  /// of the light Σ_k b_k T_k / S and T_0 / S; the roles of indirect light = T_k / S, four layers a
+  /// plane, as many planes as there are layers; Role::bases = b_1 … b_K; and the same as model. R
+  /// has the scale of the base colors, whose largest channel is 1. Returns the frame's number for
+  /// `collect` and `stats`. Throws Error(out_of_memory).
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers, const Hints& hints);
+  uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
+    return record(commands, frame, layers, Hints{});
+  }
+  /// Only finds the base colors of `frame`: no frame for `collect` and `stats`.
+  void record_colors(gpu::Commands& commands, const Plane& frame);
+  /// Takes them in, once the Commands have been waited for.
+  void collect_colors();
+
+  /// Takes in what one of the last three frames told about the base colors, once its Commands have
+  /// been waited for. Frames that were collected before, or that are older than what is known
+  /// already, change nothing.
+  void collect(uint64_t frame);
+
+  /// Of one of the last three frames, once its Commands have been waited for; empty before the
+  /// first frame. Throws Error(internal) for older ones.
+  Stats stats(uint64_t frame) const;
+
+  /// Uses these base colors (linear, any scale) instead of the frames' own until `reset`. Throws
+  /// Error(limit) where they are more than `most_layers`.
+  void set_base_colors(std::span<const Rgb> colors);
+  /// Uses those of another decomposition, slot by slot, until `reset`.
+  void set_base_colors(const BaseColors& colors);
+  const BaseColors& colors() const { return colors_; }
+
+  /// Refines the base colors again, for at most Params::refine_rounds frames.
+  void refine() { rounds_ = 0; }
+  bool refining() const { return rounds_ < params_.refine_rounds && colors_.layers() > 0; }
+  /// Number of the first frame that was recorded with base colors of the scene: 0 before the first
+  /// cut, UINT64_MAX from a cut until they are known.
+  uint64_t scene_since() const { return scene_since_; }
+  /// Forgets keyframes, palette and base colors, and refines the next ones: at a flush or a
+  /// discontinuity.
+  void reset();
+
+  /// The field of the last frame, plane behind plane: (r, T_0), T_1 … T_4, …. Valid until the next
+  /// record.
+  const gpu::BufferPtr& solution() const { return states_[current_state_]; }
+  /// (r_cluster, λ_clustering) and (packed chromaticity, …) of the last frame.
+  const gpu::BufferPtr& targets() const { return targets_; }
+  const gpu::BufferPtr& features() const { return features_; }
+  /// The last frame without what is not finite or negative. Valid until the next record.
+  Plane image() const { return {extent_, image_}; }
+  Extent extent() const { return extent_; }
+
+  /// Builds the kernels for any number of base colors and runs each once on a tiny frame, which is
+  /// when a software device compiles them; for the present exponent p. Otherwise that is done when
+  /// a frame first needs them. Does nothing where it was done on this device before for what it
+  /// depends on. Waits for the device.
+  void warm_up() const;
+
+  /// Device memory of a pixel with K layers, in bytes.
+  static uint64_t bytes_per_pixel(int layers, int keyframes);
+
+ private:
+  using Push = GlobalThesisPush;
+  struct Kernels;
+  struct Readback {
+    gpu::BufferPtr buffer, table;
+    Stats stats;
+    std::vector<Rgb> initial, colors;  // of the layers that the system is for
+    bool collected = true, refining = false, scored = false, compared = false, searched = false;
+    uint32_t version = 0;  // of the colors that the system is for
+    uint32_t epoch = 0;    // of the resets
+  };
+  /// What warm_up does (warm_up.cpp).
+  void play_all() const;
+
+  const Kernels& kernels(int groups);
+  void hold_frames(int slots_per_buffer);
+  void hold_fields(int groups);
+  Push push_for() const;
+  std::vector<gpu::BufferPtr> frame_buffers() const;
+  static void clear(Readback& readback, uint32_t epoch);
+  Readback& next_readback(uint64_t number);
+  void forget_frames();
+  void cut();
+  void look(gpu::Commands& commands, uint64_t number);
+  void prepare(gpu::Commands& commands, const Plane& frame);
+  void pack(gpu::Commands& commands, int slot);
+  void evaluate(gpu::Commands& commands, int step);
+  void hold_energies(gpu::Commands& commands);
+  void sum_energy(gpu::Commands& commands, const gpu::BufferPtr& x);
+  void begin_search(gpu::Commands& commands);
+  void search(gpu::Commands& commands);
+  void step(gpu::Commands& commands);
+  void record_refinement(gpu::Commands& commands);
+  void write_layers(gpu::Commands& commands, Layers& layers);
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  int most_layers_ = 0;
+  Params params_;
+  Palette palette_;
+  PlanePool pool_, bases_pool_;
+  BaseColors colors_;
+  std::array<std::shared_ptr<Kernels>, 5> kernels_;  // by planes of indirect layers
+  const Kernels* at_ = nullptr;                      // of the frame being recorded
+  int groups_ = 0;                                   // of it
+  int held_groups_ = -1;                             // that the fields have room for
+  gpu::BufferPtr image_, chroma_, targets_, features_, pulls_, constant_pulls_, nodes_, forces_;
+  // Fields.
+  std::array<gpu::BufferPtr, 2> states_;
+  gpu::BufferPtr directions_, preconditioned_, products_, diagonals_;
+  size_t current_state_ = 0;
+  gpu::BufferPtr scalars_, partials_;
+  std::array<gpu::BufferPtr, 3> energy_partials_;
+  gpu::BufferPtr search_, shorten_;  // as in search.comp
+  gpu::BufferPtr trace_, residuals_, reflectances_, outer_partials_, system_, score_;
+  std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
+  int slots_ = 0;
+  std::array<Readback, gpu::kFramesInFlight> readback_;
+  Readback colors_readback_;     // of record_colors
+  Readback* current_ = nullptr;  // of the frame being recorded
+  uint64_t recorded_ = 0;        // frames since construction
+  uint64_t collected_ = 0;       // the oldest number that may still bring something new
+  uint32_t since_reset_ = 0;     // frames since the last reset
+  uint32_t epoch_ = 0;           // resets
+  int stored_keyframes_ = 0;     // since the last reset
+  int rounds_ = 0;               // of refinement
+  bool system_pending_ = false;  // a system is under way
+  uint32_t state_order_ = 0;     // of the colors that the solution is for
+  bool has_state_ = false;
+  gpu::BufferPtr cells_, change_;  // of this frame and the one before, by the parity of its number
+  bool looked_ = false;            // at the frame before
+  uint64_t scene_since_ = 0;
+};
+
+}  // namespace inverse

@@ -1,0 +1,33 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "regions.glsl"
+#define ROOTS_SLOT 1
+#include "components.glsl"
+
+// Joins the components of neighbors with the same cluster.
+PLANE_IN(0, features);
+
+void join(uint a, uint b) {
+  for (;;) {
+    a = root_of(a);
+    b = root_of(b);
+    if (a == b) return;
+    uint low = min(a, b), high = max(a, b);
+    uint before = atomicMin(roots_data[high], low);
+    if (before == high) return;
+    // Somebody else was faster: what they joined `high` to has to be joined, too.
+    a = before;
+    b = low;
+  }
+}
+
+void main() {
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (at.x >= push.size.x) return;
+  int n = at.y * push.size.x + at.x;
+  float own = FETCH(features, n).w;
+  if (own < 0.0) return;
+  if (at.x + 1 < push.size.x && FETCH(features, n + 1).w == own) join(uint(n), uint(n + 1));
+  if (at.y + 1 < push.size.y && FETCH(features, n + push.size.x).w == own) join(uint(n), uint(n + push.size.x));
+}

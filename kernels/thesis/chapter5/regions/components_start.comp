@@ -1,0 +1,13 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "gpu/common.glsl"
+#include "regions.glsl"
+
+// Every pixel is its own component.
+WORD_OUT(0, roots);
+
+void main() {
+  if (gl_GlobalInvocationID.x >= uint(push.size.x)) return;
+  uint n = gl_GlobalInvocationID.y * uint(push.size.x) + gl_GlobalInvocationID.x;
+  STORE(roots, n, n);
+}

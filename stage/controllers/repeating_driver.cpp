@@ -1,0 +1,82 @@
+#include "repeating_driver.hpp"
+
+#include <utility>
+
+#include "common/error.hpp"
+
+namespace inverse {
+namespace {
+
+// What is new is said three times (E1.31 6.6.2), what lasts less often.
+constexpr std::chrono::milliseconds kSoon{30}, kRepeat{800};
+constexpr int kNew = 3;
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+void RepeatingDriver::upload(const LightProgram& program) {
+  DmxPatch patch(program, first_universe_);
+  black();  // universes of another program
+  open();
+  patch_.emplace(std::move(patch));
+  program_ = program;
+  send_colors({});
+  repeater_ = std::thread([this] { repeat(); });
+}
+
+void RepeatingDriver::show(uint64_t trigger) {
+  if (!patch_) throw Error(ErrorKind::internal, "lights are shown before a program is uploaded");
+  send_colors(program_.colors(program_.at(trigger)));
+}
+
+void RepeatingDriver::black() {
+  stop_repeating();
+  if (!patch_) return;
+  const Levels black = std::exchange(patch_, {})->levels({});
+  try {
+    send(black);
+  } catch (const Error&) {
+    end(black);
+    throw;
+  }
+  end(black);
+}
+
+void RepeatingDriver::send_colors(std::vector<LightColor> colors) {
+  std::lock_guard lock(mutex_);
+  shown_ = std::move(colors);
+  said_ = 1;
+  next_ = Clock::now() + kSoon;
+  send(patch_->levels(shown_));
+  woken_.notify_all();
+}
+
+void RepeatingDriver::repeat() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    if (Clock::now() < next_) {
+      woken_.wait_until(lock, next_);
+      continue;
+    }
+    next_ = Clock::now() + (++said_ < kNew ? kSoon : kRepeat);
+    try {
+      send(patch_->levels(shown_));
+    } catch (const Error&) {
+      // The next show() tells.
+    }
+  }
+}
+
+void RepeatingDriver::stop_repeating() {
+  if (!repeater_.joinable()) return;
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  woken_.notify_all();
+  repeater_.join();
+  stopping_ = false;
+}
+
+}  // namespace inverse

@@ -1,0 +1,212 @@
+// What leaving out saves whoever embeds intrinsicdecomp or globalintrinsic: whole elements, system
+// memory in and out, videos that go on for a while. Each frame goes to every setting in turn, to
+// and fro, so that what else the machine does hits all alike and none always follows the same one.
+//
+// usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
+//                       [--whole N] [--parts] [--brief] [--json FILE]
+// Where much can be left out, the first frames (--settle, 24) are not measured: solves settle.
+// Where nothing can be left out, on and off get --whole frames, which tells their ratio closely.
+// With --parts each property that leaves something out is measured alone as well, and, where much
+// can be left out, all but it; with --brief only such scenes are shown.
+#include <gst/check/gstharness.h>
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/bench/support/clip_frames.hpp"
+#include "tests/bench/support/clip_scenes.hpp"
+#include "tests/bench/support/timing.hpp"
+
+namespace {
+
+using inverse::bench::Clock;
+using inverse::bench::median;
+using inverse::bench::milliseconds;
+using inverse::bench::processor_ms;
+
+constexpr int kSettling = 24;  // frames that are not measured
+
+struct Size {
+  int width, height;
+};
+
+struct Setting {
+  std::string name, line;
+  bool everywhere = true;  ///< is measured in all scenes; else only where much can be left out
+};
+
+/// An element that is being measured.
+struct Run {
+  GstHarness* harness;
+  std::vector<double> wall, processor;
+};
+
+/// Off and on come first.
+std::vector<Setting> settings(const std::string& element, bool parts) {
+  std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
+  if (!parts) return all;
+  const std::pair<const char*, const char*> named[] = {
+      {"whole frames", "keep-tolerance"},          {"tiles", "tile-tolerance"},
+      {"edges of tiles", "still-tolerance"},       {"cycles", "settled"},
+      {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "hold-tolerance"},
+      {"half resolution", "half-resolution-bound"}};
+  for (const auto& [name, kept] : named) {
+    std::string line = element;
+    for (const auto& [other, property] : named)
+      if (property != kept) line += std::string(" ") + property + "=0";
+    all.push_back({name, line, true});
+    all.push_back({std::string("all but ") + name, element + " " + kept + "=0", false});
+  }
+  return all;
+}
+
+struct Scene {
+  const char* name;
+  bool brief;                           ///< much can be left out
+  void (*draw)(GstBuffer*, Size, int);  ///< over the first frame of the clip; null: the clip moves
+};
+
+constexpr Scene kScenes[] = {
+    {"frames come again", true, [](GstBuffer*, Size, int) {}},
+    {"small ball", true,
+     [](GstBuffer* b, Size s, int k) { inverse::bench::draw_ball(b, s.width, s.height, k); }},
+    {"camera noise", false,
+     [](GstBuffer* b, Size s, int k) {
+       inverse::bench::add_noise(b, s.width, s.height, static_cast<unsigned>(k));
+     }},
+    {"moving light", false, nullptr}};
+
+void push(Run& run, GstBuffer* frame, int number, bool measured) {
+  GstBuffer* buffer = gst_buffer_copy_deep(frame);
+  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(number) * (GST_SECOND / 25);
+  GST_BUFFER_FLAG_UNSET(buffer, GST_BUFFER_FLAG_DISCONT);
+  const double processor = processor_ms();
+  const auto start = Clock::now();
+  gst_harness_push(run.harness, buffer);
+  gst_buffer_unref(gst_harness_pull(run.harness));
+  if (!measured) return;
+  run.wall.push_back(milliseconds(Clock::now() - start));
+  run.processor.push_back(processor_ms() - processor);
+}
+
+std::string list(const std::vector<double>& values) {
+  std::string text;
+  char number[32];
+  for (const double v : values) {
+    std::snprintf(number, sizeof number, "%s%.3f", text.empty() ? "" : ", ", v);
+    text += number;
+  }
+  return "[" + text + "]";
+}
+
+/// How many frames are shown: to every setting, and to off and on where nothing can be left out;
+/// and how many of them are not measured where much can.
+struct Frames {
+  int all = 48, whole = 0, settling = kSettling;
+};
+
+/// Rows of JSON, one for each setting.
+std::string measure(const Scene& scene, const std::string& element, Size size,
+                    const std::string& caps, Frames frames, const std::vector<GstBuffer*>& clip,
+                    std::vector<Setting> all) {
+  if (!scene.brief) std::erase_if(all, [](const Setting& s) { return !s.everywhere; });
+  std::vector<Run> runs;
+  for (const Setting& setting : all) {
+    GstHarness* harness = gst_harness_new_parse(setting.line.c_str());
+    gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
+    runs.push_back({harness, {}, {}});
+  }
+  const int settling = scene.brief ? frames.settling : kSettling;
+  const int most = scene.brief ? frames.all : std::max(frames.all, frames.whole);
+  for (int k = 0; k < most; ++k) {
+    const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
+    GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
+    if (scene.draw) scene.draw(frame, size, k);
+    const size_t turns = k < frames.all ? runs.size() : 2;
+    for (size_t i = 0; i < turns; ++i)
+      push(runs[k % 2 ? turns - 1 - i : i], frame, k, k >= settling);
+    gst_buffer_unref(frame);
+  }
+  std::string rows;
+  for (size_t i = 0; i < all.size(); ++i) {
+    std::printf("| %s | %s | %dx%d | %s | %.1f | %.1f |\n", element.c_str(), scene.name, size.width,
+                size.height, all[i].name.c_str(), median(runs[i].wall), median(runs[i].processor));
+    rows += std::string(i > 0 ? ",\n" : "") + "{\"element\": \"" + element + "\", \"scene\": \"" +
+            scene.name + "\", \"width\": " + std::to_string(size.width) +
+            ", \"height\": " + std::to_string(size.height) +
+            ", \"frames\": " + std::to_string(i < 2 ? most : frames.all) + ", \"setting\": \"" +
+            all[i].name + "\", \"wall_ms\": " + list(runs[i].wall) +
+            ", \"processor_ms\": " + list(runs[i].processor) + "}";
+    gst_harness_teardown(runs[i].harness);
+  }
+  std::fflush(stdout);
+  return rows;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  gst_init(&count, &arguments);
+  std::string element = "intrinsicdecomp", clip = "media/clip.webm", json;
+  Size size{640, 480};
+  Frames frames;
+  bool parts = false, brief = false;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    const auto next = [&] { return std::string(++i < count ? arguments[i] : ""); };
+    if (argument == "--element")
+      element = next();
+    else if (argument == "--clip")
+      clip = next();
+    else if (argument == "--size" &&
+             std::sscanf(next().c_str(), "%dx%d", &size.width, &size.height) == 2)
+      continue;
+    else if (argument == "--frames")
+      frames.all = std::stoi(next());
+    else if (argument == "--settle")
+      frames.settling = std::stoi(next());
+    else if (argument == "--whole")
+      frames.whole = std::stoi(next());
+    else if (argument == "--parts")
+      parts = true;
+    else if (argument == "--brief")
+      brief = true;
+    else if (argument == "--json")
+      json = next();
+    else
+      return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
+  }
+  frames.all = std::max(frames.all, std::max(frames.settling, kSettling) + 4);
+  GstElementFactory* factory = gst_element_factory_find(element.c_str());
+  if (!factory) return std::fprintf(stderr, "there is no element %s\n", element.c_str()), 1;
+  gst_object_unref(factory);
+  const std::string caps = "video/x-raw, format=NV12, width=" + std::to_string(size.width) +
+                           ", height=" + std::to_string(size.height) + ", framerate=25/1";
+  const auto video = inverse::bench::load_clip(
+      clip, caps, static_cast<size_t>(std::max(frames.all, frames.whole)));
+  if (video.empty()) {
+    std::fprintf(stderr, "cannot read %s\n", clip.c_str());
+    return 1;
+  }
+  std::printf(
+      "| element | scene | size | adaptive | wall ms a frame | processor ms "
+      "|\n|---|---|---|---|---|---|\n");
+  const auto all = settings(element, parts);
+  std::string rows;
+  for (const Scene& scene : kScenes) {
+    if (brief && !scene.brief) continue;
+    std::fprintf(stderr, "@progress %.3f %s\n",
+                 static_cast<double>(&scene - kScenes) / static_cast<double>(std::size(kScenes)),
+                 scene.name);
+    rows += (rows.empty() ? "" : ",\n") + measure(scene, element, size, caps, frames, video, all);
+  }
+  for (GstBuffer* buffer : video) gst_buffer_unref(buffer);
+  if (!json.empty() && !(std::ofstream(json) << "[" << rows << "]\n").flush()) {
+    std::fprintf(stderr, "cannot write %s\n", json.c_str());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,41 @@
+// What leaving out saves, as settings of the benchmark: in videos that go on for a while, each mode
+// beside "off", which does all the work.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "tests/bench/support/method.hpp"
+
+namespace inverse::bench {
+
+/// Sets what may be left out of a solve to nothing.
+inline void leave_nothing_out(ScaledIntrinsic::Params& params) {
+  params.tile_tolerance = params.still_tolerance = params.settled = 0;
+  params.chroma_tolerance = params.hold_tolerance = params.half_bound = 0;
+}
+
+/// A mode by its name: "off" and "on" are in every run, with enough frames for their ratio to be
+/// known to a percent; others, parts of it, with --full.
+inline Setting adaptive_setting(const std::string& name, double order,
+                                const ScaledIntrinsic::Params& params,
+                                decltype(Setting::make) make) {
+  constexpr std::size_t kFrames = 48, kPairs = 72;
+  const bool off = name == "off", whole = off || name == "on";
+  return {.curve = "adaptive",
+          .name = name,
+          .order = order,
+          .parameters = {{"adaptive", params.adaptive ? "true" : "false"},
+                         {"settled", text_of(double(params.settled))},
+                         {"still-tolerance", text_of(double(params.still_tolerance))}},
+          .make = std::move(make),
+          .stills = false,
+          .video = true,
+          .frames = kFrames,
+          .least_samples = whole ? kPairs : 0,
+          .effort = whole ? Setting::Effort::brief : Setting::Effort::full,
+          .against = off ? "" : "adaptive/off"};
+}
+
+}  // namespace inverse::bench

@@ -1,0 +1,73 @@
+// globalintrinsicthesis as a user sees it who knows the truth: frames go through, clusters are
+// compared with true reflectance, regions are marked.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
+#include "tests/bench/support/scene.hpp"
+#include "truth_clicks.hpp"
+
+namespace inverse::bench {
+
+/// What a frame's pixels were taken for.
+struct Clusters {
+  std::vector<int> raw;        ///< slot by pixel, −1: none
+  std::vector<int> corrected;  ///< with marked regions' base colors
+  std::vector<int> region;     ///< number of the marked region, 0: none
+  std::vector<int> truth;      ///< TrueSlots::nearest
+  /// TrueSlots::wrong of `raw` and `corrected`.
+  std::vector<uint8_t> raw_wrong, wrong;
+};
+
+class ClicksStage {
+ public:
+  using Mode = RegionProposals::Mode;
+
+  ClicksStage(const std::shared_ptr<gpu::Device>& device, Extent extent);
+
+  /// Starts with the colors of a scene's first frame.
+  void begin(const Image& frame, Mode mode);
+  /// One frame of the stream; `whole`: with the default's work, so that `reflectance` is of use.
+  void run(const Image& frame, bool whole);
+
+  Clusters clusters(const TruthFrame& truth) const;
+  /// Of the last frame, 3 channels.
+  Image reflectance() const;
+  /// Input, clusters, corrected ones, true ones, wrong pixels and marked regions, side by side.
+  void write(const std::string& path, const TruthFrame& truth, const Clusters& clusters) const;
+
+  MarkedRegions& regions() { return regions_; }
+  bool deciding() const { return correction_.busy(); }
+  /// All that was proposed since `begin`.
+  const std::vector<RegionProposals::Proposal>& proposals() const { return proposals_made_; }
+  /// Proposed regions get the base color that the correction chooses, not the one proposed.
+  void choose_by_sparsity() { sparsity_ = true; }
+  size_t colors() const { return colors_.size(); }
+  /// Milliseconds of the host's part of proposals, in all.
+  double proposal_ms() const { return proposal_ms_; }
+
+ private:
+  void upload(const Image& frame);
+
+  Extent extent_;
+  gpu::Commands commands_;
+  GlobalThesis method_;
+  MarkedRegions regions_;
+  MisclusteringCorrection correction_;
+  RegionProposals proposals_;
+  GlobalThesisParams cheap_, whole_;
+  Plane input_;
+  gpu::BufferPtr features_, marks_, intrinsic_;
+  std::vector<BaseColors::Color> colors_;
+  std::vector<RegionProposals::Proposal> proposals_made_;
+  Mode mode_ = Mode::off;
+  bool sparsity_ = false;
+  double proposal_ms_ = 0;
+};
+
+}  // namespace inverse::bench

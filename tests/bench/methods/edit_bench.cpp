@@ -1,0 +1,449 @@
+// Edits against the truth: a frame is decomposed, edited and composed, and compared with the same
+// scene rendered again with other paint.
+//
+//   edit-bench EDITS [--data FOLDER] [--png FOLDER]
+//
+// EDITS holds what edit-scenes wrote; FOLDER the rendered sequences, of which edits/*_recolour and
+// what they were made from are taken. Prints two tables; --png writes a strip of pictures for each
+// pair: before, truth, and the edits in the order of the table, those of despill with the true
+// background behind the subject, which ends with no edit at all.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "kernels/edit/compose.hpp"
+#include "kernels/edit/light_edit.hpp"
+#include "kernels/edit/recolor.hpp"
+#include "kernels/global/global_intrinsic.hpp"
+#include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/metrics/png_file.hpp"
+#include "tests/bench/peers/peer_despill.hpp"
+#include "tests/bench/support/scene.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::bench {
+namespace {
+
+using Color = std::array<float, 3>;
+
+/// A pair: what is seen, what it should become, and how.
+struct Pair {
+  std::string name;
+  bool despill = false;
+  Image before, after;
+  Image matte;       ///< 0…1: how much of a pixel is repainted
+  Color paint, aim;  ///< reflectance of what is repainted, before and after
+  Image perfect;     ///< R after times light before; empty where it is not known
+};
+
+Color mean_where(const Image& image, const Image& matte) {
+  std::array<double, 4> sum{};
+  for (std::size_t i = 0; i < matte.data.size(); ++i) {
+    if (matte.data[i] < 0.99F) continue;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += image.data[3 * i + c];
+    sum[3] += 1;
+  }
+  if (sum[3] == 0) throw std::runtime_error("nothing is repainted");
+  return {float(sum[0] / sum[3]), float(sum[1] / sum[3]), float(sum[2] / sum[3])};
+}
+
+float mean(const Color& color) { return (color[0] + color[1] + color[2]) / 3; }
+Color operator*(float factor, Color color) {
+  for (float& v : color) v *= factor;
+  return color;
+}
+
+/// A pair of edit-scenes. The matte is how far a pixel's reflectance went of the way.
+Pair rendered_pair(const Scene& scene) {
+  const TruthFrame &before = scene.frames.at(0), &after = scene.frames.at(1);
+  const auto change = [&](std::size_t i) {
+    float most = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      most = std::max(
+          most, std::abs(after.reflectance.data[3 * i + c] - before.reflectance.data[3 * i + c]));
+    return most;
+  };
+  Pair pair{scene.name, scene.regime == "despill", before.input, after.input, before.id, {}, {},
+            {}};
+  std::vector<float> changes;
+  for (std::size_t i = 0; i < pair.matte.data.size(); ++i)
+    if (pair.matte.data[i] > 0) changes.push_back(change(i));
+  std::nth_element(changes.begin(), changes.begin() + long(changes.size() / 2), changes.end());
+  for (std::size_t i = 0; i < pair.matte.data.size(); ++i)
+    pair.matte.data[i] = std::min(1.0F, change(i) / changes[changes.size() / 2]);
+  pair.paint = mean_where(before.reflectance, pair.matte);
+  pair.aim = mean_where(after.reflectance, pair.matte);
+  pair.perfect = after.reflectance;
+  for (std::size_t i = 0; i < pair.perfect.data.size(); ++i)
+    pair.perfect.data[i] *= before.direct.data[i] + before.indirect.data[i];
+  return pair;
+}
+
+/// The three numbers after a name in a JSON file.
+Color color_in(const std::string& path, const std::string& name) {
+  std::ifstream stream(path);
+  std::stringstream text;
+  text << stream.rdbuf();
+  const std::size_t at = text.str().find('"' + name + '"');
+  Color color{};
+  if (at == std::string::npos ||
+      std::sscanf(text.str().c_str() + text.str().find('[', at), "[ %f , %f , %f", color.data(),
+                  &color[1], &color[2]) != 3)
+    throw std::runtime_error(path + " has no color " + name);
+  return color;
+}
+
+/// Frames of a sequence and of its repainted copy.
+std::vector<Pair> given_pairs(const std::string& data) {
+  namespace fs = std::filesystem;
+  constexpr const char* kKind = "_recolour";
+  std::vector<Pair> pairs;
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(data + "/edits"))
+    if (entry.path().filename().string().ends_with(kKind)) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& folder : folders) {
+    std::string base = folder.filename().string();
+    base.resize(base.size() - std::string(kKind).size());
+    std::vector<fs::path> frames;
+    for (const auto& entry : fs::directory_iterator(folder / "I8")) frames.push_back(entry.path());
+    std::sort(frames.begin(), frames.end());
+    for (const fs::path& frame : frames)
+      pairs.push_back({base + " " + frame.stem().string(),
+                       false,
+                       read_png(data + "/" + base + "/I8/" + frame.filename().string(), true),
+                       read_png(frame.string(), true),
+                       read_png((folder / "mask" / frame.filename()).string(), false),
+                       color_in((folder / "edit.json").string(), "old_albedo"),
+                       color_in((folder / "edit.json").string(), "new_albedo"),
+                       {}});
+  }
+  return pairs;
+}
+
+/// Layers of frames of one size and what is made of them.
+class Editor {
+ public:
+  explicit Editor(const std::shared_ptr<gpu::Device>& device, const Image& frame)
+      : device_(device),
+        extent_{uint32_t(frame.width), uint32_t(frame.height)},
+        commands_(device),
+        intrinsic_(device, extent_),
+        global_(device, extent_),
+        recolor_(device, extent_),
+        light_(device, extent_),
+        compose_(device, extent_),
+        input_(upload(frame)) {}
+
+  /// As a video of `kFrames` times the same picture shows them.
+  Layers two_layers() {
+    return watched([&](bool first) {
+      return intrinsic_.record(commands_, input_, ScaledIntrinsic::Params{}, {first});
+    });
+  }
+  /// `amount` of indirect light; 0: measured.
+  Layers all_layers(float amount = 0) {
+    GlobalIntrinsic::Params params;
+    params.amount = amount;
+    return watched([&](bool first) {
+      return global_.record(commands_, input_, params, {first, true});
+    });
+  }
+  /// The picture itself for reflectance, under white light.
+  Layers no_layers() { return intrinsic_layers(input_, input_); }
+
+  Image reflectance(const Layers& layers) { return download(layers[Role::model]); }
+  PlanePtr upload(const Image& image) {
+    const auto plane = std::make_shared<Plane>(Plane{
+        extent_,
+        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::upload)});
+    float* pixel = plane->buffer->map_as<float>();
+    const std::size_t channels = std::size_t(image.channels);
+    for (std::size_t i = 0; i < extent_.pixels(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c)
+        pixel[4 * i + c] = image.data[channels * i + std::min(c, channels - 1)];
+      pixel[4 * i + 3] = 1;
+    }
+    return plane;
+  }
+
+  Image recolored(Layers layers, const RecolorParams& params, const PlanePtr& matte) {
+    layers[Role::mask] = matte;
+    return made(layers, [&](Layers& l) { recolor_.record(commands_, l, params); });
+  }
+  Image relit(Layers layers, const LightEdit::Key& key, const Color& aim) {
+    return made(layers, [&](Layers& l) { light_.change(commands_, l, key, aim, 1, nullptr); });
+  }
+
+ private:
+  Layers watched(const std::function<Layers(bool)>& record) {
+    constexpr int kFrames = 3;
+    Layers layers;
+    for (int k = 0; k < kFrames; ++k) {
+      commands_.begin();
+      layers = record(k == 0);
+      commands_.submit();
+      commands_.wait();
+    }
+    return layers;
+  }
+  Image made(Layers& layers, const std::function<void(Layers&)>& edit) {
+    commands_.begin();
+    edit(layers);
+    const PlanePtr picture = compose_.record(commands_, layers, {});
+    commands_.submit();
+    commands_.wait();
+    return download(picture);
+  }
+  Image download(const PlanePtr& plane) {
+    const gpu::BufferPtr there =
+        gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels(), gpu::Memory::readback);
+    commands_.begin();
+    commands_.copy(plane->buffer, there, there->bytes());
+    commands_.submit();
+    commands_.wait();
+    Image image(int(extent_.width), int(extent_.height), 3);
+    const float* pixel = there->map_as<float>();
+    for (std::size_t i = 0; i < extent_.pixels(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) image.data[3 * i + c] = pixel[4 * i + c];
+    return image;
+  }
+
+  std::shared_ptr<gpu::Device> device_;
+  Extent extent_;
+  gpu::Commands commands_;
+  ScaledIntrinsic intrinsic_;
+  GlobalIntrinsic global_;
+  Recolor recolor_;
+  LightEdit light_;
+  Compose compose_;
+  PlanePtr input_;
+};
+
+/// Display codes 0…1, in which pictures are compared.
+Image displayed(const Image& linear) {
+  Image out = linear;
+  for (float& v : out.data) v = srgb_code(std::clamp(v, 0.0F, 1.0F));
+  return out;
+}
+
+/// 1 where paint stays; with `spill` only where light changes by more than 2 %, too.
+Image unchanged_paint(const Pair& pair, bool spill) {
+  constexpr float kSeen = 0.02F;
+  Image out = pair.matte;
+  for (std::size_t i = 0; i < out.data.size(); ++i) {
+    float most = 0, level = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float a = pair.before.data[3 * i + c], b = pair.after.data[3 * i + c];
+      most = std::max(most, std::abs(a - b)), level = std::max({level, a, b});
+    }
+    out.data[i] = pair.matte.data[i] == 0 && (!spill || most > kSeen * level) ? 1.0F : 0.0F;
+  }
+  return out;
+}
+
+struct Edit {
+  std::string name;
+  Image picture;
+  float amount = 0;  ///< that was set by hand; 0: none
+};
+
+/// Colors that a user reads off the layer, and the aim in the scale of that layer.
+RecolorParams from_layer(Editor& editor, const Pair& pair, const Layers& layers,
+                         RecolorParams params) {
+  params.key = mean_where(editor.reflectance(layers), pair.matte);
+  params.target = mean(params.key) / mean(pair.paint) * pair.aim;
+  return params;
+}
+
+LightEdit::Key spill_key(Editor& editor, const Pair& pair, const Layers& layers) {
+  const LightEdit::Key defaults{{}, 0.7F, 0.5F};  // of intrinsicdespill
+  return {mean_where(editor.reflectance(layers), pair.matte), defaults.tolerance,
+          defaults.softness};
+}
+
+/// How good the edit would be with the best of several amounts of indirect light, set by hand.
+Edit best_amount(const Pair& pair, const std::function<Image(float)>& edit) {
+  const Image truth = displayed(pair.after), spill = unchanged_paint(pair, true);
+  Edit best;
+  double most = -1;
+  for (const float amount : {0.3F, 0.45F, 0.6F, 0.8F, 1.0F, 1.25F, 1.6F}) {
+    Image picture = edit(amount);
+    const double found = psnr(displayed(picture), truth, spill);
+    if (found <= most) continue;
+    most = found;
+    best = {"globalintrinsic, best amount", std::move(picture), amount};
+  }
+  return best;
+}
+
+std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
+  RecolorParams by_key;  // as the element is by default
+  by_key.use_mask = false;
+  RecolorParams by_mask;
+  constexpr float kAnyColor = 4.5F;
+  by_mask.tolerance = kAnyColor;
+  const PlanePtr matte = editor.upload(pair.matte);
+  std::vector<Edit> edits{{"nothing", pair.before}};
+  if (!pair.perfect.empty()) edits.push_back({"true R and S, light stays", pair.perfect});
+  const std::pair<const char*, Layers> sources[] = {{"the picture itself", editor.no_layers()},
+                                                    {"intrinsicdecomp", editor.two_layers()},
+                                                    {"globalintrinsic", editor.all_layers()}};
+  for (const auto& [name, layers] : sources) {
+    const auto edit = [&, &from = layers](const RecolorParams& params) {
+      return editor.recolored(from, from_layer(editor, pair, from, params), matte);
+    };
+    edits.push_back({std::string(name) + ", mask", edit(by_mask)});
+    edits.push_back({std::string(name) + ", key", edit(by_key)});
+  }
+  edits.push_back(best_amount(pair, [&](float amount) {
+    const Layers layers = editor.all_layers(amount);
+    return editor.recolored(layers, from_layer(editor, pair, layers, by_mask), matte);
+  }));
+  edits.back().name += ", mask";
+  return edits;
+}
+
+std::vector<Edit> despilled(Editor& editor, const Pair& pair) {
+  const Layers layers = editor.all_layers();
+  const LightEdit::Key key = spill_key(editor, pair, layers);
+  const float ratio = mean(pair.aim) / mean(pair.paint);
+  const Color gray{ratio, ratio, ratio};
+  std::vector<Edit> edits{{"nothing", pair.before},
+                          {"ffmpeg despill", ffmpeg_despill(pair.before)},
+                          {"green limit", green_limit(pair.before)},
+                          {"GStreamer alpha method=green", gst_alpha_green(pair.before)},
+                          {"globalintrinsic, keep=1", editor.relit(layers, key, {1, 1, 1})},
+                          {"globalintrinsic, to gray", editor.relit(layers, key, gray)}};
+  edits.push_back(best_amount(pair, [&](float amount) {
+    const Layers found = editor.all_layers(amount);
+    return editor.relit(found, spill_key(editor, pair, found), gray);
+  }));
+  edits.back().name += ", to gray";
+  return edits;
+}
+
+void write_strip(const std::string& folder, const Pair& pair, const std::vector<Edit>& edits) {
+  std::vector<const Image*> parts{&pair.before, &pair.after};
+  for (const Edit& edit : edits)
+    if (&edit != &edits.front()) parts.push_back(&edit.picture);
+  if (pair.despill) parts.push_back(&pair.before);
+  const int w = pair.before.width, h = pair.before.height;
+  Image strip(w * int(parts.size()), h, 3);
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const float truth = pair.after.at(x, y, c), seen = parts[k]->at(x, y, c);
+          strip.at(int(k) * w + x, y, c) =
+              pair.despill && k > 0 ? seen + pair.matte.at(x, y) * (truth - seen) : seen;
+        }
+  std::string name = pair.name;
+  std::replace(name.begin(), name.end(), ' ', '_');
+  std::filesystem::create_directories(folder);
+  write_png(folder + "/" + name + ".png", strip);
+}
+
+/// The scores of edits, and of pairs, in the order in which they came. Frames of one sequence are
+/// one pair: means.
+class Table {
+ public:
+  void add(const Pair& pair, const std::vector<Edit>& edits) {
+    const std::string column = pair.name.substr(0, pair.name.find_last_not_of(" 0123456789") + 1);
+    if (columns_.empty() || columns_.back() != column) columns_.push_back(column);
+    const Image truth = displayed(pair.after), spill = unchanged_paint(pair, true);
+    const Image whole = pair.despill ? unchanged_paint(pair, false) : Image{};
+    for (const Edit& edit : edits) {
+      if (std::find(rows_.begin(), rows_.end(), edit.name) == rows_.end())
+        rows_.push_back(edit.name);
+      const Image picture = displayed(edit.picture);
+      Scores& scores = cells_[{edit.name, column}];
+      scores.whole += psnr(picture, truth, whole), scores.ssim += ssim(picture, truth, whole);
+      scores.spill += psnr(picture, truth, spill), scores.spill_ssim += ssim(picture, truth, spill);
+      scores.amount += double(edit.amount), scores.count += 1;
+    }
+  }
+  void print(const char* title) const {
+    std::printf("| %s |", title);
+    for (const std::string& column : columns_) std::printf(" %s |", column.c_str());
+    std::printf("\n|%s\n",
+                [&] {
+                  std::string line = "---|";
+                  for (std::size_t k = 0; k < columns_.size(); ++k) line += "---|";
+                  return line;
+                }()
+                    .c_str());
+    for (const std::string& row : rows_) {
+      std::printf("| %s |", row.c_str());
+      for (const std::string& column : columns_) {
+        const auto found = cells_.find({row, column});
+        if (found == cells_.end()) {
+          std::printf(" – |");
+          continue;
+        }
+        const Scores& s = found->second;
+        std::printf(" %.1f / %.3f / %.1f / %.3f", s.whole / s.count, s.ssim / s.count,
+                    s.spill / s.count, s.spill_ssim / s.count);
+        if (s.amount > 0) std::printf(" (%.2g)", s.amount / s.count);
+        std::printf(" |");
+      }
+      std::printf("\n");
+    }
+    std::printf("\n");
+  }
+
+ private:
+  struct Scores {
+    double whole = 0, ssim = 0, spill = 0, spill_ssim = 0, amount = 0, count = 0;
+  };
+  std::vector<std::string> rows_, columns_;
+  std::map<std::pair<std::string, std::string>, Scores> cells_;
+};
+
+void run(const std::string& edits, const std::string& data, const std::string& png) {
+  std::vector<Pair> pairs;
+  for (const Scene& scene : read_scenes(edits)) pairs.push_back(rendered_pair(scene));
+  if (!data.empty())
+    for (Pair& pair : given_pairs(data)) pairs.push_back(std::move(pair));
+  const std::shared_ptr<gpu::Device> device = gpu::Device::open("");
+  Table tables[2];
+  for (const Pair& pair : pairs) {
+    Editor editor(device, pair.before);
+    const std::vector<Edit> found =
+        pair.despill ? despilled(editor, pair) : recolored(editor, pair);
+    tables[pair.despill].add(pair, found);
+    if (!png.empty()) write_strip(png, pair, found);
+  }
+  tables[0].print("recolor: PSNR / SSIM, then both of the spill");
+  tables[1].print("despill: the same of what stays");
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) try {
+  std::string edits, data, png;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--data" && i + 1 < argc)
+      data = argv[++i];
+    else if (argument == "--png" && i + 1 < argc)
+      png = argv[++i];
+    else
+      edits = argument;
+  }
+  if (edits.empty())
+    throw std::runtime_error("usage: edit-bench EDITS [--data FOLDER] [--png FOLDER]");
+  inverse::bench::run(edits, data, png);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "edit-bench: %s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,54 @@
+// The levels that an element offers, as points of the benchmark.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "methods.hpp"
+
+namespace inverse::bench {
+
+/// The levels of `ladder` as they ship, for stills (curve "ladder") and for videos ("video
+/// ladder"); qualities are some of them. `make(params)` gives a Setting's solvers; levels that are
+/// no quality are measured with `others`, in videos with --full and on the project's own only.
+/// Params: ScaledIntrinsic's, and what a method adds.
+template <typename Params, typename MakeOf>
+std::vector<Setting> ladder_settings(const Ladder<Params>& ladder, const MakeOf& make,
+                                     Setting::Effort others) {
+  std::vector<Setting> all;
+  for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
+    Params params;
+    ladder.levels[k].set(params);
+    Setting s{.curve = "ladder", .order = double(k), .make = make(params)};
+    for (const auto& [quality, name] : kQualities)
+      if (ladder.top(quality) == k) s.preset = name;
+    s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
+                    {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
+                    {"cycles", std::to_string(params.cycles)},
+                    {"warm-cycles", std::to_string(params.warm_cycles)},
+                    {"still-tolerance", text_of(double(params.still_tolerance))},
+                    {"settled", text_of(double(params.settled))}};
+    s.effort = s.preset.empty() ? others : Setting::Effort::brief;
+    const std::string half = params.halvings() == 0   ? ""
+                             : params.halvings() == 1 ? "half, "
+                                                      : "quarter, ";
+    s.base = k == ladder.top(Quality::medium);
+    s.name = half + std::to_string(params.cycles);
+    // Levels that differ only in how they follow a video are one to stills.
+    const bool again = k + 1 < ladder.levels.size() && [&] {
+      Params next;
+      ladder.levels[k + 1].set(next);
+      return next.halvings() == params.halvings() && next.cycles == params.cycles;
+    }();
+    if (!again) all.push_back(s);
+    s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
+    if (s.preset.empty()) s.effort = Setting::Effort::full, s.sets = {"own"};
+    s.name =
+        half + std::to_string(params.warm_cycles) + ", " + text_of(double(params.still_tolerance));
+    all.push_back(s);
+  }
+  return all;
+}
+
+}  // namespace inverse::bench

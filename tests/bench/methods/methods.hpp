@@ -1,0 +1,27 @@
+// The project's own methods in the benchmark. A new one is a function here, a file method_*.cpp and
+// a line in methods_main.cpp.
+#pragma once
+
+#include <array>
+
+#include "kernels/ladder.hpp"
+#include "kernels/thesis/chapter3/thesis_params.hpp"
+#include "tests/bench/support/device_session.hpp"
+#include "tests/bench/support/scene.hpp"
+
+namespace inverse::bench {
+
+inline constexpr std::array<std::pair<Quality, const char*>, 4> kQualities{
+    {{Quality::low, "low"},
+     {Quality::medium, "medium"},
+     {Quality::high, "high"},
+     {Quality::best, "best"}}};
+
+Method intrinsicdecomp(DeviceSession& session);
+Method globalintrinsic(DeviceSession& session);
+Method globalintrinsicthesis(DeviceSession& session);
+Method thesis(DeviceSession& session, ThesisParams::Solver solver);
+/// What methods with direct and indirect light must beat.
+Method indirect_guesses(DeviceSession& session);
+
+}  // namespace inverse::bench

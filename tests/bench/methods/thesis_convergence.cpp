@@ -1,0 +1,280 @@
+// Convergence of the thesis' solvers, like its figure 3.12: energy a pixel after every IRLS step on
+// every pyramid level, for pcg and schwarz, beside the double-precision reference at the same
+// iterations and the converged energy. Ends with the difference from the reference.
+//
+//   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N]
+//   [--no-converged]
+//                      [--epsilon E] [--p P] [--svg FILE]
+//
+// Prints one line a step, separated by commas; --svg also draws the curves. Each solver is compared
+// at its own clusters, the converged energy too: they differ a little. The converged solve is the
+// reference's, on the processor: seconds at 80×60, minutes at 160×120; leave it out for more.
+//
+// The last lines tell how far r is from the reference's without the gauge (99 % of pixels, the
+// worst), and how far the reference itself goes when it rounds to single precision: sparsity with
+// p < 1 is not convex, and where an edge hangs between on and off rounding decides.
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "tests/bench/support/frames.hpp"
+#include "tests/reference/thesis/thesis_params.hpp"
+#include "thesis_options.hpp"
+
+namespace {
+
+using namespace inverse;
+
+struct Options {
+  ThesisParams params;
+  bool converged = true;
+  std::string svg;
+};
+
+/// One IRLS step of one solver; energies a pixel.
+struct Point {
+  int iteration;
+  Extent extent;
+  ThesisDecomposition::Energy energy;
+  double total, reference, converged;
+};
+
+/// |Δr| without the gauge, the largest channel's: at 99 % of pixels, and the largest of all.
+struct Difference {
+  double most, worst;
+};
+
+/// Both sides' view of one solve.
+struct Curve {
+  const char* name;
+  std::vector<Point> points;
+  Difference device, single;  ///< from the reference, and the reference's own in single precision
+  double energy = 0, reference = 0;
+};
+
+/// (level, step) → energy; of a converged solve only step 0 is kept, its last.
+using Energies = std::map<std::pair<int, int>, double>;
+
+std::vector<float> download(gpu::Commands& commands, const gpu::BufferPtr& buffer) {
+  const auto host = gpu::Buffer::create(commands.device(), buffer->element(), buffer->count(),
+                                        gpu::Memory::readback);
+  commands.begin();
+  commands.copy(buffer, host, buffer->bytes());
+  commands.submit();
+  commands.wait();
+  const auto* values = host->map_as<float>();
+  return {values, values + buffer->bytes() / sizeof(float)};
+}
+
+reference::Plane to_reference(Extent extent, const std::vector<float>& pixels) {
+  reference::Plane plane(static_cast<int>(extent.width), static_cast<int>(extent.height));
+  for (size_t n = 0; n < plane.size(); ++n) {
+    for (size_t c = 0; c < 4; ++c) plane.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+  }
+  return plane;
+}
+
+/// The reference at the device's samples and clusters; every weight has the same default.
+struct Reference {
+  reference::IntrinsicThesis method;
+  Energies energies;
+  reference::Plane solution;
+
+  Reference(const bench::RgbaFrame& frame, const ThesisParams& params,
+            const std::vector<reference::Plane>& samples, const reference::Plane& clusters,
+            bool converged, bool single = false)
+      : method(testing::to_reference(params)) {
+    method.set_chromaticities(samples);
+    method.set_clusters(clusters);
+    method.set_converged(converged);
+    method.set_single_precision(single);
+    method.set_trace([&](int level, int step, const reference::ThesisEnergy& energy) {
+      energies[{level, converged ? 0 : step}] = energy.total();
+    });
+    solution = method.decompose(to_reference(frame.extent, frame.pixels));
+  }
+};
+
+/// The mean difference is the gauge's.
+Difference difference(const reference::Plane& got, const reference::Plane& expected) {
+  double gauge = 0;
+  for (size_t n = 0; n < expected.size(); ++n) {
+    for (size_t c = 0; c < 3; ++c) gauge += got.data[n][c] - expected.data[n][c];
+  }
+  gauge /= 3.0 * static_cast<double>(expected.size());
+  std::vector<double> differences(expected.size());
+  for (size_t n = 0; n < expected.size(); ++n) {
+    for (size_t c = 0; c < 3; ++c) {
+      differences[n] =
+          std::max(differences[n], std::abs(got.data[n][c] - expected.data[n][c] - gauge));
+    }
+  }
+  std::sort(differences.begin(), differences.end());
+  return {differences[(differences.size() - 1) * 99 / 100], differences.back()};
+}
+
+Curve solve(const std::shared_ptr<gpu::Device>& device, const bench::RgbaFrame& frame,
+            const Options& options, ThesisParams::Solver solver) {
+  ThesisParams params = options.params;
+  params.solver = solver;
+  params.trace = true;
+  ThesisDecomposition method(device, frame.extent);
+  method.set_params(params);
+  const auto input =
+      gpu::Buffer::create(device, gpu::Element::vec4, frame.extent.pixels(), gpu::Memory::upload);
+  std::memcpy(input->map(), frame.pixels.data(), input->bytes());
+  gpu::Commands commands(device);
+  commands.begin();
+  Layers layers;
+  const uint64_t number = method.record(commands, {frame.extent, input}, layers);
+  commands.submit();
+  commands.wait();
+  const auto stats = method.stats(number);
+
+  std::vector<reference::Plane> samples;
+  for (int n = 0; n < stats.levels; ++n) {
+    const Plane level = method.sample_frame(n);
+    std::vector<float> pixels = download(commands, level.buffer);
+    samples.push_back(to_reference(level.extent, pixels));
+  }
+  reference::Plane clusters;
+  if (stats.clustered) {
+    clusters = to_reference(frame.extent, download(commands, method.clusters().buffer));
+  }
+  const Reference expected(frame, params, samples, clusters, false);
+  Energies converged;
+  if (options.converged) {
+    converged = Reference(frame, params, samples, clusters, true).energies;
+  }
+
+  Curve curve;
+  curve.name = solver == ThesisParams::Solver::pcg ? "pcg" : "schwarz";
+  int iteration = 0;
+  for (const auto& energy : stats.energy) {
+    const Extent extent = method.sample_frame(energy.level).extent;
+    const auto pixels = static_cast<double>(extent.pixels());
+    if (energy.step >= 0) iteration += params.pcg_iterations;
+    const double limit = options.converged ? converged.at({energy.level, 0}) / pixels : 0;
+    curve.points.push_back({iteration, extent, energy, energy.total() / pixels,
+                            expected.energies.at({energy.level, energy.step}) / pixels, limit});
+  }
+  const reference::Plane got =
+      to_reference(frame.extent, download(commands, method.solution().buffer));
+  curve.device = difference(got, expected.solution);
+  curve.single = difference(Reference(frame, params, samples, clusters, false, true).solution,
+                            expected.solution);
+  curve.energy = expected.method.energy(got).total();
+  curve.reference = expected.method.energy(expected.solution).total();
+  return curve;
+}
+
+void print(const std::vector<Curve>& curves, bool converged) {
+  printf(
+      "solver,iteration,level,width,height,irls step,energy/pixel,reference,converged,"
+      "data+chromaticity,sparsity,smoothness,samples+clusters\n");
+  for (const Curve& curve : curves) {
+    for (const Point& point : curve.points) {
+      const auto pixels = static_cast<double>(point.extent.pixels());
+      const auto& energy = point.energy;
+      printf("%s,%d,%d,%u,%u,%d,%.6f,%.6f,", curve.name, point.iteration, energy.level,
+             point.extent.width, point.extent.height, energy.step + 1, point.total,
+             point.reference);
+      if (converged) printf("%.6f", point.converged);
+      printf(",%.6f,%.6f,%.6f,%.6f\n", energy.data_and_chromaticity / pixels,
+             energy.sparsity / pixels, energy.smoothness / pixels,
+             energy.samples_and_clusters / pixels);
+    }
+  }
+  for (const Curve& curve : curves) {
+    printf("# %s: energy %.6g, reference %.6g (%+.4f %%)", curve.name, curve.energy,
+           curve.reference, 100 * (curve.energy / curve.reference - 1));
+    if (converged)
+      printf(", converged %.6g", curve.points.back().converged *
+                                     static_cast<double>(curve.points.back().extent.pixels()));
+    printf("\n#   |dr| 99 %% %.1e, max %.1e; reference in single precision 99 %% %.1e, max %.1e\n",
+           curve.device.most, curve.device.worst, curve.single.most, curve.single.worst);
+  }
+}
+
+/// Energy over iterations, logarithmic, with the converged energy of each level dashed.
+void draw(const std::vector<Curve>& curves, bool converged, const std::string& path) {
+  constexpr double kWidth = 720, kHeight = 360, kMargin = 48;
+  double low = 1e300, high = 0;
+  int last = 1;
+  for (const Curve& curve : curves) {
+    for (const Point& point : curve.points) {
+      low = std::min({low, point.total, converged ? point.converged : point.total});
+      high = std::max(high, point.total);
+      last = std::max(last, point.iteration);
+    }
+  }
+  const auto x = [&](double iteration) {
+    return kMargin + iteration / last * (kWidth - 1.5 * kMargin);
+  };
+  const auto y = [&](double energy) {
+    return kMargin / 2 + std::log(high / energy) / std::log(high / low) * (kHeight - 1.5 * kMargin);
+  };
+  std::ofstream svg(path);
+  svg << "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 " << kWidth << ' ' << kHeight
+      << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' "
+         "fill='white'/>\n";
+  const char* colors[] = {"#1b6ca8", "#c8553d"};
+  const int first = static_cast<int>(std::floor(std::log10(low)));
+  const int last_decade = static_cast<int>(std::floor(std::log10(high)));
+  for (int exponent = first; exponent <= last_decade; ++exponent) {
+    const double decade = std::pow(10, exponent);
+    for (const double tick : {decade, 2 * decade, 5 * decade}) {
+      if (tick < low || tick > high) continue;
+      svg << "<path d='M" << kMargin << ' ' << y(tick) << 'H' << kWidth - kMargin / 2
+          << "' stroke='#ddd'/><text x='4' y='" << y(tick) + 4 << "'>" << tick << "</text>\n";
+    }
+  }
+  for (size_t k = 0; k < curves.size(); ++k) {
+    svg << "<polyline fill='none' stroke-width='1.5' stroke='" << colors[k] << "' points='";
+    for (const Point& point : curves[k].points)
+      svg << x(point.iteration) << ',' << y(point.total) << ' ';
+    svg << "'/>\n<text x='" << kWidth / 2 << "' y='" << 40 + 16 * k << "' fill='" << colors[k]
+        << "'>" << curves[k].name << "</text>\n";
+    for (size_t n = 1; converged && n < curves[k].points.size(); ++n) {
+      const Point &from = curves[k].points[n - 1], &to = curves[k].points[n];
+      if (from.energy.level != to.energy.level) continue;
+      svg << "<path stroke-dasharray='3 3' stroke='" << colors[k] << "' d='M" << x(from.iteration)
+          << ' ' << y(to.converged) << 'H' << x(to.iteration) << "'/>\n";
+    }
+  }
+  svg << "<text x='" << kWidth / 2 - 120 << "' y='" << kHeight - 8
+      << "'>conjugate-gradient iterations, coarse to fine</text>\n<text x='4' y='14'>energy a pixel"
+      << (converged ? " (dashed: converged)" : "") << "</text>\n</svg>\n";
+  if (!svg) throw std::runtime_error("cannot write " + path);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  options.params.irls_iterations = 7;  // the figure's
+  options.params.levels = 5;
+  Extent extent{160, 120};
+  std::string dump;
+  bench::Options known = bench::thesis_options(options.params, extent, dump);
+  known["--svg"] = bench::text(options.svg);
+  known["--p"] = bench::number(options.params.p);
+  known["--no-converged"] = bench::flag([&] { options.converged = false; });
+  if (!bench::read(known, argc, argv, "thesis_convergence.cpp")) return 2;
+  try {
+    const bench::RgbaFrame frame =
+        dump.empty() ? bench::synthetic_frame(extent, 0) : bench::read_frames(dump).front();
+    const auto device = gpu::Device::open();
+    const std::vector<Curve> curves = {
+        solve(device, frame, options, ThesisParams::Solver::pcg),
+        solve(device, frame, options, ThesisParams::Solver::schwarz)};
+    print(curves, options.converged);
+    if (!options.svg.empty()) draw(curves, options.converged, options.svg);
+  } catch (const std::exception& error) {
+    fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,240 @@
+// relight-bench [options] SET.f32 …: how well olatrelight's methods relight, and what it costs.
+// Sets come from import-olat.
+//
+//   --environment FILE.hdr   a light to relight with; may come again (the studio where there is
+//   none)
+//   --models FOLDER          a folder with features.net and light.net: the network, too
+//   --pictures FOLDER        writes truth and predictions side by side
+//   --runs N                 of each time (default 7)
+//   --choices 0|1            whether to choose few lights (default 1)
+//   --times 0|1              whether to measure times (default 1)
+//
+// Prints, as tables: errors of single lights and of relit pictures, how many lights stay within an
+// error by three ways of choosing them, and times by size and number of lights.
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "light_choices.hpp"
+#include "olat_set.hpp"
+#include "relight_subject.hpp"
+#include "tests/bench/metrics/png_file.hpp"
+#include "tests/bench/support/command_line.hpp"
+
+namespace inverse::bench {
+namespace {
+
+/// The gain that makes the median over the subject of its brightest light 0.7.
+double display_gain(const OlatSet& set) {
+  std::vector<double> brightest;
+  for (size_t i = 0; i < set.mask.data.size(); ++i) {
+    if (set.mask.data[i] < .5F) continue;
+    float most = 0;
+    for (const Image& light : set.lights)
+      most = std::max(most,
+                      std::max({light.data[3 * i], light.data[3 * i + 1], light.data[3 * i + 2]}));
+    brightest.push_back(most);
+  }
+  return .7 / std::max(median(brightest), 1e-9);
+}
+
+/// Mean absolute difference over the subject of what a display shows, of 255.
+double shown_difference(const Image& got, const Image& truth, const Image& mask, double gain) {
+  double off = 0, count = 0;
+  for (size_t n = 0; n < truth.data.size(); ++n) {
+    if (mask.data[n / 3] < .5F) continue;
+    off += std::fabs(std::min(1.0, gain * got.data[n]) - std::min(1.0, gain * truth.data[n]));
+    ++count;
+  }
+  return 255 * off / count;
+}
+
+Image beside(const std::vector<Image>& images, double gain) {
+  Image all(0, images[0].height, 3);
+  for (const Image& image : images) all.width += image.width;
+  all.data.resize(size_t(all.width) * all.height * 3);
+  int left = 0;
+  for (const Image& image : images) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c)
+          all.at(left + x, y, c) = static_cast<float>(gain) * image.at(x, y, c);
+    left += image.width;
+  }
+  return all;
+}
+
+struct Arguments {
+  std::vector<std::string> environments, sets;
+  std::string models, pictures;
+  int runs = 7, choices = 1, times = 1;
+};
+
+struct Method {
+  const char* name;
+  const RelightModels* models;
+  bool measured = false;  // with the part of the light that the stage has shown
+
+  SplitLight split(std::span<const Direction> lights, std::span<const Rgb> weights) const {
+    return measured ? SplitLight::of(lights, weights)
+                    : SplitLight{{}, {weights.begin(), weights.end()}};
+  }
+};
+
+void errors(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
+            const std::vector<NamedEnvironment>& environments, const std::vector<Method>& methods,
+            const std::string& pictures) {
+  std::printf("\n| subject | method | one light, l1 of 255 |");
+  for (const NamedEnvironment& e : environments) std::printf(" %s |", e.name.c_str());
+  std::printf(" mean |\n|---|---|---|---|");
+  for (size_t i = 0; i < environments.size(); ++i) std::printf("---|");
+  std::printf("\n");
+  for (const OlatSet& set : sets) {
+    const Extent extent{static_cast<uint32_t>(set.a.width), static_cast<uint32_t>(set.a.height)};
+    const double gain = display_gain(set);
+    std::vector<std::vector<Image>> lit(5), relit(environments.size());
+    for (size_t k = 0; k < lit.size(); ++k)
+      lit[k].push_back(set.lights[(2 * k + 1) * set.lights.size() / (2 * lit.size())]);
+    for (const Method& method : methods) {
+      Subject subject(device, set, extent, method.models);
+      double off = 0;
+      for (size_t i = 0; i < set.lights.size(); ++i) {
+        const WeightedLight light{set.directions[i], {1, 1, 1}};
+        const Image got = subject.sum(std::span(&light, 1));
+        off += shown_difference(got, set.lights[i], set.mask, gain) /
+               static_cast<double>(set.lights.size());
+        for (size_t k = 0; k < lit.size(); ++k)
+          if (i == (2 * k + 1) * set.lights.size() / (2 * lit.size())) lit[k].push_back(got);
+      }
+      std::printf("| %s | %s | %.2f |", set.name.c_str(), method.name, off);
+      double sum = 0;
+      for (size_t e = 0; e < environments.size(); ++e) {
+        const auto weights = subject.stage().cells.weights(environments[e].map);
+        const Image truth = true_sum(set, weights);
+        const SplitLight split = method.split(set.directions, weights);
+        const Image got = subject.sum(weighted(subject.stage(), split.rest), split.measured);
+        if (relit[e].empty()) relit[e].push_back(truth);
+        relit[e].push_back(got);
+        const double error = 100 * relative(got, truth, set.mask);
+        sum += error;
+        std::printf(" %.1f %% |", error);
+      }
+      std::printf(" %.2f %% |\n", sum / static_cast<double>(environments.size()));
+      std::fflush(stdout);
+    }
+    if (pictures.empty()) continue;
+    for (size_t k = 0; k < lit.size(); ++k)
+      write_png(pictures + "/" + set.name + "-light-" + std::to_string(k) + ".png",
+                beside(lit[k], gain));
+    for (size_t e = 0; e < relit.size(); ++e)
+      write_png(pictures + "/" + set.name + "-" + environments[e].name + ".png",
+                beside(relit[e], 1));
+  }
+}
+
+void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
+             const std::vector<NamedEnvironment>& environments,
+             const std::vector<Method>& methods) {
+  std::printf(
+      "\n| subject | method | environment | error at most | fitted | its error | clusters | "
+      "brightest |\n|---|---|---|---|---|---|---|---|\n");
+  for (const OlatSet& set : sets)
+    for (const Method& method : methods) {
+      const Extent extent{static_cast<uint32_t>(set.a.width), static_cast<uint32_t>(set.a.height)};
+      Subject subject(device, set, extent, method.models);
+      std::vector<uint32_t> all, few;
+      for (uint32_t i = 0; i < extent.pixels(); ++i)
+        if (set.mask.data[i] >= .5F) all.push_back(i);
+      for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / 800))
+        few.push_back(all[i]);
+      LightReduction reduction(set.directions), judge(set.directions);
+      reduction.set_responses(subject.responses(few));
+      judge.set_responses(subject.responses(all));
+      for (const NamedEnvironment& e : environments) {
+        const auto weights = subject.stage().cells.weights(e.map);
+        for (const double most : {.05, .02, .01}) {
+          const SplitLight split = method.split(set.directions, weights);
+          const auto fitted = reduction.choose(split.rest, weights, most);
+          std::printf("| %s | %s | %s | %.1f %% | %zu | %.2f %% | %zu | %zu |\n", set.name.c_str(),
+                      method.name, e.name.c_str(), 100 * most, fitted.lights.size(),
+                      100 * judge.error(fitted, split.rest, weights),
+                      fewest(judge, set.directions, weights, most, by_clusters),
+                      fewest(judge, set.directions, weights, most, brightest));
+          std::fflush(stdout);
+        }
+      }
+    }
+}
+
+void times(const std::shared_ptr<gpu::Device>& device, const OlatSet& set,
+           const NamedEnvironment& environment, const RelightModels* models, int runs) {
+  std::printf(
+      "\n| size | lobes | table of %zu lights | look-up | sum of 1 | of 8 | of 32 | of all |",
+      set.lights.size());
+  std::printf(
+      " features | network, 1 | 8 | 32 | all "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Extent extent : {Extent{128, 160}, {256, 320}, {512, 640}}) {
+    std::printf("| %u x %u |", extent.width, extent.height);
+    Subject lobe(device, set, extent, nullptr);
+    const auto lights = weighted(lobe.stage(), lobe.stage().cells.weights(environment.map));
+    const std::span<const WeightedLight> all(lights);
+    std::printf(" %.2f | %.2f | %.2f |", lobe.time(runs, [&] { lobe.find_lobes(); }),
+                lobe.time(runs, [&] { lobe.make_table(all); }),
+                lobe.time(runs, [&] { lobe.look_up(); }));
+    for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
+      std::printf(" %.2f |", lobe.time(runs, [&] { lobe.record_sum(all.first(count)); }));
+    if (models) {
+      Subject network(device, set, extent, models);
+      std::printf(" %.1f |", network.time(runs, [&] { network.find_features(); }));
+      for (const size_t count : {size_t{1}, size_t{8}, size_t{32}, all.size()})
+        std::printf(" %.1f |", network.time(runs, [&] { network.record_sum(all.first(count)); }));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
+void run(const Arguments& arguments) {
+  const auto sets = read_sets(arguments.sets);
+  if (sets.empty()) return;
+  const auto environments = read_environments(arguments.environments);
+  std::optional<RelightModels> models;
+  if (!arguments.models.empty()) models = RelightModels::load(arguments.models);
+  std::vector<Method> methods{{"cosine-lobe", nullptr}};
+  if (models) {
+    methods.push_back({"network alone", &*models});
+    methods.push_back({"network", &*models, true});
+  }
+  const auto device = gpu::Device::open();
+  std::printf("%s\n", device->name().c_str());
+  if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
+  errors(device, sets, environments, methods, arguments.pictures);
+  if (arguments.choices) choices(device, sets, environments, methods);
+  if (arguments.times)
+    times(device, sets[0], environments[0], models ? &*models : nullptr, arguments.runs);
+}
+
+}  // namespace
+}  // namespace inverse::bench
+
+int main(int argc, char** argv) {
+  using namespace inverse::bench;
+  Arguments arguments;
+  const Options options{
+      {"--environment",
+       {true, [&](const char* v) { return arguments.environments.emplace_back(v), true; }}},
+      {"--models", text(arguments.models)},
+      {"--pictures", text(arguments.pictures)},
+      {"--runs", integer(arguments.runs)},
+      {"--choices", integer(arguments.choices)},
+      {"--times", integer(arguments.times)}};
+  if (!read(options, argc, argv, "relight_bench.cpp", &arguments.sets)) return 2;
+  try {
+    run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "relight-bench: %s\n", error.what());
+    return 1;
+  }
+}

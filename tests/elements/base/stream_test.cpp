@@ -1,0 +1,173 @@
+// What an element makes of the stream around it: gaps, devices that go, latency, stats.
+#include <map>
+
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kLayers = "video/x-raw(meta:InverseLayers), layers=(string)intrinsic";
+
+GstStructure* stats_of(VideoHarness& harness, const char* factory) {
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find(factory), "stats", &stats, nullptr);
+  return stats;
+}
+
+bool history_of(VideoHarness& harness) {
+  GstStructure* stats = stats_of(harness, "intrinsicdecomp");
+  gboolean history = FALSE;
+  EXPECT_TRUE(gst_structure_get_boolean(stats, "history", &history));
+  gst_structure_free(stats);
+  return history;
+}
+
+/// Pushes a frame with a timestamp of one's own, marked as coming after a gap.
+void push_after_gap(VideoHarness& harness, const std::vector<uint8_t>& bytes, GstClockTime time) {
+  GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(buffer) = time;
+  GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
+  EXPECT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK);
+  gst_buffer_unref(gst_harness_pull(harness.harness()));
+}
+
+}  // namespace
+
+TEST(Stream, DroppedFramesDoNotEraseTheMemoryOfTheScene) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness("intrinsicdecomp", caps, caps);
+  const auto frame = random_frame(caps, 1);
+  harness.process(frame);
+  EXPECT_FALSE(history_of(harness));
+  // What a leaky queue or QoS does to every frame of a machine that cannot keep up.
+  for (int i = 1; i < 4; ++i) {
+    push_after_gap(harness, frame, static_cast<GstClockTime>(i) * 3 * GST_SECOND / 25);
+    EXPECT_TRUE(history_of(harness)) << i;
+  }
+  push_after_gap(harness, frame, 60 * GST_SECOND);
+  EXPECT_FALSE(history_of(harness)) << "a minute is another scene";
+  push_after_gap(harness, frame, GST_SECOND);
+  EXPECT_FALSE(history_of(harness)) << "so is the past";
+}
+
+TEST(Stream, StatsTellOfCompletedFramesWhereLayersGoOut) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness harness("intrinsicdecomp", caps, kLayers);
+  guint64 last = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    ASSERT_EQ(harness.push(random_frame(caps, i % 2)), GST_FLOW_OK);
+    gst_buffer_unref(gst_harness_pull(harness.harness()));
+    GstStructure* stats = stats_of(harness, "intrinsicdecomp");
+    guint64 frames = 0;
+    guint tiles = 0, evaluated = 0;
+    gdouble change = 0, device = 0;
+    if (gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "tiles", G_TYPE_UINT, &tiles,
+                          "tiles-evaluated", G_TYPE_UINT, &evaluated, "change", G_TYPE_DOUBLE,
+                          &change, "device-ms", G_TYPE_DOUBLE, &device, nullptr)) {
+      EXPECT_GE(frames, last);
+      last = frames;
+      EXPECT_EQ(tiles, 12u);
+      EXPECT_LE(evaluated, tiles);
+      EXPECT_TRUE(change >= 0 && change < 10) << change;
+      EXPECT_GT(device, 0);
+      // Stages that come in every cycle are told as their sum.
+      gdouble stages = 0;
+      for (const char* stage : {"unpack-ms", "guide-ms", "prior-ms", "assemble-ms", "operators-ms",
+                                "descend-ms", "cells-ms", "ascend-ms", "layers-ms"}) {
+        gdouble milliseconds = 0;
+        EXPECT_TRUE(gst_structure_get_double(stats, stage, &milliseconds)) << stage;
+        stages += milliseconds;
+      }
+      EXPECT_NEAR(stages, device, 1e-6);
+    }
+    gst_structure_free(stats);
+  }
+  EXPECT_GE(last, 5u) << "at most three frames are in flight";
+}
+
+TEST(Stream, LatencyIsAnnouncedWhenItChanges) {
+  VideoHarness harness("intrinsicdecomp", VideoHarness::caps("RGBA", 16, 12));
+  GstBus* bus = gst_element_get_bus(harness.harness()->element);
+  const auto announced = [&] {
+    int messages = 0;
+    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_LATENCY)) {
+      ++messages;
+      gst_message_unref(message);
+    }
+    return messages;
+  };
+  harness.process(random_frame(VideoHarness::caps("RGBA", 16, 12), 1));
+  EXPECT_EQ(announced(), 1);
+  const std::string slower = "video/x-raw, format=RGBA, width=16, height=12, framerate=5/1";
+  harness.set_src_caps(slower);
+  harness.process(random_frame(slower, 1));
+  EXPECT_EQ(announced(), 1);
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 200 * GST_MSECOND);
+  gst_object_unref(bus);
+}
+
+TEST(Stream, AnEditingLineInSystemMemoryOpensOneDevice) {
+  static std::map<std::string, int> contexts;
+  contexts.clear();
+  const auto result = run_line(
+      "videotestsrc num-buffers=3 ! video/x-raw,width=32,height=24 ! intrinsicdecomp ! "
+      "intrinsicrecolor ! "
+      "intrinsiccompose ! fakesink",
+      60, [](GstElement* pipeline) {
+        GstBus* bus = gst_element_get_bus(pipeline);
+        gst_bus_set_sync_handler(
+            bus,
+            [](GstBus*, GstMessage* message, gpointer) {
+              if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_HAVE_CONTEXT) {
+                GstContext* context = nullptr;
+                gst_message_parse_have_context(message, &context);
+                ++contexts[gst_context_get_context_type(context)];
+                gst_context_unref(context);
+              }
+              return GST_BUS_PASS;
+            },
+            nullptr, nullptr);
+        gst_object_unref(bus);
+      });
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_EQ(contexts["gst.inverse.device"], 1);
+  EXPECT_EQ(contexts.size(), 1u) << "GStreamer's own Vulkan device is for those who need it";
+}
+
+// No frame for a time: an empty buffer with the flag GAP. It goes where frames go, and means no new
+// scene.
+TEST(Stream, GapsPassThroughEveryElement) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  const auto frame = random_frame(caps, 1);
+  for (const char* line :
+       {"intrinsicdecomp", "intrinsicdecompthesis", "intrinsicdecomp ! intrinsiccompose",
+        "intrinsicdecomp ! intrinsicrecolor write-mask=true ! intrinsiccompose show=mask",
+        "intrinsicdecomp ! intrinsicsplit name=s s.shading ! identity"}) {
+    VideoHarness harness(line, caps);
+    for (int i = 0; i < 6; ++i) {
+      const bool gap = i % 3 == 0;  // the first of all, too
+      GstBuffer* buffer =
+          gap ? gst_buffer_new() : gst_buffer_new_memdup(frame.data(), frame.size());
+      GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(i) * GST_SECOND / 25;
+      GST_BUFFER_DURATION(buffer) = GST_SECOND / 25;
+      // A frame that is flagged so is a frame all the same.
+      if (gap || i == 4) GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_GAP);
+      ASSERT_EQ(gst_harness_push(harness.harness(), buffer), GST_FLOW_OK) << line << ", " << i;
+      GstBuffer* out = gst_harness_try_pull(harness.harness());
+      ASSERT_NE(out, nullptr) << line << ", " << i;
+      EXPECT_EQ(GST_BUFFER_PTS(out), static_cast<GstClockTime>(i) * GST_SECOND / 25) << line;
+      EXPECT_EQ(GST_BUFFER_DURATION(out), GST_SECOND / 25) << line;
+      EXPECT_EQ(static_cast<bool>(GST_BUFFER_FLAG_IS_SET(out, GST_BUFFER_FLAG_GAP)), gap)
+          << line << ", " << i;
+      EXPECT_EQ(gst_buffer_get_size(out) == 0, gap) << line << ", " << i;
+      gst_buffer_unref(out);
+    }
+    const auto errors = harness.errors();
+    EXPECT_TRUE(errors.empty()) << line << ": " << errors[0];
+    if (harness.find("intrinsicdecomp")) {
+      EXPECT_TRUE(history_of(harness)) << line;
+    }
+  }
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,389 @@
+// What every decomposer promises whoever embeds it: formats, sizes, bad input, events, properties.
+#include <gst/controller/gstdirectcontrolbinding.h>
+#include <gst/controller/gstinterpolationcontrolsource.h>
+
+#include <cmath>
+
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kDecomposers[] = {"intrinsicdecomp", "intrinsicdecompthesis",
+                                        "globalintrinsic", "globalintrinsicthesis"};
+
+/// The formats that an element's sink pad takes in system memory.
+std::vector<std::string> formats_of(const char* factory) {
+  GstElementFactory* found = gst_element_factory_find(factory);
+  std::vector<std::string> formats;
+  for (const GList* item = gst_element_factory_get_static_pad_templates(found); item;
+       item = item->next) {
+    auto* pad = static_cast<GstStaticPadTemplate*>(item->data);
+    if (pad->direction != GST_PAD_SINK) continue;
+    GstCaps* caps = gst_static_pad_template_get_caps(pad);
+    const GValue* list =
+        gst_structure_get_value(gst_caps_get_structure(caps, 0), "format");  // pixels come first
+    for (guint i = 0; i < gst_value_list_get_size(list); ++i)
+      formats.emplace_back(g_value_get_string(gst_value_list_get_value(list, i)));
+    gst_caps_unref(caps);
+  }
+  gst_object_unref(found);
+  return formats;
+}
+
+/// The (R.rgb, S) layer of a buffer in host memory; empty where there is none.
+std::vector<float> intrinsic_of(GstBuffer* buffer) {
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  if (!meta) return {};
+  GBytes* bytes = meta->download(meta, GST_INVERSE_ROLE_INTRINSIC);
+  if (!bytes) return {};
+  gsize size = 0;
+  const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
+  std::vector<float> layer(data, data + size / sizeof(float));
+  g_bytes_unref(bytes);
+  return layer;
+}
+
+/// A code value of 8-bit sRGB in linear light.
+float linear_of(uint8_t code) { return srgb_light(static_cast<float>(code) / 255.0f); }
+
+/// A decomposer that does as little as it can, for what does not depend on how well it does.
+std::string quick(const std::string& name) {
+  if (name == "globalintrinsicthesis") return name + " steps=1 pcg-iterations=1 refine-rounds=0";
+  if (name == "intrinsicdecompthesis") return name + " irls-iterations=1 pcg-iterations=1";
+  return name;
+}
+
+class Decomposer : public ::testing::TestWithParam<const char*> {};
+
+}  // namespace
+
+TEST_P(Decomposer, EveryFormatPassesThroughUnchangedWhenTheInputIsShown) {
+  const auto formats = formats_of(GetParam());
+  EXPECT_EQ(formats.size(), 15u);
+  for (const std::string& format : formats) {
+    for (const auto& [width, height] : {std::pair{15, 10}, {349, 287}, {1, 1}, {2, 3}}) {
+      const std::string caps = VideoHarness::caps(format, width, height);
+      VideoHarness harness(quick(GetParam()) + " show=input", caps, caps);
+      // Random chroma leaves the RGB cube and does not come back from it: a flat frame for Y'CbCr.
+      const bool rgb = format.find('R') != std::string::npos || format.find("BGR") == 0;
+      auto frame = rgb ? random_frame(caps, 1) : flat_frame(caps, 128);
+      if (format == "I420_10LE")
+        for (size_t i = 0; i < frame.size(); ++i)
+          frame[i] = i % 2 ? 2 : 0;  // 512: ten bits in the low end
+      const auto before = visible(caps, frame), after = visible(caps, harness.process(frame));
+      ASSERT_EQ(before.size(), after.size()) << format;
+      const bool padded = format.find('x') != std::string::npos;  // every fourth byte means nothing
+      const bool deep = format.find("LE") != std::string::npos;
+      for (size_t i = 0; i < before.size(); i += deep ? 2 : 1) {
+        if (padded && i % 4 == 3) continue;
+        const int was = deep ? before[i] + 256 * before[i + 1] : before[i];
+        const int is = deep ? after[i] + 256 * after[i + 1] : after[i];
+        // One code value of 8 bits; 10 bits in the high end of 16 step by 64.
+        ASSERT_NEAR(is, was, deep ? 64 : 1)
+            << format << " " << width << "x" << height << " at " << i;
+      }
+    }
+  }
+}
+
+// Long and thin, both ways, through decomposer, editor and the elements that draw.
+TEST_P(Decomposer, VeryWideAndVeryTallFramesFlow) {
+  const std::string name = quick(GetParam());
+  for (const auto& [width, height] : {std::pair{8192, 16}, {16, 8192}}) {
+    const std::string caps = VideoHarness::caps("RGBA", width, height);
+    const auto frame = random_frame(caps, 2);
+    for (const std::string& line :
+         {name, name + " ! intrinsicrecolor strength=0 ! intrinsiccompose",
+          name + " ! intrinsicsplit name=s s.input ! identity"}) {
+      VideoHarness harness(line, caps, caps);
+      for (int i = 0; i < 2; ++i) {
+        const auto shown = harness.process(frame);
+        ASSERT_EQ(shown.size(), frame.size()) << line << " " << width << "x" << height;
+        if (line == name) {
+          const auto [darkest, brightest] = std::minmax_element(shown.begin(), shown.end());
+          EXPECT_GT(*brightest - *darkest, 50) << "reflectance of noise is not flat";
+        } else {
+          EXPECT_LE(largest_difference(shown, frame), 1) << line << " " << width << "x" << height;
+        }
+      }
+      EXPECT_TRUE(harness.errors().empty());
+    }
+  }
+}
+
+TEST_P(Decomposer, ConvertsBetweenFormats) {
+  const std::string in = VideoHarness::caps("NV12", 64, 48),
+                    out = VideoHarness::caps("BGR", 64, 48);
+  VideoHarness harness(std::string(GetParam()) + " show=input", in, out);
+  auto frame = flat_frame(in, 128);
+  const auto shown = harness.process(frame);
+  ASSERT_EQ(shown.size(), 64u * 48 * 3);
+  for (uint8_t value : shown) ASSERT_NEAR(value, 130, 1);  // (128 - 16) · 255 / 219, chroma neutral
+}
+
+TEST_P(Decomposer, DifficultPicturesGiveFiniteLayers) {
+  const int width = 32, height = 24;
+  const std::string caps = VideoHarness::caps("RGBA", width, height);
+  const auto picture = [&](auto value) {
+    std::vector<uint8_t> frame(static_cast<size_t>(width) * height * 4, 255);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c)
+          frame[(static_cast<size_t>(y) * width + x) * 4 + c] = value(x, y, c);
+    return frame;
+  };
+  std::mt19937 random(3);
+  const std::vector<std::pair<const char*, std::vector<uint8_t>>> pictures = {
+      {"black", picture([](int, int, int) { return 0; })},
+      {"white", picture([](int, int, int) { return 255; })},
+      {"one color", picture([](int, int, int c) { return c == 0 ? 255 : 0; })},
+      {"hot pixel", picture([](int x, int y, int) { return x == 7 && y == 9 ? 255 : 1; })},
+      {"checkerboard", picture([](int x, int y, int) { return (x + y) % 2 ? 255 : 0; })},
+      {"noise of one code value",
+       picture([&](int, int, int) { return 100 + static_cast<int>(random() % 2); })},
+  };
+  VideoHarness harness(GetParam(), caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string){ intrinsic, global }");
+  for (int round = 0; round < 2; ++round) {
+    for (const auto& [name, frame] : pictures) {
+      ASSERT_EQ(harness.push(frame), GST_FLOW_OK) << name;
+      GstBuffer* buffer = gst_harness_pull(harness.harness());
+      const auto layer = intrinsic_of(buffer);
+      gst_buffer_unref(buffer);
+      ASSERT_EQ(layer.size(), frame.size()) << name;
+      double model = 0, light = 1e-3;  // sums over the frame
+      for (size_t i = 0; i < layer.size(); ++i) {
+        ASSERT_TRUE(std::isfinite(layer[i])) << name << " at " << i;
+        ASSERT_GE(layer[i], 0.0f) << name << " at " << i;
+        if (i % 4 == 3) continue;
+        model += layer[i] * layer[i | 3];
+        light += linear_of(frame[i]);
+      }
+      if (light < 100) continue;
+      // The thesis' model is a soft constraint, loosest on a checkerboard; black it never is.
+      EXPECT_GT(model / light, 0.05) << name;
+      EXPECT_LT(model / light, 2) << name;
+    }
+  }
+}
+
+TEST_P(Decomposer, AlternatingBlackAndWhiteFramesComeOutOneForOne) {
+  const std::string caps = VideoHarness::caps("I420", 48, 32);
+  VideoHarness harness(GetParam(), caps, caps);
+  for (int i = 0; i < 12; ++i) {
+    auto frame = flat_frame(caps, 128);
+    std::fill_n(frame.begin(), 48 * 32, static_cast<uint8_t>(i % 2 ? 235 : 16));
+    const auto shown = harness.process(frame);
+    ASSERT_FALSE(shown.empty());
+    if (i % 2) {
+      EXPECT_GT(shown[0], 150) << "frame " << i;
+    }
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_P(Decomposer, AShortBufferIsOneClearError) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  VideoHarness harness(GetParam(), caps, caps);
+  EXPECT_EQ(harness.push(std::vector<uint8_t>(1000)), GST_FLOW_ERROR);
+  const auto errors = harness.errors();
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("1000 bytes"), std::string::npos) << errors[0];
+}
+
+TEST_P(Decomposer, InterlacedVideoIsRefusedWithAdvice) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 ! video/x-raw,width=64,height=48,interlace-mode=interleaved ! " +
+      std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find("insert deinterlace"), std::string::npos)
+      << result.first_error();
+}
+
+TEST_P(Decomposer, UnsupportedTransferCurvesAreRefusedByName) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=2 ! "
+      "video/x-raw,format=P010_10LE,width=64,height=48,colorimetry=bt2100-pq ! " +
+      std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find(GetParam()), std::string::npos) << result.first_error();
+  EXPECT_NE(result.first_error().find("PQ"), std::string::npos) << result.first_error();
+}
+
+TEST_P(Decomposer, AFrameTooLargeForTheDeviceNamesTheLimit) {
+  const auto result =
+      run_line("videotestsrc num-buffers=1 ! video/x-raw,format=GRAY8,width=32000,height=32000 ! " +
+               std::string(GetParam()) + " ! fakesink");
+  EXPECT_NE(result.first_error().find("maxStorageBufferRange"), std::string::npos)
+      << result.first_error();
+}
+
+TEST_P(Decomposer, CapsChangesFlushesAndSeeksAreSurvived) {
+  const std::string name = GetParam();
+  VideoHarness harness(name, VideoHarness::caps("RGBA", 32, 24));
+  for (int i = 0; i < 10; ++i) {
+    const std::string caps = VideoHarness::caps(i % 2 ? "NV12" : "RGBA", 16 + 6 * i, 40 - 2 * i);
+    harness.set_src_caps(caps);
+    EXPECT_FALSE(harness.process(random_frame(caps, i)).empty()) << caps;
+    if (i % 3 == 0) harness.flush();
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+/// A source of variable rate says so with every change of it; frames go on as they were.
+TEST_P(Decomposer, AnotherRateChangesNothing) {
+  const std::string caps = "video/x-raw,format=RGBA,width=40,height=30,framerate=";
+  std::vector<std::vector<uint8_t>> first;
+  for (const bool changes : {false, true}) {
+    VideoHarness harness(GetParam(), caps + "25/1", "video/x-raw,format=RGBA");
+    for (int i = 0; i < 6; ++i) {
+      if (changes && i == 3) harness.set_src_caps(caps + "12/1");
+      if (changes && i == 5) harness.set_src_caps(caps + "0/1,pixel-aspect-ratio=12/11");
+      const auto shown = harness.process(random_frame(caps + "25/1", i / 2));
+      if (changes)
+        EXPECT_EQ(shown, first[i]) << "frame " << i;
+      else
+        first.push_back(shown);
+    }
+    EXPECT_EQ(stat<guint64>(harness.find(GetParam()), "frames", G_TYPE_UINT64), 6u);
+    EXPECT_TRUE(harness.errors().empty());
+  }
+}
+
+TEST_P(Decomposer, SameFramesAndSeedGiveTheSameBytes) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  std::vector<std::vector<uint8_t>> first;
+  for (int run = 0; run < 2; ++run) {
+    VideoHarness harness(GetParam(), caps, caps);
+    for (int i = 0; i < 4; ++i) {
+      const auto shown = harness.process(random_frame(caps, i));
+      if (run == 0)
+        first.push_back(shown);
+      else
+        EXPECT_EQ(shown, first[i]) << "frame " << i;
+    }
+  }
+}
+
+TEST_P(Decomposer, StatsTellWhatAFrameTook) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(GetParam(), caps, caps);
+  for (int i = 0; i < 3; ++i) harness.process(random_frame(caps, i));
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find(GetParam()), "stats", &stats, nullptr);
+  guint64 frames = 0, bytes = 0;
+  gdouble wall = 0;
+  EXPECT_TRUE(gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "wall-ms", G_TYPE_DOUBLE,
+                                &wall, "device-bytes", G_TYPE_UINT64, &bytes, nullptr));
+  EXPECT_EQ(frames, 3u);
+  EXPECT_GT(wall, 0);
+  EXPECT_GT(bytes, 40u * 30 * 16);
+  gst_structure_free(stats);
+}
+
+TEST_P(Decomposer, AddsOneFrameOfLatencyToLivePipelines) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(GetParam(), caps, caps);
+  gst_harness_set_upstream_latency(harness.harness(), 5 * GST_MSECOND);
+  harness.process(random_frame(caps, 1));
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);
+}
+
+TEST_P(Decomposer, ShowCanBeDrivenWhilePlaying) {
+  const std::string caps = VideoHarness::caps("RGBA", 40, 30);
+  VideoHarness harness(std::string(GetParam()) + " show=shading", caps, caps);
+  const auto frame = random_frame(caps, 9);
+  EXPECT_GT(largest_difference(harness.process(frame), frame), 1);
+  g_object_set(harness.find(GetParam()), "show", 2 /* input */, nullptr);
+  EXPECT_LE(largest_difference(harness.process(frame), frame), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Decomposer, ::testing::ValuesIn(kDecomposers),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Layers, ReflectanceTimesShadingIsTheInput) {
+  const std::string caps = VideoHarness::caps("RGBA", 33, 21);
+  VideoHarness harness("intrinsicdecomp", caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string){ intrinsic, global }");
+  const auto frame = random_frame(caps, 5);
+  ASSERT_EQ(harness.push(frame), GST_FLOW_OK);
+  GstBuffer* buffer = gst_harness_pull(harness.harness());
+  const auto layer = intrinsic_of(buffer);
+  ASSERT_EQ(layer.size(), frame.size());
+  for (size_t i = 0; i < frame.size(); ++i) {
+    if (i % 4 == 3) continue;
+    ASSERT_NEAR(layer[i] * layer[i | 3], linear_of(frame[i]), 2e-3) << i;
+  }
+  gst_buffer_unref(buffer);
+}
+
+TEST(Layers, CanBeReadReplacedAndCopiedThroughTheInstalledHeader) {
+  const std::string caps = VideoHarness::caps("RGBA", 8, 6);
+  VideoHarness harness("intrinsicdecomp", caps,
+                       "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
+                       "), layers=(string){ intrinsic, global }");
+  ASSERT_EQ(harness.push(random_frame(caps, 5)), GST_FLOW_OK);
+  GstBuffer* buffer = gst_harness_pull(harness.harness());
+  EXPECT_EQ(gst_buffer_n_memory(buffer), 0u);
+  GstBuffer* copy = gst_buffer_copy(buffer);
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(copy);
+  ASSERT_NE(meta, nullptr);
+  EXPECT_EQ(meta->width, 8u);
+  EXPECT_EQ(meta->height, 6u);
+  std::vector<float> mine(8 * 6 * 4, 0.25f);
+  GBytes* bytes = g_bytes_new(mine.data(), mine.size() * sizeof(float));
+  EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
+  g_bytes_unref(bytes);
+  bytes = g_bytes_new(mine.data(), 7);
+  EXPECT_FALSE(meta->upload(meta, GST_INVERSE_ROLE_INTRINSIC, bytes));
+  g_bytes_unref(bytes);
+  EXPECT_EQ(meta->download(meta, GST_INVERSE_ROLE_MASK), nullptr);
+  EXPECT_EQ(intrinsic_of(copy), mine);
+  EXPECT_NE(intrinsic_of(buffer), mine) << "the original must not change with its copy";
+  gst_buffer_unref(copy);
+  gst_buffer_unref(buffer);
+}
+
+TEST(Pipelines, TwoDecomposersInOneProcessDoNotDisturbEachOther) {
+  const std::string source =
+      "videotestsrc num-buffers=12 pattern=ball ! video/x-raw,width=64,height=48 ! ";
+  const auto alone = run_line(source + "intrinsicdecomp show=shading ! appsink name=out");
+  const auto both = run_line(source +
+                             "tee name=t t. ! queue ! intrinsicdecompthesis ! fakesink "
+                             "t. ! queue ! intrinsicdecomp show=shading ! appsink name=out");
+  EXPECT_TRUE(both.eos);
+  EXPECT_EQ(both.frames, alone.frames);
+}
+
+TEST(Properties, ControllersReachLiveProperties) {
+  const std::string caps = VideoHarness::caps("RGBA", 16, 12);
+  VideoHarness harness("intrinsicdecompthesis", caps, caps);
+  GstElement* element = harness.find("intrinsicdecompthesis");
+  GstControlSource* source = gst_interpolation_control_source_new();
+  g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
+  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), 0, 0.0);
+  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), GST_SECOND, 25.0);
+  gst_object_add_control_binding(GST_OBJECT(element), gst_direct_control_binding_new_absolute(
+                                                          GST_OBJECT(element), "w-data", source));
+  for (int i = 0; i < 6; ++i) harness.process(random_frame(caps, i));
+  gfloat weight = 0;
+  g_object_get(element, "w-data", &weight, nullptr);
+  EXPECT_NEAR(weight, 5.0f, 1e-3f);  // at 5/25 s
+  gst_object_unref(source);
+}
+
+TEST(Properties, QualityIsAPresetThatExplicitValuesOverrule) {
+  GstElement* element = gst_element_factory_make("intrinsicdecompthesis", nullptr);
+  ASSERT_NE(element, nullptr);
+  gint irls = 0, pcg = 0;
+  g_object_set(element, "irls-iterations", 5, "quality", 3 /* best */, nullptr);
+  g_object_get(element, "irls-iterations", &irls, "pcg-iterations", &pcg, nullptr);
+  EXPECT_EQ(irls, 5);
+  EXPECT_EQ(pcg, 16);
+  gst_object_unref(element);
+}
+
+}  // namespace inverse::testing

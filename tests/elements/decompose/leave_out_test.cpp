@@ -1,0 +1,121 @@
+// What the decomposers leave out by what a scene shows, as stats tell it.
+#include <cmath>
+
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+/// Soft blotches of color, or grains of paint under a hard shadow; another picture for every
+/// `time`.
+std::vector<uint8_t> picture(bool soft, int time) {
+  std::vector<uint8_t> frame(static_cast<size_t>(kWidth) * kHeight * 4, 255);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double wave = std::sin(0.025 * x + 0.04 * y + 2 * c + 0.015 * time);
+        const unsigned paint = static_cast<unsigned>((x / 2) * 7919 + y * 104729 + c * 31) % 97;
+        const double light = x + 2 * y > 150 + time ? 0.9 : 0.3;
+        const double value = soft ? 0.5 + 0.3 * wave : light * (0.1 + 0.009 * paint);
+        frame[4 * (static_cast<size_t>(y) * kWidth + static_cast<size_t>(x)) +
+              static_cast<size_t>(c)] = static_cast<uint8_t>(255 * value);
+      }
+  return frame;
+}
+
+struct Told {
+  std::string skipped;
+  gboolean half = FALSE;
+  guint halvings = 0;
+  double distance = 0;
+};
+
+Told told(VideoHarness& harness, const char* factory) {
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find(factory), "stats", &stats, nullptr);
+  Told told;
+  if (const char* text = gst_structure_get_string(stats, "skipped")) told.skipped = text;
+  gst_structure_get_boolean(stats, "half-resolution", &told.half);
+  gst_structure_get_uint(stats, "halvings", &told.halvings);
+  gst_structure_get_double(stats, "half-distance", &told.distance);
+  gst_structure_free(stats);
+  return told;
+}
+
+Told after(const char* line, const char* factory, bool soft, int frames) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+  VideoHarness harness(line, caps, caps);
+  for (int i = 0; i < frames; ++i) EXPECT_FALSE(harness.process(picture(soft, i)).empty());
+  return told(harness, factory);
+}
+
+bool has(const Told& told, const char* what) {
+  return told.skipped.find(what) != std::string::npos;
+}
+
+}  // namespace
+
+TEST(LeaveOut, TermsWithoutWeightAreNamed) {
+  EXPECT_FALSE(has(after("intrinsicdecomp", "intrinsicdecomp", true, 3), "chroma bins"));
+  EXPECT_TRUE(has(after("intrinsicdecomp chroma-weight=0", "intrinsicdecomp", true, 3),
+                  "chroma bins: their weight is 0"));
+  const Told thesis =
+      after("intrinsicdecompthesis irls-iterations=1 pcg-iterations=1 w-non-local=0 w-clustering=0",
+            "intrinsicdecompthesis", true, 2);
+  EXPECT_TRUE(has(thesis, "samples: none, or their weight is 0")) << thesis.skipped;
+  EXPECT_TRUE(has(thesis, "clusters: their weight is 0")) << thesis.skipped;
+}
+
+TEST(LeaveOut, HalfResolutionFollowsItsBound) {
+  const Told soft = after("intrinsicdecomp", "intrinsicdecomp", true, 32);
+  EXPECT_TRUE(soft.half);
+  EXPECT_EQ(soft.halvings, 1u);
+  EXPECT_GT(soft.distance, 0);
+  EXPECT_LT(soft.distance, 0.06);
+  const Told sharp = after("intrinsicdecomp", "intrinsicdecomp", false, 32);
+  EXPECT_FALSE(sharp.half);
+  EXPECT_GT(sharp.distance, 0.06);
+  for (const char* line :
+       {"intrinsicdecomp half-resolution-bound=0", "intrinsicdecomp adaptive=false"}) {
+    const Told never = after(line, "intrinsicdecomp", true, 32);
+    EXPECT_FALSE(never.half) << line;
+    EXPECT_EQ(never.distance, 0) << line;
+  }
+  EXPECT_EQ(after("intrinsicdecomp half-resolution=true quarter-resolution=true", "intrinsicdecomp",
+                  false, 2)
+                .halvings,
+            2u);
+}
+
+TEST(LeaveOut, BouncedLightOfVideoInBlackAndWhite) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+  VideoHarness all("globalintrinsic show=mosaic", caps, caps);
+  const auto in = [](int time, bool color) {
+    std::vector<uint8_t> frame = picture(false, time);
+    for (size_t i = 0; i < frame.size() && !color; i += 4) frame[i + 1] = frame[i + 2] = frame[i];
+    return frame;
+  };
+  const auto bounced = [](const std::vector<uint8_t>& mosaic) {  // lower right of four
+    int most = 0;
+    for (size_t y = kHeight / 2 + 1; y < kHeight; ++y)
+      for (size_t x = kWidth / 2 + 1; x < kWidth; ++x)
+        for (size_t c = 0; c < 3; ++c) most = std::max(most, int(mosaic[4 * (y * kWidth + x) + c]));
+    return most;
+  };
+  const char* reason = "no color to go by";
+  for (int k = 0; k < 16; ++k) {
+    EXPECT_EQ(bounced(all.process(in(k, false))), 0) << k;
+    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k >= 10) << k;
+  }
+  int seen = 0;
+  for (int k = 0; k < 8; ++k) {
+    seen = bounced(all.process(in(k, true)));
+    EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k < 3) << k;
+  }
+  EXPECT_GT(seen, 0) << "color came back";
+  EXPECT_TRUE(all.errors().empty());
+}
+
+}  // namespace inverse::testing

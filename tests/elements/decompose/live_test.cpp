@@ -1,0 +1,171 @@
+// target-fps and latency-budget: the work for a frame follows what it may take.
+#include <chrono>
+
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr guint kTop = 3;  // of quality=low
+
+/// What `stats` of intrinsicdecomp says of the trade; `on` false where it says nothing.
+struct Live {
+  bool on = false;
+  guint level = 0, cycles = 0;
+  guint64 moves = 0;
+  double budget = 0, predicted = 0;
+  std::string reason;
+};
+
+Live live_of(VideoHarness& harness) {
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find("intrinsicdecomp"), "stats", &stats, nullptr);
+  Live live;
+  gst_structure_get_uint(stats, "cycles", &live.cycles);
+  live.on =
+      gst_structure_get(stats, "live-level", G_TYPE_UINT, &live.level, "live-moves", G_TYPE_UINT64,
+                        &live.moves, "live-budget-ms", G_TYPE_DOUBLE, &live.budget,
+                        "live-predicted-ms", G_TYPE_DOUBLE, &live.predicted, nullptr);
+  if (live.on) live.reason = gst_structure_get_string(stats, "live-reason");
+  gst_structure_free(stats);
+  return live;
+}
+
+std::string caps_of(int width, int height) { return VideoHarness::caps("RGBA", width, height); }
+
+/// Frames that differ, over and over.
+class Source {
+ public:
+  explicit Source(const std::string& caps) {
+    for (unsigned i = 0; i < 3; ++i) frames_.push_back(random_frame(caps, i));
+  }
+  const std::vector<uint8_t>& next() { return frames_[count_++ % frames_.size()]; }
+
+ private:
+  std::vector<std::vector<uint8_t>> frames_;
+  size_t count_ = 0;
+};
+
+/// Sends frames until `reached`, at most a minute; every one has to come out.
+template <typename Reached>
+Live send_until(VideoHarness& harness, Source& source, Reached reached,
+                const std::function<void()>& after = {}) {
+  const auto start = std::chrono::steady_clock::now();
+  Live live;
+  do {
+    EXPECT_FALSE(harness.process(source.next()).empty());
+    if (after) after();
+    live = live_of(harness);
+    if (reached(live)) return live;
+  } while (std::chrono::steady_clock::now() - start < std::chrono::minutes(1));
+  ADD_FAILURE() << "stays at level " << live.level << " of " << live.predicted << " ms, budget "
+                << live.budget << " ms: " << live.reason;
+  return live;
+}
+
+void set(VideoHarness& harness, const char* property, double value) {
+  g_object_set(harness.find("intrinsicdecomp"), property, value, nullptr);
+}
+
+}  // namespace
+
+TEST(Live, WithoutAGoalThereIsNoTrade) {
+  const std::string caps = caps_of(64, 48);
+  VideoHarness harness("intrinsicdecomp quality=low", caps, caps);
+  Source source(caps);
+  for (int i = 0; i < 8; ++i) harness.process(source.next());
+  EXPECT_FALSE(live_of(harness).on);
+  EXPECT_EQ(live_of(harness).cycles, 2u);
+}
+
+TEST(Live, WorkFollowsTheBudgetDownAndUp) {
+  const std::string caps = caps_of(64, 48);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=1000 latency-budget=0.01", caps,
+                       caps);
+  Source source(caps);
+  Live live = send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
+  EXPECT_DOUBLE_EQ(live.budget, 0.01);
+  EXPECT_EQ(live.reason.rfind("down: took ", 0), 0u) << live.reason;
+  for (int i = 0; i < 8; ++i) harness.process(source.next());
+  EXPECT_EQ(live_of(harness).level, 0u) << "slow as it is, frames come out";
+  EXPECT_EQ(live_of(harness).cycles, 1u);
+  set(harness, "latency-budget", 0);
+  set(harness, "target-fps", 0.001);
+  live = send_until(harness, source, [](const Live& l) { return l.level == kTop; });
+  EXPECT_EQ(live.reason.rfind("up: expects ", 0), 0u) << live.reason;
+  EXPECT_EQ(live.cycles, 2u);
+  EXPECT_GT(live.predicted, 0);
+  set(harness, "target-fps", 0);
+  harness.process(source.next());
+  EXPECT_FALSE(live_of(harness).on);
+}
+
+TEST(Live, WhatIsSetExplicitlyStays) {
+  const std::string caps = caps_of(64, 48);
+  VideoHarness harness("intrinsicdecomp quality=low latency-budget=0.01 warm-cycles=3", caps, caps);
+  Source source(caps);
+  send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
+  harness.process(source.next());
+  EXPECT_EQ(live_of(harness).cycles, 3u);
+  gfloat tolerance = 0;
+  g_object_get(harness.find("intrinsicdecomp"), "still-tolerance", &tolerance, nullptr);
+  EXPECT_FLOAT_EQ(tolerance, 0.05F) << "properties show what was set, not what is done";
+}
+
+// The artificial load is the frame: two hundred times as many pixels.
+TEST(Live, LoadIsEvadedAndForgottenWhenItGoes) {
+  VideoHarness harness("intrinsicdecomp quality=low latency-budget=100000", caps_of(48, 32));
+  Source light(caps_of(48, 32)), heavy(caps_of(640, 480));
+  double usual = 0;
+  for (int i = 0; i < 20; ++i) {
+    harness.process(light.next());
+    usual = std::max(usual, live_of(harness).predicted);
+  }
+  ASSERT_GT(usual, 0);
+  ASSERT_EQ(live_of(harness).level, kTop);
+  // What the light frames take with room to spare and the heavy ones cannot, at any level.
+  set(harness, "latency-budget", 2 * usual);
+  harness.set_src_caps(caps_of(640, 480));
+  send_until(harness, heavy, [](const Live& l) { return l.level < kTop; });
+  set(harness, "latency-budget", 100 * usual);
+  harness.set_src_caps(caps_of(48, 32));
+  const Live live = send_until(harness, light, [](const Live& l) { return l.level == kTop; });
+  EXPECT_EQ(live.reason.rfind("up: ", 0), 0u);
+}
+
+TEST(Live, LatenessDownstreamIsHeard) {
+  const std::string caps = caps_of(64, 48);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=0.001", caps, caps);
+  Source source(caps);
+  GstClockTime time = 0;
+  // A sink that was a millisecond late, or early by five: too little to drop a frame for.
+  const auto report = [&](GstClockTimeDiff late) {
+    gst_harness_push_upstream_event(
+        harness.harness(),
+        gst_event_new_qos(late > 0 ? GST_QOS_TYPE_UNDERFLOW : GST_QOS_TYPE_OVERFLOW, 1.0, late,
+                          time));
+    time += GST_SECOND / 25;
+  };
+  Live live = send_until(
+      harness, source, [](const Live& l) { return l.level == 0; }, [&] { report(GST_MSECOND); });
+  EXPECT_EQ(live.reason, "down: 1.0 ms late downstream");
+  live = send_until(
+      harness, source, [](const Live& l) { return l.level == kTop; },
+      [&] { report(-5 * static_cast<GstClockTimeDiff>(GST_MSECOND)); });
+  EXPECT_EQ(live.reason.rfind("up: ", 0), 0u);
+}
+
+TEST(Live, WhereNothingHelpsFramesAreDroppedAsEverywhere) {
+  const std::string caps = caps_of(64, 48);
+  VideoHarness harness("intrinsicdecomp quality=low target-fps=1000", caps, caps);
+  Source source(caps);
+  harness.process(source.next());  // at 0
+  gst_harness_push_upstream_event(
+      harness.harness(),
+      gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 2.0, 100 * GST_MSECOND, 10 * GST_MSECOND));
+  // GstBaseTransform leaves out what is due before 110 ms.
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(harness.push(source.next()), GST_FLOW_OK);
+  EXPECT_EQ(gst_harness_buffers_received(harness.harness()), 3u);
+}
+
+}  // namespace inverse::testing

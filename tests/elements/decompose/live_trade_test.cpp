@@ -1,0 +1,263 @@
+// The controller behind target-fps and latency-budget, against frames whose times are made up.
+#include "gst/decompose/live_trade.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "gst/base/frames/repeats.hpp"
+
+namespace inverse {
+namespace {
+
+constexpr double kCosts[] = {0.5, 0.6, 0.8, 1.0, 1.5, 3.0};
+constexpr size_t kTop = 5;
+
+/// A machine on which a frame of cost 1 takes `ms(time)`, and each frame anything up to `noise`
+/// times longer or shorter.
+struct Machine {
+  std::function<double(double)> ms;
+  double noise = 0;
+  std::vector<double> costs{std::begin(kCosts), std::end(kCosts)};  // true ones
+  std::mt19937 random{7};
+
+  double operator()(double time, size_t level) {
+    std::uniform_real_distribution<double> factor(-noise, noise);
+    return ms(time) * costs[level] * std::exp2(factor(random));
+  }
+};
+
+struct Ran {
+  size_t frames = 0, over = 0;  // over budget
+  size_t lowest = kTop, highest = 0;
+  double last_move = 0;
+};
+
+/// Runs a source of 30 frames a second from `from` to `to` (seconds).
+Ran run(LiveTrade& trade, Machine& machine, double from, double to) {
+  Ran result;
+  double time = from;
+  uint64_t moves = trade.report().moves;
+  while (time < to) {
+    const size_t level = trade.level();
+    const double took = machine(time, level);
+    time += std::max(took * 1e-3, 1.0 / 30);
+    trade.frame(time, took, level);
+    ++result.frames;
+    result.over += took > trade.report().budget_ms;
+    result.lowest = std::min(result.lowest, trade.level());
+    result.highest = std::max(result.highest, trade.level());
+    if (trade.report().moves != moves) result.last_move = time;
+    moves = trade.report().moves;
+  }
+  return result;
+}
+
+LiveTrade trade_for(double fps, double latency_ms = 0, size_t top = kTop) {
+  LiveTrade trade(kCosts);
+  trade.aim({fps, latency_ms}, top);
+  return trade;
+}
+
+TEST(LiveTrade, WithoutAGoalQualityDecides) {
+  LiveTrade trade(kCosts);
+  for (const size_t top : {kTop, size_t{2}, size_t{3}}) {
+    trade.aim({}, top);
+    for (int i = 0; i < 100; ++i) trade.frame(i, 1e4, top);
+    EXPECT_EQ(trade.level(), top);
+    EXPECT_EQ(trade.report().moves, 0u);
+  }
+}
+
+TEST(LiveTrade, TheStricterGoalIsTheBudget) {
+  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 0}).budget_ms(), 40);
+  EXPECT_DOUBLE_EQ((LiveTrade::Goal{0, 15}).budget_ms(), 15);
+  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 15}).budget_ms(), 15);
+  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 60}).budget_ms(), 40);
+}
+
+TEST(LiveTrade, WhatFitsStaysAtTheTop) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{[](double) { return 10.; }, 0.1};  // 30 of 33 ms at the top
+  run(trade, machine, 0, 60);
+  EXPECT_EQ(trade.level(), kTop);
+  EXPECT_EQ(trade.report().moves, 0u);
+}
+
+TEST(LiveTrade, GoesDownAtOnceAndAsFarAsNeeded) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{[](double time) { return time < 10 ? 8. : 30.; }};
+  run(trade, machine, 0, 10);
+  ASSERT_EQ(trade.level(), kTop);
+  // 90 ms a frame: only 0.8 and below fit, and of those that leave room.
+  const Ran under_load = run(trade, machine, 10, 10.5);
+  EXPECT_EQ(trade.level(), 2u);
+  EXPECT_LE(under_load.over, LiveTrade::kWindow);
+  const Ran later = run(trade, machine, 10.5, 120);
+  EXPECT_EQ(later.over, 0u);
+  EXPECT_EQ(trade.level(), 2u);
+}
+
+TEST(LiveTrade, ReturnsWhenTheLoadGoesOneLevelAtATime) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{[](double time) { return time < 60 ? 60. : 8.; }};
+  run(trade, machine, 0, 60);
+  ASSERT_EQ(trade.level(), 0u);
+  size_t before = 0;
+  for (double time = 60; time < 75; time += 0.5) {
+    run(trade, machine, time, time + 0.5);
+    EXPECT_LE(trade.level(), before + 1);
+    EXPECT_GE(trade.level(), before);
+    before = trade.level();
+  }
+  EXPECT_EQ(trade.level(), kTop);
+}
+
+TEST(LiveTrade, NoiseDoesNotMakeItSwing) {
+  // Every load from what fits by far to what nothing fits; times vary by a third up and down.
+  for (double ms = 5; ms < 90; ms *= 1.09) {
+    LiveTrade trade = trade_for(30);
+    Machine machine{[ms](double) { return ms; }, 0.4};
+    run(trade, machine, 0, 30);
+    const uint64_t moves = trade.report().moves;
+    const Ran rest = run(trade, machine, 30, 330);
+    EXPECT_LE(trade.report().moves - moves, 12u) << ms << " ms: " << trade.report().reason;
+    if (ms * kCosts[0] < 20) {
+      EXPECT_LT(static_cast<double>(rest.over), 0.35 * static_cast<double>(rest.frames)) << ms;
+    }
+  }
+}
+
+TEST(LiveTrade, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
+  LiveTrade trade = trade_for(30);
+  // 20 ms where it settles; 25 expected above, and 40 found.
+  Machine machine{[](double) { return 25.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
+  run(trade, machine, 0, 10);
+  const uint64_t early = trade.report().moves;
+  const Ran rest = run(trade, machine, 10, 310);
+  EXPECT_GE(trade.report().moves - early, 8u) << "it does try";
+  EXPECT_LE(trade.report().moves - early, 30u);  // a try in 32 s, and back
+  EXPECT_LT(rest.over, rest.frames / 50);
+}
+
+TEST(LiveTrade, ReturnsAlsoAfterManyFailedTries) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{
+      [](double time) { return time < 300 ? 25. : 6.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
+  run(trade, machine, 0, 300);
+  ASSERT_LT(trade.level(), 3u);
+  run(trade, machine, 300, 300 + LiveTrade::kMostPatience + 5 * 3 * LiveTrade::kPatience);
+  EXPECT_EQ(trade.level(), kTop);
+}
+
+TEST(LiveTrade, SingleSlowFramesMoveNothing) {
+  LiveTrade trade = trade_for(30);
+  int frame = 0;
+  Machine machine{[&](double) { return ++frame % 10 == 0 ? 200. : 8.; }};
+  run(trade, machine, 0, 60);
+  EXPECT_EQ(trade.report().moves, 0u);
+}
+
+TEST(LiveTrade, TheFirstFramesOfAStreamMayTakeLonger) {
+  LiveTrade trade = trade_for(30);
+  for (int stream = 0; stream < 3; ++stream) {
+    trade.forget();
+    for (int i = 0; i < 30; ++i) trade.frame(10 * stream + i / 30., i < 3 ? 400 : 20, kTop);
+  }
+  EXPECT_EQ(trade.report().moves, 0u);
+}
+
+TEST(LiveTrade, FramesOfAnOlderLevelDoNotCount) {
+  LiveTrade trade = trade_for(30);
+  for (int i = -3; i < 0; ++i) trade.frame(i * 0.1, 8, kTop);
+  for (int i = 0; i < 3; ++i) trade.frame(i * 0.1, 60, kTop);
+  const size_t level = trade.level();
+  ASSERT_LT(level, kTop);
+  for (int i = 3; i < 6; ++i) trade.frame(i * 0.1, 60, kTop);  // still in flight
+  EXPECT_EQ(trade.level(), level);
+}
+
+TEST(LiveTrade, LatenessDownstreamCountsWhateverFramesTakeHere) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{[](double) { return 3.; }};
+  run(trade, machine, 0, 1);
+  double time = 1;
+  for (; time < 20; time += 1. / 30) {
+    trade.frame(time, machine(time, trade.level()), trade.level());
+    trade.late(time, 12);
+  }
+  EXPECT_EQ(trade.level(), 0u);
+  EXPECT_EQ(trade.report().moves, kTop) << trade.report().reason;
+  EXPECT_NE(trade.report().reason.find("late"), std::string::npos);
+  for (; time < 60; time += 1. / 30) {
+    trade.frame(time, machine(time, trade.level()), trade.level());
+    trade.late(time, -5);
+  }
+  EXPECT_EQ(trade.level(), kTop);
+}
+
+TEST(LiveTrade, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
+  LiveTrade trade = trade_for(30);
+  for (int i = 0; i < 12; ++i) trade.late(0.03 * i, 40);
+  EXPECT_EQ(trade.report().moves, 1u);
+  for (int i = 12; i < 24; ++i) trade.late(0.03 * i, 40);
+  EXPECT_EQ(trade.report().moves, 2u);
+}
+
+TEST(LiveTrade, OneLateFrameIsForgiven) {
+  LiveTrade trade = trade_for(30);
+  for (int i = 0; i < 300; ++i) {
+    trade.frame(i / 30., 8, trade.level());
+    trade.late(i / 30., i % 3 == 0 ? 10 : -1);
+  }
+  EXPECT_EQ(trade.report().moves, 0u);
+}
+
+TEST(LiveTrade, QualityIsTheUpperEndAlsoWhileItIsChanged) {
+  LiveTrade trade = trade_for(30, 0, 3);
+  Machine machine{[](double) { return 3.; }};
+  run(trade, machine, 0, 30);
+  EXPECT_EQ(trade.level(), 3u);
+  trade.aim({30, 0}, 1);
+  EXPECT_EQ(trade.level(), 1u);
+  trade.aim({30, 0}, 4);
+  EXPECT_EQ(trade.level(), 1u) << "up is slow";
+  run(trade, machine, 30, 60);
+  EXPECT_EQ(trade.level(), 4u);
+  trade.aim({}, 4);
+  EXPECT_EQ(trade.level(), 4u);
+}
+
+TEST(LiveTrade, SaysWhatItExpects) {
+  LiveTrade trade = trade_for(30);
+  Machine machine{[](double) { return 30.; }};
+  run(trade, machine, 0, 10);
+  EXPECT_EQ(trade.report().level, trade.level());
+  EXPECT_NEAR(trade.report().predicted_ms, 30 * kCosts[trade.level()], 0.1);
+  EXPECT_NEAR(trade.report().budget_ms, 33.3, 0.1);
+  EXPECT_EQ(trade.report().reason, "down: took 90.0 ms of 33.3 ms");
+}
+
+TEST(Repeats, GoOnForAWhile) {
+  Repeats repeats;
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(false);
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(true);
+  EXPECT_TRUE(repeats.going_on());
+  for (unsigned i = 1; i < Repeats::kMemory; ++i) {
+    repeats.next(false);
+    EXPECT_TRUE(repeats.going_on());
+  }
+  repeats.next(false);
+  EXPECT_FALSE(repeats.going_on());
+  repeats.next(true);
+  repeats.reset();
+  EXPECT_FALSE(repeats.going_on());
+}
+
+}  // namespace
+}  // namespace inverse

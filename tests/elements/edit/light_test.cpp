@@ -1,0 +1,465 @@
+// Light with layers of its own through the editors: what each shows, changes and refuses. The
+// layers are made by hand, through the installed header.
+#include <gst/video/navigation.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr int kWidth = 24, kHeight = 10;
+constexpr const char* kIntrinsic =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
+constexpr const char* kGlobal =
+    "video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)global, width=24, height=10, "
+    "framerate=25/1";
+
+using Pixel = std::array<float, 4>;
+
+/// What every pixel of the frame is made of: gray paint under white direct light, and light that
+/// bounced off a green and a red surface.
+constexpr Pixel kPaint{0.5F, 0.5F, 0.5F, 0.8F};
+constexpr Pixel kGreenBase{0.1F, 1, 0.1F, 1}, kRedBase{1, 0.2F, 0.2F, 1};
+constexpr float kDirect = 0.6F, kFromGreen = 0.3F, kFromRed = 0.2F;
+
+Pixel light_of(float green, float red) {
+  Pixel light{};
+  for (size_t c = 0; c < 3; ++c) light[c] = kDirect + green * kGreenBase[c] + red * kRedBase[c];
+  light[3] = kDirect;
+  return light;
+}
+
+int srgb(double linear) {
+  return static_cast<int>(std::lround(255 * std::min(srgb_code(linear), 1.0)));
+}
+
+void put(GstBuffer* buffer, GstInverseRole role, const std::vector<Pixel>& pixels) {
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  GBytes* bytes = g_bytes_new(pixels.data(), pixels.size() * sizeof(Pixel));
+  ASSERT_TRUE(meta->upload(meta, role, bytes)) << role;
+  g_bytes_unref(bytes);
+}
+
+/// A line of editors that gets the frame above.
+class LightOf : public ::testing::Test {
+ protected:
+  /// The pixel in the middle that comes out of a line (RGBA), or nothing.
+  std::vector<int> through(const std::string& line, GstFlowReturn expected = GST_FLOW_OK) {
+    const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
+    VideoHarness source("intrinsicdecomp", caps, kIntrinsic);
+    EXPECT_EQ(source.push(flat_frame(caps, 128)), GST_FLOW_OK);
+    GstBuffer* buffer = gst_buffer_make_writable(gst_harness_pull(source.harness()));
+    const std::vector<Pixel> paint(kWidth * kHeight, kPaint);
+    const std::vector<Pixel> light(kWidth * kHeight, light_of(kFromGreen, kFromRed));
+    Pixel input = light.front();
+    for (size_t c = 0; c < 3; ++c) input[c] *= kPaint[c] * kPaint[3];
+    input[3] = 1;
+    std::vector<Pixel> bases(16, Pixel{});
+    bases[0] = kGreenBase;
+    bases[5] = kRedBase;
+    put(buffer, GST_INVERSE_ROLE_INPUT, std::vector<Pixel>(kWidth * kHeight, input));
+    put(buffer, GST_INVERSE_ROLE_MODEL, paint);
+    put(buffer, GST_INVERSE_ROLE_INTRINSIC, paint);
+    put(buffer, GST_INVERSE_ROLE_MODEL_LIGHT, light);
+    put(buffer, GST_INVERSE_ROLE_LIGHT, light);
+    put(buffer, GST_INVERSE_ROLE_INDIRECT_0,
+        std::vector<Pixel>(kWidth * kHeight, Pixel{kFromGreen, 0, 0, 0}));
+    put(buffer, GST_INVERSE_ROLE_INDIRECT_1,
+        std::vector<Pixel>(kWidth * kHeight, Pixel{0, kFromRed, 0, 0}));
+    put(buffer, GST_INVERSE_ROLE_BASES, bases);
+    VideoHarness editors(line, kGlobal, caps);
+    EXPECT_EQ(gst_harness_push(editors.harness(), buffer), expected);
+    errors_ = editors.errors();
+    if (expected != GST_FLOW_OK) return {};
+    GstBuffer* made = gst_harness_try_pull(editors.harness());
+    if (!made) return {};
+    std::vector<uint8_t> bytes(gst_buffer_get_size(made));
+    gst_buffer_extract(made, 0, bytes.data(), bytes.size());
+    gst_buffer_unref(made);
+    const uint8_t* middle = &bytes[4 * (kWidth * (kHeight / 2) + kWidth / 2)];
+    return {middle[0], middle[1], middle[2]};
+  }
+  /// Linear light, drawn.
+  static std::vector<int> drawn(const Pixel& linear, double gain = 1) {
+    return {srgb(linear[0] * gain), srgb(linear[1] * gain), srgb(linear[2] * gain)};
+  }
+  static void expect_near(const std::vector<int>& got, const std::vector<int>& wanted,
+                          const std::string& what) {
+    ASSERT_EQ(got.size(), 3u) << what;
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 1) << what << ", channel " << c;
+  }
+  std::vector<std::string> errors_;
+};
+
+TEST_F(LightOf, ComposeShowsEveryLayer) {
+  const double s = kPaint[3];
+  expect_near(through("intrinsiccompose"), drawn(light_of(kFromGreen, kFromRed), s * 0.5), "all");
+  expect_near(through("intrinsiccompose residual=none"),
+              drawn(light_of(kFromGreen, kFromRed), s * 0.5), "model");
+  expect_near(through("intrinsiccompose show=shading"), drawn(light_of(kFromGreen, kFromRed), s),
+              "shading");
+  expect_near(through("intrinsiccompose show=direct"), drawn({kDirect, kDirect, kDirect}, s),
+              "direct");
+  Pixel indirect = light_of(kFromGreen, kFromRed);
+  for (size_t c = 0; c < 3; ++c) indirect[c] -= kDirect;
+  expect_near(through("intrinsiccompose show=indirect"), drawn(indirect, s), "indirect");
+  expect_near(through("intrinsiccompose show=layer layer=0"), drawn(kGreenBase, s * kFromGreen),
+              "green");
+  expect_near(through("intrinsiccompose show=layer layer=5"), drawn(kRedBase, s * kFromRed), "red");
+  expect_near(through("intrinsiccompose show=layer layer=9"), {0, 0, 0}, "none");
+}
+
+TEST_F(LightOf, DespillTakesOneColorOfLightAway) {
+  const double s = 0.5 * kPaint[3];
+  expect_near(through("intrinsicdespill key=0xff20ff20 keep=0 ! intrinsiccompose"),
+              drawn(light_of(0, kFromRed), s), "by key");
+  expect_near(through("intrinsicdespill layer=5 keep=0 ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, 0), s), "by layer");
+  expect_near(through("intrinsicdespill layer=5 keep=0 ! intrinsicdespill layer=0 keep=0 ! "
+                      "intrinsiccompose residual=none"),
+              drawn(light_of(0, 0), s), "both");
+  Pixel neutral = light_of(0, kFromRed);
+  for (size_t c = 0; c < 3; ++c) neutral[c] += kFromGreen * 0.4F;  // the mean of the green base
+  expect_near(through("intrinsicdespill key=0xff20ff20 ! intrinsiccompose"), drawn(neutral, s),
+              "made neutral");
+  expect_near(through("intrinsicdespill key=0xff2020ff ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), s), "no such color");
+  expect_near(through("intrinsicdespill strength=0 ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), s), "off");
+}
+
+TEST_F(LightOf, RecolorLeavesLightOfOtherSurfacesAlone) {
+  // No surface of the frame is red: nothing is selected, so no light turns.
+  expect_near(through("intrinsicrecolor key=0xffff4040 target=0xff4040ff ! intrinsiccompose"),
+              drawn(light_of(kFromGreen, kFromRed), 0.5 * kPaint[3]), "nothing selected");
+}
+
+TEST_F(LightOf, SplitSendsEveryLayer) {
+  const auto split = [&](const std::string& pad) {
+    return through("intrinsicsplit name=s shading-scale=1 s." + pad + " ! identity");
+  };
+  expect_near(split("indirect_5"), drawn(kRedBase, kPaint[3] * kFromRed), "indirect_5");
+  expect_near(split("shading"), drawn(light_of(kFromGreen, kFromRed), kPaint[3]), "shading");
+}
+
+/// RGBA: a red wall on the left, a green one on the right, white between, lit from above, the white
+/// with the walls' color on it.
+std::vector<uint8_t> colored_corner(int width, int height) {
+  std::vector<uint8_t> frame;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5) / width, v = (y + 0.5) / height, direct = 0.7 - 0.4 * v;
+      const bool left = u<0.3, right = u> 0.7;
+      const double red = left ? 0.03 : 0.25 * std::exp(-4 * (u - 0.3)),
+                   green = right ? 0.03 : 0.25 * std::exp(-4 * (0.7 - u));
+      const std::array<double, 3> paint = left    ? std::array{0.75, 0.1, 0.1}
+                                          : right ? std::array{0.12, 0.6, 0.12}
+                                                  : std::array{0.75, 0.75, 0.75};
+      const std::array<double, 3> light{direct + red + 0.15 * green, direct + 0.1 * red + green,
+                                        direct + 0.1 * red + 0.15 * green};
+      for (size_t c = 0; c < 3; ++c)
+        frame.push_back(static_cast<uint8_t>(srgb(paint[c] * light[c])));
+      frame.push_back(255);
+    }
+  return frame;
+}
+
+TEST(GlobalIntrinsic, UneditedChainReturnsItsInput) {
+  for (const auto& [format, width, height] :
+       {std::tuple{"RGBA", 349, 287}, {"RGB", 15, 10}, {"GRAY8", 33, 1}, {"RGBA", 1, 1}}) {
+    const std::string caps = VideoHarness::caps(format, width, height);
+    VideoHarness model("globalintrinsic ! intrinsiccompose residual=none", caps, caps);
+    VideoHarness whole("globalintrinsic ! intrinsiccompose", caps, caps);
+    for (unsigned seed = 0; seed < 2; ++seed) {
+      const auto frame = random_frame(caps, seed), pixels = visible(caps, frame);
+      EXPECT_LE(largest_difference(visible(caps, whole.process(frame)), pixels), 1) << caps;
+      EXPECT_LE(largest_difference(visible(caps, model.process(frame)), pixels), 2) << caps;
+    }
+  }
+}
+
+TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
+  const int width = 160, height = 120;
+  const std::string caps = VideoHarness::caps("RGBA", width, height);
+  const auto frame = colored_corner(width, height);
+  VideoHarness harness(
+      "globalintrinsic name=g ! intrinsicdespill key=0xffe05050 tolerance=1.2 ! "
+      "intrinsiccompose",
+      caps, caps);
+  std::vector<uint8_t> out;
+  for (int k = 0; k < 3; ++k) out = harness.process(frame);
+  const size_t by_the_wall = 4 * (size_t(width) * 90 + 54);
+  const auto cast = [&](const std::vector<uint8_t>& picture) {
+    return double(picture[by_the_wall]) / picture[by_the_wall + 1];
+  };
+  EXPECT_GT(cast(frame), 1.08);
+  EXPECT_LT(cast(out), 1 + 0.6 * (cast(frame) - 1)) << "red over green";
+}
+
+TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
+  const std::string caps = VideoHarness::caps("RGBA", 64, 48);
+  const auto frame = colored_corner(64, 48);
+  VideoHarness harness("globalintrinsic name=g", caps, caps);
+  GstElement* element = harness.find("globalintrinsic");
+  std::vector<std::vector<uint8_t>> seen;
+  for (const char* show :
+       {"reflectance", "shading", "input", "mosaic", "clusters", "direct", "indirect", "layer"}) {
+    gst_util_set_object_arg(G_OBJECT(element), "show", show);
+    for (int k = 0; k < 2; ++k) seen.push_back(harness.process(frame));
+    ASSERT_EQ(seen.back().size(), frame.size()) << show;
+    if (seen.size() > 2) {
+      EXPECT_GT(largest_difference(seen.back(), seen[seen.size() - 3]), 0) << show;
+    }
+  }
+  EXPECT_EQ(seen[4], frame) << "the input";
+  // A picture that is kept has its layers made when they are asked for.
+  int brightest = 0;
+  for (size_t i = 0; i < seen.back().size(); ++i)
+    if (i % 4 != 3) brightest = std::max(brightest, int(seen.back()[i]));
+  EXPECT_GT(brightest, 20);
+}
+
+TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
+  const std::string caps = VideoHarness::caps("RGBA", 160, 120);
+  VideoHarness harness("globalintrinsic amount=0.33", caps, caps);
+  harness.process(colored_corner(160, 120));
+  GstStructure* stats = nullptr;
+  g_object_get(harness.find("globalintrinsic"), "stats", &stats, nullptr);
+  double amount = 0, confidence = 0;
+  guint colors = 0;
+  ASSERT_TRUE(gst_structure_get(stats, "amount", G_TYPE_DOUBLE, &amount, "confidence",
+                                G_TYPE_DOUBLE, &confidence, "colors", G_TYPE_UINT, &colors,
+                                nullptr));
+  EXPECT_FLOAT_EQ(amount, 0.33F);
+  EXPECT_EQ(confidence, 1);
+  EXPECT_GE(colors, 3u);
+  gst_structure_free(stats);
+}
+
+/// Element messages of this name posted since the last call: their field, in order.
+std::vector<int> told(GstBus* bus, const char* name, const char* field) {
+  std::vector<int> values;
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+    const GstStructure* text = gst_message_get_structure(message);
+    int value = 0;
+    if (gst_structure_has_name(text, name) && gst_structure_get_int(text, field, &value))
+      values.push_back(value);
+    gst_message_unref(message);
+  }
+  return values;
+}
+
+/// Of inverse-region-lost since the last call: region and reason.
+std::vector<std::pair<int, std::string>> lost_regions(GstBus* bus) {
+  std::vector<std::pair<int, std::string>> lost;
+  while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+    const GstStructure* text = gst_message_get_structure(message);
+    int region = 0;
+    if (gst_structure_has_name(text, "inverse-region-lost") &&
+        gst_structure_get_int(text, "region", &region))
+      lost.emplace_back(region, gst_structure_get_string(text, "reason"));
+    gst_message_unref(message);
+  }
+  return lost;
+}
+
+class GlobalIntrinsicThesis : public ::testing::Test {
+ protected:
+  static constexpr int kSide = 48;
+  void SetUp() override {
+    element_ = harness_.find("globalintrinsicthesis");
+    gst_element_set_bus(element_, bus_);
+  }
+  void TearDown() override {
+    gst_element_set_bus(element_, nullptr);
+    gst_object_unref(bus_);
+  }
+  void mark(int x, int y) { g_signal_emit_by_name(element_, "mark", x, y); }
+  unsigned regions() {
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    guint count = 0;
+    gst_structure_get_uint(stats, "regions", &count);
+    gst_structure_free(stats);
+    return count;
+  }
+
+  const std::string caps_ = VideoHarness::caps("RGBA", kSide, kSide);
+  const std::vector<uint8_t> frame_ = colored_corner(kSide, kSide);
+  VideoHarness harness_{"globalintrinsicthesis steps=2 keyframes=0", caps_, caps_};
+  GstBus* bus_ = gst_bus_new();
+  GstElement* element_ = nullptr;
+};
+
+TEST_F(GlobalIntrinsicThesis, ClicksMarkRegionsAndGetColors) {
+  harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  // A click on the shown picture, as a sink sends it.
+  GstEvent* press =
+      gst_navigation_event_new_mouse_button_press(1, 2.7, 30.2, GST_NAVIGATION_MODIFIER_NONE);
+  gst_harness_push_upstream_event(harness_.harness(), press);
+  for (int k = 0; k < 3; ++k) harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), (std::vector{1, 2}));
+  EXPECT_EQ(regions(), 2u);
+  std::vector<int> corrected;
+  for (int k = 0; k < 40 && corrected.empty(); ++k) {
+    harness_.process(frame_);
+    corrected = told(bus_, "inverse-region-corrected", "region");
+  }
+  EXPECT_FALSE(corrected.empty()) << "no region was given a base color";
+}
+
+TEST_F(GlobalIntrinsicThesis, ClicksNobodyCanMeetAreRefusedWithAMessage) {
+  harness_.process(frame_);
+  for (const auto& [x, y] : {std::pair{-1, 5}, {5, -1}, {kSide, 5}, {5, kSide}, {1 << 30, 3}})
+    mark(x, y);
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region"), std::vector(5, 0));
+  for (int k = 0; k < 500; ++k) mark(k % kSide, k / kSide);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "region").size(), 500u);
+  EXPECT_LE(regions(), 15u);
+  harness_.flush();
+  EXPECT_EQ(harness_.process(frame_).size(), frame_.size());
+  EXPECT_EQ(regions(), 0u) << "a seek forgets what was marked";
+}
+
+TEST_F(GlobalIntrinsicThesis, TellsOfRegionsThatGo) {
+  harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  ASSERT_EQ(regions(), 1u);
+  g_signal_emit_by_name(element_, "unmark", 7);  // marks nothing
+  g_signal_emit_by_name(element_, "unmark", 1);
+  harness_.process(frame_);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("unmarked")}}));
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  EXPECT_EQ(regions(), 1u);
+  harness_.flush();
+  harness_.process(frame_);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("reset")}}));
+}
+
+TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
+  for (int k = 0; k < 3; ++k) harness_.process(frame_);
+  mark(kSide / 2, kSide / 2);
+  for (int k = 0; k < 5; ++k) harness_.process(frame_);
+  ASSERT_EQ(regions(), 1u);
+  EXPECT_TRUE(told(bus_, "inverse-region-lost", "region").empty());
+  std::vector<uint8_t> other = frame_;
+  for (size_t i = 0; i + 3 < other.size(); i += 4) std::swap(other[i], other[i + 1]);
+  int cuts = 0;
+  for (int k = 0; k < 12; ++k) {
+    harness_.process(other);
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    gboolean cut = FALSE;
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "cut", &cut));
+    gst_structure_free(stats);
+    cuts += cut;
+  }
+  EXPECT_EQ(cuts, 1);
+  EXPECT_EQ(regions(), 0u);
+  EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("cut")}}));
+  // It settles on the new scene: a picture that comes again is kept.
+  gboolean kept = FALSE;
+  for (int k = 0; k < 100 && !kept; ++k) {
+    harness_.process(other);
+    GstStructure* stats = nullptr;
+    g_object_get(element_, "stats", &stats, nullptr);
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "kept", &kept));
+    gst_structure_free(stats);
+  }
+  EXPECT_TRUE(kept);
+}
+
+TEST_F(GlobalIntrinsicThesis, AFlushDropsClicksThatWait) {
+  mark(2, 3);  // before there is any frame
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{2});
+  mark(5, 5);
+  harness_.flush();
+  mark(6, 5);
+  harness_.process(frame_);
+  EXPECT_EQ(told(bus_, "inverse-region-marked", "x"), std::vector{6});
+}
+
+TEST_F(GlobalIntrinsicThesis, ClicksOnTheMosaicMarkThePixelUnderThem) {
+  gst_util_set_object_arg(G_OBJECT(element_), "show", "mosaic");
+  const auto click = [&](double x, double y) {
+    gst_harness_push_upstream_event(harness_.harness(), gst_navigation_event_new_mouse_button_press(
+                                                            1, x, y, GST_NAVIGATION_MODIFIER_NONE));
+  };
+  harness_.process(frame_);
+  click(kSide / 2 + 6.3, 2.9);
+  click(3, kSide - 1);
+  click(std::numeric_limits<double>::quiet_NaN(), 3);
+  click(3, -1e300);
+  click(1e300, 3);
+  mark(30, 7);  // pixels of the frame, whatever is shown
+  harness_.process(frame_);
+  std::vector<std::array<int, 3>> clicks;
+  while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ELEMENT)) {
+    std::array<int, 3> at{};
+    const GstStructure* text = gst_message_get_structure(message);
+    if (gst_structure_has_name(text, "inverse-region-marked") &&
+        gst_structure_get(text, "x", G_TYPE_INT, &at[0], "y", G_TYPE_INT, &at[1], "region",
+                          G_TYPE_INT, &at[2], nullptr))
+      clicks.push_back(at);
+    gst_message_unref(message);
+  }
+  const std::vector<std::array<int, 3>> expected{{12, 4, 1}, {6, kSide - 2, 2}, {-1, 3, 0},
+                                                 {3, -1, 0}, {G_MAXINT, 3, 0},  {30, 7, 3}};
+  EXPECT_EQ(clicks, expected);
+}
+
+TEST(GlobalIntrinsicThesisStreams, MayFollowEachOtherWhileFramesAreInFlight) {
+  const std::string source =
+      "videotestsrc num-buffers=6 ! video/x-raw,format=RGBA,width=32,height=24 ! c. ";
+  const LineResult result = run_line(
+      "concat name=c ! globalintrinsicthesis steps=1 ! "
+      "video/x-raw(meta:InverseLayers) ! fakesink " +
+      source + source);
+  EXPECT_TRUE(result.eos);
+  EXPECT_TRUE(result.errors.empty()) << result.first_error();
+}
+
+TEST_F(GlobalIntrinsicThesis, CapsMayChangeWhileItRefinesAndCorrects) {
+  for (int k = 0; k < 2; ++k) harness_.process(frame_);
+  mark(10, 10);
+  g_signal_emit_by_name(element_, "refine");
+  harness_.process(frame_);
+  const std::string small = VideoHarness::caps("RGBA", 20, 16);
+  harness_.set_src_caps(small);
+  const auto frame = colored_corner(20, 16);
+  mark(19, 15);
+  for (int k = 0; k < 3; ++k) harness_.process(frame);
+  EXPECT_TRUE(harness_.errors().empty());
+}
+
+TEST(LightLayers, AreRefusedByNameWhereThereAreNone) {
+  for (const auto& [line, element] :
+       {std::pair{"intrinsicdecomp ! intrinsicdespill ! intrinsiccompose", "globalintrinsic"},
+        {"intrinsicdecomp ! intrinsiccompose show=direct", "globalintrinsic"},
+        {"intrinsicdecomp ! intrinsicsplit name=s s.indirect", "globalintrinsic"},
+        {"intrinsicdespill ! intrinsiccompose", "globalintrinsic"}}) {
+    const LineResult result =
+        run_line(std::string("videotestsrc num-buffers=2 ! video/x-raw,width=32,height=24 ! ") +
+                 line + " ! fakesink");
+    ASSERT_FALSE(result.errors.empty()) << line;
+    EXPECT_NE(result.first_error().find(element), std::string::npos)
+        << line << ": " << result.first_error();
+  }
+}
+
+}  // namespace
+}  // namespace inverse::testing

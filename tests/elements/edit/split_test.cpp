@@ -1,0 +1,360 @@
+// intrinsicsplit: what each pad carries, and pads that come, go and stay unlinked.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "tests/elements/element_test.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kLayers =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)intrinsic";
+
+/// A decomposer (and editor) whose layers go by hand into an intrinsicsplit with some of its pads.
+class Split : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    GstElement* element = gst_element_factory_make("intrinsicsplit", nullptr);
+    sink_ = gst_harness_new_with_element(element, "sink", nullptr);
+    gst_object_unref(element);
+    gst_element_set_bus(element, bus_);
+  }
+  void TearDown() override {
+    gst_element_set_bus(sink_->element, nullptr);
+    for (auto& [name, harness] : pads_) gst_harness_teardown(harness);
+    gst_harness_teardown(sink_);
+    gst_object_unref(bus_);
+  }
+
+  void decompose(int width, int height, const char* line = "intrinsicdecomp") {
+    decomposer_ = std::make_unique<VideoHarness>(
+        line, caps_ = VideoHarness::caps("RGBA", width, height), kLayers);
+  }
+  GstElement* element() { return sink_->element; }
+  GstHarness* pad(const std::string& name) {
+    GstHarness*& harness = pads_[name];
+    if (!harness) harness = gst_harness_new_with_element(element(), nullptr, name.c_str());
+    return harness;
+  }
+  void drop(const std::string& name) {
+    gst_harness_teardown(pads_[name]);
+    pads_.erase(name);
+  }
+  /// Layers of one frame; kept in `layers_` too.
+  GstFlowReturn push(const std::vector<uint8_t>& frame) {
+    EXPECT_EQ(decomposer_->push(frame), GST_FLOW_OK);
+    GstBuffer* buffer = gst_harness_pull(decomposer_->harness());
+    GstCaps* caps = gst_pad_get_current_caps(decomposer_->harness()->sinkpad);
+    if (!caps_sent_ || !gst_caps_is_equal(caps_sent_, caps)) {
+      gst_caps_replace(&caps_sent_, caps);
+      gst_harness_set_src_caps(sink_, gst_caps_ref(caps));
+    }
+    gst_caps_unref(caps);
+    layers_.clear();
+    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+    for (const GstInverseRole role : {GST_INVERSE_ROLE_INPUT, GST_INVERSE_ROLE_MODEL,
+                                      GST_INVERSE_ROLE_INTRINSIC, GST_INVERSE_ROLE_MASK}) {
+      layers_.emplace_back();
+      if (GBytes* bytes = meta->download(meta, role)) {
+        gsize size = 0;
+        const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
+        layers_.back().assign(data, data + size / sizeof(float));
+        g_bytes_unref(bytes);
+      }
+    }
+    return gst_harness_push(sink_, buffer);
+  }
+  std::vector<uint8_t> pull(const std::string& name) {
+    GstBuffer* buffer = gst_harness_try_pull(pad(name));
+    if (!buffer) return {};
+    std::vector<uint8_t> bytes(gst_buffer_get_size(buffer));
+    gst_buffer_extract(buffer, 0, bytes.data(), bytes.size());
+    gst_buffer_unref(buffer);
+    return bytes;
+  }
+  std::vector<std::string> errors() {
+    std::vector<std::string> texts;
+    while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
+      GError* error = nullptr;
+      gst_message_parse_error(message, &error, nullptr);
+      texts.emplace_back(error->message);
+      g_error_free(error);
+      gst_message_unref(message);
+    }
+    return texts;
+  }
+  std::string caps_of(const std::string& name) {
+    GstCaps* caps = gst_pad_get_current_caps(pad(name)->sinkpad);
+    if (!caps) return {};
+    gchar* text = gst_caps_to_string(caps);
+    std::string result = text;
+    g_free(text);
+    gst_caps_unref(caps);
+    return result;
+  }
+
+  GstBus* bus_ = gst_bus_new();
+  GstHarness* sink_ = nullptr;
+  GstCaps* caps_sent_ = nullptr;
+  std::map<std::string, GstHarness*> pads_;
+  std::unique_ptr<VideoHarness> decomposer_;
+  std::string caps_;
+  std::vector<std::vector<float>> layers_;  // by role, of the last frame
+
+ public:
+  ~Split() override { gst_caps_replace(&caps_sent_, nullptr); }
+};
+
+}  // namespace
+
+TEST_F(Split, LinearSixteenBitPadsCarryTheNumbersOfTheLayers) {
+  decompose(37, 21);
+  g_object_set(element(), "encoding", 0 /* linear */, "reflectance-scale", 0.25f, "shading-scale",
+               0.5f, nullptr);
+  gst_harness_set_sink_caps_str(pad("reflectance"), "video/x-raw, format=RGBA64_LE");
+  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw, format=GRAY16_LE");
+  ASSERT_EQ(push(random_frame(caps_, 3)), GST_FLOW_OK);
+  EXPECT_NE(caps_of("shading").find("colorimetry=(string)1:4:1:1"), std::string::npos)
+      << caps_of("shading");
+  const auto reflectance = pull("reflectance"), shading = pull("shading");
+  const size_t stride = (37 * 2 + 3) / 4 * 4;  // gray rows are padded
+  ASSERT_EQ(reflectance.size(), 37u * 21 * 8);
+  ASSERT_EQ(shading.size(), stride * 21);
+  const auto& layer = layers_[GST_INVERSE_ROLE_INTRINSIC];
+  for (size_t n = 0; n < 37 * 21; ++n) {
+    for (size_t c = 0; c < 3; ++c) {
+      const int code = reflectance[8 * n + 2 * c] + 256 * reflectance[8 * n + 2 * c + 1];
+      ASSERT_NEAR(code, std::min(layer[4 * n + c] * 0.25, 1.0) * 65535, 1.0) << n;
+    }
+    const size_t at = n / 37 * stride + n % 37 * 2;
+    ASSERT_NEAR(shading[at] + 256 * shading[at + 1], std::min(layer[4 * n + 3] * 0.5, 1.0) * 65535,
+                1.0)
+        << n;
+  }
+}
+
+TEST_F(Split, EightBitPadsFollowTheSrgbCurve) {
+  decompose(20, 12);
+  gst_harness_set_sink_caps_str(pad("reflectance"), "video/x-raw, format=RGBA");
+  gst_harness_set_sink_caps_str(pad("input"), "video/x-raw, format=RGBA");
+  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw");  // gray by choice
+  const auto frame = random_frame(caps_, 3);
+  ASSERT_EQ(push(frame), GST_FLOW_OK);
+  EXPECT_NE(caps_of("shading").find("GRAY8"), std::string::npos) << caps_of("shading");
+  EXPECT_NE(caps_of("reflectance").find("colorimetry=(string)sRGB"), std::string::npos)
+      << caps_of("reflectance");
+  EXPECT_LE(largest_difference(pull("input"), frame), 1);
+  const auto reflectance = pull("reflectance"), shading = pull("shading");
+  const auto& layer = layers_[GST_INVERSE_ROLE_INTRINSIC];
+  for (size_t n = 0; n < 20 * 12; ++n) {
+    for (size_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(reflectance[4 * n + c], srgb_code(std::min(layer[4 * n + c], 1.0f)) * 255, 0.51);
+    ASSERT_NEAR(shading[n], srgb_code(std::min(layer[4 * n + 3] * 0.5f, 1.0f)) * 255, 0.51);
+  }
+}
+
+TEST_F(Split, EveryFormatOfTheHouseComesOutOfEveryPad) {
+  decompose(15, 10, "intrinsicdecomp ! intrinsicrecolor write-mask=true");
+  for (const char* format : {"RGBA", "BGRA", "RGBx", "BGRx", "RGB", "BGR", "NV12", "I420", "YUY2",
+                             "UYVY", "GRAY8", "GRAY16_LE", "P010_10LE", "I420_10LE", "RGBA64_LE"}) {
+    const std::string caps = VideoHarness::caps(format, 15, 10);
+    for (const char* name : {"reflectance", "shading", "mask", "input"})
+      gst_harness_set_sink_caps_str(pad(name), caps.c_str());
+    const auto frame = random_frame(caps_, 1);
+    ASSERT_EQ(push(frame), GST_FLOW_OK) << format;
+    for (const char* name : {"reflectance", "shading", "mask", "input"})
+      EXPECT_EQ(pull(name).size(), random_frame(caps, 0).size()) << format << " " << name;
+    for (const char* name : {"reflectance", "shading", "mask", "input"}) drop(name);
+  }
+  EXPECT_TRUE(errors().empty());
+}
+
+TEST_F(Split, MaskPadSendsTheSelection) {
+  decompose(16, 8, "intrinsicdecomp ! intrinsicrecolor tolerance=1.2 write-mask=true");
+  gst_harness_set_sink_caps_str(pad("mask"), "video/x-raw, format=GRAY8");
+  ASSERT_EQ(push(random_frame(caps_, 3)), GST_FLOW_OK);
+  const auto mask = pull("mask");
+  const auto& layer = layers_[GST_INVERSE_ROLE_MASK];
+  ASSERT_EQ(mask.size(), 16u * 8);
+  ASSERT_EQ(layer.size(), 16u * 8 * 4);
+  float least = 1, most = 0;
+  for (size_t n = 0; n < mask.size(); ++n) {
+    ASSERT_NEAR(mask[n], srgb_code(layer[4 * n]) * 255, 0.51);
+    least = std::min(least, layer[4 * n]);
+    most = std::max(most, layer[4 * n]);
+  }
+  EXPECT_LT(least, 0.1f);
+  EXPECT_GT(most, 0.9f);
+}
+
+TEST_F(Split, AnAbsentLayerIsOneErrorThatSaysHowToGetIt) {
+  decompose(16, 8);
+  pad("mask");
+  EXPECT_EQ(push(random_frame(caps_, 3)), GST_FLOW_ERROR);
+  const auto texts = errors();
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_NE(texts[0].find("write-mask=true"), std::string::npos) << texts[0];
+}
+
+TEST_F(Split, APadThatNothingSuitsIsOneErrorThatNamesIt) {
+  decompose(16, 8);
+  gst_harness_set_sink_caps_str(pad("shading"), "video/x-raw, format=v210");
+  pad("reflectance");
+  EXPECT_NE(push(random_frame(caps_, 3)), GST_FLOW_OK);
+  const auto texts = errors();
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_NE(texts[0].find("pad shading of intrinsicsplit"), std::string::npos) << texts[0];
+}
+
+TEST_F(Split, APadThatComesLateHearsWhereTheStreamIs) {
+  decompose(16, 8);
+  pad("shading");
+  ASSERT_EQ(push(random_frame(caps_, 1)), GST_FLOW_OK);
+  GstHarness* late = pad("reflectance");
+  ASSERT_EQ(push(random_frame(caps_, 2)), GST_FLOW_OK);
+  EXPECT_FALSE(pull("reflectance").empty());
+  std::vector<GstEventType> types;
+  while (GstEvent* event = gst_harness_try_pull_event(late)) {
+    types.push_back(GST_EVENT_TYPE(event));
+    gst_event_unref(event);
+  }
+  EXPECT_EQ(types, (std::vector{GST_EVENT_STREAM_START, GST_EVENT_CAPS, GST_EVENT_SEGMENT}));
+  EXPECT_FALSE(pull("shading").empty());
+  EXPECT_FALSE(pull("shading").empty());
+}
+
+TEST_F(Split, PadsAreStreamsOfTheirOwn) {
+  decompose(16, 8);
+  ASSERT_EQ((pad("shading"), pad("reflectance"), push(random_frame(caps_, 1))), GST_FLOW_OK);
+  gchar* a = gst_pad_get_stream_id(pad("shading")->sinkpad);
+  gchar* b = gst_pad_get_stream_id(pad("reflectance")->sinkpad);
+  EXPECT_STRNE(a, b);
+  g_free(a);
+  g_free(b);
+}
+
+TEST_F(Split, APadIsGivenBackWhileThereIsFlow) {
+  decompose(16, 8);
+  pad("shading");
+  pad("reflectance");
+  // Frames flow in one thread while pads come and go in this one.
+  std::atomic<bool> stop{false};
+  std::atomic<int> bad{0}, good{0};
+  ASSERT_EQ(push(random_frame(caps_, 1)), GST_FLOW_OK);
+  const auto frame = random_frame(caps_, 2);
+  std::thread flow([&] {
+    while (!stop) ++(push(frame) == GST_FLOW_OK ? good : bad);
+  });
+  for (int i = 0; i < 30; ++i) {
+    GstPad* mine = gst_element_request_pad_simple(element(), "input");
+    ASSERT_NE(mine, nullptr);
+    for (const int before = good + bad; good + bad < before + 2;)
+      g_usleep(100);  // a frame meets it
+    gst_element_release_request_pad(element(), mine);
+    gst_object_unref(mine);
+  }
+  stop = true;
+  flow.join();
+  EXPECT_EQ(bad, 0);
+  EXPECT_GT(good, 0);
+  drop("reflectance");
+  EXPECT_EQ(push(frame), GST_FLOW_OK);
+  EXPECT_TRUE(errors().empty());
+}
+
+TEST_F(Split, EachLayerHasOnePadAndUnknownLayersNone) {
+  GstPad* pad = gst_element_request_pad_simple(element(), "shading");
+  ASSERT_NE(pad, nullptr);
+  for (const char* unknown : {"normals", "indirect_16", "indirect_x", "indirect_"})
+    EXPECT_EQ(gst_element_request_pad_simple(element(), unknown), nullptr) << unknown;
+  gst_element_release_request_pad(element(), pad);
+  gst_object_unref(pad);
+  pad = gst_element_request_pad_simple(element(), "shading");
+  EXPECT_NE(pad, nullptr) << "a pad that was given back can be asked for again";
+  gst_element_release_request_pad(element(), pad);
+  gst_object_unref(pad);
+}
+
+TEST_F(Split, UnlinkedPadsDoNotStopTheOthers) {
+  decompose(16, 8);
+  GstPad* loose = gst_element_request_pad_simple(element(), "input");
+  EXPECT_EQ(push(random_frame(caps_, 1)), GST_FLOW_NOT_LINKED) << "nobody listens at all";
+  pad("shading");
+  EXPECT_EQ(push(random_frame(caps_, 2)), GST_FLOW_OK);
+  EXPECT_FALSE(pull("shading").empty());
+  gst_element_release_request_pad(element(), loose);
+  gst_object_unref(loose);
+}
+
+TEST_F(Split, EosFlushesAndCapsChangesReachEveryPad) {
+  decompose(16, 8);
+  pad("shading");
+  pad("reflectance");
+  for (int i = 0; i < 6; ++i) {
+    const std::string caps = VideoHarness::caps("RGBA", 16 + 4 * i, 8 + i);
+    decomposer_->set_src_caps(caps);
+    ASSERT_EQ(push(random_frame(caps, 1)), GST_FLOW_OK);
+    EXPECT_NE(caps_of("shading").find("width=(int)" + std::to_string(16 + 4 * i)),
+              std::string::npos);
+    EXPECT_EQ(pull("reflectance").size(), static_cast<size_t>((16 + 4 * i) * (8 + i) * 4));
+    EXPECT_FALSE(pull("shading").empty());
+    gst_harness_push_event(sink_, gst_event_new_flush_start());
+    gst_harness_push_event(sink_, gst_event_new_flush_stop(TRUE));
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    gst_harness_push_event(sink_, gst_event_new_segment(&segment));
+  }
+  gst_harness_push_event(sink_, gst_event_new_eos());
+  for (const char* name : {"shading", "reflectance"}) {
+    GstEventType last = GST_EVENT_UNKNOWN;
+    int flushes = 0;
+    while (GstEvent* event = gst_harness_try_pull_event(pad(name))) {
+      last = GST_EVENT_TYPE(event);
+      flushes += last == GST_EVENT_FLUSH_STOP;
+      gst_event_unref(event);
+    }
+    EXPECT_EQ(last, GST_EVENT_EOS) << name;
+    EXPECT_EQ(flushes, 6) << name;
+  }
+  EXPECT_TRUE(errors().empty());
+}
+
+TEST_F(Split, TimesAndFlagsTravelWithTheFrame) {
+  decompose(16, 8);
+  pad("shading");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(push(random_frame(caps_, 1)), GST_FLOW_OK);
+    GstBuffer* buffer = gst_harness_pull(pad("shading"));
+    EXPECT_EQ(GST_BUFFER_PTS(buffer), i * GST_SECOND / 25);
+    EXPECT_EQ(GST_BUFFER_DURATION(buffer), GST_SECOND / 25);
+    EXPECT_EQ(gst_buffer_get_inverse_layers_meta(buffer), nullptr);
+    gst_buffer_unref(buffer);
+  }
+}
+
+TEST(SplitPipelines, LayersGoToSinksOfTheirOwn) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=8 ! video/x-raw,width=64,height=48 ! intrinsicdecomp ! "
+      "intrinsicrecolor write-mask=true ! intrinsicsplit name=s "
+      "s.reflectance ! queue ! videoconvert ! fakesink "
+      "s.mask ! queue ! fakesink "
+      "s.shading ! queue ! video/x-raw,format=GRAY16_LE ! appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_EQ(result.frames.size(), 8u);
+  EXPECT_EQ(GST_VIDEO_INFO_FORMAT(&result.info), GST_VIDEO_FORMAT_GRAY16_LE);
+}
+
+TEST(SplitPipelines, OneFrameOfLatencyIsAdded) {
+  const std::string caps = VideoHarness::caps("RGBA", 16, 8);
+  VideoHarness harness("intrinsicdecomp ! intrinsicsplit name=s s.shading ! identity", caps);
+  gst_harness_set_upstream_latency(harness.harness(), 5 * GST_MSECOND);
+  harness.process(random_frame(caps, 1));
+  EXPECT_EQ(gst_harness_query_latency(harness.harness()), 45 * GST_MSECOND);
+}
+
+}  // namespace inverse::testing

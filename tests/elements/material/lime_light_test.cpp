@@ -1,0 +1,300 @@
+// The light around limematerial's object: who gets it, the file it goes to, normals, the preview.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "gst/base/meta/inverse_material_meta.h"
+#include "kernels/environment/environment.hpp"
+#include "lime_fixture.hpp"
+#include "tests/kernels/environment/normal_map_file.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class LimeLight : public LimeElementTest {
+ protected:
+  /// The light of the last of some frames; empty where there is none.
+  std::vector<float> light(const std::string& more, int frames = 8) {
+    VideoHarness harness(line(more), caps(), caps());
+    std::vector<float> result;
+    for (int i = 0; i < frames; ++i) {
+      EXPECT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+      GstBuffer* out = gst_harness_pull(harness.harness());
+      const GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+      result.clear();
+      if (meta->environment) {
+        gsize size = 0;
+        const auto* data = static_cast<const float*>(g_bytes_get_data(meta->environment, &size));
+        EXPECT_EQ(size, 12 * meta->environment_width * meta->environment_height);
+        result.assign(data, data + size / sizeof(float));
+      } else {
+        EXPECT_EQ(meta->environment_width, 0u);
+      }
+      gst_buffer_unref(out);
+    }
+    return result;
+  }
+  /// A source of pictures with a red disc.
+  static std::string ball() {
+    return "videotestsrc num-buffers=8 pattern=solid-color foreground-color=0xffe66464 ! "
+           "video/x-raw,format=RGBA,width=48,height=48 ! videobox border-alpha=1 top=-8 left=-24 "
+           "right=-24 bottom=-8 fill=blue ! ";
+  }
+};
+
+}  // namespace
+
+TEST_F(LimeLight, IsInTheMetaWhereItIsAskedFor) {
+  EXPECT_TRUE(light("").empty()) << "nobody asked";
+  const auto asked = light("light=true");
+  ASSERT_FALSE(asked.empty());
+  for (const float v : asked) ASSERT_TRUE(v >= 0 && std::isfinite(v));
+  EXPECT_GT(*std::max_element(asked.begin(), asked.end()), .01);
+  EXPECT_FALSE(light("show=preview").empty());
+  EXPECT_TRUE(light("light=true normals=none").empty());
+}
+
+TEST_F(LimeLight, NormalMapsCount) {
+  const NormalMapPath file;
+  file.write(png(1, 1, 3, 8, {128, 218, 218}));
+  const auto upward = light("light=true normals=none normal-map=" + file.path());
+  ASSERT_FALSE(upward.empty());
+  EXPECT_NE(upward, light("light=true"));
+  const auto error =
+      run_line("videotestsrc num-buffers=2 ! " + line("normal-map=/nowhere.png") + " ! fakesink")
+          .first_error();
+  EXPECT_NE(error.find("/nowhere.png"), std::string::npos) << error;
+}
+
+TEST_F(LimeLight, NormalMapsThatAreOfNoUseAreRefused) {
+  const auto error_of = [this](const std::string& path) {
+    return run_line("videotestsrc num-buffers=2 ! " + line("normal-map=" + path) + " ! fakesink")
+        .first_error();
+  };
+  const NormalMapPath away;
+  away.write(png(1, 1, 3, 8, {128, 128, 0}));
+  EXPECT_NE(error_of(away.path()).find("faces the camera"), std::string::npos);
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe.png";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(error_of(pipe).find("is no file"), std::string::npos) << "it would wait for ever";
+}
+
+TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
+  const auto warnings_of = [this](const std::vector<uint8_t>& pixels, int left) {
+    const NormalMapPath file;
+    file.write(png(2, 1, 3, 8, pixels));
+    VideoHarness harness(line("light=true normal-map=" + file.path()), caps(), caps());
+    for (int i = 0; i < 8; ++i) harness.process(scene(left, 30, 10));
+    return harness.warnings();
+  };
+  const std::vector<uint8_t> left_alone{128, 218, 218, 0, 0, 0};
+  EXPECT_TRUE(warnings_of(left_alone, 14).empty());
+  const auto beside = warnings_of(left_alone, 84);
+  ASSERT_EQ(beside.size(), 1U) << "told once";
+  EXPECT_NE(beside.front().find("normals.png has no normals where the object is"),
+            std::string::npos)
+      << beside.front();
+  const auto gray = warnings_of({200, 200, 200, 200, 200, 200}, 14);  // of length .98
+  EXPECT_TRUE(gray.empty());
+  const auto short_ones = warnings_of({180, 180, 180, 180, 180, 180}, 14);
+  ASSERT_EQ(short_ones.size(), 1U);
+  EXPECT_NE(short_ones.front().find("0 % have a length near 1"), std::string::npos)
+      << short_ones.front();
+}
+
+TEST_F(LimeLight, TheFileIsTheOneThatWasNamedAtTheStart) {
+  const TemporaryFolder folder;
+  {
+    VideoHarness harness(line("environment-location=" + (folder / "first.hdr")), caps(), caps());
+    harness.process(scene(60, 30, 20));
+    g_object_set(harness.find("limematerial"), "environment-location",
+                 (folder / "second.hdr").c_str(), nullptr);
+    for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "first.hdr"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "second.hdr"));
+}
+
+TEST_F(LimeLight, FilesAreReadAtTheStartAlone) {
+  GstElement* lime = gst_element_factory_make("limematerial", nullptr);
+  g_object_set(lime, "models", "/nowhere", nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  g_object_set(lime, "models", files.folder().c_str(), "normal-map", "/nowhere.png", nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(lime, GST_STATE_NULL);
+  gst_object_unref(lime);
+
+  std::optional<NormalMapPath> file(std::in_place);
+  file->write(png(1, 1, 3, 8, {128, 218, 218}));
+  VideoHarness harness(line("light=true normals=none normal-map=" + file->path()), caps());
+  file.reset();
+  for (const auto& [width, height] : {std::pair{96, 64}, {64, 96}}) {
+    harness.set_src_caps(caps(width, height));
+    for (int i = 0; i < 8; ++i)
+      ASSERT_FALSE(harness.process(scene(width / 2, height / 2, 20, width, height)).empty());
+    EXPECT_GT(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(LimeLight, GoesToAFileWhenTheStreamEnds) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  const auto result = run_line(ball() + line("environment-location=" + file) + " ! fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+  const Environment light = Environment::load(file);
+  EXPECT_GT(*std::max_element(light.rgb().begin(), light.rgb().end()), .01);
+}
+
+TEST_F(LimeLight, GoesToAFileWhenTheElementStops) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  {
+    VideoHarness harness(line("environment-location=" + file), caps(), caps());
+    for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd) {
+  const auto refused =
+      run_line(ball() + line("environment-location=/nowhere/light.hdr") + " ! fakesink");
+  EXPECT_NE(refused.first_error().find("/nowhere/light.hdr"), std::string::npos)
+      << refused.first_error();
+  const TemporaryFolder here;
+  const std::string pipe = here / "pipe.hdr";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const auto& [path, why] :
+       {std::pair{pipe, "it is a pipe"},
+        {here.path(), "it is a folder"},
+        {here / "light.exr", "it would be a Radiance picture; name it .hdr"}}) {
+    const auto error =
+        run_line(ball() + line("environment-location=" + path) + " ! fakesink").first_error();
+    EXPECT_NE(error.find(path + " cannot be written: " + why), std::string::npos) << error;
+  }
+  std::optional<TemporaryFolder> gone(std::in_place);
+  VideoHarness harness(line("environment-location=" + (*gone / "light.hdr")), caps(), caps());
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  gone.reset();
+  gst_harness_push_event(harness.harness(), gst_event_new_eos());
+  const auto warnings = harness.warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.front().find("light.hdr"), std::string::npos);
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
+                                line("environment-location=" + file) + " ! fakesink");
+  EXPECT_TRUE(unknown.eos);
+  ASSERT_EQ(unknown.warnings.size(), 1u) << "told once";
+  EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
+  EXPECT_EQ(unknown.warnings.front().find("light=true"), std::string::npos)
+      << "environment-location asks for the light itself";
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST_F(LimeLight, ARunWithoutFramesHasNoLightToMiss) {
+  const TemporaryFolder folder;
+  VideoHarness harness(line(), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  harness.process(scene(60, 30, 20));
+  gst_element_set_state(lime, GST_STATE_READY);
+  g_object_set(lime, "environment-location", (folder / "light.hdr").c_str(), nullptr);
+  for (const GstState state : {GST_STATE_PAUSED, GST_STATE_READY})
+    EXPECT_EQ(gst_element_set_state(lime, state), GST_STATE_CHANGE_SUCCESS);
+  EXPECT_TRUE(harness.warnings().empty());
+}
+
+TEST_F(LimeLight, IsSavedOnRequest) {
+  VideoHarness harness(line("light=true"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  const auto save = [lime](const char* path) {
+    gboolean good = TRUE;
+    g_signal_emit_by_name(lime, "save-environment", path, &good);
+    return good;
+  };
+  const TemporaryFolder folder;
+  const std::string file = folder / "light.hdr";
+  EXPECT_FALSE(save(file.c_str())) << "nothing is known yet";
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_FALSE(save(nullptr));
+  EXPECT_FALSE(save("/nowhere/light.hdr"));
+  EXPECT_TRUE(save(file.c_str()));
+  EXPECT_TRUE(std::filesystem::exists(file));
+  std::filesystem::remove(file);
+  harness.flush();
+  harness.process(scene(0, 0, 0));
+  harness.set_src_caps(VideoHarness::caps("RGBA", 64, 64));
+  EXPECT_TRUE(save(file.c_str())) << "the last that was known";
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {
+  VideoHarness harness(line("show=preview preview-size=0.5"), caps(), caps());
+  const auto none = scene(0, 0, 0), frame = scene(30, 30, 20);
+  EXPECT_EQ(harness.process(none), none) << "no object, no sphere";
+  std::vector<uint8_t> out;
+  for (int i = 0; i < 8; ++i) out = harness.process(frame);
+  size_t changed = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const size_t at = 4 * (size_t{kWidth} * y + x);
+      int largest = 0;
+      for (size_t c = 0; c < 4; ++c)
+        largest = std::max(largest, std::abs(out[at + c] - frame[at + c]));
+      const bool corner = x >= kWidth - 35 && y >= kHeight - 35;
+      if (!corner) {
+        ASSERT_EQ(largest, 0) << x << ", " << y;
+      }
+      changed += largest > 2;
+    }
+  EXPECT_GT(changed, 500u);
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(LimeLight, EndsWithItsSceneAndWhereItIsNotAskedFor) {
+  VideoHarness harness(line("show=input light=true"), caps(), {});
+  const auto lit = [&](const std::vector<uint8_t>& frame) {
+    harness.push(frame);
+    GstBuffer* buffer = gst_harness_pull(harness.harness());
+    const bool has = buffer && gst_buffer_get_material_meta(buffer)->environment;
+    if (buffer) gst_buffer_unref(buffer);
+    return has;
+  };
+  const auto ball = scene(60, 30, 20);
+  for (int i = 0; i < 6; ++i) lit(ball);
+  EXPECT_TRUE(lit(ball));
+  g_object_set(harness.find("limematerial"), "light", FALSE, nullptr);
+  EXPECT_FALSE(lit(ball));
+  EXPECT_EQ(stat<guint64>(harness.find("limematerial"), "light-views", G_TYPE_UINT64), 0u);
+  g_object_set(harness.find("limematerial"), "light", TRUE, nullptr);
+  EXPECT_FALSE(lit(ball)) << "what was known is old";
+  for (int i = 0; i < 6; ++i) lit(ball);
+  EXPECT_TRUE(lit(ball));
+  gst_util_set_object_arg(G_OBJECT(harness.find("limematerial")), "normals", "none");
+  EXPECT_FALSE(lit(ball));
+  gst_util_set_object_arg(G_OBJECT(harness.find("limematerial")), "normals", "silhouette");
+  for (int i = 0; i < 6; ++i) lit(ball);
+  EXPECT_TRUE(lit(ball));
+  harness.set_src_caps(caps(64, 96));
+  EXPECT_FALSE(lit(scene(0, 0, 0, 64, 96)));
+}
+
+TEST_F(LimeLight, NoKernelIsBuiltWhenAnotherPictureIsShown) {
+  const NewDevice none_built;
+  VideoHarness harness(line("show=input"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 6; ++i) harness.process(scene(60, 30, 20));
+  const auto before = stat<guint64>(lime, "kernels", G_TYPE_UINT64);
+  for (const char* show : {"preview", "mosaic", "mask", "mirror"}) {
+    gst_util_set_object_arg(G_OBJECT(lime), "show", show);
+    for (int i = 0; i < 2; ++i) harness.process(scene(60, 30, 20));
+    EXPECT_EQ(stat<guint64>(lime, "kernels", G_TYPE_UINT64), before) << show;
+  }
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,356 @@
+// limematerial, with networks whose results are known.
+#include <gst/base/gstbasetransform.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "gst/base/meta/inverse_material_meta.h"
+#include "lime_fixture.hpp"
+#include "tests/has_networks.hpp"
+#include "tests/srgb.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace inverse::testing {
+
+TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
+  VideoHarness harness(line(), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  const auto color = property<guint>(lime, "diffuse-albedo");
+  const auto code = [](double v) { return std::lround(255 * srgb_code(v)); };
+  EXPECT_EQ(color, 0xff000000u | static_cast<guint>(code(.2) << 16 | code(.5) << 8 | code(.7)));
+  EXPECT_NEAR(std::log2(property<gfloat>(lime, "shininess")), 1 + 9 * 5.5 / 8, .5);
+  EXPECT_GT(property<gfloat>(lime, "specular-albedo"), .2);
+  EXPECT_EQ(stat<guint>(lime, "bin", G_TYPE_UINT), 5u);
+  EXPECT_NEAR(stat<gdouble>(lime, "diffuse-green", G_TYPE_DOUBLE), .5, 1e-3);
+
+  ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+  GstBuffer* out = gst_harness_pull(harness.harness());
+  GstMaterialMeta* meta = gst_buffer_get_material_meta(out);
+  ASSERT_NE(meta, nullptr);
+  EXPECT_TRUE(meta->found);
+  EXPECT_NEAR(meta->diffuse[2], .7, 1e-3);
+  EXPECT_NEAR((meta->left + meta->right) / 2, 60, 3);
+  GstBuffer* copy = gst_buffer_copy(out);
+  ASSERT_NE(gst_buffer_get_material_meta(copy), nullptr);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy)->averaged, meta->averaged);
+  gst_buffer_unref(copy);
+
+  bool freed = false;
+  const auto free_light = [](gpointer flag) { *static_cast<bool*>(flag) = true; };
+  GBytes* light = g_bytes_new_with_free_func("light", 5, free_light, &freed);
+  g_clear_pointer(&meta->environment, g_bytes_unref);
+  meta->environment = g_bytes_ref(light);
+  copy = gst_buffer_copy(out);
+  gst_buffer_unref(out);
+  EXPECT_EQ(gst_buffer_get_material_meta(copy)->environment, light) << "shared by copies";
+  gst_buffer_unref(copy);
+  EXPECT_FALSE(freed);
+  g_bytes_unref(light);
+  EXPECT_TRUE(freed) << "no buffer kept it";
+}
+
+TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {
+  VideoHarness harness(line(), caps(), caps());
+  GstBus* bus = gst_bus_new();
+  gst_element_set_bus(harness.find("limematerial"), bus);
+  const auto news = [bus] {
+    std::vector<bool> found;
+    while (GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT)) {
+      const GstStructure* s = gst_message_get_structure(message);
+      gboolean value = FALSE;
+      if (gst_structure_has_name(s, "material") && gst_structure_get_boolean(s, "found", &value))
+        found.push_back(value);
+      gst_message_unref(message);
+    }
+    return found;
+  };
+  for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_TRUE(news().empty());
+  for (int i = 0; i < 12; ++i) harness.process(scene(40, 30, 18));
+  const auto came = news();
+  ASSERT_FALSE(came.empty());
+  EXPECT_TRUE(came.front());
+  EXPECT_LE(came.size(), 4u) << "not with every frame";
+  for (int i = 0; i < 8; ++i) harness.process(scene(0, 0, 0));
+  EXPECT_EQ(news(), std::vector<bool>{false});
+  EXPECT_EQ(property<guint>(harness.find("limematerial"), "diffuse-albedo"), 0u);
+  gst_element_set_bus(harness.find("limematerial"), nullptr);
+  gst_object_unref(bus);
+}
+
+TEST_F(LimeElementTest, EveryShowHasAPicture) {
+  std::map<std::string, std::vector<uint8_t>> shown;
+  for (const char* show : {"input", "mask", "specular", "diffuse", "mirror", "mosaic"}) {
+    VideoHarness harness(line(std::string("show=") + show), caps(), caps());
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 6; ++i) out = harness.process(scene(60, 30, 20));
+    ASSERT_EQ(out.size(), scene(0, 0, 0).size()) << show;
+    const uint8_t* object = &out[4 * (30 * kWidth + 60)];
+    if (!strcmp(show, "input")) {
+      EXPECT_EQ(out, scene(60, 30, 20)) << "the same bits";
+    }
+    shown[show] = out;
+    if (!strcmp(show, "mask")) {
+      EXPECT_EQ(object[0], 255);
+      EXPECT_EQ(out[0], 0);
+    }
+    if (!strcmp(show, "specular") || !strcmp(show, "mirror")) {
+      EXPECT_GT(object[0], 20) << show;
+      EXPECT_EQ(out[0], 0) << show;
+    }
+    if (!strcmp(show, "diffuse")) {
+      EXPECT_LT(object[0], 230);
+      EXPECT_NEAR(out[0], 128, 1);
+    }
+  }
+  // The mosaic has them at half size: each one's middle of the disc.
+  const auto pixel = [&](const char* show, int x, int y) {
+    return &shown[show][4 * (static_cast<size_t>(y) * kWidth + static_cast<size_t>(x))];
+  };
+  const char* quarters[] = {"input", "diffuse", "specular", "mirror"};
+  for (int i = 0; i < 4; ++i) {
+    const uint8_t *whole = pixel(quarters[i], 60, 30),
+                  *half = pixel("mosaic", kWidth / 2 * (i % 2) + 30, kHeight / 2 * (i / 2) + 15);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(half[c], whole[c], 2) << quarters[i];
+  }
+  EXPECT_GT(std::abs(pixel("specular", 60, 30)[0] - pixel("mirror", 60, 30)[0]), 4)
+      << "or it tells nothing";
+}
+
+TEST_F(LimeElementTest, RestsWithARestingObject) {
+  VideoHarness harness(line("recheck=6"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
+  const auto before = stat<guint64>(lime, "estimates", G_TYPE_UINT64);
+  for (int i = 0; i < 24; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 4);
+  g_object_set(lime, "adaptive", FALSE, nullptr);
+  for (int i = 0; i < 5; ++i) harness.process(scene(60, 30, 20));
+  EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
+}
+
+TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
+  for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
+    VideoHarness harness(line(std::string("recheck=1000 show=") + show), caps(), caps());
+    GstElement* lime = harness.find("limematerial");
+    const auto kept = [lime] { return stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN); };
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+    EXPECT_TRUE(kept()) << show;
+    EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show;
+    EXPECT_NE(harness.process(scene(62, 30, 20)), out) << show;
+    EXPECT_FALSE(kept()) << show;
+    for (int i = 0; i < 4; ++i) out = harness.process(scene(60, 30, 20));
+    g_object_set(lime, "adaptive", FALSE, nullptr);
+    EXPECT_EQ(harness.process(scene(60, 30, 20)), out) << show << ": the same, drawn anew";
+    EXPECT_FALSE(kept()) << show;
+  }
+}
+
+TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
+  VideoHarness harness(line("recheck=1000") + " ! intrinsiccompose show=specular", caps(), caps());
+  std::vector<uint8_t> out;
+  for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
+  EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
+  EXPECT_TRUE(stat<gboolean>(harness.find("limematerial"), "kept", G_TYPE_BOOLEAN));
+  g_object_set(harness.find("limematerial"), "adaptive", FALSE, nullptr);
+  EXPECT_EQ(harness.process(scene(60, 30, 20)), out);
+}
+
+TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings) {
+  VideoHarness harness(line("recheck=1000 show=mask"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  const auto shown = [&](const char* property, const char* value) {
+    gst_util_set_object_arg(G_OBJECT(lime), property, value);
+    return harness.process(scene(60, 30, 20));
+  };
+  for (int i = 0; i < 40; ++i) harness.process(scene(60, 30, 20));
+  const auto mask = shown("show", "mask"), diffuse = shown("show", "diffuse"),
+             preview = shown("show", "preview");
+  EXPECT_NE(mask, diffuse);
+  EXPECT_NE(diffuse, preview);
+  EXPECT_NE(shown("preview-size", "0.9"), preview);
+  EXPECT_EQ(shown("show", "mask"), mask);
+  harness.flush();
+  EXPECT_NE(harness.process(scene(60, 30, 20)), mask) << "nothing is known of it any more";
+}
+
+TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
+  VideoHarness harness(line("recheck=1000 show=preview"), caps(), caps());
+  GstElement* lime = harness.find("limematerial");
+  std::vector<uint8_t> lit;
+  for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
+  EXPECT_TRUE(stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN));
+  EXPECT_GT(stat<guint64>(lime, "light-views", G_TYPE_UINT64), 0u);
+  gst_util_set_object_arg(G_OBJECT(lime), "normals", "none");
+  EXPECT_NE(harness.process(scene(60, 30, 20)), lit) << "in a studio's light, as none is known";
+}
+
+TEST_F(LimeElementTest, KeepsTheObjectWhenTheRateChanges) {
+  const std::string caps = "video/x-raw,format=RGBA,width=96,height=64,framerate=";
+  VideoHarness harness(line("adaptive=false"), caps + "25/1");
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 12; ++i) {
+    if (i >= 6) harness.set_src_caps(caps + std::to_string(24 - i) + "/1");
+    ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  }
+  EXPECT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  EXPECT_GE(stat<guint64>(lime, "estimates", G_TYPE_UINT64), 11u);
+}
+
+TEST_F(LimeElementTest, SurvivesFlushesAndNewCaps) {
+  VideoHarness harness(line(), caps());
+  GstElement* lime = harness.find("limematerial");
+  for (int i = 0; i < 5; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
+  harness.flush();
+  ASSERT_FALSE(harness.process(scene(0, 0, 0)).empty());
+  EXPECT_FALSE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  for (const auto& [width, height] : {std::pair{16, 16}, {1, 1}, {200, 120}, {33, 7}}) {
+    harness.set_src_caps(caps(width, height));
+    for (int i = 0; i < 4; ++i)
+      ASSERT_FALSE(
+          harness.process(scene(width / 2, height / 2, height / 3, width, height)).empty());
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(LimeElementTest, ASecondRunIsAsTheFirst) {
+  const TemporaryFolder folder;
+  const std::string light = folder / "light.hdr";
+  const auto runs = run_line_again(
+      "videotestsrc num-buffers=8 pattern=solid-color foreground-color=0xffe66464 ! "
+      "video/x-raw,format=RGBA,width=96,height=64 ! " +
+          line("show=specular environment-location=" + light) + " ! appsink name=out",
+      3, [&] { EXPECT_TRUE(std::filesystem::remove(light)) << "nothing was written"; });
+  for (const LineResult& run : runs) {
+    EXPECT_TRUE(run.eos) << run.first_error();
+    ASSERT_EQ(run.frames.size(), 8u);
+    EXPECT_EQ(run.frames, runs[0].frames);
+    EXPECT_EQ(run.messages, std::vector<std::string>{"material"});
+    EXPECT_TRUE(run.warnings.empty());
+  }
+  EXPECT_TRUE(std::filesystem::exists(light));
+}
+
+TEST_F(LimeElementTest, BindingsHearOfTheMaterial) {
+  VideoHarness harness(line(), caps());
+  GstElement* lime = harness.find("limematerial");
+  std::vector<std::pair<std::string, bool>> heard;  // and whether there is a value
+  g_signal_connect(lime, "notify",
+                   G_CALLBACK(+[](GObject* object, GParamSpec* spec, gpointer names) {
+                     GValue value = G_VALUE_INIT;
+                     g_object_get_property(object, spec->name, &value);  // must not wait
+                     const bool known = !g_param_value_defaults(spec, &value);
+                     g_value_unset(&value);
+                     static_cast<decltype(heard)*>(names)->emplace_back(spec->name, known);
+                   }),
+                   &heard);
+  for (int i = 0; i < 8; ++i) harness.process(scene(60, 30, 20));
+  decltype(heard) expected{
+      {"diffuse-albedo", true}, {"specular-albedo", true}, {"shininess", true}};
+  EXPECT_EQ(heard, expected);
+  for (int i = 0; i < 4; ++i) harness.process(scene(0, 0, 0));
+  for (size_t i = 0; i < 3; ++i) expected.emplace_back(expected[i].first, false);
+  EXPECT_EQ(heard, expected);
+}
+
+TEST_F(LimeElementTest, ModelsThatAreMissingAreAnError) {
+  const auto error = [](const std::string& models) {
+    return run_line("videotestsrc num-buffers=2 ! limematerial models=" + models + " ! fakesink")
+        .first_error();
+  };
+  const auto none = error("/nowhere");
+  EXPECT_NE(none.find("there is no folder /nowhere/lime"), std::string::npos) << none;
+  EXPECT_NE(none.find("INVERSE_MODELS"), std::string::npos) << "what to do";
+  std::filesystem::remove(files.path("albedo"));
+  EXPECT_NE(error(files.folder()).find("albedo.net"), std::string::npos);
+}
+
+TEST_F(LimeElementTest, ModelsAreReadAtEveryStart) {
+  GstElement* lime = gst_element_factory_make("limematerial", nullptr);
+  g_object_set(lime, "models", files.folder().c_str(), nullptr);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_SUCCESS);
+  gst_element_set_state(lime, GST_STATE_READY);
+  std::filesystem::resize_file(files.path("albedo"), 100);
+  EXPECT_EQ(gst_element_set_state(lime, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
+  gst_element_set_state(lime, GST_STATE_NULL);
+  gst_object_unref(lime);
+}
+
+// With the networks that come along: a glossy ball of one color before a checkered wall.
+namespace {
+
+/// A glossy blue ball before checks, RGBA.
+std::vector<uint8_t> ball(int width, int height, double x0, double y0, double radius) {
+  const double albedo[3] = {.08, .35, .5};
+  std::vector<uint8_t> picture(size_t{4} * width * height, 255);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double nx = (x - x0) / radius, ny = (y - y0) / radius, r2 = nx * nx + ny * ny;
+      for (int c = 0; c < 3; ++c) {
+        double light = ((x / 24 + y / 24) % 2 ? .30 : .18) * (c == 2 ? .6 : 1);
+        if (r2 < 1) {
+          const double nz = std::sqrt(1 - r2), facing = -.48 * nx - .48 * ny + .73 * nz;
+          const double half = -.26 * nx - .26 * ny + .93 * nz;
+          light =
+              albedo[c] * (.25 + .9 * std::max(0., facing)) + .8 * std::pow(std::max(0., half), 60);
+        }
+        picture[4 * (static_cast<size_t>(width) * y + x) + c] =
+            static_cast<uint8_t>(std::lround(255 * std::clamp(srgb_code(light), 0., 1.)));
+      }
+    }
+  return picture;
+}
+
+}  // namespace
+
+TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABall) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  constexpr int kSide = 256, kRadius = 85;
+  const auto picture = ball(kSide, kSide, 128, 128, kRadius);
+  VideoHarness harness("limematerial show=specular", caps(kSide, kSide), caps(kSide, kSide));
+  GstElement* lime = harness.find("limematerial");
+  std::vector<uint8_t> highlights;
+  for (int i = 0; i < 8; ++i) highlights = harness.process(picture);
+  ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN));
+  EXPECT_NEAR(stat<gdouble>(lime, "left", G_TYPE_DOUBLE), 128 - kRadius, 12);
+  EXPECT_NEAR(stat<gdouble>(lime, "bottom", G_TYPE_DOUBLE), 128 + kRadius, 12);
+  const double red = stat<gdouble>(lime, "diffuse-red", G_TYPE_DOUBLE);
+  const double blue = stat<gdouble>(lime, "diffuse-blue", G_TYPE_DOUBLE);
+  EXPECT_LT(red, .6 * blue) << "of a blue ball";
+  const auto at = [&](int x, int y) { return highlights[4 * (size_t{256} * y + x)]; };
+  EXPECT_GT(at(104, 104), 150) << "where the highlight is";
+  EXPECT_LT(at(160, 160), 90) << "where none is";
+  EXPECT_EQ(at(10, 10), 0) << "outside of the ball";
+}
+
+TEST_F(LimeElementTest, TheNetworksThatComeAlongFindABallThatTheFrameCuts) {
+  if (!has_networks()) GTEST_SKIP() << "built without inverse-onnx-import";
+  constexpr int kWide = 320, kHigh = 240;
+  for (const double share : {.4, .65, .8}) {  // radius over the frame's height
+    VideoHarness harness("limematerial show=input", caps(kWide, kHigh), caps(kWide, kHigh));
+    GstElement* lime = harness.find("limematerial");
+    const auto picture = ball(kWide, kHigh, 130, 120, share * kHigh);
+    for (int i = 0; i < 10; ++i) harness.process(picture);
+    ASSERT_TRUE(stat<gboolean>(lime, "found", G_TYPE_BOOLEAN)) << share;
+    const auto edge = [&](const char* name) { return stat<gdouble>(lime, name, G_TYPE_DOUBLE); };
+    EXPECT_NEAR(edge("left"), std::max(130 - share * kHigh, 0.), 12) << share;
+    EXPECT_NEAR(edge("right"), std::min(130 + share * kHigh, 320.), 12) << share;
+    EXPECT_NEAR(edge("top"), std::max(120 - share * kHigh, 0.), 12) << share;
+    EXPECT_NEAR(edge("bottom"), std::min(120 + share * kHigh, 240.), 12) << share;
+    EXPECT_LT(edge("diffuse-red"), .6 * edge("diffuse-blue")) << "of a blue ball";
+  }
+}
+
+TEST_F(LimeElementTest, WorksBehindOtherFormatsAndBesideOtherElements) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=6 pattern=ball ! video/x-raw,format=NV12,width=160,height=120 ! "
+      "limematerial models=" +
+      files.folder() + " ! intrinsicdecomp ! video/x-raw,format=I420 ! appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_EQ(result.frames.size(), 6u);
+}
+
+}  // namespace inverse::testing

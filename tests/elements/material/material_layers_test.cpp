@@ -1,0 +1,179 @@
+// Layers of limematerial: what carries them, what draws them, and who refuses them.
+#include <algorithm>
+
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "gst/base/meta/inverse_material_meta.h"
+#include "lime_fixture.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kMaterial =
+    "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS "), layers=(string)material";
+
+class MaterialLayers : public LimeElementTest {
+ protected:
+  /// A layer of a buffer; empty where there is none.
+  static std::vector<float> layer(GstBuffer* buffer, GstInverseRole role) {
+    GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+    GBytes* bytes = meta ? meta->download(meta, role) : nullptr;
+    if (!bytes) return {};
+    gsize size = 0;
+    const auto* data = static_cast<const float*>(g_bytes_get_data(bytes, &size));
+    std::vector<float> result(data, data + size / sizeof(float));
+    g_bytes_unref(bytes);
+    return result;
+  }
+  static constexpr size_t kObject = 4 * (size_t{30} * kWidth + 60);
+};
+
+}  // namespace
+
+TEST_F(MaterialLayers, GoOutWhereTheyAreTaken) {
+  VideoHarness harness(line(), caps(), kMaterial);
+  GstBuffer* buffer = nullptr;
+  for (int i = 0; i < 6; ++i) {
+    if (buffer) gst_buffer_unref(buffer);
+    ASSERT_EQ(harness.push(scene(60, 30, 20)), GST_FLOW_OK);
+    buffer = gst_harness_pull(harness.harness());
+  }
+  EXPECT_EQ(gst_buffer_get_size(buffer), 0u) << "no pixels";
+  ASSERT_NE(gst_buffer_get_material_meta(buffer), nullptr);
+  EXPECT_TRUE(gst_buffer_get_material_meta(buffer)->found);
+  const auto input = layer(buffer, GST_INVERSE_ROLE_INPUT);
+  const auto diffuse = layer(buffer, GST_INVERSE_ROLE_DIFFUSE);
+  const auto specular = layer(buffer, GST_INVERSE_ROLE_SPECULAR);
+  ASSERT_EQ(input.size(), size_t{4} * kWidth * kHeight);
+  ASSERT_EQ(diffuse.size(), input.size());
+  ASSERT_EQ(specular.size(), input.size());
+  EXPECT_TRUE(layer(buffer, GST_INVERSE_ROLE_INTRINSIC).empty());
+  for (size_t i = 0; i < input.size(); ++i)
+    ASSERT_NEAR(i % 4 == 3 ? input[i] : diffuse[i] + specular[i], input[i], 1e-6) << i;
+  EXPECT_EQ(diffuse[kObject + 3], 1) << "mask";
+  EXPECT_EQ(diffuse[3], 0);
+  EXPECT_GT(specular[kObject], .01);
+  EXPECT_GT(specular[kObject + 3], specular[kObject]) << "mirror image";
+  EXPECT_EQ(specular[3], 0);
+  gst_buffer_unref(buffer);
+}
+
+TEST_F(MaterialLayers, UneditedTheyAreComposedToTheInput) {
+  for (const char* format : {"RGBA", "RGBA64_LE", "BGR"}) {
+    const std::string video = VideoHarness::caps(format, kWidth, kHeight);
+    VideoHarness harness(line() + " ! intrinsiccompose", video, video);
+    std::vector<uint8_t> frame;
+    for (unsigned i = 0; i < 6; ++i) {
+      frame = random_frame(video, i);
+      if (std::string(format) == "RGBA") {
+        const auto object = scene(60, 30, 20);
+        for (size_t k = 0; k < frame.size(); ++k)
+          if (object[k] != 128) frame[k] = object[k];
+      }
+      ASSERT_EQ(largest_difference(visible(video, harness.process(frame)), visible(video, frame)),
+                0)
+          << format << " frame " << i;
+    }
+    EXPECT_TRUE(harness.errors().empty());
+  }
+}
+
+TEST_F(MaterialLayers, AnEditShowsInThePicture) {
+  VideoHarness lime(line(), caps(), kMaterial);
+  GstBuffer* buffer = nullptr;
+  for (int i = 0; i < 6; ++i) {
+    if (buffer) gst_buffer_unref(buffer);
+    lime.push(scene(60, 30, 20));
+    buffer = gst_harness_pull(lime.harness());
+  }
+  auto specular = layer(buffer, GST_INVERSE_ROLE_SPECULAR);
+  std::fill(specular.begin(), specular.end(), 0.0F);
+  GBytes* none = g_bytes_new(specular.data(), specular.size() * sizeof(float));
+  buffer = gst_buffer_make_writable(buffer);
+  GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
+  EXPECT_TRUE(meta->upload(meta, GST_INVERSE_ROLE_SPECULAR, none));
+  g_bytes_unref(none);
+  const auto diffuse = layer(buffer, GST_INVERSE_ROLE_DIFFUSE);
+
+  GstHarness* compose = gst_harness_new("intrinsiccompose");
+  GstCaps* sent = gst_pad_get_current_caps(lime.harness()->sinkpad);
+  gst_harness_set_src_caps(compose, sent);
+  gst_harness_set_sink_caps_str(compose, caps().c_str());
+  ASSERT_EQ(gst_harness_push(compose, buffer), GST_FLOW_OK);
+  GstBuffer* out = gst_harness_pull(compose);
+  std::vector<uint8_t> pixels(gst_buffer_get_size(out));
+  gst_buffer_extract(out, 0, pixels.data(), pixels.size());
+  const double red = static_cast<double>(diffuse[kObject]);
+  EXPECT_NEAR(pixels[kObject], 255 * srgb_code(red), 1) << "without highlights";
+  EXPECT_EQ(pixels[0], 128);
+  gst_buffer_unref(out);
+  gst_harness_teardown(compose);
+}
+
+TEST_F(MaterialLayers, ComposeShowsEachOfThem) {
+  const auto at_object = [&](const std::string& elements) {
+    VideoHarness harness(line("show=input") + elements, caps(), caps());
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 6; ++i) out = harness.process(scene(60, 30, 20));
+    EXPECT_TRUE(harness.errors().empty());
+    return out.empty() ? std::vector<uint8_t>(4) : std::vector(&out[kObject], &out[kObject + 4]);
+  };
+  for (const char* show : {"diffuse", "specular", "mirror", "mask"}) {
+    VideoHarness direct(line(std::string("show=") + show), caps(), caps());
+    std::vector<uint8_t> out;
+    for (int i = 0; i < 6; ++i) out = direct.process(scene(60, 30, 20));
+    EXPECT_EQ(at_object(std::string(" ! intrinsiccompose show=") + show),
+              std::vector(&out[kObject], &out[kObject + 4]))
+        << show;
+  }
+  EXPECT_NEAR(at_object(" ! intrinsiccompose show=difference")[1], 128, 1);
+}
+
+TEST_F(MaterialLayers, SplitSendsThem) {
+  const std::string source =
+      "videotestsrc num-buffers=5 pattern=ball ! video/x-raw,width=96,height=64 ! ";
+  for (const char* pad : {"diffuse", "specular", "mirror", "mask", "input"}) {
+    const auto result = run_line(source + line() + " ! intrinsicsplit name=s s." + pad +
+                                 " ! queue ! appsink name=out");
+    EXPECT_TRUE(result.eos) << pad << ": " << result.first_error();
+    EXPECT_EQ(result.frames.size(), 5u) << pad;
+  }
+  const auto refused =
+      run_line(source + line() + " ! intrinsicsplit name=s s.reflectance ! fakesink").first_error();
+  EXPECT_NE(refused.find("no reflectance"), std::string::npos) << refused;
+  EXPECT_NE(refused.find("intrinsicdecomp"), std::string::npos) << refused;
+  const auto direct = run_line(source + line() + " ! intrinsicsplit name=s s.direct ! fakesink");
+  EXPECT_NE(direct.first_error().find("globalintrinsic"), std::string::npos)
+      << direct.first_error();
+  EXPECT_EQ(std::count_if(direct.errors.begin(), direct.errors.end(),
+                          [](const std::string& text) {
+                            return text.find("no direct") != std::string::npos;
+                          }),
+            1)
+      << "told once";
+  const auto other =
+      run_line(source + "intrinsicdecomp ! intrinsicsplit name=s s.mirror ! fakesink")
+          .first_error();
+  EXPECT_NE(other.find("no mirror"), std::string::npos) << other;
+  EXPECT_NE(other.find("limematerial"), std::string::npos) << other;
+}
+
+TEST_F(MaterialLayers, WhoEditsReflectanceRefusesThem) {
+  const std::string source =
+      "videotestsrc num-buffers=3 ! video/x-raw,width=96,height=64 ! " + line() + " ! ";
+  for (const char* editor : {"intrinsicrecolor", "intrinsicdespill"}) {
+    const auto error = run_line(source + editor + " ! intrinsiccompose ! fakesink").first_error();
+    EXPECT_NE(error.find("works on decomposed video"), std::string::npos)
+        << editor << ": " << error;
+    const auto forced =
+        run_line(source + kMaterial + " ! " + editor + " ! intrinsiccompose ! fakesink");
+    EXPECT_FALSE(forced.eos) << editor;
+    EXPECT_FALSE(forced.errors.empty()) << editor;
+  }
+  const auto show = run_line(source + "intrinsiccompose show=reflectance ! fakesink").first_error();
+  EXPECT_NE(show.find("no reflectance"), std::string::npos) << show;
+  const auto direct = run_line(source + "intrinsiccompose show=direct ! fakesink").first_error();
+  EXPECT_NE(direct.find("do not tell direct light"), std::string::npos) << direct;
+}
+
+}  // namespace inverse::testing

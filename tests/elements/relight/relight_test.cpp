@@ -1,0 +1,381 @@
+// olatrelight.
+#include <gst/controller/controller.h>
+#include <gst/video/navigation.h>
+#include <sys/stat.h>
+
+#include <limits>
+
+#include "gst/base/meta/inverse_layers_meta.h"
+#include "kernels/image/layers.hpp"
+#include "relight_fixture.hpp"
+
+namespace inverse::testing {
+
+TEST_F(RelightTest, UnderWhiteLightTheSubjectIsAsUnderAllLights) {
+  VideoHarness harness("olatrelight environment=" + white(), caps(), caps(kSide));
+  const auto relit = harness.process(sphere.side_by_side());
+  ASSERT_EQ(relit.size(), size_t{kSide} * kSide * 4);
+  gst_util_set_object_arg(G_OBJECT(harness.find("olatrelight")), "show", "albedo");
+  const auto full = harness.process(sphere.side_by_side());
+  int worst = 0;
+  for (int y = 0; y < kSide * 3 / 4; ++y)  // what faces the floor that has no lights is darker
+    for (int x = 0; x < kSide; ++x)
+      for (int c = 0; c < 3; ++c)
+        worst = std::max(worst, std::abs(at(relit, x, y)[c] - at(full, x, y)[c]));
+  EXPECT_LE(worst, 6);
+  const double expected =
+      encoded(double{sphere.a[4 * (32 * kSide + 32)]} + sphere.b[4 * (32 * kSide + 32)]);
+  EXPECT_NEAR(at(full, 32, 32)[0], 255 * expected, 2);
+}
+
+TEST_F(RelightTest, LightComesFromWhereItIsAndTurns) {
+  VideoHarness harness("olatrelight environment=" + lamp_file(90, 90, 20), caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  auto out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 50, 32)[0], at(out, 14, 32)[0] + 60) << "from the right";
+  EXPECT_GT(at(out, 50, 32)[0], at(out, 50, 32)[2] + 30) << "yellow";
+  g_object_set(relight, "rotation", 180.0F, nullptr);
+  out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 14, 32)[0], at(out, 50, 32)[0] + 60) << "turned to the left";
+  EXPECT_FALSE(stat<gboolean>(relight, "fitted", G_TYPE_BOOLEAN)) << "the picture is the same";
+  const int before = at(out, 14, 32)[1];
+  g_object_set(relight, "exposure", -2.0F, nullptr);
+  out = harness.process(sphere.side_by_side());
+  EXPECT_LT(at(out, 14, 32)[1], before - 30);
+  EXPECT_EQ(stat<guint64>(relight, "lights", G_TYPE_UINT64), 331u);
+  EXPECT_LT(stat<guint64>(relight, "lit", G_TYPE_UINT64), 12u);
+  EXPECT_NEAR(stat<gdouble>(relight, "environment-shown", G_TYPE_DOUBLE), 1, 1e-3);
+}
+
+TEST_F(RelightTest, DirectionsAreTheNormalsOfASphere) {
+  VideoHarness harness("olatrelight show=normal", caps(), caps(kSide));
+  const auto out = harness.process(sphere.side_by_side());
+  for (const auto& [x, y] : {std::pair{32, 32}, {48, 32}, {32, 14}, {20, 40}}) {
+    const double px = 2 * (x + .5) / kSide - 1, py = 1 - 2 * (y + .5) / kSide;
+    EXPECT_NEAR(at(out, x, y)[0], 255 * (.5 + .5 * px), 4) << x << " " << y;
+    EXPECT_NEAR(at(out, x, y)[1], 255 * (.5 + .5 * py), 4) << x << " " << y;
+  }
+  EXPECT_EQ(at(out, 1, 1)[0], 0) << "where there is no light there is no direction";
+}
+
+TEST_F(RelightTest, WhatLitTheFramesHasToBeWhatTheyAreTakenFor) {
+  const std::string camera =
+      "lightstagetestsrc is-live=false num-buffers=24 program=performance:42 ! "
+      "video/x-raw,format=RGBA,width=64,height=32 ! ";
+  const std::string sync = "lightstagesync program=performance:42 ";
+  const auto alone = run_line(camera + sync + "! olatrelight program=performance:42 ! fakesink");
+  EXPECT_NE(alone.first_error().find("assemble=pairs"), std::string::npos) << alone.first_error();
+  const auto run = [&](const std::string& program) {
+    return run_line(camera + sync + "assemble=pairs ! olatrelight program=" + program +
+                    " ! fakesink");
+  };
+  const auto same = run("performance:42"), as_good = run("static:42"), other = run("performance");
+  for (const auto& result : {same, as_good, other}) EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_TRUE(same.warnings.empty());
+  EXPECT_TRUE(as_good.warnings.empty());
+  ASSERT_EQ(other.warnings.size(), 1u) << "once, not with every frame";
+  EXPECT_NE(other.warnings[0].find("42 lights"), std::string::npos) << other.warnings[0];
+}
+
+TEST_F(RelightTest, LayersAreTakenAsPairsSideBySideAre) {
+  const std::string layers =
+      "video/x-raw(meta:InverseLayers), format=RGBA, layers=gradients, width=64, height=64, "
+      "framerate=25/1";
+  for (const char* properties : {"", " show=normal", " show=albedo"}) {
+    VideoHarness plain(std::string("olatrelight") + properties, caps(), caps(kSide));
+    const auto expected = plain.process(sphere.side_by_side());
+    VideoHarness harness(std::string("olatrelight") + properties, layers, caps(kSide));
+    const auto device = gpu::Device::open();
+    const auto plane = [&](const std::vector<float>& pixels) {
+      auto buffer =
+          gpu::Buffer::create(device, gpu::Element::vec4, pixels.size() / 4, gpu::Memory::upload);
+      std::copy(pixels.begin(), pixels.end(), buffer->map_as<float>());
+      return std::make_shared<Plane>(Plane{{kSide, kSide}, buffer});
+    };
+    const auto push = [&](const Layers& what) {
+      GstBuffer* buffer = gst_buffer_new();
+      auto* meta = reinterpret_cast<GstInverseLayersMeta*>(
+          gst_buffer_add_meta(buffer, gst_meta_get_info("GstInverseLayersMeta"), nullptr));
+      meta->width = meta->height = kSide;
+      *static_cast<Layers*>(meta->layers) = what;
+      GST_BUFFER_PTS(buffer) = 0;
+      return gst_harness_push(harness.harness(), buffer);
+    };
+    const Layers pair = gradient_layers(plane(sphere.a), plane(sphere.b));
+    ASSERT_EQ(push(pair), GST_FLOW_OK);
+    const auto got = harness.pull();
+    EXPECT_LE(largest_difference(got, expected), 3) << properties;
+    ASSERT_EQ(push(pair), GST_FLOW_OK);
+    EXPECT_EQ(harness.pull(), got);
+    EXPECT_TRUE(stat<gboolean>(harness.find("olatrelight"), "repeated", G_TYPE_BOOLEAN));
+    // Pairs of two sizes, and half a pair.
+    Layers odd = pair;
+    odd[Role::gradient_b] =
+        std::make_shared<Plane>(Plane{{8, 8}, gpu::Buffer::create(device, gpu::Element::vec4, 64)});
+    EXPECT_EQ(push(odd), GST_FLOW_ERROR);
+    odd[Role::gradient_b] = nullptr;
+    EXPECT_EQ(push(odd), GST_FLOW_ERROR);
+    for (const std::string& error : harness.errors())
+      EXPECT_NE(error.find("gradients"), std::string::npos) << error;
+  }
+}
+
+TEST_F(RelightTest, OneLightGoesWhereItIsPut) {
+  VideoHarness harness("olatrelight show=olat light-direction=1,0,0.2", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  auto out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 52, 32)[0], at(out, 12, 32)[0] + 60);
+  g_object_set(relight, "light-direction", "-3, 0 ,1", nullptr);
+  out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 12, 32)[0], at(out, 52, 32)[0] + 60);
+  EXPECT_EQ(property<gfloat>(relight, "light-x"), -3);
+  g_object_set(relight, "light-x", 0.0F, "light-y", 1.0F, "light-z", 0.0F, nullptr);
+  out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 32, 8)[0], at(out, 32, 50)[0] + 60);
+  gchar* text = nullptr;
+  g_object_get(relight, "light-direction", &text, nullptr);
+  EXPECT_STREQ(text, "0,1,0");
+  g_free(text);
+  // What is no direction changes nothing.
+  const auto quiet = g_log_set_default_handler([](auto...) {}, nullptr);
+  for (const char* bad : {"", "1,2", "a,b,c", "1,2,3,4", "nan,0,0", "1e30,0,0"})
+    g_object_set(relight, "light-direction", bad, nullptr);
+  g_log_set_default_handler(quiet, nullptr);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), out);
+  g_object_set(relight, "light-direction", "0,0,0", nullptr);
+  EXPECT_FALSE(harness.process(sphere.side_by_side()).empty());
+}
+
+TEST_F(RelightTest, TheMouseMovesTheLight) {
+  VideoHarness harness("olatrelight show=olat", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  const auto send = [&](GstEvent* event) {
+    gst_harness_push_upstream_event(harness.harness(), event);
+  };
+  const auto none = GST_NAVIGATION_MODIFIER_NONE;
+  harness.process(sphere.side_by_side());
+  send(gst_navigation_event_new_mouse_move(8, 32, none));
+  EXPECT_EQ(property<gfloat>(relight, "light-x"), .5F) << "not before its button is down";
+  send(gst_navigation_event_new_mouse_button_press(1, 8, 32, none));
+  EXPECT_NEAR(property<gfloat>(relight, "light-x"), -.75, 1e-5);
+  send(gst_navigation_event_new_mouse_move(32, 0, none));
+  EXPECT_NEAR(property<gfloat>(relight, "light-y"), 1, 1e-5);
+  send(gst_navigation_event_new_mouse_move(NAN, 1e300, none));
+  const auto out = harness.process(sphere.side_by_side());
+  EXPECT_GT(at(out, 32, 8)[0], at(out, 32, 50)[0] + 60);
+  send(gst_navigation_event_new_mouse_button_release(1, 32, 0, none));
+  send(gst_navigation_event_new_mouse_move(60, 32, none));
+  EXPECT_NEAR(property<gfloat>(relight, "light-y"), 1, 1e-5);
+}
+
+TEST_F(RelightTest, RotationFollowsAController) {
+  const std::string environment = lamp_file(50, 50, 50);
+  const auto result = run_line(
+      "appsrc name=in ! olatrelight name=relight environment=" + environment +
+          " ! video/x-raw,format=RGBA ! appsink name=out",
+      60, [this](GstElement* pipeline) {
+        GstElement* relight = gst_bin_get_by_name(GST_BIN(pipeline), "relight");
+        GstControlSource* source = gst_interpolation_control_source_new();
+        g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
+        auto* values = reinterpret_cast<GstTimedValueControlSource*>(source);
+        gst_timed_value_control_source_set(values, 0, 0);
+        gst_timed_value_control_source_set(values, GST_SECOND, 180);
+        ASSERT_TRUE(gst_object_add_control_binding(
+            GST_OBJECT(relight),
+            gst_direct_control_binding_new_absolute(GST_OBJECT(relight), "rotation", source)));
+        gst_object_unref(source);
+        gst_object_unref(relight);
+        GstElement* in = gst_bin_get_by_name(GST_BIN(pipeline), "in");
+        GstCaps* frame_caps = gst_caps_from_string(caps().c_str());
+        g_object_set(in, "caps", frame_caps, "format", GST_FORMAT_TIME, nullptr);
+        gst_caps_unref(frame_caps);
+        const auto bytes = sphere.side_by_side();
+        for (const GstClockTime time : {GstClockTime{0}, GstClockTime{GST_SECOND}}) {
+          GstBuffer* buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+          GST_BUFFER_PTS(buffer) = time;
+          GstFlowReturn flow = GST_FLOW_OK;
+          g_signal_emit_by_name(in, "push-buffer", buffer, &flow);
+          gst_buffer_unref(buffer);
+        }
+        GstFlowReturn flow = GST_FLOW_OK;
+        g_signal_emit_by_name(in, "end-of-stream", &flow);
+        gst_object_unref(in);
+      });
+  ASSERT_TRUE(result.eos) << result.first_error();
+  ASSERT_EQ(result.frames.size(), 2u);
+  EXPECT_GT(at(result.frames[0], 50, 32)[0], at(result.frames[0], 14, 32)[0] + 60);
+  EXPECT_GT(at(result.frames[1], 14, 32)[0], at(result.frames[1], 50, 32)[0] + 60);
+}
+
+TEST_F(RelightTest, WhatComesAgainIsNotDoneAgain) {
+  VideoHarness harness("olatrelight", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  const auto first = harness.process(sphere.side_by_side());
+  EXPECT_TRUE(stat<gboolean>(relight, "fitted", G_TYPE_BOOLEAN));
+  EXPECT_EQ(harness.process(sphere.side_by_side()), first);
+  EXPECT_FALSE(stat<gboolean>(relight, "fitted", G_TYPE_BOOLEAN));
+  EXPECT_TRUE(stat<gboolean>(relight, "repeated", G_TYPE_BOOLEAN));
+  auto other = sphere.side_by_side();
+  other[4 * (32 * 128 + 32)] ^= 0x40;
+  EXPECT_NE(harness.process(other), first);
+  EXPECT_FALSE(stat<gboolean>(relight, "repeated", G_TYPE_BOOLEAN));
+  g_object_set(relight, "adaptive", FALSE, nullptr);
+  const auto all = harness.process(sphere.side_by_side());
+  EXPECT_LE(largest_difference(all, first), 2) << "the table is near the sum";
+  EXPECT_EQ(harness.process(sphere.side_by_side()), all);
+  EXPECT_FALSE(stat<gboolean>(relight, "repeated", G_TYPE_BOOLEAN));
+}
+
+TEST_F(RelightTest, EveryPropertyMayChangeWhilePlaying) {
+  VideoHarness harness("olatrelight", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  auto before = harness.process(sphere.side_by_side());
+  const auto changes = [&](const char* name, const char* value) {
+    gst_util_set_object_arg(G_OBJECT(relight), name, value);
+    const auto after = harness.process(sphere.side_by_side());
+    EXPECT_GT(largest_difference(after, before), 2) << name << " " << value;
+    before = after;
+  };
+  changes("rotation", "120");
+  changes("exposure", "-1.5");
+  changes("noise", "0.8");
+  for (const char* show : {"olat", "normal", "albedo", "mosaic", "relit"}) changes("show", show);
+  changes("environment", white(2).c_str());
+  changes("environment", "");
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(RelightTest, SizesFormatsAndNewCaps) {
+  VideoHarness harness("olatrelight show=mosaic", caps());
+  for (const auto& [width, height] :
+       {std::pair{2, 1}, {16, 16}, {66, 33}, {400, 120}, {1280, 16}}) {
+    harness.set_src_caps(caps(width, height));
+    for (int i = 0; i < 2; ++i) {
+      const auto out = harness.process(random_frame(caps(width, height), 7));
+      EXPECT_EQ(out.size(), static_cast<size_t>(width / 2 * height * 4));
+    }
+    harness.flush();
+  }
+  for (const char* format : {"I420", "NV12", "BGRx", "RGB", "GRAY8", "P010_10LE", "RGBA64_LE"}) {
+    harness.set_src_caps(caps(64, 48, format));
+    ASSERT_FALSE(harness.process(random_frame(caps(64, 48, format), 1)).empty()) << format;
+  }
+  for (const uint8_t value : {0, 255}) {
+    harness.set_src_caps(caps(64, 48));
+    ASSERT_FALSE(harness.process(flat_frame(caps(64, 48), value)).empty());
+  }
+  EXPECT_TRUE(harness.errors().empty());
+}
+
+TEST_F(RelightTest, FramesThatCannotBeHalvedAreRefusedInWords) {
+  VideoHarness harness("olatrelight", caps(65, 32));
+  EXPECT_NE(harness.push(random_frame(caps(65, 32), 1)), GST_FLOW_OK);
+  const auto errors = harness.errors();
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("side by side"), std::string::npos) << errors[0];
+  EXPECT_NE(errors[0].find("65"), std::string::npos) << errors[0];
+  std::string error;
+  warnings_of(line("", 101), &error);
+  EXPECT_NE(error.find("side by side"), std::string::npos) << error;
+  // The width that goes out settles the one that comes in.
+  const auto result = run_line(
+      "videotestsrc num-buffers=1 ! olatrelight ! video/x-raw,width=50,height=20 ! "
+      "appsink name=out");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  EXPECT_EQ(GST_VIDEO_INFO_WIDTH(&result.info), 50);
+}
+
+TEST_F(RelightTest, FilesThatAreAmissAreErrorsThatSayWhy) {
+  std::string error;
+  warnings_of(line("environment=/nowhere/a.hdr"), &error);
+  EXPECT_NE(error.find("/nowhere/a.hdr cannot be read"), std::string::npos) << error;
+  warnings_of(line("program=/nowhere/a.json"), &error);
+  EXPECT_NE(error.find("/nowhere/a.json"), std::string::npos) << error;
+  warnings_of(line("program=performance:0"), &error);
+  EXPECT_NE(error.find("number of lights"), std::string::npos) << error;
+  const std::string lamp_path = lamp_file(1, 1, 1);
+  std::filesystem::resize_file(lamp_path, std::filesystem::file_size(lamp_path) / 2);
+  warnings_of(line("environment=" + lamp_path), &error);
+  EXPECT_NE(error.find("ends too early"), std::string::npos) << error;
+  const std::string exr_path = exr(1);
+  std::filesystem::resize_file(exr_path, std::filesystem::file_size(exr_path) / 2);
+  warnings_of(line("environment=" + exr_path), &error);
+  EXPECT_NE(error.find("map.exr"), std::string::npos) << error;
+  warnings_of(line("environment=" + exr(1, 60)), &error);
+  EXPECT_NE(error.find("60x32"), std::string::npos) << error;
+  const std::string pipe = folder / "pipe.hdr";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  warnings_of(line("environment=" + pipe), &error);
+  EXPECT_NE(error.find("pipe.hdr is no file"), std::string::npos) << error;
+  EXPECT_TRUE(warnings_of(line("environment=" + exr(1)), &error).empty());
+  EXPECT_EQ(error, "");
+}
+
+TEST_F(RelightTest, RadianceThatIsNoneIsClampedWithAWarning) {
+  for (const float odd :
+       {-1.0F, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+        std::numeric_limits<float>::quiet_NaN()}) {
+    std::string error;
+    const auto warnings = warnings_of(line("environment=" + exr(odd)), &error);
+    EXPECT_EQ(error, "");
+    ASSERT_EQ(warnings.size(), 1u) << odd;
+    EXPECT_NE(warnings[0].find("clamped"), std::string::npos) << warnings[0];
+  }
+}
+
+TEST_F(RelightTest, MapsOfSingleFloatsAreTakenAsTheyAre) {
+  std::string error;
+  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"R", "G", "B"}, 1e5F)), &error).empty())
+      << "more than a half float holds, but a sun has it";
+  EXPECT_EQ(error, "");
+  EXPECT_TRUE(warnings_of(line("environment=" + float_exr({"Y"}, 2)), &error).empty());
+  EXPECT_EQ(error, "");
+  warnings_of(line("environment=" + float_exr({"View.R", "View.G", "View.B"}, 1)), &error);
+  EXPECT_NE(error.find("View.G"), std::string::npos) << error;
+}
+
+TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
+  VideoHarness harness("olatrelight", caps(), caps(kSide));
+  GstElement* relight = harness.find("olatrelight");
+  const auto before = harness.process(sphere.side_by_side());
+  const std::string file = folder / "white.hdr";
+  g_object_set(relight, "environment", file.c_str(), nullptr);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  EXPECT_TRUE(harness.errors().empty());
+  // Asked for again when it is there.
+  g_object_set(relight, "environment", "", nullptr);
+  EXPECT_EQ(harness.process(sphere.side_by_side()), before);
+  ASSERT_EQ(white(3), file);
+  g_object_set(relight, "environment", file.c_str(), nullptr);
+  EXPECT_NE(harness.process(sphere.side_by_side()), before);
+}
+
+TEST_F(RelightTest, LargeFramesWorkOrSayWhatDoesNotFit) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=1 pattern=smpte ! "
+      "video/x-raw,format=I420,width=7680,height=4320 ! olatrelight ! fakesink",
+      120);
+  EXPECT_TRUE(result.eos || result.first_error().find("limit") != std::string::npos ||
+              result.first_error().find("bytes") != std::string::npos)
+      << result.first_error();
+}
+
+TEST_F(RelightTest, GrayGradientsAreAWarning) {
+  const auto result = run_line(
+      "videotestsrc num-buffers=3 ! video/x-raw,format=GRAY8,width=64,height=32 ! olatrelight ! "
+      "fakesink");
+  EXPECT_TRUE(result.eos) << result.first_error();
+  ASSERT_EQ(result.warnings.size(), 1u) << "told once";
+  EXPECT_NE(result.warnings[0].find("gray video"), std::string::npos) << result.warnings[0];
+  // As layers they do not tell any more.
+  const auto pairs = run_line(
+      "lightstagetestsrc is-live=false num-buffers=14 program=performance:24 ! "
+      "video/x-raw,format=GRAY8,width=64,height=48 ! lightstagesync program=performance:24 "
+      "assemble=pairs ! olatrelight program=performance:24 ! fakesink");
+  EXPECT_TRUE(pairs.eos) << pairs.first_error();
+  ASSERT_EQ(pairs.warnings.size(), 1u);
+  EXPECT_NE(pairs.warnings[0].find("gray video"), std::string::npos) << pairs.warnings[0];
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,228 @@
+// lightstagearavissrc with Aravis' camera in software.
+#include "aravis_fixture.hpp"
+#include "stage/triggers/frame_ids.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Aravis = FakeCamera;
+
+const std::string kGray = "video/x-raw,format=GRAY8,width=128,height=64,framerate=100/1";
+const std::string kOut = " ! appsink name=out sync=false max-buffers=400";
+
+double seconds_since(Clock::time_point began) {
+  return std::chrono::duration<double>(Clock::now() - began).count();
+}
+
+TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
+  take(220);
+  ASSERT_EQ(frames_.size(), 220U) << error(0);
+  guint bits = 0;
+  g_object_get(element("camera"), "frame-id-bits", &bits, nullptr);
+  EXPECT_EQ(bits, 16U);
+  EXPECT_GE(stat("frames"), 220U);
+  // All are held: some are the camera's own memory, the others are copies.
+  EXPECT_EQ(stat("lent"), 8U);
+  EXPECT_GE(stat("copied"), 212U);
+  EXPECT_EQ(stat("underruns"), 0U);
+  close();
+
+  FrameIds ids(16);
+  uint64_t lost = 0;
+  bool wrapped = false;
+  for (size_t i = 0; i < frames_.size(); ++i) {
+    GstBuffer* frame = frames_[i];
+    const uint64_t id = GST_BUFFER_OFFSET(frame);
+    ASSERT_GE(id, 1U);
+    ASSERT_LE(id, 65535U);
+    wrapped = wrapped || (ids.last() && *ids.last() > 65000 && id < 100);
+    if (ids.last()) {
+      ASSERT_GE(ids.after_last(id), 1);
+    }
+    lost += ids.missed_before(id);
+    // The ramp (x + y + id) % 255, also after the stream has ended.
+    const auto pixels = bytes(frame);
+    ASSERT_EQ(pixels.size(), 128U * 64);
+    for (const size_t x : {0U, 77U, 127U})
+      for (const size_t y : {0U, 63U}) ASSERT_EQ(pixels[y * 128 + x], (x + y + id) % 255) << id;
+
+    auto* meta = gst_buffer_get_reference_timestamp_meta(frame, nullptr);
+    ASSERT_NE(meta, nullptr);
+    EXPECT_TRUE(
+        gst_structure_has_name(gst_caps_get_structure(meta->reference, 0), "timestamp/x-camera"));
+    if (i == 0) continue;
+    // The camera's clock, at most a thousandth off.
+    const auto* before = gst_buffer_get_reference_timestamp_meta(frames_[i - 1], nullptr);
+    const auto camera = static_cast<double>(meta->timestamp - before->timestamp);
+    ASSERT_GT(GST_BUFFER_PTS(frame), GST_BUFFER_PTS(frames_[i - 1]));
+    const auto ours = static_cast<double>(GST_BUFFER_PTS(frame) - GST_BUFFER_PTS(frames_[i - 1]));
+    EXPECT_NEAR(ours, camera, 2e-3 * camera + 1000);
+  }
+  EXPECT_TRUE(wrapped) << "from " << GST_BUFFER_OFFSET(frames_.front()) << " to "
+                       << GST_BUFFER_OFFSET(frames_.back());
+  EXPECT_EQ(lost, 0U);
+}
+
+/// Rows whose length is no multiple of four, two bytes a pixel.
+TEST_F(Aravis, RowsAreWhereGStreamerWantsThem) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  struct Case {
+    const char* caps;
+    size_t stride, bytes;
+  };
+  for (const Case& one :
+       {Case{"video/x-raw,format=GRAY8", 104, 1}, Case{"video/x-raw,format=GRAY16_LE", 204, 2},
+        Case{"video/x-bayer,format=rggb", 104, 0}}) {
+    SCOPED_TRACE(one.caps);
+    ASSERT_NO_FATAL_FAILURE(
+        play(source() + " ! " + one.caps + ",width=101,height=33,framerate=50/1" + kOut));
+    take(5);
+    close();
+    ASSERT_EQ(frames_.size(), 5U);
+    for (GstBuffer* frame : frames_) {
+      const auto pixels = bytes(frame);
+      ASSERT_EQ(pixels.size(), one.stride * 33);
+      const uint64_t id = GST_BUFFER_OFFSET(frame);
+      for (size_t y = 0; y < 33 && one.bytes; ++y)
+        for (size_t x = 0; x < 101; ++x) {
+          const size_t at = y * one.stride + x * one.bytes;
+          if (one.bytes == 1)
+            ASSERT_EQ(pixels[at], (x + y + id) % 255);
+          else
+            ASSERT_EQ(pixels[at] + 256U * pixels[at + 1], 256 * (x + y + id) % 65535);
+        }
+    }
+    forget();
+  }
+}
+
+TEST_F(Aravis, StartsAgainAndGoesOnAfterAPause) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
+  for (const GstState rest : {GST_STATE_NULL, GST_STATE_READY, GST_STATE_PAUSED}) {
+    SCOPED_TRACE(gst_element_state_get_name(rest));
+    take(20);
+    ASSERT_EQ(frames_.size(), 20U) << error(0);
+    const GstClockTime last = GST_BUFFER_PTS(frames_.back());
+    ASSERT_EQ(gst_element_set_state(pipeline_, rest),
+              rest == GST_STATE_PAUSED ? GST_STATE_CHANGE_NO_PREROLL : GST_STATE_CHANGE_SUCCESS);
+    // All that the camera sends meanwhile is of no use.
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    forget();
+    ASSERT_NE(gst_element_set_state(pipeline_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    if (rest != GST_STATE_PAUSED) continue;
+    take(300, 1);
+    GstClockTime before = 0;
+    uint64_t after = 0;
+    for (GstBuffer* frame : frames_) {
+      ASSERT_GT(GST_BUFFER_PTS(frame), before);
+      before = GST_BUFFER_PTS(frame);
+      after += before > last + GST_SECOND / 2;
+    }
+    EXPECT_GT(after, 20U) << "nothing comes after the pause";
+    EXPECT_GT(stat("stale"), 0U);
+  }
+  EXPECT_EQ(error(0), "");
+}
+
+TEST_F(Aravis, ACameraThatDisappearsIsAnError) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source("timeout=1000") + " ! " + kGray + kOut));
+  take(10);
+  ASSERT_EQ(frames_.size(), 10U) << error(0);
+  fake_.reset();
+  const auto began = Clock::now();
+  EXPECT_NE(error(5).find("no frame came from the camera Aravis-Fake-" + serial_),
+            std::string::npos)
+      << error_;
+  EXPECT_LT(seconds_since(began), 4);
+  close();
+  EXPECT_LT(seconds_since(began), 30);
+}
+
+/// A camera that waits for triggers is quiet; only that it is gone is an error.
+TEST_F(Aravis, ATriggeredCameraThatDisappearsIsAnError) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source("timeout=200 trigger-source=Software") +
+                               " ! video/x-raw,format=GRAY8,width=128,height=64" + kOut));
+  EXPECT_EQ(error(1.5), "");
+  EXPECT_GT(stat("timeouts"), 3U);
+  fake_.reset();
+  EXPECT_NE(error(20).find("does not answer any more"), std::string::npos) << error_;
+}
+
+TEST_F(Aravis, StopsAtOnceWhileItWaits) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source("timeout=0 trigger-source=Software") +
+                               " ! video/x-raw,format=GRAY8,width=128,height=64" + kOut));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto began = Clock::now();
+  gst_element_set_state(pipeline_, GST_STATE_READY);
+  EXPECT_LT(seconds_since(began), 2.5);
+  close();
+}
+
+TEST_F(Aravis, WhatIsWrongIsSaid) {
+  ASSERT_NO_FATAL_FAILURE(start_camera());
+  ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
+  take(1);
+  // It has one controller.
+  GstElement* other = gst_parse_launch((source() + " ! fakesink").c_str(), nullptr);
+  EXPECT_EQ(gst_element_set_state(other, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  GstBus* bus = gst_element_get_bus(other);
+  std::swap(bus, bus_);
+  EXPECT_NE(error(1).find("is in use by another program"), std::string::npos) << error_;
+  std::swap(bus, bus_);
+  gst_object_unref(bus);
+  gst_element_set_state(other, GST_STATE_NULL);
+  gst_object_unref(other);
+  g_object_set(element("camera"), "exposure", 1e8, nullptr);
+  EXPECT_NE(message(GST_MESSAGE_WARNING, 1).find("takes 10.000000 to 10000000.000000 µs"),
+            std::string::npos)
+      << error_;
+  g_object_set(element("camera"), "exposure", 20000.0, "gain", 1.0, nullptr);
+  EXPECT_EQ(message(GST_MESSAGE_WARNING, .2), "");
+  close();
+
+  make("lightstagearavissrc camera-name=Aravis-Fake-none ! fakesink");
+  EXPECT_EQ(gst_element_set_state(pipeline_, GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  EXPECT_NE(error(1).find("cannot find the camera Aravis-Fake-none; there are: "),
+            std::string::npos)
+      << error_;
+  EXPECT_NE(error_.find("Aravis-Fake-" + serial_), std::string::npos) << error_;
+  close();
+
+  for (const auto& [line, text] : std::vector<std::pair<std::string, std::string>>{
+           {source() + " ! video/x-raw,format=BGR ! fakesink", "has no such frames"},
+           {source("features=\"NoSuchThing=3\"") + " ! fakesink", "NoSuchThing"},
+           {source("features=\"Width=64\"") + " ! " + kGray + " ! fakesink",
+            "say size and format by caps"},
+           {source("trigger-source=Line7") + " ! fakesink", "Line7"},
+       }) {
+    play(line);
+    EXPECT_NE(error(5).find(text), std::string::npos) << line << "\n" << error_;
+    close();
+  }
+}
+
+TEST_F(Aravis, LostPacketsAreCountedAndTold) {
+  ASSERT_NO_FATAL_FAILURE(start_camera("15"));  // of a thousand, and a frame has nine
+  ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
+  take(200);
+  ASSERT_EQ(frames_.size(), 200U) << error(0);
+  EXPECT_GE(stat("incomplete"), 5U);
+  EXPECT_GE(stat("missed"), 5U);
+  EXPECT_NE(message(GST_MESSAGE_WARNING, 1).find("did not come whole"), std::string::npos)
+      << error_;
+  for (GstBuffer* frame : frames_) {
+    const auto pixels = bytes(frame);
+    for (size_t i = 0; i < pixels.size(); i += 97)
+      ASSERT_EQ(pixels[i], (i % 128 + i / 128 + GST_BUFFER_OFFSET(frame)) % 255);
+  }
+}
+
+}  // namespace
+}  // namespace inverse::testing

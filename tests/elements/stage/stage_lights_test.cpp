@@ -1,0 +1,151 @@
+// lightstagesync as the one that drives the lights.
+#include <set>
+
+#include "stage/controllers/dmx_levels.hpp"
+#include "stage/controllers/sacn_receiver.hpp"
+#include "stage_fixture.hpp"
+#include "tests/stage/serial_controller.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr const char* kCamera =
+    "videotestsrc is-live=true ! video/x-raw,width=32,height=24,framerate=60/1 ! ";
+
+/// A line that is stopped at the end whatever happens.
+class Line {
+ public:
+  explicit Line(const std::string& line) : pipeline_(gst_parse_launch(line.c_str(), nullptr)) {}
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  ~Line() {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(pipeline_);
+  }
+  GstStateChangeReturn set(GstState state) { return gst_element_set_state(pipeline_, state); }
+  std::string error() {
+    GstBus* bus = gst_element_get_bus(pipeline_);
+    GstMessage* message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
+    gst_object_unref(bus);
+    if (!message) return "";
+    GError* error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    std::string text = error->message;
+    g_error_free(error);
+    gst_message_unref(message);
+    return text;
+  }
+
+ private:
+  GstElement* pipeline_;
+};
+
+/// Whether the lights come to emit what the program has in a step, within half a minute.
+bool shows(sacn::Receiver& receiver, const LightProgram& program, StepKind kind) {
+  const DmxPatch patch(program, 1);
+  const auto wanted = program.colors(LightStep{kind, 0, {}, {}, {}});
+  const gint64 until = g_get_monotonic_time() + 30 * G_USEC_PER_SEC;
+  while (g_get_monotonic_time() < until) {
+    receiver.poll();
+    const auto seen = patch.colors(receiver.levels());
+    float off = 0;
+    for (size_t i = 0; i < wanted.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) off = std::max(off, std::abs(seen[i][c] - wanted[i][c]));
+    if (off < 0.51F / 255) return true;
+    g_usleep(500);
+  }
+  return false;
+}
+
+TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
+  const LightProgram program = performance(stage_lights(geodesic_directions(42)));
+  const std::vector<uint32_t> universes = {1};
+  sacn::Receiver receiver("127.0.0.1:0", universes);
+  Line line(std::string(kCamera) +
+            "lightstagesync program=performance:42 backend=sacn lead-in=0.2 host=127.0.0.1:" +
+            std::to_string(receiver.port()) + " ! fakesink");
+  for (int time = 0; time < 2; ++time) {  // after a pause it starts anew
+    ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    EXPECT_TRUE(shows(receiver, program, StepKind::gradient_a));
+    EXPECT_TRUE(shows(receiver, program, StepKind::gradient_b));
+    line.set(GST_STATE_PAUSED);
+    EXPECT_TRUE(shows(receiver, program, StepKind::black));
+  }
+}
+
+TEST_F(StageSync, ProgramsThatStartAnewAfterAPauseAreLabeledAnew) {
+  use_performance();
+  gst_util_set_object_arg(G_OBJECT(element_), "backend", "sacn");
+  const std::vector<uint32_t> universes = {1};
+  sacn::Receiver receiver("127.0.0.1:0", universes);
+  g_object_set(element_, "host", ("127.0.0.1:" + std::to_string(receiver.port())).c_str(), nullptr);
+  start();
+  const BallOnStage ball(program_, kWidth, kHeight);
+  for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
+  pull(20);
+  gst_element_set_state(element_, GST_STATE_PAUSED);
+  gst_element_set_state(element_, GST_STATE_PLAYING);
+  for (int64_t n = -10; n < 20; ++n)
+    ASSERT_EQ(gst_harness_push(camera(), buffer_of(ball.draw(n), static_cast<double>(n + 51))),
+              GST_FLOW_OK);
+  const auto again = pull(20);
+  ASSERT_EQ(again.size(), 20u);
+  EXPECT_EQ(again.front().trigger, 0);
+  EXPECT_EQ(again.back().trigger, 19);
+  EXPECT_EQ(count("contradicted"), 0u);
+  EXPECT_EQ(count("before-marker"), 20u);
+}
+
+std::string on_line(const std::string& port) {
+  return std::string(kCamera) +
+         "lightstagesync program=performance:42 lead-in=0.1 backend=serial serial-port=" + port +
+         " patience=60 ! fakesink";
+}
+
+TEST(StageLights, StateChangesDoNotWaitForAController) {
+  if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+    GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
+  Controller silent([](const std::string&) { return ""; });
+  const gint64 start = g_get_monotonic_time();
+  {
+    Line line(on_line(silent.path()));
+    ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+    EXPECT_FALSE(silent.lines(1).empty());  // it is being spoken to
+  }
+  EXPECT_LT(g_get_monotonic_time() - start, 15 * G_USEC_PER_SEC);
+}
+
+TEST(StageLights, AControllerIsGivenTheProgramOnce) {
+  if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+    GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  {
+    Line line(on_line(controller.path()));
+    for (int time = 1; time <= 3; ++time) {
+      ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+      const int pulses = controller.count("pulse");
+      for (int i = 0; i < 1000 && controller.count("pulse") < pulses + 5; ++i) g_usleep(10000);
+      EXPECT_GE(controller.count("pulse"), pulses + 5);
+      line.set(GST_STATE_PAUSED);
+      for (int i = 0; i < 1000 && controller.count("off") < time; ++i) g_usleep(10000);
+    }
+  }
+  EXPECT_EQ(controller.count("begin"), 1);
+  EXPECT_EQ(controller.count("go"), 3);
+  EXPECT_EQ(controller.count("off"), 3);
+  EXPECT_EQ(rig.after(0), Rig::Lights(42));
+}
+
+TEST(StageLights, WhatCannotBeReachedIsAnError) {
+  Line line(std::string(kCamera) +
+            "lightstagesync backend=serial serial-port=/dev/nowhere ! fakesink");
+  line.set(GST_STATE_PLAYING);
+  EXPECT_NE(line.error().find("/dev/nowhere"), std::string::npos);
+  Line without(std::string(kCamera) + "lightstagesync backend=serial ! fakesink");
+  EXPECT_EQ(without.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
+  EXPECT_NE(without.error().find("port"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,94 @@
+// lightstagesync behind the virtual stage, which knows what lit each frame.
+#include <map>
+#include <mutex>
+
+#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// What a line's frames were, by the memory that their pixels are in, and what they were called.
+struct Truth {
+  std::mutex mutex;
+  std::map<GstMemory*, guint64> triggers;
+  guint64 labeled = 0, mislabeled = 0;
+};
+
+GstPadProbeReturn before(GstPad*, GstPadProbeInfo* info, gpointer data) {
+  auto& truth = *static_cast<Truth*>(data);
+  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  std::lock_guard lock(truth.mutex);
+  if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer))
+    truth.triggers[gst_buffer_peek_memory(buffer, 0)] = meta->trigger;
+  return GST_PAD_PROBE_OK;
+}
+
+GstPadProbeReturn after(GstPad*, GstPadProbeInfo* info, gpointer data) {
+  auto& truth = *static_cast<Truth*>(data);
+  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  std::lock_guard lock(truth.mutex);
+  const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer);
+  ++truth.labeled;
+  if (!meta || truth.triggers[gst_buffer_peek_memory(buffer, 0)] != meta->trigger)
+    ++truth.mislabeled;
+  return GST_PAD_PROBE_OK;
+}
+
+void run(const std::string& source, const std::string& sync, Truth& truth) {
+  GstElement* element = nullptr;
+  const LineResult result =
+      run_line("lightstagetestsrc is-live=false label=true noise=0.01 " + source +
+                   " ! video/x-raw,format=RGBA,width=48,height=36 ! lightstagesync name=s " + sync +
+                   " ! fakesink sync=false",
+               120, [&](GstElement* pipeline) {
+                 element = gst_bin_get_by_name(GST_BIN(pipeline), "s");
+                 GstPad *sink = gst_element_get_static_pad(element, "sink_0"),
+                        *src = gst_element_get_static_pad(element, "src_0");
+                 gst_pad_add_probe(sink, GST_PAD_PROBE_TYPE_BUFFER, before, &truth, nullptr);
+                 gst_pad_add_probe(src, GST_PAD_PROBE_TYPE_BUFFER, after, &truth, nullptr);
+                 gst_object_unref(sink);
+                 gst_object_unref(src);
+               });
+  EXPECT_TRUE(result.eos) << result.first_error();
+  if (element) gst_object_unref(element);
+}
+
+std::string trouble(int seed) {
+  return " drop-rate=0.02 duplicate-rate=0.01 jitter=0.33 num-buffers=600 seed=" +
+         std::to_string(seed);
+}
+
+TEST(StageLine, APerformanceByTimesAloneAlsoWhereSomeAreLate) {
+  for (const int seed : {1, 2, 3}) {
+    Truth truth;
+    run("program=performance:42 late-rate=0.02" + trouble(seed), "program=performance:42", truth);
+    EXPECT_EQ(truth.mislabeled, 0u) << seed;
+    EXPECT_GT(truth.labeled, 560u) << seed;
+  }
+}
+
+TEST(StageLine, SingleLightsByTimesAlone) {
+  for (const int seed : {4, 5}) {
+    Truth truth;
+    run("program=static:331" + trouble(seed), "program=static:331", truth);
+    EXPECT_EQ(truth.mislabeled, 0u) << seed;
+    EXPECT_GT(truth.labeled, 300u) << seed;
+  }
+}
+
+TEST(StageLine, SingleLightsByIdsAlsoWhereTimesAreLate) {
+  for (const int seed : {6, 7}) {
+    Truth truth;
+    run("program=static:331 late-rate=0.02 frame-ids=true frame-id-bits=16 first-frame-id=65400" +
+            trouble(seed),
+        // Left to itself it asks the source.
+        std::string("program=static:331 frame-id=offset") + (seed == 6 ? " frame-id-bits=16" : ""),
+        truth);
+    EXPECT_EQ(truth.mislabeled, 0u) << seed;
+    EXPECT_GT(truth.labeled, 300u) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,80 @@
+#pragma once
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gst/base/meta/inverse_light_stage_meta.h"
+#include "tests/elements/element_test.hpp"
+
+namespace inverse::testing {
+
+struct Frame {
+  GstClockTime time, duration;
+  guint64 offset;
+  bool labeled = false;
+  GstLightStageMeta meta{};  // without its colors
+  std::vector<float> colors;
+};
+
+/// What a line sends, with what its buffers say.
+struct Shots {
+  LineResult line;
+  std::vector<Frame> frames;
+};
+
+inline GstPadProbeReturn note(GstPad*, GstPadProbeInfo* info, gpointer data) {
+  GstBuffer* buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+  Frame frame{GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), GST_BUFFER_OFFSET(buffer)};
+  if (const GstLightStageMeta* meta = gst_buffer_get_light_stage_meta(buffer)) {
+    frame.labeled = true;
+    frame.meta = *meta;
+    gsize size = 0;
+    const auto* colors = static_cast<const float*>(g_bytes_get_data(meta->colors, &size));
+    frame.colors.assign(colors, colors + size / sizeof(float));
+  }
+  static_cast<std::vector<Frame>*>(data)->push_back(frame);
+  return GST_PAD_PROBE_OK;
+}
+
+/// `source` is what follows "lightstagetestsrc", `caps` what its frames are.
+inline Shots shoot(const std::string& source,
+                   const std::string& caps = "format=GRAY8,width=16,height=16",
+                   const std::function<void(GstElement*)>& prepare = {}) {
+  Shots shots;
+  shots.line =
+      run_line("lightstagetestsrc name=camera " + source + " ! video/x-raw," + caps +
+                   " ! appsink name=out sync=false",
+               120, [&](GstElement* pipeline) {
+                 GstElement* sink = gst_bin_get_by_name(GST_BIN(pipeline), "out");
+                 GstPad* pad = gst_element_get_static_pad(sink, "sink");
+                 gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, note, &shots.frames, nullptr);
+                 gst_object_unref(pad);
+                 gst_object_unref(sink);
+                 if (prepare) prepare(pipeline);
+               });
+  return shots;
+}
+
+inline std::string linear16(int width, int height) {
+  return "format=RGBA64_LE,colorimetry=(string)1:1:1:1,width=" + std::to_string(width) +
+         ",height=" + std::to_string(height);
+}
+
+inline std::vector<double> samples(const std::vector<uint8_t>& frame) {
+  std::vector<double> values(frame.size() / 2);
+  for (size_t i = 0; i < values.size(); ++i) {
+    uint16_t value = 0;
+    memcpy(&value, &frame[2 * i], 2);
+    values[i] = value;
+  }
+  return values;
+}
+
+/// What a line complains about first; empty where it does not.
+inline std::string error_of(const std::string& source, const std::string& caps = "format=RGBA") {
+  return shoot("is-live=false num-buffers=2 " + source, caps).line.first_error();
+}
+
+}  // namespace inverse::testing

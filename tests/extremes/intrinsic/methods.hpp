@@ -1,0 +1,44 @@
+// Both methods, asked for one frame after the other in the same words.
+#pragma once
+#include <memory>
+
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/extremes/support/inputs.hpp"
+
+namespace inverse::extremes {
+
+/// A decomposer of one size and what the tests ask of it.
+class Method {
+ public:
+  Method(const Lab& lab, Solver solver, Extent extent);
+  void set(const IntrinsicDecomposition::Params& params) { intrinsic_params_ = params; }
+  void set(const ThesisParams& params) { thesis_->set_params(params); }
+  /// With the parameters of a case.
+  void set(const Case& one);
+
+  /// (R.rgb, S) of the next frame of a video, in the output's gauge.
+  Pixels decompose(const Pixels& frame);
+  /// The same in the solver's own gauge.
+  Pixels decompose_in_own_gauge(const Pixels& frame);
+  /// ln of the factor from the solver's R to the layer's, of the last frame.
+  float gauge() const { return gauge_; }
+  ThesisDecomposition& thesis() { return *thesis_; }
+  const ThesisDecomposition::Stats& thesis_stats() const { return stats_; }
+
+ private:
+  const Lab& lab_;
+  Extent extent_;
+  IntrinsicDecomposition::Params intrinsic_params_;
+  std::unique_ptr<IntrinsicDecomposition> intrinsic_;
+  std::unique_ptr<ThesisDecomposition> thesis_;
+  ThesisDecomposition::Stats stats_;
+  float gauge_ = 0;
+};
+
+/// The most light that a method takes, full scale 1.
+float most_light(Solver solver);
+
+/// Linear light of a frame as the references take it: interleaved RGB, +Inf as 1.
+std::vector<double> rgb_of(const Pixels& pixels);
+
+}  // namespace inverse::extremes

@@ -1,0 +1,14 @@
+// Systems of a Gauss–Newton step of globalintrinsicthesis
+// (tests/reference/thesis/global_thesis_energy.hpp), put to the kernels as they are.
+#pragma once
+#include <vector>
+
+#include "tests/extremes/support/problem.hpp"
+
+namespace inverse::extremes {
+
+/// Adds such systems, from well-conditioned to hopeless ones. Four base colors, so that no layer is
+/// empty; nothing is sampled.
+void add_global_thesis(std::vector<Problem>& problems);
+
+}  // namespace inverse::extremes

@@ -1,0 +1,177 @@
+#include "thesis_problem.hpp"
+
+#include <cmath>
+
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/thesis/chapter3/push.hpp"
+#include "tests/reference/thesis/intrinsic_thesis.hpp"
+
+INVERSE_SHADER(thesis_chapter3_setup);
+INVERSE_SHADER(thesis_chapter3_reweight);
+INVERSE_SHADER(thesis_chapter3_direction);
+INVERSE_SHADER(thesis_chapter3_update);
+INVERSE_SHADER(thesis_chapter3_scalars);
+INVERSE_SHADER(thesis_chapter3_schwarz);
+
+namespace inverse::extremes {
+namespace {
+
+constexpr uint32_t kStrip = 8, kOneGroup = 128, kBlock = 16, kBlockGroup = 64;
+
+Pixels pixels_of(const reference::Plane& plane) {
+  Pixels pixels;
+  for (const reference::Vec4& value : plane.data)
+    for (const double channel : value) pixels.push_back(static_cast<float>(channel));
+  return pixels;
+}
+
+}  // namespace
+
+ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
+                     const reference::ThesisParams& params)
+    : lab_(lab),
+      extent_{static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)},
+      params_(params) {
+  const auto& device = lab.device();
+  setup_ = device->kernel(shaders::thesis_chapter3_setup);
+  reweight_ = device->kernel(shaders::thesis_chapter3_reweight);
+  direction_ = device->kernel(shaders::thesis_chapter3_direction);
+  update_ = device->kernel(shaders::thesis_chapter3_update);
+  scalars_kernel_ = device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup);
+  schwarz_ = device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup);
+  const uint64_t n = extent_.pixels();
+  for (auto* buffer : {&links_, &edges_, &nodes_, &preconditioned_, &products_, &solution_, &spare_,
+                       &directions_[0], &directions_[1]})
+    *buffer = lab.buffer(n);
+  image_ = lab.upload(pixels_of(image));
+  pulls_ = lab.upload(Pixels(4 * n, 0.0F));
+  partials_ = lab.buffer(
+      gpu::partial_count(*direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
+  scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, 3);
+  lab.run([&](gpu::Commands& commands) {
+    commands.fill(partials_);
+    commands.fill(scalars_);
+    commands.fill(solution_);
+  });
+}
+
+ThesisPush ThesisLab::push() const {
+  ThesisPush push{};
+  push.size[0] = static_cast<int32_t>(extent_.width);
+  push.size[1] = static_cast<int32_t>(extent_.height);
+  push.w_data = static_cast<float>(params_.w_data);
+  push.w_intensity = static_cast<float>(params_.w_intensity);
+  push.w_reflectance = static_cast<float>(params_.w_reflectance);
+  push.w_shading = static_cast<float>(params_.w_shading);
+  push.w_chromaticity = static_cast<float>(params_.w_chromaticity);
+  push.w_cs = static_cast<float>(params_.w_cs);
+  push.alpha_cs = static_cast<float>(params_.alpha_cs);
+  push.log_floor = static_cast<float>(params_.log_floor);
+  push.chroma_floor = static_cast<float>(params_.chroma_floor);
+  // A frozen system comes with its weights: p = 2 leaves them alone.
+  const double p = frozen_ ? 2 : params_.p;
+  push.p = static_cast<float>(p);
+  push.epsilon2 = frozen_ ? 1.0F : static_cast<float>(params_.epsilon * params_.epsilon);
+  push.irls_factor = static_cast<float>(params_.consistent_irls ? p / 2 : 1);
+  return push;
+}
+
+void ThesisLab::set_up() const {
+  lab_.run([&](gpu::Commands& commands) {
+    commands.dispatch(setup_, {image_, links_}, push(), {extent_.width, extent_.height});
+  });
+}
+
+void ThesisLab::set_edges(const reference::Plane& edges) {
+  frozen_ = true;
+  links_ = lab_.upload(pixels_of(edges));
+}
+
+void ThesisLab::set_pulls(const reference::PullPlane& pulls) {
+  pulls_ = lab_.upload(pixels_of(pulls));
+}
+
+void ThesisLab::set_solution(const reference::Plane& x) {
+  const auto host = lab_.upload(pixels_of(x));
+  lab_.run([&](gpu::Commands& commands) { commands.copy(host, solution_, host->bytes()); });
+}
+
+reference::Plane ThesisLab::solution() const {
+  const Pixels pixels = lab_.download(solution_);
+  reference::Plane x(static_cast<int>(extent_.width), static_cast<int>(extent_.height));
+  for (size_t n = 0; n < x.size(); ++n)
+    for (size_t c = 0; c < 4; ++c) x.data[n][c] = static_cast<double>(pixels[4 * n + c]);
+  return x;
+}
+
+void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) const {
+  ThesisPush push = this->push();
+  const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1};
+  push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
+  const auto reduce = [&](int mode) {
+    push.mode = mode;
+    commands.dispatch(scalars_kernel_, {partials_, scalars_}, push, {kOneGroup});
+  };
+  reduce(0);
+  for (int k = 0; k < iterations; ++k) {
+    const auto& before = directions_[static_cast<size_t>(k + 1) % 2];
+    const auto& direction = directions_[static_cast<size_t>(k) % 2];
+    commands.dispatch(
+        direction_,
+        {preconditioned_, before, edges_, nodes_, scalars_, direction, products_, partials_}, push,
+        strips);
+    reduce(1);
+    commands.dispatch(update_,
+                      {solution_, preconditioned_, direction, products_, nodes_, scalars_,
+                       solution_, preconditioned_, partials_},
+                      push, strips);
+    reduce(2);
+  }
+}
+
+void ThesisLab::step(bool schwarz, int iterations, int step) {
+  lab_.run([&](gpu::Commands& commands) {
+    ThesisPush push = this->push();
+    commands.dispatch(
+        reweight_, {solution_, links_, pulls_, image_, edges_, nodes_, preconditioned_, partials_},
+        push, {extent_.width, (extent_.height - 1) / kStrip + 1});
+    if (!schwarz) {
+      conjugate_gradients(commands, iterations);
+      return;
+    }
+    const auto shift = reference::schwarz_shift(step);
+    push.count = iterations;
+    std::copy(shift.begin(), shift.end(), push.shift);
+    const auto blocks = [](uint32_t size, int shifted) {
+      return (size + static_cast<uint32_t>(shifted) - 1) / kBlock + 1;
+    };
+    commands.dispatch(
+        schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
+        {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
+    std::swap(solution_, spare_);
+  });
+}
+
+reference::Plane in_single_precision(reference::Plane plane) {
+  for (reference::Vec4& value : plane.data)
+    for (double& channel : value) channel = static_cast<double>(static_cast<float>(channel));
+  return plane;
+}
+
+Dense matrix_of(const reference::ThesisSystem& system) {
+  const int width = system.node.width, height = system.node.height;
+  Dense matrix(4 * system.node.size());
+  reference::Plane unit(width, height), column(width, height);
+  for (size_t n = 0; n < unit.size(); ++n)
+    for (size_t c = 0; c < 4; ++c) {
+      unit.data[n][c] = 1;
+      reference::apply(system, unit, 0, 0, width, height, &column);
+      unit.data[n][c] = 0;
+      for (size_t m = 0; m < column.size(); ++m)
+        for (size_t k = 0; k < 4; ++k) matrix.at(4 * m + k, 4 * n + c) = column.data[m][k];
+    }
+  return matrix;
+}
+
+}  // namespace inverse::extremes

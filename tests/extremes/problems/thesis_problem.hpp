@@ -1,0 +1,54 @@
+// Systems of an IRLS step of intrinsicdecompthesis
+// (tests/reference/thesis/intrinsic_thesis_energy.hpp), put to the kernels as they are.
+#pragma once
+#include <vector>
+
+#include "tests/extremes/support/lab.hpp"
+#include "tests/extremes/support/problem.hpp"
+#include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
+
+namespace inverse {
+struct ThesisPush;
+}
+
+namespace inverse::extremes {
+
+/// The kernels of intrinsicdecompthesis on one level of the pyramid, driven one by one: for frozen
+/// systems and for IRLS with frozen samples and clusters, which the method as a whole never shows.
+class ThesisLab {
+ public:
+  /// `image` is linear light that a float holds; `w_…` and the floors are taken from `params`.
+  ThesisLab(const Lab& lab, const reference::Plane& image, const reference::ThesisParams& params);
+
+  /// Edges from the image, as the method does (setup.comp).
+  void set_up() const;
+  /// The edges of a frozen system instead (ThesisSystem): every IRLS step finds the same ones.
+  void set_edges(const reference::Plane& edges);
+  void set_pulls(const reference::PullPlane& pulls);
+  void set_solution(const reference::Plane& x);
+  reference::Plane solution() const;
+
+  /// One IRLS step: reweighting, then so many iterations of the solver. `step` shifts the blocks of
+  /// Schwarz. `inner` counts its conjugate gradients within a block.
+  void step(bool schwarz, int iterations, int step);
+
+ private:
+  ThesisPush push() const;
+  void conjugate_gradients(gpu::Commands& commands, int iterations) const;
+
+  const Lab& lab_;
+  Extent extent_;
+  reference::ThesisParams params_;
+  bool frozen_ = false;
+  gpu::KernelPtr setup_, reweight_, direction_, update_, scalars_kernel_, schwarz_;
+  gpu::BufferPtr image_, links_, pulls_, edges_, nodes_, preconditioned_, products_;
+  gpu::BufferPtr solution_, spare_, directions_[2], partials_, scalars_;
+};
+
+/// Rounded to what a float holds, every number of it.
+reference::Plane in_single_precision(reference::Plane plane);
+
+/// The frozen system's unknowns in the order of a Dense matrix: pixel · 4 + channel.
+Dense matrix_of(const reference::ThesisSystem& system);
+
+}  // namespace inverse::extremes

@@ -1,0 +1,494 @@
+// Recoloring and composing against their specification, on ordinary and on hostile layers.
+#include "tests/reference/edit/edit.hpp"
+
+#include <functional>
+#include <limits>
+
+#include "kernels/edit/compose.hpp"
+#include "kernels/edit/recolor.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+reference::Rgba pixel_of(const Pixels& pixels, size_t n) {
+  return {pixels[4 * n], pixels[4 * n + 1], pixels[4 * n + 2], pixels[4 * n + 3]};
+}
+
+/// Random layers, every seventh number replaced by one that breaks careless arithmetic.
+Pixels hostile_pixels(Extent extent, unsigned seed) {
+  using Limits = std::numeric_limits<float>;
+  const float evil[] = {0.0f,
+                        -0.0f,
+                        1e-30f,
+                        Limits::denorm_min(),
+                        -1.0f,
+                        1e30f,
+                        Limits::max(),
+                        Limits::infinity(),
+                        -Limits::max(),
+                        65504.0f,
+                        1.0f,
+                        -Limits::infinity(),
+                        1e-6f,
+                        Limits::min(),
+                        1e8f,
+                        Limits::quiet_NaN(),
+                        255.0f,
+                        -1e-30f,
+                        -Limits::quiet_NaN()};
+  Pixels pixels = random_pixels(extent, seed);
+  std::mt19937 random(seed + 1);
+  for (float& p : pixels)
+    if (random() % 7 == 0) p = evil[random() % std::size(evil)];
+  return pixels;
+}
+
+void expect_pixels(const Pixels& got, const std::function<reference::Rgba(size_t)>& expected,
+                   double tolerance, const char* what) {
+  for (size_t n = 0; n < got.size() / 4; ++n) {
+    const reference::Rgba wanted = expected(n);
+    for (int c = 0; c < 4; ++c) {
+      ASSERT_TRUE(std::isfinite(got[4 * n + c])) << what << " at " << n << " channel " << c;
+      ASSERT_NEAR(got[4 * n + c], wanted[c], tolerance * (1 + std::abs(wanted[c])))
+          << what << " at " << n << " channel " << c;
+    }
+  }
+}
+
+reference::RecolorSpec spec_of(const RecolorParams& params) {
+  reference::RecolorSpec spec;
+  for (int c = 0; c < 3; ++c) {
+    spec.key[c] = params.key[c];
+    spec.target[c] = params.target[c];
+  }
+  spec.tolerance = params.tolerance;
+  spec.value_tolerance = params.value_tolerance;
+  spec.softness = params.softness;
+  spec.texture = params.texture;
+  spec.strength = params.strength;
+  return spec;
+}
+
+}  // namespace
+
+class EditTest : public GpuTest {
+ protected:
+  PlanePtr shared_plane(Extent extent, const Pixels& pixels) {
+    return std::make_shared<Plane>(plane(extent, pixels));
+  }
+  Layers layers(Extent extent, const Pixels& intrinsic) {
+    Layers result;
+    result.extent = extent;
+    result[Role::input] = shared_plane(extent, random_pixels(extent, 91));
+    result[Role::intrinsic] = result[Role::model] = shared_plane(extent, intrinsic);
+    return result;
+  }
+  void run_recolor(Layers& layers, const RecolorParams& params) {
+    Recolor recolor(device, layers.extent);
+    run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
+  }
+};
+
+TEST_F(EditTest, RecolorAgreesWithReference) {
+  RecolorParams params;
+  params.key = {0.6f, 0.3f, 0.2f};
+  params.target = {0.1f, 0.7f, 0.9f};
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true})
+      for (const float value_tolerance : {0.5f, RecolorParams::kAnyValue})
+        for (const float texture : {0.0f, 0.6f, 1.0f}) {
+          params.value_tolerance = value_tolerance;
+          params.texture = texture;
+          params.strength = texture == 1 ? 1.0f : 0.7f;
+          const Pixels pixels = hostile ? hostile_pixels(extent, extent.width)
+                                        : random_pixels(extent, extent.width, 0, 1.5f);
+          Layers frame = layers(extent, pixels);
+          run_recolor(frame, params);
+          ASSERT_NO_FATAL_FAILURE(expect_pixels(
+              download(frame[Role::intrinsic]->buffer),
+              [&](size_t n) {
+                return reference::recolor(pixel_of(pixels, n), 1.0, spec_of(params));
+              },
+              // Numbers beyond any picture: ln and exp cost a few digits there.
+              hostile ? 1e-3 : 2e-4, hostile ? "hostile" : "random"));
+          // A pixel of 8192×16 or 349×287 costs as much as any other: one texture is enough there.
+          if (extent.pixels() > 5000) break;
+        }
+}
+
+TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
+  const Extent extent{64, 33};
+  const Pixels pixels = random_pixels(extent, 5);
+  RecolorParams params;
+  params.key = {0.5f, 0.4f, 0.3f};
+  params.softness = 0;
+  params.texture = 0;
+  Layers frame = layers(extent, pixels);
+  run_recolor(frame, params);
+  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  reference::RecolorSpec spec = spec_of(params);
+  size_t inside = 0, outside = 0;
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    spec.tolerance = params.tolerance + 1e-3;
+    const bool maybe = reference::selection(pixel_of(pixels, n), spec) > 0;
+    spec.tolerance = params.tolerance - 1e-3;
+    const bool surely = reference::selection(pixel_of(pixels, n), spec) > 0;
+    if (maybe != surely) continue;  // too near to the edge to tell in single precision
+    for (size_t c = 0; c < 3; ++c) {
+      const float expected = surely ? params.target[c] : pixels[4 * n + c];
+      ASSERT_NEAR(got[4 * n + c], expected, surely ? 1e-6 : 0.0) << n;
+    }
+    ++(surely ? inside : outside);
+  }
+  EXPECT_GT(inside, 100u);
+  EXPECT_GT(outside, 100u);
+}
+
+TEST_F(EditTest, KeyBecomesTargetAndShadingStays) {
+  RecolorParams params;
+  params.key = {0.6f, 0.2f, 0.1f};
+  params.target = {0.2f, 0.3f, 0.8f};
+  Layers frame = layers({1, 1}, {0.6f, 0.2f, 0.1f, 0.7f});
+  run_recolor(frame, params);
+  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(got[c], params.target[c], 1e-5);
+  EXPECT_EQ(got[3], 0.7f);
+}
+
+TEST_F(EditTest, SelectionSurvivesShadowAndDarkPaint) {
+  // The same paint in light, in shadow and twice as dark is one color; texture keeps its variation.
+  RecolorParams params;
+  params.key = {0.6f, 0.2f, 0.1f};
+  params.target = {0.2f, 0.3f, 0.8f};
+  Layers frame =
+      layers({3, 1}, {0.6f, 0.2f, 0.1f, 1.0f, 0.6f, 0.2f, 0.1f, 0.05f, 0.3f, 0.1f, 0.05f, 1.0f});
+  run_recolor(frame, params);
+  const Pixels got = download(frame[Role::intrinsic]->buffer);
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(got[c], params.target[c], 1e-4);
+    EXPECT_NEAR(got[4 + c], params.target[c], 1e-4);
+    EXPECT_NEAR(got[8 + c], params.target[c] / 2, 2e-3);
+  }
+}
+
+TEST_F(EditTest, MaskMultipliesAndSelectionIsHandedOn) {
+  const Extent extent{37, 11};
+  const Pixels pixels = random_pixels(extent, 7), matte = hostile_pixels(extent, 8);
+  RecolorParams params;
+  params.write_mask = true;
+  for (const bool use_mask : {true, false}) {
+    params.use_mask = use_mask;
+    Layers frame = layers(extent, pixels);
+    const PlanePtr mask = frame[Role::mask] = shared_plane(extent, matte);
+    run_recolor(frame, params);
+    const auto matte_at = [&](size_t n) { return use_mask ? matte[4 * n] : 1.0f; };
+    const reference::RecolorSpec spec = spec_of(params);
+    expect_pixels(
+        download(frame[Role::intrinsic]->buffer),
+        [&](size_t n) { return reference::recolor(pixel_of(pixels, n), matte_at(n), spec); }, 1e-4,
+        "intrinsic");
+    EXPECT_NE(frame[Role::mask], mask);
+    expect_pixels(
+        download(frame[Role::mask]->buffer),
+        [&](size_t n) -> reference::Rgba {
+          return {reference::selection(pixel_of(pixels, n), spec) *
+                      std::min(reference::finite(matte_at(n)), 1.0),
+                  0, 0, 0};
+        },
+        1e-4, "mask");
+  }
+}
+
+/// Vertical stripes of flat colors under uneven light; every color has its noise.
+Pixels striped_pixels(Extent extent, const std::vector<reference::Rgb>& colors, unsigned seed) {
+  Pixels pixels = random_pixels(extent, seed, 0.97f, 1.03f);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const auto& color = colors[x * colors.size() / extent.width];
+      float* p = &pixels[4 * (static_cast<size_t>(y) * extent.width + x)];
+      for (size_t c = 0; c < 3; ++c) p[c] *= static_cast<float>(color[c]);
+      p[3] = 0.2f + 0.8f * static_cast<float>(y) / static_cast<float>(extent.height);
+    }
+  return pixels;
+}
+
+TEST_F(EditTest, ClusterRecolorsItsStripeOnly) {
+  const Extent extent{320, 200};  // larger than the palette's sample
+  const std::vector<reference::Rgb> colors{
+      {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {0.6, 0.1, 0.1}, {0.1, 0.2, 0.6}};
+  const Pixels pixels = striped_pixels(extent, colors, 1);
+  Recolor recolor(device, extent);
+  RecolorParams params;
+  params.clusters = 6;
+  params.target = {0.1f, 0.7f, 0.2f};
+  params.texture = 0;
+  std::vector<bool> found(colors.size());
+  for (params.cluster = 0; params.cluster < params.clusters; ++params.cluster) {
+    Layers frame = layers(extent, pixels);
+    run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+    const Pixels got = download(frame[Role::intrinsic]->buffer);
+    ASSERT_NE(recolor.palette(), nullptr);
+    const auto clusters =
+        Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+    const int stands = clusters[static_cast<size_t>(params.cluster)].index;
+    size_t changed = 0;
+    std::vector<size_t> by_stripe(colors.size());
+    for (uint32_t n = 0; n < extent.pixels(); ++n)
+      if (got[4 * n] != pixels[4 * n]) {
+        ++changed;
+        ++by_stripe[n % extent.width * colors.size() / extent.width];
+      }
+    if (stands < 0) {
+      EXPECT_EQ(changed, 0u) << "a cluster without pixels changed something";
+      continue;
+    }
+    const size_t stripe = static_cast<size_t>(std::max_element(by_stripe.begin(), by_stripe.end()) -
+                                              by_stripe.begin());
+    EXPECT_EQ(by_stripe[stripe], changed) << "more than one stripe changed";
+    EXPECT_EQ(changed, extent.pixels() / colors.size()) << "the stripe changed in part";
+    found[stripe] = true;
+  }
+  EXPECT_EQ(found, std::vector<bool>(colors.size(), true));
+}
+
+TEST_F(EditTest, ClusterSelectionAgreesWithReference) {
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true}) {
+      const Pixels pixels =
+          hostile ? hostile_pixels(extent, 21) : random_pixels(extent, 21, 0, 1.5f);
+      const Pixels already = random_pixels(extent, 22);  // edited before
+      Layers frame = layers(extent, pixels);
+      frame[Role::intrinsic] = shared_plane(extent, already);
+      Recolor recolor(device, extent);
+      RecolorParams params;
+      params.cluster = 2;
+      params.clusters = 7;
+      params.texture = 0.5f;
+      run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+      const auto clusters =
+          Palette::read(download(recolor.palette()->colors()).data(), params.clusters);
+      const int chosen = clusters[2].index;
+      std::vector<reference::Rgb> others;
+      reference::Rgb own{};
+      double key_value = 1e-3;
+      for (int k = 0; k < params.clusters; ++k) {
+        const auto& cluster = clusters[static_cast<size_t>(k)];
+        if (cluster.index != k) continue;
+        const reference::Rgb color{cluster.log_color[0], cluster.log_color[1],
+                                   cluster.log_color[2]};
+        if (k != chosen) others.push_back(color);
+        if (k != chosen) continue;
+        own = color;
+        for (const double c : color) key_value += std::exp(c) / 3;
+      }
+      ASSERT_NO_FATAL_FAILURE(expect_pixels(
+          download(frame[Role::intrinsic]->buffer),
+          [&](size_t n) {
+            const double selected = chosen < 0 ? 0
+                                               : reference::selection(pixel_of(pixels, n), own,
+                                                                      others, params.softness);
+            return reference::recolor(pixel_of(already, n), selected, key_value, spec_of(params));
+          },
+          2e-4, hostile ? "hostile" : "random"));
+    }
+}
+
+TEST_F(EditTest, StrengthZeroRecordsNothing) {
+  Layers frame = layers({16, 16}, random_pixels({16, 16}, 3));
+  const Layers before = frame;
+  Recolor recolor(device, frame.extent);
+  RecolorParams params;
+  params.strength = 0;
+  run([&](gpu::Commands& commands) {
+    recolor.record(commands, frame, params);
+    EXPECT_EQ(commands.dispatches(), 0u);
+  });
+  EXPECT_EQ(frame.planes, before.planes);
+}
+
+TEST_F(EditTest, OthersPlanesStayUntouchedAndOurOwnAreReused) {
+  const Extent extent{40, 9};
+  const Pixels pixels = random_pixels(extent, 4);
+  Layers frame = layers(extent, pixels);
+  const PlanePtr model = frame[Role::model];
+  Recolor recolor(device, extent);
+  RecolorParams params;
+  params.tolerance = 3;
+  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  EXPECT_NE(frame[Role::intrinsic], model);
+  EXPECT_EQ(download(model->buffer), pixels);
+  // The second edit finds a plane that nobody else holds.
+  const Plane* first = frame[Role::intrinsic].get();
+  const Pixels once = download(frame[Role::intrinsic]->buffer);
+  params.target = {0.9f, 0.8f, 0.1f};
+  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  EXPECT_EQ(frame[Role::intrinsic].get(), first);
+  expect_pixels(
+      download(frame[Role::intrinsic]->buffer),
+      [&](size_t n) { return reference::recolor(pixel_of(once, n), 1.0, spec_of(params)); }, 2e-4,
+      "in place");
+  // A third while a tee holds it.
+  const Layers branch = frame;
+  const Pixels twice = download(branch[Role::intrinsic]->buffer);
+  run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
+  EXPECT_NE(frame[Role::intrinsic], branch[Role::intrinsic]);
+  EXPECT_EQ(download(branch[Role::intrinsic]->buffer), twice);
+}
+
+TEST_F(EditTest, AbsurdParametersGiveFinitePictures) {
+  using Limits = std::numeric_limits<float>;
+  const Extent extent{33, 5};
+  const Pixels pixels = hostile_pixels(extent, 2);
+  for (const float absurd : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), -1.0f,
+                             Limits::max(), 0.0f, Limits::denorm_min()}) {
+    RecolorParams params;
+    params.key = params.target = {absurd, absurd, absurd};
+    params.tolerance = params.value_tolerance = params.softness = absurd;
+    params.texture = absurd;
+    params.write_mask = true;
+    Layers frame = layers(extent, pixels);
+    run_recolor(frame, params);
+    for (const Role role : {Role::intrinsic, Role::mask})
+      for (const float value : download(frame[role]->buffer))
+        ASSERT_TRUE(std::isfinite(value)) << "parameters " << absurd;
+  }
+}
+
+TEST_F(EditTest, ComposeAgreesWithReference) {
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true}) {
+      const auto make = [&](unsigned seed) {
+        return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
+      };
+      const Pixels input = make(1), model = make(2), intrinsic = make(3);
+      Layers frame;
+      frame.extent = extent;
+      frame[Role::input] = shared_plane(extent, input);
+      frame[Role::model] = shared_plane(extent, model);
+      frame[Role::intrinsic] = shared_plane(extent, intrinsic);
+      Compose compose(device, extent);
+      // Sums of numbers up to 65504² lose the small ones.
+      const double tolerance = hostile ? 1e-2 : 1e-5;
+      for (const Residual residual : {Residual::add, Residual::ratio, Residual::none})
+        for (const float strength : {1.0f, 0.4f}) {
+          PlanePtr picture;
+          run([&](gpu::Commands& commands) {
+            picture = compose.record(commands, frame, {residual, strength});
+          });
+          const Pixels got = download(picture->buffer);
+          ASSERT_NO_FATAL_FAILURE(expect_pixels(
+              got,
+              [&](size_t n) {
+                const auto in = pixel_of(input, n), before = pixel_of(model, n),
+                           now = pixel_of(intrinsic, n);
+                reference::Rgba wanted = reference::compose(
+                    in, before, now, static_cast<reference::Residual>(residual), strength);
+                // Where two huge products cancel, single precision keeps nothing to compare.
+                for (int c = 0; c < 3; ++c)
+                  if (reference::finite(before)[c] * reference::finite(before)[3] > 1e4 &&
+                      residual != Residual::none)
+                    wanted[c] = got[4 * n + c];
+                return wanted;
+              },
+              tolerance, hostile ? "hostile" : "random"));
+        }
+      PlanePtr picture;
+      run([&](gpu::Commands& commands) { picture = compose.record_difference(commands, frame); });
+      const Pixels got = download(picture->buffer);
+      ASSERT_NO_FATAL_FAILURE(expect_pixels(
+          got,
+          [&](size_t n) {
+            return reference::difference(pixel_of(input, n), pixel_of(model, n),
+                                         pixel_of(intrinsic, n));
+          },
+          tolerance, "difference"));
+    }
+}
+
+TEST_F(EditTest, UneditedLayersGiveTheInputsOwnPlane) {
+  Layers frame = layers({15, 10}, random_pixels({15, 10}, 6));
+  Compose compose(device, frame.extent);
+  run([&](gpu::Commands& commands) {
+    for (const Residual residual : {Residual::add, Residual::ratio})
+      EXPECT_EQ(compose.record(commands, frame, {residual, 1}), frame[Role::input]);
+    EXPECT_EQ(compose.record(commands, frame, {Residual::none, 0}), frame[Role::input]);
+    EXPECT_EQ(commands.dispatches(), 0u);
+  });
+}
+
+TEST_F(EditTest, EqualCopiesGiveTheInputBack) {
+  // An edit that changed nothing, bit by bit: the picture is the input but for rounding.
+  const Extent extent{349, 287};
+  const Pixels intrinsic = random_pixels(extent, 12, 0, 2);
+  Layers frame = layers(extent, intrinsic);
+  frame[Role::intrinsic] = shared_plane(extent, intrinsic);
+  Compose compose(device, extent);
+  const Pixels input = download(frame[Role::input]->buffer);
+  for (const Residual residual : {Residual::add, Residual::ratio}) {
+    PlanePtr picture;
+    run([&](gpu::Commands& commands) { picture = compose.record(commands, frame, {residual, 1}); });
+    const Pixels got = download(picture->buffer);
+    for (size_t i = 0; i < got.size(); ++i) ASSERT_NEAR(got[i], input[i], 1e-6);
+  }
+}
+
+TEST_F(EditTest, DiffuseAndSpecularAreTheFrameAgain) {
+  for (const Extent extent : kOddSizes)
+    for (const bool hostile : {false, true}) {
+      const auto make = [&](unsigned seed) {
+        return hostile ? hostile_pixels(extent, seed) : random_pixels(extent, seed, 0, 1.5f);
+      };
+      const Pixels input = make(1), diffuse = make(2), specular = make(3);
+      const Layers frame =
+          material_layers(shared_plane(extent, input), shared_plane(extent, diffuse),
+                          shared_plane(extent, specular));
+      Compose compose(device, extent);
+      const double tolerance = hostile ? 1e-2 : 1e-5;  // sums of large numbers lose small ones
+      for (const float strength : {1.0f, 0.4f, 0.0f}) {
+        PlanePtr picture;
+        run([&](gpu::Commands& commands) {
+          picture = compose.record(commands, frame, {Residual::add, strength});
+        });
+        if (strength == 0) {
+          EXPECT_EQ(picture, frame[Role::input]);
+          continue;
+        }
+        ASSERT_NO_FATAL_FAILURE(expect_pixels(
+            download(picture->buffer),
+            [&](size_t n) {
+              return reference::recombine(pixel_of(input, n), pixel_of(diffuse, n),
+                                          pixel_of(specular, n), strength);
+            },
+            tolerance, "recombined"));
+      }
+      PlanePtr picture;
+      run([&](gpu::Commands& commands) { picture = compose.record_difference(commands, frame); });
+      ASSERT_NO_FATAL_FAILURE(expect_pixels(
+          download(picture->buffer),
+          [&](size_t n) {
+            return reference::recombine_difference(pixel_of(input, n), pixel_of(diffuse, n),
+                                                   pixel_of(specular, n));
+          },
+          tolerance, "difference"));
+    }
+}
+
+TEST_F(EditTest, MaskIsDrawnAsGray) {
+  const Extent extent{17, 5};
+  const Pixels matte = random_pixels(extent, 9);
+  Layers frame = layers(extent, random_pixels(extent, 10));
+  frame[Role::mask] = shared_plane(extent, matte);
+  const Pixels input = download(frame[Role::input]->buffer);
+  Compose compose(device, extent);
+  PlanePtr picture;
+  run([&](gpu::Commands& commands) { picture = compose.record_mask(commands, frame); });
+  expect_pixels(
+      download(picture->buffer),
+      [&](size_t n) -> reference::Rgba {
+        return {matte[4 * n], matte[4 * n], matte[4 * n], input[4 * n + 3]};
+      },
+      0, "mask");
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,419 @@
+// Light with layers: edits, pictures and composing against their specification.
+#include "tests/reference/edit/light_edit.hpp"
+
+#include <functional>
+#include <limits>
+
+#include "kernels/edit/compose.hpp"
+#include "kernels/edit/light_edit.hpp"
+#include "kernels/edit/recolor.hpp"
+#include "kernels/image/view/light_picture.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using reference::Rgb;
+using reference::Rgba;
+
+Rgba pixel_of(const Pixels& pixels, size_t n) {
+  return {pixels[4 * n], pixels[4 * n + 1], pixels[4 * n + 2], pixels[4 * n + 3]};
+}
+
+/// Every ninth number is one that breaks careless arithmetic.
+Pixels hostile(Pixels pixels) {
+  using Limits = std::numeric_limits<float>;
+  const float evil[] = {0,      -1,    Limits::infinity(), -Limits::infinity(), Limits::quiet_NaN(),
+                        1e-30f, 65504, Limits::max(),      Limits::denorm_min()};
+  for (size_t i = 0; i < pixels.size(); i += 9) pixels[i] = evil[i / 9 % std::size(evil)];
+  return pixels;
+}
+
+}  // namespace
+
+class LightEditTest : public GpuTest {
+ protected:
+  struct Frame {
+    Pixels model, light, bases;
+    std::vector<Pixels> shares;
+    Layers layers;
+  };
+  PlanePtr shared_plane(Extent extent, const Pixels& pixels) {
+    return std::make_shared<Plane>(plane(extent, pixels));
+  }
+  /// Random layers with `count` base colors.
+  Frame frame(Extent extent, uint32_t count, unsigned seed, bool evil = false) {
+    const auto random = [&](Extent size, float high) {
+      Pixels pixels = random_pixels(size, seed++, 0, high);
+      return evil ? hostile(pixels) : pixels;
+    };
+    Frame made;
+    made.model = random(extent, 1);
+    made.light = random(extent, 1.5f);
+    made.bases = random_pixels({kMaxBases, 1}, seed++, 0.02f, 1);
+    for (uint32_t k = 0; k < kMaxBases; ++k)
+      for (int c = 0; c < 4; ++c) {
+        float& b = made.bases[4 * k + c];
+        b = k >= count ? 0 : c == 3 ? 1 : b;
+      }
+    Layers& layers = made.layers;
+    layers.extent = extent;
+    layers[Role::input] = shared_plane(extent, random_pixels(extent, seed++));
+    layers[Role::intrinsic] = layers[Role::model] = shared_plane(extent, made.model);
+    layers[Role::light] = layers[Role::model_light] = shared_plane(extent, made.light);
+    for (uint32_t n = 0; 4 * n < count; ++n) {
+      made.shares.push_back(random(extent, 0.3f));
+      layers[indirect_role(n)] = shared_plane(extent, made.shares.back());
+    }
+    layers[Role::bases] = shared_plane({kMaxBases, 1}, made.bases);
+    return made;
+  }
+  static std::vector<reference::Base> bases_of(const Pixels& pixels) {
+    std::vector<reference::Base> bases;
+    for (size_t k = 0; k < kMaxBases; ++k)
+      bases.push_back(
+          {{pixels[4 * k], pixels[4 * k + 1], pixels[4 * k + 2]}, pixels[4 * k + 3] > 0});
+    return bases;
+  }
+  static std::vector<double> shares_of(const Frame& frame, size_t n) {
+    std::vector<double> shares;
+    for (const Pixels& plane : frame.shares)
+      for (size_t c = 0; c < 4; ++c) shares.push_back(plane[4 * n + c]);
+    return shares;
+  }
+  /// The light after base colors became `wanted`, and the base colors, against the reference.
+  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte,
+                     double sent_on = 1) {
+    const auto before = bases_of(frame.bases);
+    const Pixels bases = download(frame.layers[Role::bases]->buffer);
+    std::vector<Rgb> change(kMaxBases);
+    for (size_t k = 0; k < kMaxBases; ++k)
+      for (size_t c = 0; c < 3; ++c) {
+        change[k][c] = sent_on * (wanted[k][c] - before[k].color[c]);
+        const double expected = matte ? before[k].color[c] : wanted[k][c];
+        ASSERT_NEAR(bases[4 * k + c], expected, 1e-4 * (1 + std::abs(expected))) << "base " << k;
+      }
+    const Pixels light = download(frame.layers[Role::light]->buffer);
+    for (size_t n = 0; n < light.size() / 4; ++n) {
+      auto shares = shares_of(frame, n);
+      const Rgba expected = reference::retinted(pixel_of(frame.light, n), shares, change,
+                                                matte ? (*matte)[4 * n] : 1);
+      for (size_t c = 0; c < 4; ++c) {
+        ASSERT_TRUE(std::isfinite(light[4 * n + c]));
+        // A share of 65504 turns the rounding of a base color into more than that.
+        double largest = 1;
+        for (const double share : shares) largest = std::max(largest, reference::finite(share));
+        ASSERT_NEAR(light[4 * n + c], expected[c], 3e-4 * (largest + expected[c])) << "pixel " << n;
+      }
+    }
+  }
+};
+
+TEST_F(LightEditTest, BaseColorsChosenByKeyTurn) {
+  const Rgb aim{0.2, 1.1, 1.7}, key{0.9, 0.3, 0.2};
+  for (const Extent extent : kOddSizes)
+    for (const bool evil : {false, true})
+      for (const bool with_matte : {false, true}) {
+        if (extent.pixels() > 5000 && evil) continue;
+        Frame made = frame(extent, extent.width % kMaxBases + 1, extent.height, evil);
+        const Pixels matte_pixels = random_pixels(extent, 77);
+        const Plane matte = plane(extent, matte_pixels);
+        LightEdit edit(device, extent);
+        run([&](gpu::Commands& commands) {
+          edit.change(commands, made.layers, {{0.9f, 0.3f, 0.2f}, 0.5f, 0.6f}, {0.2f, 1.1f, 1.7f},
+                      0.8f, with_matte ? &matte : nullptr);
+        });
+        std::vector<Rgb> wanted;
+        for (const auto& base : bases_of(made.bases))
+          wanted.push_back(
+              base.exists ? reference::changed(base.color, aim,
+                                               0.8 * reference::chosen(base.color, key, 0.5, 0.6))
+                          : base.color);
+        ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, with_matte ? &matte_pixels : nullptr));
+      }
+}
+
+TEST_F(LightEditTest, OneBaseColorTurns) {
+  const Extent extent{31, 17};
+  for (const uint32_t index : {0U, 5U, 9U, 10U, 15U, 400U}) {
+    Frame made = frame(extent, 10, index);
+    LightEdit edit(device, extent);
+    run([&](gpu::Commands& commands) {
+      edit.change(commands, made.layers, index, {0, 0, 0}, 1, nullptr);
+    });
+    std::vector<Rgb> wanted;
+    for (const auto& base : bases_of(made.bases)) wanted.push_back(base.color);
+    if (index < 10) wanted[index] = {0, 0, 0};
+    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr));
+  }
+}
+
+TEST_F(LightEditTest, LightOfRepaintedSurfacesFollowsTheirShare) {
+  const Rgb key{0.5, 0.1, 0.1}, aim{0.1, 0.3, 0.6};
+  double most = 1;
+  for (const Extent extent : kOddSizes) {
+    Frame made = frame(extent, 7, extent.width);
+    const Pixels selected = random_pixels(extent, 8, 0, 1.3f);
+    const Plane selection = plane(extent, selected);
+    LightEdit edit(device, extent);
+    run([&](gpu::Commands& commands) {
+      edit.repaint(commands, made.layers, {selection, {0.5f, 0.1f, 0.1f}}, {0.1f, 0.3f, 0.6f},
+                   0.9f);
+    });
+    std::vector<Rgba> model, light;
+    std::vector<double> sel;
+    for (const size_t n : reference::light_sample(extent.width, extent.height)) {
+      model.push_back(pixel_of(made.model, n));
+      light.push_back(pixel_of(made.light, n));
+      sel.push_back(selected[4 * n]);
+    }
+    const auto bases = bases_of(made.bases);
+    const auto shares = reference::selected_shares(bases, model, sel);
+    std::vector<Rgb> wanted;
+    for (size_t k = 0; k < bases.size(); ++k)
+      wanted.push_back(bases[k].exists
+                           ? reference::repainted(bases[k].color, key, aim, 0.9 * shares[k])
+                           : bases[k].color);
+    const double again = reference::sent_on(model, light);
+    most = std::max(most, again);
+    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr, again)) << extent.width;
+  }
+  EXPECT_GT(most, 1.1);
+}
+
+TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
+  const Extent extent{40, 9};
+  Frame made = frame(extent, 6, 3);
+  const Layers before = made.layers;
+  LightEdit edit(device, extent);
+  run([&](gpu::Commands& commands) {
+    edit.change(commands, made.layers, 2, {1, 1, 1}, 1, nullptr);
+  });
+  EXPECT_NE(made.layers[Role::light], before[Role::light]);
+  EXPECT_EQ(download(before[Role::light]->buffer), made.light);
+  EXPECT_EQ(download(before[Role::bases]->buffer), made.bases);
+  // The second edit finds a plane that nobody else holds.
+  const Plane* first = made.layers[Role::light].get();
+  run([&](gpu::Commands& commands) {
+    edit.change(commands, made.layers, 3, {1, 1, 1}, 1, nullptr);
+  });
+  EXPECT_EQ(made.layers[Role::light].get(), first);
+}
+
+TEST_F(LightEditTest, RecoloringASurfaceRecolorsWhatBouncesOffIt) {
+  // Half red, half white surfaces; light on both is partly what bounced off the red ones.
+  const Extent extent{32, 8};
+  Pixels model(4 * extent.pixels()), light = model, shares = model, bases(4 * kMaxBases);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const bool red = n % 32 < 16;
+    const float own[] = {0.6f, red ? 0.06f : 0.6f, red ? 0.06f : 0.6f, 1};
+    const float color[] = {0.7f + 0.3f * 1, 0.7f + 0.3f * 0.1f, 0.7f + 0.3f * 0.1f, 0.7f};
+    std::copy_n(own, 4, &model[4 * n]);
+    std::copy_n(color, 4, &light[4 * n]);
+    shares[4 * n] = 0.3f;
+  }
+  const float red_base[] = {1, 0.1f, 0.1f, 1}, white_base[] = {1, 1, 1, 1};
+  std::copy_n(red_base, 4, &bases[0]);
+  std::copy_n(white_base, 4, &bases[4]);
+  Layers layers{extent, {}};
+  layers[Role::bases] = shared_plane({kMaxBases, 1}, bases);
+  layers[Role::input] = shared_plane(extent, random_pixels(extent, 2));
+  layers[Role::intrinsic] = layers[Role::model] = shared_plane(extent, model);
+  layers[Role::light] = layers[Role::model_light] = shared_plane(extent, light);
+  layers[Role::indirect] = shared_plane(extent, shares);
+  RecolorParams params;
+  params.key = {0.6f, 0.06f, 0.06f};
+  params.target = {0.06f, 0.06f, 0.6f};
+  enum class By { key, cluster, base };
+  for (const By by : {By::key, By::cluster, By::base}) {
+    Layers edited = layers;
+    Recolor recolor(device, extent);
+    params.base = by == By::base ? 0 : RecolorParams::kByKey;
+    if (by == By::base) params.key = {0.1f, 0.6f, 0.1f};  // of no account
+    if (by == By::cluster) {
+      params.clusters = 4;
+      run([&](gpu::Commands& commands) {
+        params.cluster = 0;
+        Layers probe = layers;
+        recolor.record(commands, probe, params);
+      });
+      const auto clusters = Palette::read(download(recolor.palette()->colors()).data(), 4);
+      for (const auto& cluster : clusters)
+        if (cluster.index >= 0 && cluster.log_color[1] < cluster.log_color[0] - 1)
+          params.cluster = cluster.index;
+    }
+    // .12 of .82 bounced, and does so again.
+    const float again = 1 / (1 - 0.12F / 0.82F);
+    run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
+    const Pixels now = download(edited[Role::light]->buffer);
+    const Pixels painted = download(edited[Role::intrinsic]->buffer);
+    for (size_t n = 0; n < extent.pixels(); ++n) {
+      const bool red = n % 32 < 16;
+      ASSERT_NEAR(painted[4 * n], red ? 0.06f : 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(painted[4 * n + 2], 0.6f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n], 1 - 0.3f * 0.9f * again, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n + 1], 0.7f + 0.3f * 0.1f, 4e-3) << static_cast<int>(by);
+      ASSERT_NEAR(now[4 * n + 2], 0.73f + 0.3f * 0.9f * again, 4e-3) << static_cast<int>(by);
+    }
+    EXPECT_FALSE(edited[Role::mask]);
+  }
+}
+
+TEST_F(LightEditTest, ABaseColorThatIsNotThereSelectsNothing) {
+  const Extent extent{19, 7};
+  Frame made = frame(extent, 3, 5);
+  for (const bool global : {true, false}) {
+    Layers edited = made.layers;
+    if (!global) edited[Role::light] = edited[Role::bases] = edited[Role::model_bases] = nullptr;
+    const Pixels before = download(edited[Role::intrinsic]->buffer);
+    RecolorParams params;
+    params.base = kMaxBases - 1;
+    params.write_mask = true;
+    Recolor recolor(device, extent);
+    run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
+    for (const float selected : download(edited[Role::mask]->buffer)) ASSERT_EQ(selected, 0);
+    const Pixels after = download(edited[Role::intrinsic]->buffer);
+    for (size_t i = 0; i < after.size(); ++i) ASSERT_EQ(after[i], before[i]) << i;
+  }
+}
+
+TEST_F(LightEditTest, SurfacesOfABaseColorAreSelectedAndKeyed) {
+  unsigned selected = 0;
+  for (const Extent extent : kOddSizes)
+    for (const int base : {0, 3, 6}) {
+      Frame made = frame(extent, 7, extent.width + static_cast<unsigned>(base));
+      RecolorParams params;
+      params.base = base;
+      params.softness = 0.6F;
+      params.texture = 0.7F;
+      params.write_mask = true;
+      Layers edited = made.layers;
+      Recolor recolor(device, extent);
+      run([&](gpu::Commands& commands) { recolor.record(commands, edited, params); });
+      const Pixels mask = download(edited[Role::mask]->buffer);
+      const Pixels now = download(edited[Role::intrinsic]->buffer);
+      const auto bases = bases_of(made.bases);
+      std::vector<Rgba> sample;
+      for (const size_t n : reference::light_sample(extent.width, extent.height))
+        sample.push_back(pixel_of(made.model, n));
+      const Rgb key = reference::base_key(sample, bases, size_t(base), 0.6);
+      reference::RecolorSpec spec;
+      for (size_t c = 0; c < 3; ++c) spec.target[c] = params.target[c];
+      spec.texture = 0.7F;
+      for (size_t n = 0; n < extent.pixels(); ++n) {
+        const Rgba pixel = pixel_of(made.model, n);
+        const double want = reference::base_selection(pixel, bases, size_t(base), 0.6);
+        ASSERT_NEAR(mask[4 * n], want, 2e-3) << extent.width << " pixel " << n;
+        selected += want > 0.5;
+        const Rgba painted =
+            reference::recolor(pixel, want, (key[0] + key[1] + key[2]) / 3 + 1e-3, spec);
+        for (size_t c = 0; c < 4; ++c)
+          ASSERT_NEAR(now[4 * n + c], painted[c], 4e-3 * (1 + std::abs(painted[c])))
+              << extent.width << " pixel " << n;
+      }
+    }
+  EXPECT_GT(selected, 100U);
+}
+
+TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
+  // Two walls; one is painted blue, and red again.
+  const Extent extent{32, 8};
+  Pixels model(4 * extent.pixels()), light = model, shares = model, bases(4 * kMaxBases);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const bool red = n % 32 < 16;
+    const float own[] = {red ? 0.6F : 0.05F, 0.05F, red ? 0.05F : 0.5F, 1};
+    const float color[] = {0.5F + 0.3F + 0.02F, 0.5F + 0.03F + 0.02F, 0.5F + 0.03F + 0.2F, 0.5F};
+    std::copy_n(own, 4, &model[4 * n]);
+    std::copy_n(color, 4, &light[4 * n]);
+    shares[4 * n] = 0.3F, shares[4 * n + 1] = 0.2F;
+  }
+  const float red_base[] = {1, 0.1F, 0.1F, 1}, blue_base[] = {0.1F, 0.1F, 1, 1};
+  std::copy_n(red_base, 4, &bases[0]);
+  std::copy_n(blue_base, 4, &bases[4]);
+  Layers layers{extent, {}};
+  layers[Role::input] = shared_plane(extent, random_pixels(extent, 2));
+  layers[Role::intrinsic] = layers[Role::model] = shared_plane(extent, model);
+  layers[Role::light] = layers[Role::model_light] = shared_plane(extent, light);
+  layers[Role::indirect] = shared_plane(extent, shares);
+  layers[Role::bases] = layers[Role::model_bases] = shared_plane({kMaxBases, 1}, bases);
+  // Only the left wall, whatever it looks like.
+  Pixels left(4 * extent.pixels());
+  for (size_t n = 0; n < extent.pixels(); ++n) left[4 * n] = n % 32 < 16 ? 1.0F : 0.0F;
+  layers[Role::mask] = shared_plane(extent, left);
+  RecolorParams params;
+  params.tolerance = 0.5F;
+  Recolor recolor(device, extent);
+  for (const bool back : {false, true}) {
+    params.key = back ? std::array{0.05F, 0.05F, 0.6F} : std::array{0.6F, 0.05F, 0.05F};
+    params.target = back ? std::array{0.6F, 0.05F, 0.05F} : std::array{0.05F, 0.05F, 0.6F};
+    run([&](gpu::Commands& commands) { recolor.record(commands, layers, params); });
+  }
+  const Pixels now = download(layers[Role::light]->buffer);
+  for (size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], light[i], 9e-3) << i;
+}
+
+TEST_F(LightEditTest, ComposeMultipliesByTheColorOfLight) {
+  for (const Extent extent : kOddSizes) {
+    Frame made = frame(extent, 3, 5);
+    const Pixels input = download(made.layers[Role::input]->buffer);
+    const Pixels light = random_pixels(extent, 6, 0, 2);
+    Compose compose(device, extent);
+    run([&](gpu::Commands& commands) {
+      EXPECT_EQ(compose.record(commands, made.layers, {}), made.layers[Role::input]);
+    });
+    made.layers[Role::light] = shared_plane(extent, light);
+    for (const Residual residual : {Residual::add, Residual::ratio, Residual::none}) {
+      PlanePtr picture;
+      run([&](gpu::Commands& commands) {
+        picture = compose.record(commands, made.layers, {residual, 1});
+      });
+      const Pixels got = download(picture->buffer);
+      for (size_t n = 0; n < extent.pixels(); ++n) {
+        Rgba before = pixel_of(made.model, n), now = before;
+        for (size_t c = 0; c < 3; ++c) {
+          before[c] *= made.light[4 * n + c];
+          now[c] *= light[4 * n + c];
+        }
+        const Rgba wanted = reference::compose(pixel_of(input, n), before, now,
+                                               static_cast<reference::Residual>(residual), 1);
+        for (size_t c = 0; c < 4; ++c)
+          ASSERT_NEAR(got[4 * n + c], wanted[c], 1e-5 * (1 + wanted[c])) << n;
+      }
+    }
+  }
+}
+
+TEST_F(LightEditTest, PicturesShowTheLayers) {
+  using What = LightPicture::What;
+  for (const Extent extent : kOddSizes)
+    for (const bool evil : {false, true}) {
+      const Frame made = frame(extent, 6, 9, evil);
+      const LightPicture pictures(device);
+      const Plane target = plane(extent, Pixels(4 * extent.pixels()));
+      for (const What what : {What::all, What::direct, What::indirect, What::layer})
+        for (const uint32_t base : {0U, 5U, 7U, 12U}) {
+          if (what != What::layer && base > 0) continue;
+          run([&](gpu::Commands& commands) {
+            pictures.record(commands, made.layers, what, target, base);
+          });
+          const Pixels got = download(target.buffer);
+          for (size_t n = 0; n < extent.pixels(); ++n) {
+            const double s = reference::finite(made.model[4 * n + 3]);
+            const Rgba l = reference::finite(pixel_of(made.light, n));
+            for (size_t c = 0; c < 3; ++c) {
+              double wanted = what == What::all      ? l[c]
+                              : what == What::direct ? l[3]
+                                                     : std::max(l[c] - l[3], 0.0);
+              if (what == What::layer)
+                wanted = base < 6 ? made.bases[4 * base + c] *
+                                        reference::finite(made.shares[base / 4][4 * n + base % 4])
+                                  : 0;
+              wanted = std::min(s * wanted, 65504.0);
+              ASSERT_NEAR(got[4 * n + c], wanted, 1e-5 * (1 + wanted)) << n << " of " << base;
+            }
+          }
+        }
+    }
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,193 @@
+// The device layer itself: barriers, partial sums, limits, sharing, devices that hang, validation.
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "kernels/gpu/reduce.hpp"
+#include "kernels/gpu/shaders.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+
+namespace inverse::testing {
+
+class DeviceTest : public GpuTest {};
+
+bool validation_layer_installed() {
+  uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::string(layer.layerName) == "VK_LAYER_KHRONOS_validation";
+  });
+}
+
+TEST_F(DeviceTest, SameDeviceIsShared) { EXPECT_EQ(device, gpu::Device::open(device->name())); }
+
+TEST_F(DeviceTest, UnknownDeviceNamesTheChoices) {
+  try {
+    gpu::Device::open("no such device");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::no_device);
+    EXPECT_NE(std::string(error.what()).find(device->name()), std::string::npos);
+  }
+}
+
+TEST_F(DeviceTest, TooLargeABufferNamesTheLimit) {
+  try {
+    gpu::Buffer::create(device, gpu::Element::vec4, device->limits().storage_buffer_bytes / 16 + 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit);
+    EXPECT_NE(std::string(error.what()).find("maxStorageBufferRange"), std::string::npos);
+  }
+}
+
+TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
+  const Halve halve(device);
+  Pixels pixels(256 * 256 * 4, 3.0f);
+  std::vector<Plane> levels{plane({256, 256}, pixels)};
+  while (levels.back().extent.width > 1) levels.push_back(plane(half_of(levels.back().extent)));
+  run([&](gpu::Commands& commands) {
+    for (size_t i = 0; i + 1 < levels.size(); ++i) halve.record(commands, levels[i], levels[i + 1]);
+    commands.stage("pyramid");
+  });
+  EXPECT_EQ(download(levels.back().buffer), Pixels(4, 3.0f));
+}
+
+// The device decides: the second condition is what a kernel wrote in the same submit.
+TEST_F(DeviceTest, KernelsAreLeftOutWhereTheirConditionIsZero) {
+  const Halve halve(device);
+  const Plane ones = plane({2, 2}, Pixels(16, 1.0f)), zeros = plane({2, 2}, Pixels(16, 0.0f));
+  for (const bool runs : {true, false}) {
+    const Plane condition = plane({1, 1}, Pixels(4, runs ? 0.0f : 1.0f));
+    const Plane target = plane({1, 1}, Pixels(4, 5.0f)), filled = plane({1, 1}, Pixels(4, 5.0f));
+    run([&](gpu::Commands& commands) {
+      halve.record(commands, runs ? ones : zeros, condition);
+      commands.when(condition.buffer, 4, [&] {
+        halve.record(commands, ones, target);
+        commands.fill(filled.buffer, 0x3f800000);
+      });
+    });
+    const bool ran = runs || !device->variant().conditional;
+    EXPECT_EQ(download(target.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+    EXPECT_EQ(download(filled.buffer), Pixels(4, ran ? 1.0f : 5.0f));
+  }
+}
+
+TEST_F(DeviceTest, WhatRunsAlwaysIsRefusedInsideOfACondition) {
+  const auto word = gpu::Buffer::create(device, gpu::Element::word, 1);
+  gpu::Commands commands(device);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.copy(word, word, 4); }), Error);
+  commands.begin();
+  EXPECT_THROW(commands.when(word, 0, [&] { commands.when(word, 0, [] {}); }), Error);
+  commands.begin();
+  EXPECT_NO_THROW(commands.fill(word));
+  commands.submit();
+  commands.wait();
+}
+
+TEST_F(DeviceTest, BuffersReturnTheirMemory) {
+  const uint64_t before = device->memory_bytes();
+  {
+    const auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, 1000);
+    EXPECT_GE(device->memory_bytes(), before + 16000);
+  }
+  EXPECT_EQ(device->memory_bytes(), before);
+}
+
+TEST_F(DeviceTest, WarmsUpUntilItWorkedOnce) {
+  int runs = 0;
+  const auto warm_up = [&](bool fails) {
+    device->warm_up_once("a test", [&] {
+      ++runs;
+      if (fails) throw Error(ErrorKind::limit, "too large");
+    });
+  };
+  if (!device->variant().warm_up) {
+    warm_up(true);
+    EXPECT_EQ(runs, 0);
+    return;
+  }
+  EXPECT_THROW(warm_up(true), Error);
+  warm_up(false);
+  warm_up(false);
+  EXPECT_EQ(runs, 2);
+}
+
+TEST_F(DeviceTest, StagesAreTimed) {
+  if (device->limits().timestamp_ns == 0) GTEST_SKIP() << "this device has no timestamps";
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 1 << 20);
+  gpu::Commands commands(device);
+  commands.begin();
+  commands.fill(buffer, 7);
+  commands.stage("fill");
+  commands.submit();
+  commands.wait();
+  ASSERT_EQ(commands.stages().size(), 1u);
+  EXPECT_STREQ(commands.stages()[0].name, "fill");
+  EXPECT_GE(commands.stages()[0].milliseconds, 0.0);
+}
+
+// A device that does not finish in time is reported, and what it still works on stays its own.
+TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
+  const uint64_t before = device->memory_bytes();
+  const uint64_t words = device->limits().storage_buffer_bytes >= (1u << 27) ? 1u << 25 : 1u << 22;
+  const auto kept = std::make_shared<int>();
+  {
+    setenv("INVERSE_PATIENCE", "0", 1);
+    gpu::Commands commands(device), behind(device);
+    const auto buffer = gpu::Buffer::create(device, gpu::Element::word, words);
+    for (gpu::Commands* work : {&commands, &behind}) {
+      work->begin();
+      for (int i = 0; i < 20; ++i) work->fill(buffer, i);
+      work->submit();
+    }
+    behind.keep(kept);
+    try {
+      commands.wait();
+      ADD_FAILURE() << "20 fills took no time";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::device_lost);
+      EXPECT_NE(std::string(error.what()).find("INVERSE_PATIENCE"), std::string::npos);
+    }
+    EXPECT_TRUE(commands.in_flight());
+    EXPECT_THROW(commands.begin(), Error);  // still at work
+    EXPECT_TRUE(device->silent());
+    unsetenv("INVERSE_PATIENCE");
+  }
+  EXPECT_EQ(kept.use_count(), 2) << "what stands in line behind it is not waited for, either";
+  EXPECT_GE(device->memory_bytes(), before + 4 * words);
+  // The device itself goes on: later work runs behind what it was left with.
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 4);
+  run([&](gpu::Commands& commands) { commands.fill(buffer, 0x3f800000); });
+  EXPECT_EQ(download(buffer), Pixels(4, 1.0f));
+  EXPECT_FALSE(device->silent());
+}
+
+// Under INVERSE_VALIDATION=1 a misuse of Vulkan ends the process, so that no test can miss it.
+TEST(ValidationDeathTest, AMisuseOfVulkanEndsTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto misuse = [] {
+    setenv("INVERSE_VALIDATION", "1", 1);
+    try {
+      const auto device = gpu::Device::open();
+      const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 16);
+      gpu::Commands commands(device);
+      commands.begin();
+      commands.copy(buffer, buffer, 64, 0, 64);  // beyond the end of the target
+    } catch (const Error& error) {
+      fprintf(stderr, "%s\n", error.what());
+      _exit(0);
+    }
+    _exit(0);
+  };
+  if (!validation_layer_installed()) GTEST_SKIP() << "the Vulkan validation layer is missing";
+  EXPECT_EXIT(misuse(), ::testing::KilledBySignal(SIGABRT), "Vulkan validation: .*vkCmdCopyBuffer");
+}
+
+}  // namespace inverse::testing

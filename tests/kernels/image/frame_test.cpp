@@ -1,0 +1,211 @@
+// What surrounds the conversion kernels: transfer curves, layouts, refusals, the mosaic.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "kernels/image/format/convert.hpp"
+#include "kernels/image/pyramid.hpp"
+#include "kernels/image/view/mosaic.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/image/mosaic.hpp"
+#include "tests/srgb.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// Runs `call`, which must throw Error(unsupported); its text.
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::unsupported);
+    return error.what();
+  }
+  ADD_FAILURE() << "not refused";
+  return {};
+}
+
+/// The curves as their standards write them, to linear light.
+double standard_decode(TransferFunction function, double x) {
+  switch (function) {
+    case TransferFunction::srgb:
+      return srgb_light(x);
+    case TransferFunction::bt709:
+      return x < 0.081 ? x / 4.5 : std::pow((x + 0.099) / 1.099, 1 / 0.45);
+    case TransferFunction::smpte240m:
+      return x < 0.0913 ? x / 4 : std::pow((x + 0.1115) / 1.1115, 1 / 0.45);
+    case TransferFunction::adobe_rgb:
+      return std::pow(x, 2.19921875);
+    case TransferFunction::gamma18:
+      return std::pow(x, 1.8);
+    case TransferFunction::gamma20:
+      return x * x;
+    case TransferFunction::gamma22:
+      return std::pow(x, 2.2);
+    case TransferFunction::gamma28:
+      return std::pow(x, 2.8);
+    default:
+      return x;
+  }
+}
+constexpr TransferFunction kCurves[] = {
+    TransferFunction::linear,    TransferFunction::srgb,    TransferFunction::bt709,
+    TransferFunction::smpte240m, TransferFunction::gamma18, TransferFunction::gamma20,
+    TransferFunction::gamma22,   TransferFunction::gamma28, TransferFunction::adobe_rgb};
+
+}  // namespace
+
+TEST(TransferTest, FollowsTheStandards) {
+  for (const TransferFunction function : kCurves) {
+    const Transfer curve = Transfer::of(function);
+    for (int i = 0; i <= 1100; ++i) {
+      const double x = i / 1000.0;
+      EXPECT_NEAR(curve.decode(x), standard_decode(function, x), 1.5e-4)
+          << static_cast<int>(function) << " at " << x;
+    }
+  }
+}
+
+TEST(TransferTest, EncodeIsTheExactInverseAndIncreasing) {
+  for (const TransferFunction function : kCurves) {
+    const Transfer curve = Transfer::of(function);
+    double before = -1;
+    for (int i = 0; i <= 70000; ++i) {
+      const double x = i / 65535.0, linear = curve.decode(x);
+      ASSERT_GT(linear, before) << static_cast<int>(function) << " at " << x;
+      ASSERT_NEAR(curve.encode(linear), x, 1e-6) << static_cast<int>(function);
+      before = linear;
+    }
+  }
+}
+
+TEST(TransferTest, HighDynamicRangeIsRefusedByName) {
+  const auto text = [](TransferFunction f) { return refusal([f] { Transfer::of(f); }); };
+  EXPECT_NE(text(TransferFunction::pq).find("PQ"), std::string::npos);
+  EXPECT_NE(text(TransferFunction::hlg).find("HLG"), std::string::npos);
+  EXPECT_NE(text(TransferFunction::log100).find("100:1"), std::string::npos);
+  EXPECT_NE(text(TransferFunction::log316).find("316"), std::string::npos);
+}
+
+TEST(FrameFormatTest, BytesAreThoseOfTheLayout) {
+  const auto bytes = [](PixelFormat format, Extent extent, uint32_t alignment) {
+    return frame_bytes(aligned_layout({format, extent}, alignment));
+  };
+  EXPECT_EQ(bytes(PixelFormat::rgba, {640, 480}, 4), 640u * 480 * 4);
+  EXPECT_EQ(bytes(PixelFormat::nv12, {640, 480}, 4), 640u * 480 * 3 / 2);
+  EXPECT_EQ(bytes(PixelFormat::i420, {640, 480}, 4), 640u * 480 * 3 / 2);
+  EXPECT_EQ(bytes(PixelFormat::p010_10le, {640, 480}, 4), 640u * 480 * 3);
+  EXPECT_EQ(bytes(PixelFormat::yuy2, {3, 2}, 4), 16u);     // two pairs a row
+  EXPECT_EQ(bytes(PixelFormat::rgb, {3, 2}, 4), 12u + 9);  // no padding behind the last row
+  EXPECT_EQ(bytes(PixelFormat::i420, {5, 3}, 4), 24u + 8 + 4 + 3);
+  EXPECT_EQ(bytes(PixelFormat::nv12, {1, 1}, 4), 4u + 2);
+}
+
+TEST(FrameFormatTest, BadFramesAreRefused) {
+  FrameFormat format = aligned_layout({PixelFormat::rgba, {16, 16}});
+  format.stride[0] = 63;
+  EXPECT_NE(refusal([&] { validate(format); }).find("stride of only 63"), std::string::npos);
+  format = aligned_layout({PixelFormat::rgba, {0, 16}});
+  EXPECT_NE(refusal([&] { validate(format); }).find("no pixels"), std::string::npos);
+  format = aligned_layout({PixelFormat::nv12, {16, 16}});
+  EXPECT_NE(refusal([&] { validate(format); }).find("matrix"), std::string::npos);
+  format.matrix = Matrix::bt601();
+  EXPECT_NO_THROW(validate(format));
+}
+
+class FrameTest : public GpuTest {};
+
+TEST_F(FrameTest, UnalignedStridesAreCopiedAndThenConverted) {
+  FrameFormat odd{PixelFormat::rgb, {5, 7}};
+  odd.stride = {17};
+  odd.offset = {3};
+  EXPECT_NE(refusal([&] { Unpack(device, odd); }).find("aligned layout"), std::string::npos);
+  EXPECT_NE(refusal([&] { Pack(device, odd); }).find("aligned layout"), std::string::npos);
+
+  std::vector<std::byte> bytes(frame_bytes(odd)), back(bytes.size());
+  for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 37 + 11);
+  const FrameFormat aligned = aligned_layout(odd);
+  const Unpack unpack(device, aligned);
+  const Pack pack(device, aligned);
+  auto in =
+      gpu::Buffer::create(device, gpu::Element::word, raw_words(aligned), gpu::Memory::upload);
+  auto out =
+      gpu::Buffer::create(device, gpu::Element::word, raw_words(aligned), gpu::Memory::readback);
+  copy_plane(odd.format, odd.extent, 0, &bytes[3], 17, in->map(), aligned.stride[0]);
+  const Plane linear = plane(odd.extent);
+  run([&](gpu::Commands& commands) {
+    unpack.record(commands, in, linear);
+    pack.record(commands, {.picture = linear}, out);
+  });
+  copy_plane(odd.format, odd.extent, 0, out->map(), aligned.stride[0], &back[3], 17);
+  for (uint32_t y = 0; y < 7; ++y)
+    EXPECT_EQ(memcmp(&bytes[3 + y * 17], &back[3 + y * 17], 15), 0) << "row " << y;
+  EXPECT_EQ(back[0], std::byte{0});  // what is not the frame's stays as it was
+}
+
+TEST_F(FrameTest, NeutralLumaComesBackExactly) {
+  for (const PixelFormat pixel_format :
+       {PixelFormat::nv12, PixelFormat::i420, PixelFormat::yuy2, PixelFormat::uyvy,
+        PixelFormat::p010_10le, PixelFormat::i420_10le}) {
+    FrameFormat format{pixel_format, {64, 48}};
+    format.range = Range::limited;
+    format.matrix = Matrix::bt709();
+    format.transfer = Transfer::of(TransferFunction::bt709);
+    format = aligned_layout(format);
+    // A gray ramp from black to the largest code, drawn by Pack, then there and back.
+    Pixels ramp(format.extent.pixels() * 4);
+    for (size_t i = 0; i < ramp.size(); ++i)
+      ramp[i] = 1.2f * static_cast<float>(i / 4) / static_cast<float>(format.extent.pixels());
+    const Plane source = plane(format.extent, ramp), linear = plane(format.extent);
+    const Unpack unpack(device, format);
+    const Pack pack(device, format);
+    auto raw = [&] {
+      return gpu::Buffer::create(device, gpu::Element::word, raw_words(format),
+                                 gpu::Memory::readback);
+    };
+    const auto first = raw(), second = raw();
+    run([&](gpu::Commands& commands) {
+      pack.record(commands, {.picture = source}, first);
+      unpack.record(commands, first, linear);
+      pack.record(commands, {.picture = linear}, second);
+    });
+    EXPECT_EQ(memcmp(first->map(), second->map(), frame_bytes(format)), 0) << name_of(pixel_format);
+  }
+}
+
+TEST_F(FrameTest, DifferentSizesAreRefused) {
+  const FrameFormat format = aligned_layout({PixelFormat::rgba, {8, 8}});
+  const Unpack unpack(device, format);
+  const auto raw = gpu::Buffer::create(device, gpu::Element::word, raw_words(format));
+  const Plane other = plane({9, 8});
+  gpu::Commands commands(device);
+  commands.begin();
+  EXPECT_THROW(unpack.record(commands, raw, other), Error);
+  const auto little = gpu::Buffer::create(device, gpu::Element::word, raw_words(format) - 1);
+  EXPECT_THROW(unpack.record(commands, little, plane({8, 8})), Error);
+  commands.submit();
+}
+
+TEST_F(FrameTest, MosaicAgreesWithReference) {
+  const Mosaic mosaic(device);
+  for (const Extent extent : kOddSizes) {
+    const Pixels a = random_pixels(extent, 1), b = random_pixels(extent, 2);
+    const Plane first = plane(extent, a), second = plane(extent, b), target = plane(extent);
+    run([&](gpu::Commands& commands) {
+      mosaic.record(commands,
+                    {{{&first}, {&second}, {&second, Drawing::Source::shading, 0.5f}, {}}}, target);
+    });
+    const reference::Plane one = to_reference(extent, a), two = to_reference(extent, b);
+    const reference::Plane expected =
+        reference::mosaic({{{&one}, {&two}, {&two, true, 0.5}, {}}}, static_cast<int>(extent.width),
+                          static_cast<int>(extent.height));
+    const Pixels got = download(target.buffer);
+    for (size_t i = 0; i < got.size(); ++i)
+      ASSERT_NEAR(got[i], expected.data[i / 4][i % 4], 1e-6)
+          << extent.width << "x" << extent.height << " at " << i;
+  }
+}
+
+}  // namespace inverse::testing

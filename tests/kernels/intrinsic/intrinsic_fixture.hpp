@@ -1,0 +1,82 @@
+// Scenes and means for the tests of intrinsicdecomp.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "kernels/image/pyramid.hpp"
+#include "kernels/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
+#include "tests/reference/intrinsic/multigrid.hpp"
+#include "tests/reference/intrinsic/output_gauge.hpp"
+
+namespace inverse::testing {
+
+/// Tiles of colors of few chromas and many values, under a light with a border: has all kinds of
+/// edges.
+inline Pixels scene(Extent extent, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<std::array<float, 3>> paints(24);
+  for (auto& paint : paints) {
+    const float value = 0.05F + 0.9F * unit(random);
+    for (float& c : paint) c = value * (0.3F + 0.7F * unit(random));
+  }
+  Pixels pixels(extent.pixels() * 4, 1);
+  for (uint32_t y = 0; y < extent.height; ++y)
+    for (uint32_t x = 0; x < extent.width; ++x) {
+      const float light = (x + 2 * y > extent.width ? 0.9F : 0.35F) *
+                          (1 - 0.4F * static_cast<float>(y) / static_cast<float>(extent.height));
+      const auto& paint = paints[((x / 23) * 7 + (y / 19) * 11) % paints.size()];
+      for (size_t c = 0; c < 3; ++c)
+        pixels[4 * (static_cast<size_t>(y) * extent.width + x) + c] =
+            light * paint[c] * (0.97F + 0.06F * unit(random));
+    }
+  return pixels;
+}
+
+inline std::vector<double> rgb_of(const Pixels& pixels) {
+  std::vector<double> rgb;
+  for (size_t i = 0; i < pixels.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c)
+      rgb.push_back(std::isinf(pixels[i + c]) && pixels[i + c] > 0
+                        ? 1.0
+                        : static_cast<double>(pixels[i + c]));
+  return rgb;
+}
+
+inline std::string name_of(Extent extent) {
+  return std::to_string(extent.width) + "x" + std::to_string(extent.height);
+}
+
+class IntrinsicTest : public GpuTest {
+ protected:
+  PlanePtr input(Extent extent, const Pixels& pixels) {
+    return std::make_shared<Plane>(plane(extent, pixels));
+  }
+
+  /// One frame through `method`; its intrinsic plane.
+  Pixels decompose(IntrinsicDecomposition& method, const PlanePtr& frame,
+                   const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
+    Pixels pixels = decompose_in_gauge(method, frame, params, reset);
+    // Back to the solver's own scale, which is the reference's.
+    const float scale = std::exp(method.findings().gauge);
+    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] *= i % 4 == 3 ? scale : 1 / scale;
+    return pixels;
+  }
+  Pixels decompose_in_gauge(IntrinsicDecomposition& method, const PlanePtr& frame,
+                            const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
+    Layers layers;
+    run([&](gpu::Commands& commands) { layers = method.record(commands, frame, params, {reset}); });
+    return download(layers[Role::intrinsic]->buffer);
+  }
+  Pixels decompose(Extent extent, const Pixels& pixels,
+                   const IntrinsicDecomposition::Params& params = {}) {
+    IntrinsicDecomposition method(device, extent);
+    return decompose(method, input(extent, pixels), params);
+  }
+};
+
+}  // namespace inverse::testing

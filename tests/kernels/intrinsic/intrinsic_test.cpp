@@ -1,0 +1,327 @@
+// intrinsicdecomp whole, against tests/reference/intrinsic_decomposition.*: stills, videos, bad
+// input.
+#include "intrinsic_fixture.hpp"
+
+namespace inverse::testing {
+
+TEST_F(IntrinsicTest, GaugeBringsBrightReflectanceToItsValueAndMovesSlowly) {
+  const Extent extent{128, 96};
+  IntrinsicDecomposition method(device, extent);
+  IntrinsicDecomposition::Params params;
+  const auto bright_end = [&](const Pixels& pixels) {
+    std::vector<float> brightest;
+    for (size_t i = 0; i < pixels.size(); i += 4)
+      brightest.push_back(std::max({pixels[i], pixels[i + 1], pixels[i + 2]}));
+    std::sort(brightest.begin(), brightest.end());
+    return brightest[static_cast<size_t>(params.gauge.quantile *
+                                         static_cast<float>(brightest.size()))];
+  };
+  Pixels pixels = scene(extent, 4);
+  const PlanePtr frame = input(extent, pixels);
+  // Counted over cells and here over pixels: near, not equal.
+  EXPECT_NEAR(bright_end(decompose_in_gauge(method, frame, params)), params.gauge.value, 0.25F);
+  const float first = method.findings().gauge;
+  // Another wish is followed a share at a time by a frame that continues the one before …
+  params.gauge.value = 0.45F;
+  decompose_in_gauge(method, frame, params, false);
+  EXPECT_NEAR(method.findings().gauge, first - params.gauge.share * std::log(2.0F), 0.05F);
+  // … and at once by one that does not.
+  decompose_in_gauge(method, frame, params, true);
+  EXPECT_NEAR(method.findings().gauge, first - std::log(2.0F), 0.05F);
+  // A black frame has no say: the next one with light does, at once.
+  decompose_in_gauge(method, input(extent, Pixels(pixels.size(), 0.0F)), params, true);
+  EXPECT_EQ(method.findings().gauge, 0.0F);
+  params.gauge.value = 0.9F;
+  decompose_in_gauge(method, frame, params, false);
+  EXPECT_NEAR(method.findings().gauge, first, 0.05F);
+}
+
+TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {
+  for (const Extent extent : kOddSizes) {
+    const Pixels pixels = scene(extent, 1);
+    const auto rgb = rgb_of(pixels);
+    const auto expected = reference::decompose(rgb.data(), static_cast<int>(extent.width),
+                                               static_cast<int>(extent.height), {}, nullptr);
+    const Pixels got = decompose(extent, pixels);
+    double sum = 0;
+    for (size_t i = 0; i < extent.pixels(); ++i) {
+      const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
+      sum += d * d;
+      ASSERT_LT(std::abs(d), 0.03) << name_of(extent) << " at " << i;  // bins are in fixed point
+      for (size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(got[4 * i + c] * got[4 * i + 3], pixels[4 * i + c], 1e-5) << "R S must be I";
+    }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 3e-3) << name_of(extent);
+  }
+}
+
+TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
+  const Extent extent{160, 120};
+  IntrinsicDecomposition method(device, extent);
+  IntrinsicDecomposition::Params params;
+  params.cycles = params.warm_cycles = 3;
+  params.adaptive = false;  // the reference evaluates every edge and all cycles
+  reference::IntrinsicParams reference_params;
+  reference_params.cycles = 3;
+  reference::IntrinsicState state;
+  std::mt19937 random(16);
+  std::uniform_real_distribution<float> noise(0, 1);
+  for (int time = 0; time < 4; ++time) {
+    Pixels pixels = scene(extent, time < 3 ? 6 : 7);  // the last frame is another scene: a cut
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (i % 4 < 3)
+        pixels[i] *=
+            (1 - 0.15F * static_cast<float>(time) * static_cast<float>((i / 4) % extent.width) /
+                     static_cast<float>(extent.width)) *
+            (0.98F + 0.04F * noise(random));
+    const size_t left = 20 + 7 * static_cast<size_t>(time);  // a checkered patch moves over it
+    for (size_t y = 40; y < 80; ++y)
+      for (size_t x = left; x < left + 40; ++x)
+        for (size_t c = 0; c < 3; ++c)
+          pixels[4 * (y * extent.width + x) + c] =
+              ((x - left) / 5 + y / 5) % 2 == 0 ? 0.1F + 0.1F * static_cast<float>(c) : 0.5F;
+    const auto rgb = rgb_of(pixels);
+    const auto expected =
+        reference::decompose(rgb.data(), static_cast<int>(extent.width),
+                             static_cast<int>(extent.height), reference_params, &state);
+    EXPECT_EQ(expected.stats.anchored, time == 1 || time == 2)
+        << "the scenes must be what this test takes them for";
+    const Pixels got = decompose(method, input(extent, pixels), params, false);
+    EXPECT_EQ(method.stats(method.recorded() - 1).history, time > 0);
+    const auto findings = method.findings();
+    EXPECT_NEAR(findings.mismatch, expected.stats.mismatch, 1e-3);
+    EXPECT_EQ(findings.cut, time == 3);
+    EXPECT_NEAR(findings.change, expected.stats.change.back(), 0.02 * expected.stats.change.back());
+    double sum = 0;
+    for (size_t i = 0; i < extent.pixels(); ++i) {
+      const double d = std::log(static_cast<double>(got[4 * i + 3])) - expected.log_shading[i];
+      sum += d * d;
+    }
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 5e-4) << "frame " << time;
+  }
+}
+
+TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
+  const Extent extent{349, 287};
+  const Pixels still = scene(extent, 15);
+  Pixels moved = still;  // 20 x 20 pixels get darker
+  for (size_t y = 100; y < 120; ++y)
+    for (size_t x = 200; x < 220; ++x)
+      for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
+  IntrinsicDecomposition::Params adaptive, whole;
+  whole.adaptive = false;
+  adaptive.settled = 0;
+  IntrinsicDecomposition one(device, extent), other(device, extent);
+  const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
+  const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
+  for (int time = 0; time < 4; ++time) {
+    const PlanePtr frame = input(extent, time < 2 ? still : moved);
+    const Pixels got = decompose(one, frame, adaptive, false);
+    EXPECT_EQ(one.findings().tiles_evaluated, expected[time]) << "frame " << time;
+    const Pixels want = decompose(other, frame, whole, false);
+    EXPECT_EQ(other.findings().tiles_evaluated, tiles);
+    if (time < 2) {
+      EXPECT_EQ(got, want) << "frame " << time;
+    }
+    double sum = 0;
+    for (size_t i = 3; i < got.size(); i += 4)
+      sum += std::pow(std::log(static_cast<double>(got[i]) / static_cast<double>(want[i])), 2);
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(extent.pixels())), 0.003) << "frame " << time;
+  }
+  adaptive.prior.shading_weight = 2;
+  decompose(one, input(extent, moved), adaptive, false);
+  EXPECT_EQ(one.findings().tiles_evaluated, tiles) << "new parameters concern every tile";
+}
+
+TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
+  const Extent extent{349, 287};
+  IntrinsicDecomposition method(device, extent);
+  const PlanePtr first = input(extent, scene(extent, 8)), second = input(extent, scene(extent, 9));
+  const Pixels alone = decompose(method, second);
+  decompose(method, first, {}, false);
+  const Pixels after = decompose(method, second, {}, true);
+  EXPECT_EQ(memcmp(alone.data(), after.data(), alone.size() * sizeof(float)), 0);
+  method.reset();
+  const Pixels again = decompose(method, second, {}, false);
+  EXPECT_EQ(memcmp(alone.data(), again.data(), alone.size() * sizeof(float)), 0);
+  EXPECT_FALSE(method.stats(method.recorded() - 1).history);
+}
+
+TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
+  // Aggregates start at the left, so that even the reference is quite symmetric only at the end of
+  // its cycles (tests/extremes/intrinsic/symmetry_test.cpp).
+  const Extent extent{160, 120};
+  const Pixels pixels = scene(extent, 10);
+  Pixels mirrored(pixels.size());
+  for (size_t y = 0; y < extent.height; ++y)
+    for (size_t x = 0; x < extent.width; ++x)
+      std::copy_n(&pixels[4 * (y * extent.width + x)], 4,
+                  &mirrored[4 * (y * extent.width + extent.width - 1 - x)]);
+  const auto asymmetry = [&](const auto& one, const auto& other) {  // rms difference of log shading
+    double sum = 0;
+    for (size_t y = 0; y < extent.height; ++y)
+      for (size_t x = 0; x < extent.width; ++x)
+        sum +=
+            std::pow(one(y * extent.width + x) - other(y * extent.width + extent.width - 1 - x), 2);
+    return std::sqrt(sum / static_cast<double>(extent.pixels()));
+  };
+  IntrinsicDecomposition::Params params;
+  params.cycles = 8;
+  reference::IntrinsicParams reference_params;
+  reference_params.cycles = 8;
+  const auto expected = [&](const Pixels& frame) {
+    const auto rgb = rgb_of(frame);
+    const auto result =
+        reference::decompose(rgb.data(), static_cast<int>(extent.width),
+                             static_cast<int>(extent.height), reference_params, nullptr);
+    return [s = result.log_shading](size_t i) { return s[i]; };
+  };
+  const auto got = [&](const Pixels& frame) {
+    return [p = decompose(extent, frame, params)](size_t i) {
+      return std::log(static_cast<double>(p[4 * i + 3]));
+    };
+  };
+  EXPECT_LT(asymmetry(got(pixels), got(mirrored)),
+            0.005 + 1.2 * asymmetry(expected(pixels), expected(mirrored)));
+}
+
+TEST_F(IntrinsicTest, FiniteAndExactOnAnything) {
+  constexpr float kInf = std::numeric_limits<float>::infinity(),
+                  kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const Extent extent : kOddSizes) {
+    const auto constant = [&](float r, float g, float b) {
+      Pixels p(extent.pixels() * 4, 1);
+      for (size_t i = 0; i < p.size(); i += 4) p[i] = r, p[i + 1] = g, p[i + 2] = b;
+      return p;
+    };
+    std::vector<std::pair<const char*, Pixels>> frames{
+        {"black", constant(0, 0, 0)},
+        {"white", constant(1, 1, 1)},
+        {"blue", constant(0, 0, 1)},
+        {"noise", random_pixels(extent, 11)},
+        {"faint noise", random_pixels(extent, 12, 0, 1.0F / 255)},
+        {"broken", random_pixels(extent, 13, -1, 2)},
+        {"checkerboard", constant(0, 0, 0)},
+        {"hot pixel", constant(0.01F, 0.01F, 0.01F)}};
+    auto& broken = frames[5].second;
+    for (size_t i = 0; i < broken.size(); i += 7)
+      broken[i] = i % 3 == 0 ? kNan : i % 3 == 1 ? kInf : -kInf;
+    for (size_t i = 0; i < extent.pixels(); ++i)
+      if ((i % extent.width + i / extent.width) % 2) std::fill_n(&frames[6].second[4 * i], 3, 1.0F);
+    frames[7].second[0] = 1e4F;
+    IntrinsicDecomposition method(device, extent);
+    for (const auto& [name, pixels] : frames) {
+      const Pixels got =
+          decompose(method, input(extent, pixels), {}, false);  // each after the other, as a video
+      for (size_t i = 0; i < got.size(); ++i) {
+        ASSERT_TRUE(std::isfinite(got[i])) << name << " " << name_of(extent) << " at " << i;
+        ASSERT_TRUE(i % 4 < 3 ? got[i] >= 0 : got[i] > 0)
+            << name << " " << name_of(extent) << " at " << i;
+        if (i % 4 == 3) continue;
+        const float light = pixels[i] > 0 ? (std::isinf(pixels[i]) ? 1 : pixels[i]) : 0;
+        ASSERT_NEAR(got[i] * got[i | 3], light, 1e-5F * (1 + light))
+            << name << " " << name_of(extent) << " at " << i;
+      }
+    }
+  }
+}
+
+TEST_F(IntrinsicTest, ManyCyclesConverge) {
+  const Extent extent{160, 120};
+  std::vector<std::pair<std::string, Pixels>> frames{{"scene", scene(extent, 16)},
+                                                     {"noise", random_pixels(extent, 17)}};
+  for (const uint32_t size : {1U, 2U, 3U, 4U, 5U, 8U, 16U, 32U}) {  // mosaics of strong colors
+    std::mt19937 random(size);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<float> colors(3 * 4096);
+    for (float& c : colors) c = unit(random) < 0.3F ? 0.01F : unit(random);
+    Pixels pixels(extent.pixels() * 4, 1);
+    for (uint32_t y = 0; y < extent.height; ++y)
+      for (uint32_t x = 0; x < extent.width; ++x)
+        for (uint32_t c = 0; c < 3; ++c)
+          pixels[4 * (static_cast<size_t>(y) * extent.width + x) + c] =
+              colors[3 * ((x / size * 131 + y / size * 17) % 4096) + c];
+    frames.emplace_back("mosaic of " + std::to_string(size), pixels);
+  }
+  for (const auto& [name, pixels] : frames) {
+    std::vector<Pixels> results;
+    for (const uint32_t cycles : {16U, 32U, 96U}) {
+      IntrinsicDecomposition::Params params;
+      params.cycles = cycles;
+      results.push_back(decompose(extent, pixels, params));
+    }
+    const auto apart = [&](const Pixels& one, const Pixels& other) {
+      double sum = 0;
+      for (size_t i = 3; i < one.size(); i += 4)
+        sum += std::pow(std::log(static_cast<double>(one[i]) / static_cast<double>(other[i])), 2);
+      return std::sqrt(sum / static_cast<double>(extent.pixels()));
+    };
+    // Slowly on some mosaics, whose strong edges all meet; a solver that diverges grows instead.
+    EXPECT_LT(apart(results[0], results[2]), 0.2) << name;
+    EXPECT_LT(apart(results[1], results[2]), 0.7 * apart(results[0], results[2]) + 0.002) << name;
+  }
+}
+
+TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
+  const Extent extent{64, 48};
+  const Pixels pixels = scene(extent, 14);
+  for (const float factor : {1e-3F, 1e3F})
+    for (int which = 0; which < 5; ++which) {
+      IntrinsicDecomposition::Params params;
+      float* weights[] = {&params.prior.reflectance_weight, &params.prior.shading_weight,
+                          &params.prior.value_weight, &params.prior.chroma_weight,
+                          &params.anchor.anchor_weight};
+      *weights[which] = factor;
+      IntrinsicDecomposition method(device, extent);
+      for (int frame = 0; frame < 2; ++frame)
+        for (const float v : decompose(method, input(extent, pixels), params, false))
+          ASSERT_TRUE(std::isfinite(v)) << which << " x " << factor;
+    }
+  IntrinsicDecomposition::Params params;
+  params.prior.chroma_weight = 0;
+  for (const float v : decompose(extent, pixels, params)) ASSERT_TRUE(std::isfinite(v));
+}
+
+// Cycles that are left out must show in what the device says, and cost no more than `settled`
+// bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
+TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
+  constexpr uint32_t kMost = 16;
+  const bool leaves_out = device->variant().conditional;
+  const Extent extent{160, 120};
+  const PlanePtr still = input(extent, scene(extent, 9));
+  IntrinsicDecomposition::Params params, all;
+  params.cycles = params.warm_cycles = all.cycles = all.warm_cycles = kMost;
+  all.adaptive = false;
+  IntrinsicDecomposition settling(device, extent), patient(device, extent);
+  const Pixels complete = decompose(patient, still, all);
+  EXPECT_EQ(patient.findings().cycles, kMost);
+  uint32_t fewest = kMost;
+  for (const float settled : {0.01F, 0.03F, 0.1F}) {
+    params.settled = settled;
+    const Pixels got = decompose(settling, still, params);
+    const uint32_t cycles = settling.findings().cycles;
+    EXPECT_LT(settling.findings().change, settled);
+    EXPECT_LE(cycles, fewest);
+    fewest = cycles;
+    double sum = 0;
+    for (size_t i = 3; i < got.size(); i += 4) {
+      const double d = std::log(static_cast<double>(got[i] / complete[i]));
+      sum += d * d;
+    }
+    const double distance = std::sqrt(sum / static_cast<double>(extent.pixels()));
+    std::printf("settled %g: %u of %u cycles, %.4f from all\n", static_cast<double>(settled),
+                cycles, kMost, distance);
+    EXPECT_LT(distance, 6 * settled);
+  }
+  EXPECT_LT(fewest, leaves_out ? 5 : kMost + 1);
+  // A still scene comes to rest: one cycle a frame.
+  params.settled = 0.01F;
+  for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
+  EXPECT_EQ(settling.findings().cycles, leaves_out ? 1 : kMost);
+  // 0 asks for all of them.
+  params.settled = 0;
+  decompose(settling, still, params, false);
+  EXPECT_EQ(settling.findings().cycles, kMost);
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,88 @@
+// No kernel of intrinsicdecomp is built in mid-stream.
+#include "intrinsic_fixture.hpp"
+#include "kernels/intrinsic/ladder.hpp"
+
+namespace inverse::testing {
+
+class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
+ protected:
+  static constexpr Extent kExtent{349, 287};
+  /// A video in which everything comes, three frames in flight: tiles begin and end, cuts, gray, a
+  /// fast camera, every level of the ladder, resolutions that are compared and crossed, other
+  /// parameters. Returns how many frames worked on tiles, how many compared, how many crossed.
+  struct Seen {
+    unsigned listed = 0, compared = 0, crossed = 0;
+  };
+  Seen play(ScaledIntrinsic& method) {
+    std::vector<std::unique_ptr<gpu::Commands>> commands;
+    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+      commands.push_back(std::make_unique<gpu::Commands>(device));
+    std::vector<PlanePtr> alive;
+    Seen seen;
+    size_t t = 0;
+    const std::vector<uint8_t> nothing(TileList::count(kExtent));
+    const auto show = [&](const PlanePtr& picture, const ScaledIntrinsic::Params& params,
+                          bool same) {
+      gpu::Commands& own = *commands[t++ % commands.size()];
+      own.wait();
+      own.begin();
+      alive.push_back(picture);
+      method.record(own, picture, params,
+                    {false, same ? std::span<const uint8_t>(nothing) : std::span<const uint8_t>()});
+      own.submit();
+      const auto& stats = method.stats(method.recorded() - 1);
+      seen.listed += stats.listed;
+      seen.compared += stats.compared;
+      seen.crossed += stats.crossed;
+    };
+    ScaledIntrinsic::Params params;
+    const PlanePtr still = input(kExtent, scene(kExtent, 31));
+    for (int k = 0; k < 28; ++k) show(still, params, k > 0);
+    params.gauge.value = 0.5F;
+    for (int k = 0; k < 6; ++k) show(still, params, true);
+    for (unsigned k = 0; k < 6; ++k)
+      show(input(kExtent, scene(kExtent, 40 + k)), params, false);  // cuts
+    const PlanePtr gray = input(kExtent, Pixels(4 * kExtent.pixels(), 0.25F));
+    for (int k = 0; k < 20; ++k) show(gray, params, k % 5 > 0);
+    for (const auto& level : intrinsic_ladder().levels) {
+      level.set(params);
+      for (int k = 0; k < 5; ++k) show(still, params, k > 0);
+    }
+    params = {};
+    params.half_bound = 1;  // half resolution is good enough
+    for (int k = 0; k < 40; ++k) show(still, params, k > 0);
+    params.half_bound = 0;
+    for (int k = 0; k < 8; ++k) show(still, params, k > 0);
+    params.prior.chroma_weight = 0;
+    for (int k = 0; k < 8; ++k) show(still, params, k > 0);
+    params.anchor.anchor_weight = 0;
+    for (int k = 0; k < 3; ++k) show(still, params, false);
+    params = {};
+    params.adaptive = false;
+    for (int k = 0; k < 3; ++k) show(still, params, false);
+    for (auto& own : commands) own->wait();
+    return seen;
+  }
+};
+
+TEST_F(IntrinsicWarmUp, LeavesNothingToBeBuiltInMidStream) {
+  ScaledIntrinsic method(device, kExtent);
+  EXPECT_TRUE(method.warm_up());
+  const uint64_t warm = device->kernels_used();
+  const Seen seen = play(method);
+  EXPECT_EQ(device->kernels_used(), warm);
+  EXPECT_GT(seen.listed, 30U);
+  EXPECT_GT(seen.compared, 1U);
+  EXPECT_GT(seen.crossed, 4U);
+}
+
+TEST_F(IntrinsicWarmUp, IsWhatSparesTheStreamIt) {
+  ScaledIntrinsic method(device, kExtent);
+  const PlanePtr frame = input(kExtent, scene(kExtent, 31));
+  run([&](gpu::Commands& commands) { method.record(commands, frame, {}, {}); });
+  const uint64_t first = device->kernels_used();
+  play(method);
+  EXPECT_GT(device->kernels_used(), first + 20);
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,171 @@
+// What is left out of a frame, and when that is looked at again, without a device.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kernels/intrinsic/reuse/leave_out.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Mode = LeaveOut::Mode;
+
+/// A policy and the video that it plans.
+struct Video {
+  LeaveOut policy;
+  LeaveOut::Params params{true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
+  LeaveOut::Frame frame{true, false, true, 0.0F};
+  LeaveOut::Found found;
+  unsigned frames = 0;
+
+  Video() {
+    found.history = true;
+    found.cycles = found.cycles_recorded = 2;
+    found.tiles = 100;
+    found.binding = found.gate = 1;  // everything binds
+  }
+  LeaveOut::Plan next() {
+    LeaveOut::Frame now = frame;
+    if (frames == 0) now.history = now.layers_kept = false;
+    const bool known = frames++ >= 3;
+    return policy.next(params, now, known ? std::optional(found) : std::nullopt);
+  }
+  LeaveOut::Plan after(unsigned count) {
+    for (unsigned k = 1; k < count; ++k) next();
+    return next();
+  }
+};
+
+}  // namespace
+
+TEST(LeaveOutPolicy, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
+  Video video;
+  EXPECT_EQ(video.next().mode, Mode::whole) << "there is no frame before";
+  EXPECT_EQ(video.next().mode, Mode::whole) << "which held nothing";
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(video.next().mode, Mode::watched) << k;
+  unsigned all = 0, since = 0;
+  for (unsigned k = 1; k <= 4 * LeaveOut::kAllEvery; ++k) {
+    const auto plan = video.next();
+    ASSERT_EQ(plan.mode, Mode::listed);
+    EXPECT_TRUE(plan.gauge_rests);
+    EXPECT_FALSE(plan.looks_at_bins || plan.looks_at_gate);
+    since = plan.all_tiles ? 0 : since + 1;
+    EXPECT_LT(since, LeaveOut::kAllEvery) << "no tile is left out for longer";
+    all += plan.all_tiles;
+  }
+  EXPECT_EQ(all, 4U);
+}
+
+TEST(LeaveOutPolicy, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
+  const auto mode = [](const auto& change) {
+    Video video;
+    EXPECT_EQ(video.after(8).mode, Mode::listed);
+    change(video);
+    return video.next().mode;
+  };
+  EXPECT_EQ(mode([](Video&) {}), Mode::listed);
+  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.2F; }), Mode::listed);
+  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.26F; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) {
+              v.frame.changed = 0.2F;
+              v.params.cut_fraction = 0.2F;  // so many make a cut
+            }),
+            Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.params.adaptive = false; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.params.tile_tolerance = 0; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.frame.history = false; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.frame.taken = true; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.found.tiles_busy = 50; }), Mode::listed);
+  EXPECT_EQ(mode([](Video& v) { v.found.tiles_busy = 51; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.found.drift = 0.06F; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.found.drift = std::numeric_limits<float>::quiet_NaN(); }),
+            Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.frame.layers_kept = false; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
+}
+
+TEST(LeaveOutPolicy, AScaleFarFromWhereItBelongsMoves) {
+  Video video;
+  video.found.gauge_off = 0.03F;
+  EXPECT_FALSE(video.after(8).gauge_rests);
+  video.found.gauge_off = 0.01F;
+  EXPECT_TRUE(video.next().gauge_rests);
+}
+
+TEST(LeaveOutPolicy, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
+  const auto looks = [](bool binds, float changed) {
+    Video video;
+    video.frame.changed = changed;
+    video.found.looked_at_bins = video.found.looked_at_gate = true;
+    if (!binds) video.found.binding = 0;
+    unsigned count = 0;
+    for (int k = 0; k < 65; ++k) {
+      const auto plan = video.next();
+      if (k < 1) continue;
+      count += plan.looks_at_bins;
+      EXPECT_TRUE(plan.bins || !binds);
+      EXPECT_TRUE(plan.bins || !plan.looks_at_bins) << "what is looked at must be there";
+    }
+    return count;
+  };
+  EXPECT_EQ(looks(true, 1), 5U);    // the 4th, the 16th, … the 64th
+  EXPECT_EQ(looks(false, 1), 16U);  // every 4th
+  EXPECT_EQ(looks(true, 0), 1U) << "over tiles alone there is nothing to be seen of the whole";
+  Video off;
+  off.frame.changed = 1;
+  off.found.looked_at_bins = off.found.looked_at_gate = true;
+  off.found.binding = off.found.gate = 0;
+  off.after(5);
+  const auto plan = off.next();
+  EXPECT_FALSE(plan.bins);
+  EXPECT_FALSE(plan.holds);
+  off.found.cut = true;  // of another scene nothing is known
+  off.found.gate = 1;
+  const auto cut = off.next();
+  EXPECT_TRUE(cut.bins);
+  EXPECT_TRUE(cut.holds);
+  off.params.adaptive = false;
+  off.found.cut = false;
+  off.found.gate = 0;
+  EXPECT_TRUE(off.next().bins && off.next().holds) << "adaptive=false leaves nothing out";
+}
+
+TEST(LeaveOutPolicy, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
+  Video video;
+  video.frame.changed = 1;
+  video.found.compared_edges = true;
+  video.found.tiles_evaluated = 51;
+  video.after(4);
+  unsigned compared = 0;
+  bool kept = false;
+  for (int k = 0; k < 32; ++k) {
+    const auto plan = video.next();
+    compared += plan.compares_edges;
+    if (plan.compares_edges) {
+      EXPECT_TRUE(kept) << "there must be something to compare with";
+    }
+    kept = plan.keeps_edges || plan.compares_edges;
+  }
+  EXPECT_EQ(compared, 4U);
+  video.found.tiles_evaluated = 50;
+  video.next();
+  EXPECT_TRUE(video.next().compares_edges);
+}
+
+TEST(LeaveOutPolicy, CyclesEndEarlyWhereTheyDidOrWouldHave) {
+  Video video;
+  video.frame.changed = 1;
+  video.found.change = 0.004F;  // above a third of `settled`
+  EXPECT_TRUE(video.after(3).stops) << "nothing is known yet";
+  EXPECT_FALSE(video.next().stops);
+  video.found.change = 0.003F;
+  EXPECT_TRUE(video.next().stops);
+  video.found.change = 1;
+  EXPECT_FALSE(video.next().stops);
+  video.found.cycles = 1;
+  EXPECT_TRUE(video.next().stops);
+  video.params.settled = 0;
+  EXPECT_FALSE(video.next().stops);
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,110 @@
+// intrinsicdecomp at half the frame's resolution.
+#include "kernels/intrinsic/scaled_intrinsic.hpp"
+
+#include "intrinsic_fixture.hpp"
+#include "tests/reference/intrinsic/guided_upsample.hpp"
+
+namespace inverse::testing {
+namespace {
+
+/// Layers (R.rgb, S) with a shading of both smooth and sudden changes.
+Pixels half_layers(Extent half, unsigned seed, float lowest, float highest) {
+  Pixels pixels = random_pixels(half, seed);
+  for (size_t i = 0; i < half.pixels(); ++i)
+    pixels[4 * i + 3] = std::exp(lowest + (highest - lowest) * pixels[4 * i + 3]);
+  return pixels;
+}
+
+}  // namespace
+
+class ScaledIntrinsicTest : public IntrinsicTest {
+ protected:
+  Pixels upsample(Extent extent, const Pixels& frame, const Pixels& half) {
+    const GuidedUpsample upsample(device, extent);
+    const Plane from = plane(extent, frame), layers = plane(half_of(extent), half),
+                to = plane(extent);
+    run([&](gpu::Commands& commands) {
+      upsample.record(commands, from.buffer, layers.buffer, to.buffer);
+    });
+    return download(to.buffer);
+  }
+  void expect_agreement(Extent extent, const Pixels& frame, const Pixels& half) {
+    std::vector<double> log_shading;
+    for (size_t i = 3; i < half.size(); i += 4)
+      log_shading.push_back(std::log(static_cast<double>(half[i])));
+    const auto expected = reference::guided_upsample(rgb_of(frame), static_cast<int>(extent.width),
+                                                     static_cast<int>(extent.height), log_shading);
+    const Pixels got = upsample(extent, frame, half);
+    for (size_t i = 0; i < extent.pixels(); ++i)
+      ASSERT_NEAR(std::log(static_cast<double>(got[4 * i + 3])), expected[i], 2e-4)
+          << name_of(extent) << " at " << i;
+  }
+};
+
+TEST_F(ScaledIntrinsicTest, UpsamplingAgreesWithReference) {
+  for (const Extent extent : kOddSizes) {
+    expect_agreement(extent, scene(extent, 3), half_layers(half_of(extent), 1, -3, 0.5F));
+    // Noise, black pixels, and more light than full scale.
+    Pixels harsh = random_pixels(extent, 2, -0.5F, 2.0F);
+    for (size_t i = 0; i < harsh.size(); i += 52) harsh[i] = i % 104 ? 1e6F : 0.0F;
+    expect_agreement(extent, harsh, half_layers(half_of(extent), 2, -6, 4));
+  }
+}
+
+TEST_F(ScaledIntrinsicTest, UpsamplingOfWhatNoPictureShouldHoldStaysFinite) {
+  const Extent extent{9, 7};
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  Pixels frame = scene(extent, 1), half(half_of(extent).pixels() * 4, 0.0F);  // S = 0, too
+  frame[0] = std::numeric_limits<float>::quiet_NaN(), frame[5] = kInf, frame[10] = -kInf;
+  for (const float value : upsample(extent, frame, half)) EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST_F(ScaledIntrinsicTest, HalfResolutionIsNearTheFullOne) {
+  const Extent extent{349, 287};
+  const Pixels pixels = scene(extent, 5);
+  const PlanePtr frame = input(extent, pixels);
+  ScaledIntrinsic method(device, extent);
+  ScaledIntrinsic::Params params;
+  Pixels layers[2];
+  for (const bool half : {false, true}) {
+    params.half_resolution = half;
+    Layers found;
+    run([&](gpu::Commands& commands) { found = method.record(commands, frame, params, {true}); });
+    layers[half] = download(found[Role::intrinsic]->buffer);
+    EXPECT_EQ(method.stats(half).halvings, half ? 1U : 0U);
+  }
+  double sum = 0;
+  for (size_t i = 0; i < extent.pixels(); ++i) {
+    for (size_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(layers[1][4 * i + c] * layers[1][4 * i + 3], pixels[4 * i + c], 1e-5)
+          << "R S must be I";
+    const float d = std::log(layers[1][4 * i + 3] / layers[0][4 * i + 3]);
+    sum += static_cast<double>(d) * d;
+  }
+  const double rms = std::sqrt(sum / static_cast<double>(extent.pixels()));
+  RecordProperty("rms", std::to_string(rms));
+  std::printf("log shading: half from full resolution %.3f rms\n", rms);
+  EXPECT_LT(rms, 0.15);
+}
+
+TEST_F(ScaledIntrinsicTest, TheScaleOfTheOutputSurvivesAChangeOfResolution) {
+  const Extent extent{160, 120};
+  ScaledIntrinsic method(device, extent);
+  ScaledIntrinsic::Params params;
+  params.gauge.share = 0;  // moves at cuts only
+  const PlanePtr bright = input(extent, scene(extent, 1));
+  Pixels dim = scene(extent, 1);
+  for (float& v : dim) v *= 0.5F;
+  const auto gauge_of = [&](const PlanePtr& frame, bool half, bool reset) {
+    params.half_resolution = half;
+    run([&](gpu::Commands& commands) { method.record(commands, frame, params, {reset}); });
+    return method.findings(method.recorded() - 1).gauge;
+  };
+  const float first = gauge_of(bright, false, true);
+  EXPECT_EQ(gauge_of(input(extent, dim), true, false), first);
+  EXPECT_EQ(gauge_of(bright, true, false), first);
+  EXPECT_EQ(gauge_of(bright, false, false), first);
+  EXPECT_NE(gauge_of(input(extent, Pixels(dim.size(), 0.2F)), true, true), first);  // anew
+}
+
+}  // namespace inverse::testing

@@ -1,0 +1,275 @@
+#include "kernels/network/network.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/error.hpp"
+#include "network_builder.hpp"
+#include "tests/kernels/gpu_fixture.hpp"
+#include "tests/reference/network/network.hpp"
+
+namespace inverse::testing {
+
+using network::Activation;
+using network::Graph;
+using network::Network;
+using network::Op;
+using network::Shape;
+using reference::Image;
+
+class NetworkTest : public GpuTest {
+ protected:
+  Image random_image(Shape shape, unsigned seed, double low = -1, double high = 1) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> value(low, high);
+    Image image{shape, std::vector<double>(shape.size())};
+    for (double& v : image.data) v = static_cast<float>(value(random));
+    return image;
+  }
+  /// An image as a buffer of `Network` holds it.
+  static Pixels blocks(const Image& image) {
+    const auto [channels, height, width] = image.shape;
+    Pixels pixels(4 * network::elements_of(image.shape), 0.0f);
+    for (uint32_t c = 0; c < channels; ++c)
+      for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+          pixels[4 * (1 + (size_t{c / 4} * height + y) * width + x) + c % 4] =
+              static_cast<float>(image.at(c, y, x));
+    return pixels;
+  }
+  void put(const Network& network, const std::vector<Image>& images) {
+    for (size_t i = 0; i < images.size(); ++i) {
+      const Pixels pixels = blocks(images[i]);
+      const auto staged = upload(gpu::Element::vec4, pixels.data(), pixels.size() / 4);
+      run([&](gpu::Commands& commands) {
+        commands.copy(staged, network.input(i), staged->bytes());
+      });
+    }
+  }
+  /// Runs a network and compares all outputs; errors count against the largest value of an output.
+  void expect_same(const Network& network, const std::vector<Image>& images, double bound = 1e-5) {
+    put(network, images);
+    run([&](gpu::Commands& commands) { network.record(commands); });
+    const auto expected = reference::run_network(network.graph(), images);
+    for (size_t o = 0; o < expected.size(); ++o) {
+      const Image& want = expected[o];
+      ASSERT_EQ(want.shape, network.output_shape(o));
+      const Pixels got = download(network.output(o));
+      ASSERT_GE(got.size(), 4 * network::elements_of(want.shape));
+      double largest = 0;
+      for (const double v : want.data) largest = std::max(largest, std::fabs(v));
+      for (uint32_t c = 0; c < want.shape.channels; ++c)
+        for (uint32_t y = 0; y < want.shape.height; ++y)
+          for (uint32_t x = 0; x < want.shape.width; ++x)
+            ASSERT_NEAR(
+                got[4 * (1 + (size_t{c / 4} * want.shape.height + y) * want.shape.width + x) +
+                    c % 4],
+                want.at(c, y, x), bound * largest)
+                << "output " << o << ", channel " << c << " at " << x << ", " << y;
+      for (int k = 0; k < 4; ++k) EXPECT_EQ(got[k], 0) << "the zero in front of an image";
+    }
+  }
+  void expect_same(const Graph& graph, const std::vector<Image>& images, double bound = 1e-5) {
+    std::vector<Shape> shapes;
+    for (const Image& image : images) shapes.push_back(image.shape);
+    expect_same(Network(device, graph, shapes), images, bound);
+  }
+};
+
+TEST_F(NetworkTest, ConvolutionsOfEverySizeAgreeWithReference) {
+  unsigned seed = 0;
+  for (const auto& [channels, result, kernel, stride] : {std::array<uint32_t, 4>{1, 1, 3, 1},
+                                                         {3, 5, 3, 1},
+                                                         {8, 4, 3, 1},
+                                                         {13, 7, 3, 2},
+                                                         {4, 12, 3, 2},
+                                                         {3, 9, 1, 1},
+                                                         {16, 4, 1, 1},
+                                                         {6, 6, 1, 2}})
+    for (const auto& [width, height] : {std::array<uint32_t, 2>{1, 1},
+                                        {1, 9},
+                                        {17, 1},
+                                        {2, 2},
+                                        {8, 8},
+                                        {15, 10},
+                                        {33, 17},
+                                        {64, 31}}) {
+      NetworkBuilder b(++seed);
+      b.output(b.convolution(b.input(channels), result, kernel, stride));
+      SCOPED_TRACE(::testing::Message()
+                   << channels << " to " << result << ", kernel " << kernel << ", stride " << stride
+                   << ", " << width << " x " << height);
+      expect_same(b.graph(), {random_image({channels, height, width}, seed)});
+      if (HasFatalFailure()) return;
+    }
+}
+
+TEST_F(NetworkTest, ActivationsAgreeWithReferenceFusedAndAlone) {
+  for (const Activation a :
+       {Activation::none, Activation::relu, Activation::leaky_relu, Activation::sigmoid}) {
+    NetworkBuilder b(7);
+    const uint32_t input = b.input(5);
+    b.output(b.convolution(input, 6, 3, 1, a, .2f));
+    b.output(b.convolution(input, 6, 3, 2, a, .2f));
+    b.output(b.convolution(input, 6, 1, 1, a, .2f));
+    b.output(b.dense(input, 5 * 12 * 10, 6, a));
+    b.output(b.activation(input, a, .2f));
+    expect_same(b.graph(), {random_image({5, 12, 10}, 3, -4, 4)});
+  }
+}
+
+TEST_F(NetworkTest, PoolingUpsamplingAndVectorsAgreeWithReference) {
+  for (const auto& [width, height] : {std::array<uint32_t, 2>{2, 2}, {3, 5}, {16, 8}, {31, 30}}) {
+    NetworkBuilder b(width);
+    const uint32_t input = b.input(6);
+    b.output(b.simple(Op::max_pool, input));
+    b.output(b.simple(Op::upsample, input));
+    const uint32_t mean = b.simple(Op::global_mean, input);
+    b.output(mean);
+    b.output(b.simple(Op::softmax, mean));
+    b.output(b.simple(Op::softmax, input));
+    b.output(b.dense(input, 6 * width * height, 9));
+    b.output(b.dense(mean, 6, 3));
+    expect_same(b.graph(), {random_image({6, height, width}, height)});
+  }
+}
+
+TEST_F(NetworkTest, ConcatenationsAgreeWithReferenceFusedAndAlone) {
+  for (const auto& [first, second] : {std::array<uint32_t, 2>{4, 4}, {3, 5}, {1, 1}, {6, 9}}) {
+    NetworkBuilder b(first);
+    const uint32_t small = b.input(first), large = b.input(second);
+    const uint32_t up = b.simple(Op::upsample, small);
+    const uint32_t both = b.concat(up, large),
+                   turned = b.concat(large, b.simple(Op::upsample, small));
+    b.output(both);  // which keeps it from being fused
+    b.output(b.convolution(both, 5, 3));
+    b.output(b.convolution(turned, 5, 3));
+    b.output(b.convolution(b.concat(b.simple(Op::upsample, small), large), 7, 3));
+    b.output(b.convolution(b.concat(b.simple(Op::upsample, small), b.simple(Op::upsample, small)),
+                           7, 3));
+    b.output(b.convolution(b.concat(large, large), 3, 3));
+    b.output(b.convolution(b.concat(large, b.concat(large, large)), 3, 1));
+    b.output(b.convolution(b.simple(Op::upsample, small), 4, 3));
+    b.output(b.convolution(b.simple(Op::upsample, small), 4, 3, 2));
+    for (const auto& [width, height] : {std::array<uint32_t, 2>{1, 1}, {5, 3}, {9, 16}})
+      expect_same(b.graph(), {random_image({first, height, width}, width),
+                              random_image({second, 2 * height, 2 * width}, height)});
+  }
+}
+
+TEST_F(NetworkTest, WholeNetworksAgreeWithReference) {
+  for (const auto& [width, height, channels, levels] :
+       {std::array<uint32_t, 4>{64, 48, 6, 3}, {16, 16, 16, 4}, {8, 40, 5, 2}})
+    expect_same(u_net(3, 2, channels, levels, width), {random_image({3, height, width}, 5)});
+
+  NetworkBuilder b(3);  // a classifier
+  uint32_t value = b.input(2), channels = 6;
+  for (int block = 0; block < 3; ++block, channels *= 2)
+    value = b.simple(Op::max_pool, b.convolution(value, channels, 3, 1, Activation::relu));
+  value = b.dense(value, 24 * 4 * 4, 33, Activation::relu);
+  b.output(b.simple(Op::softmax, b.dense(value, 33, 8)));
+  expect_same(b.graph(), {random_image({2, 32, 32}, 6)});
+}
+
+TEST_F(NetworkTest, ExtremeValuesAgreeWithReference) {
+  NetworkBuilder b(8);
+  const uint32_t small = b.input(4), large = b.input(5);
+  b.output(b.convolution(large, 4, 3, 1, Activation::sigmoid));
+  b.output(b.convolution(large, 4, 3, 1, Activation::leaky_relu, .1f));
+  b.output(b.convolution(large, 4, 3, 1));
+  b.output(b.convolution(large, 4, 3, 2));
+  b.output(b.convolution(large, 4, 1, 1, Activation::relu));
+  b.output(b.convolution(b.concat(b.simple(Op::upsample, small), large), 4, 3));
+  b.output(b.concat(large, b.simple(Op::upsample, small)));
+  b.output(b.dense(large, 5 * 20 * 12, 3));
+  for (const Op op : {Op::softmax, Op::global_mean, Op::max_pool, Op::upsample})
+    b.output(b.simple(op, large));
+  for (const Activation a : {Activation::relu, Activation::leaky_relu, Activation::sigmoid})
+    b.output(b.activation(large, a, .1f));
+  for (const double scale : {0.0, 1e-30, 1e-6, 1e3, 1e6, 1e30}) {
+    SCOPED_TRACE(scale);
+    expect_same(
+        b.graph(),
+        {random_image({4, 10, 6}, 6, -scale, scale), random_image({5, 20, 12}, 5, -scale, scale)},
+        2e-5);
+  }
+}
+
+// What only picks, or counts from the largest, takes every number that there is.
+TEST_F(NetworkTest, TheLargestNumbersAgreeWithReference) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  NetworkBuilder b(8);
+  const uint32_t input = b.input(6);
+  for (const Op op : {Op::softmax, Op::max_pool}) b.output(b.simple(op, input));
+  b.output(b.concat(input, input));
+  b.output(b.activation(input, Activation::relu));
+  b.output(b.activation(input, Activation::sigmoid));
+  for (const auto& [low, high] : {std::pair{-kMost, -kMost}, {-kMost, kMost}, {kMost, kMost}})
+    expect_same(b.graph(), {random_image({6, 6, 4}, 5, low, high)}, 2e-5);
+}
+
+TEST_F(NetworkTest, RunsAgainWithOtherInputs) {
+  const Graph graph = u_net(3, 1, 6, 3, 1);
+  const std::vector<Shape> shapes = {{3, 24, 32}};
+  const Network network(device, graph, shapes);
+  for (unsigned seed = 0; seed < 4; ++seed)
+    expect_same(network, {random_image(shapes[0], seed, seed ? -1 : -1e3, 1)}, 1e-4);
+}
+
+TEST_F(NetworkTest, FusesWhatNobodyElseReads) {
+  const Graph graph = u_net(3, 1, 8, 3, 1);  // 8, 16 and 32 channels
+  const network::Plan plan = network::plan(graph, std::vector<Shape>{{3, 32, 32}});
+  int upsamples = 0;
+  for (const network::Step& step : plan.steps) {
+    EXPECT_NE(graph.nodes[step.node].op, Op::concat);
+    upsamples += graph.nodes[step.node].op == Op::upsample;
+  }
+  EXPECT_EQ(upsamples, 1) << "but for a convolution with many channels";
+  EXPECT_EQ(plan.steps.size(), graph.nodes.size() - 5);
+}
+
+TEST_F(NetworkTest, ValuesThatAreStillNeededShareNoBuffer) {
+  const Graph graph = u_net(3, 2, 8, 4, 2);
+  const network::Plan plan = network::plan(graph, std::vector<Shape>{{3, 64, 64}});
+  const auto inputs = static_cast<uint32_t>(graph.inputs.size());
+  std::vector<uint32_t> holds(plan.elements.size(), ~0u);  // by buffer: the value written last
+  holds[plan.buffer_of[0]] = 0;
+  uint64_t alone = 0;
+  for (const network::Step& step : plan.steps) {
+    for (const network::Source& source : step.sources)
+      EXPECT_EQ(holds[plan.buffer_of[source.value]], source.value) << graph.nodes[step.node].name;
+    const uint32_t made = inputs + step.node, buffer = plan.buffer_of[made];
+    for (const network::Source& source : step.sources)
+      EXPECT_NE(buffer, plan.buffer_of[source.value]) << graph.nodes[step.node].name;
+    EXPECT_GE(plan.elements[buffer], network::elements_of(plan.shapes[made]));
+    holds[buffer] = made;
+    alone += 16 * network::elements_of(plan.shapes[made]);
+  }
+  EXPECT_LT(plan.bytes(), alone * 85 / 100);
+}
+
+TEST_F(NetworkTest, RefusesSizesThatDoNotFitSayingWhere) {
+  const Graph graph = u_net(3, 1, 4, 3, 1);
+  const auto message = [&](Shape shape) -> std::string {
+    try {
+      Network(device, graph, std::vector<Shape>{shape});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::unsupported);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message({3, 20, 32}).find("multiples of two"), std::string::npos)
+      << message({3, 20, 32});
+  EXPECT_NE(message({4, 32, 32}).find("input 0"), std::string::npos);
+  EXPECT_NE(message({3, 0, 32}), "");
+  EXPECT_NE(message({3, 1 << 15, 8}), "");
+  EXPECT_NE(message({3, 8, 1u << 31}).find("too large"), std::string::npos);
+  EXPECT_THROW(Network(device, graph, std::vector<Shape>{{3, 1 << 14, 1 << 14}}), Error);
+  NetworkBuilder b(1);
+  b.output(b.dense(b.input(2), 2 * 9, 4));
+  EXPECT_THROW(Network(device, b.graph(), std::vector<Shape>{{2, 3, 4}}), Error);
+}
+
+}  // namespace inverse::testing

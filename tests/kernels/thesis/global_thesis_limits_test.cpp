@@ -1,0 +1,183 @@
+// The thesis' global decomposition at its limits: light that spans decades, and more layers than
+// the device can bind.
+#include <cmath>
+#include <limits>
+
+#include "global_thesis_fixture.hpp"
+#include "kernels/gpu/shaders.hpp"
+
+INVERSE_SHADER(thesis_chapter5_solve_shorten);
+
+namespace inverse::testing {
+
+/// The room in patches of light from 10^−decades/2 to 10^decades/2.
+static Pixels spanning(Extent extent, float decades) {
+  Pixels pixels = room(extent, 3);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(-0.5f, 0.5f);
+  float lights[12];
+  for (float& light : lights) light = std::pow(10.0f, decades * unit(random));
+  lights[2] = std::pow(10.0f, 0.5f * decades);
+  lights[3] = std::pow(10.0f, -0.5f * decades);
+  for (size_t n = 0; n < extent.pixels(); ++n) {
+    const size_t patch = n % extent.width / 7 + 3 * (n / extent.width / 5);
+    for (size_t c = 0; c < 3; ++c) pixels[4 * n + c] *= lights[patch % 12];
+  }
+  return pixels;
+}
+
+TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
+  const Extent extent{37, 21};
+  for (const float decades : {1.0f, 8.0f}) {
+    const Pixels pixels = spanning(extent, decades);
+    GlobalThesisParams params;
+    params.samples = 0;
+    params.refine_rounds = 0;
+    params.trace = true;
+    params.steps = 16;
+    double final_energy[2] = {}, reference_energy[2] = {};
+    int shortened[2] = {}, reference_shortened[2] = {};
+    for (const bool search : {false, true}) {
+      params.line_search = search;
+      GlobalThesis method(device, extent);
+      method.set_params(params);
+      method.set_base_colors(kRoom);
+      const Plane frame = plane(extent, pixels);
+      uint64_t number = 0;
+      Layers output;
+      run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+      const auto stats = method.stats(number);
+      final_energy[search] = stats.energy.back().total();
+      shortened[search] = stats.shortened;
+      for (size_t k = 1; search && k < stats.energy.size(); ++k) {
+        const double rest =
+            stats.energy[k].total() - static_cast<double>(stats.energy[k].non_negativity);
+        EXPECT_LE(rest, stats.energy[k - 1].total() * (1 + 2e-5)) << decades << ", step " << k;
+      }
+      reference::GlobalThesis expected(testing::to_reference(params));
+      const auto x =
+          expected.decompose(testing::to_reference(extent, pixels), targets_of(method, extent),
+                             to_reference(method.colors().layer_colors()));
+      reference_energy[search] = expected.energy(x).total();
+      reference_shortened[search] = expected.shortened();
+    }
+    printf(
+        "  %g decades: energy %.5g, with search %.5g (%d steps shortened); reference %.5g, %.5g "
+        "(%d)\n",
+        static_cast<double>(decades), final_energy[0], final_energy[1], shortened[1],
+        reference_energy[0], reference_energy[1], reference_shortened[1]);
+    EXPECT_EQ(shortened[0], 0);
+    EXPECT_NEAR(final_energy[1], reference_energy[1], 0.1 * reference_energy[1]);
+    if (decades < 2) {
+      // Nothing to be shortened: the same result.
+      EXPECT_EQ(shortened[1], 0);
+      EXPECT_EQ(reference_shortened[1], 0);
+      EXPECT_EQ(final_energy[0], final_energy[1]);
+    } else {
+      EXPECT_GT(shortened[1], 0);
+      EXPECT_GT(reference_shortened[1], 0);
+      EXPECT_LE(final_energy[1], 1.05 * final_energy[0]);
+    }
+  }
+}
+
+TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
+  const float infinite = std::numeric_limits<float>::infinity(),
+              nan = std::numeric_limits<float>::quiet_NaN();
+  const Extent extent{70, 3};
+  const Pixels from = random_pixels(extent, 1);
+  Pixels to = random_pixels(extent, 2);
+  for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? nan : infinite;
+  struct {  // as in energy.glsl
+    int32_t size[2] = {70, 3};
+    int32_t others[30] = {};
+  } push;
+  for (const float factor : {0.0f, 0.25f, 1.0f}) {
+    const Plane state = plane(extent, from), next = plane(extent, to);
+    const float search[4] = {0, factor, 0, 0};
+    const gpu::BufferPtr said = upload(gpu::Element::scalar, search, 4);
+    run([&](gpu::Commands& commands) {
+      commands.dispatch(device->kernel(shaders::thesis_chapter5_solve_shorten),
+                        {state.buffer, said, next.buffer}, push, {extent.width, extent.height});
+    });
+    const Pixels got = download(next.buffer);
+    for (size_t n = 0; n < got.size(); ++n) {
+      if (factor == 0) {
+        ASSERT_EQ(got[n], from[n]) << n;
+      } else if (!std::isfinite(to[n])) {
+        ASSERT_FALSE(std::isfinite(got[n])) << n;
+      } else if (factor == 1) {
+        ASSERT_EQ(got[n], to[n]) << n;
+      } else {
+        ASSERT_NEAR(got[n], from[n] + 0.25f * (to[n] - from[n]), 1e-6f) << n;
+      }
+    }
+  }
+}
+
+TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
+  // A frame that starts where it was solved without samples, and is then drawn strongly to all of
+  // them, whatever their color.
+  const Extent extent{37, 21};
+  const Plane frame = plane(extent, room(extent, 3));
+  GlobalThesis method(device, extent);
+  GlobalThesisParams params;
+  params.refine_rounds = 0;
+  params.keyframes = 0;
+  params.warm_start = params.trace = true;
+  params.steps = 16;
+  params.samples = 0;
+  method.set_params(params);
+  method.set_base_colors(kRoom);
+  const auto energies = [&] {
+    uint64_t number = 0;
+    Layers output;
+    run([&](gpu::Commands& commands) { number = method.record(commands, frame, output); });
+    return method.stats(number).energy;
+  };
+  energies();
+  params.samples = 9;
+  params.tau_cc = 3;
+  params.lambda_r_consistency = 10;
+  method.set_params(params);
+  const auto trace = energies();
+  const auto without_samples = [](const GlobalThesis::Energy& e) {
+    return e.total() - static_cast<double>(e.r_consistency);
+  };
+  const double start = without_samples(trace.front());
+  double highest = 0;
+  for (size_t k = 1; k < trace.size(); ++k) {
+    const double rest = without_samples(trace[k]) - static_cast<double>(trace[k].non_negativity);
+    highest = std::max(highest, rest / start);
+    EXPECT_LE(rest, std::max(without_samples(trace[k - 1]), 1.05 * start) * (1 + 2e-5))
+        << "step " << k;
+  }
+  EXPECT_GT(highest, 1.01) << "the samples do not pull at all";
+}
+
+TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreLeftOut) {
+  EXPECT_EQ(GlobalThesis::most_layers(*device, {64, 48}), static_cast<int>(kMaxBases));
+  // The first of these sizes that does not take all.
+  Extent extent{640, 480};
+  while (GlobalThesis::most_layers(*device, extent) == static_cast<int>(kMaxBases) &&
+         extent.pixels() < 8'000'000)
+    extent.width += 640;
+  const int most = GlobalThesis::most_layers(*device, extent);
+  if (most == static_cast<int>(kMaxBases)) GTEST_SKIP() << "the device binds all of them";
+  EXPECT_EQ(most, 12) << extent.width;
+  GlobalThesis method(device, extent);
+  GlobalThesisParams params;
+  params.clusters = 16;
+  method.set_params(params);
+  EXPECT_EQ(method.params().clusters, most);
+  EXPECT_NO_THROW(method.set_base_colors(random_colors(static_cast<size_t>(most), 1)));
+  try {
+    method.set_base_colors(random_colors(static_cast<size_t>(most) + 1, 1));
+    FAIL() << "refused only when a frame needs it";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit);
+    EXPECT_NE(std::string(error.what()).find(std::to_string(extent.width)), std::string::npos);
+  }
+}
+
+}  // namespace inverse::testing

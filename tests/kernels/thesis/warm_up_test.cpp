@@ -1,0 +1,95 @@
+// Nothing is built in mid-stream: what other scenes, refinement and correction will need is there
+// before the first frame.
+#include "kernels/thesis/chapter5/correction/warm_up.hpp"
+
+#include "global_thesis_fixture.hpp"
+#include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
+#include "kernels/thesis/chapter5/correction/region_proposals.hpp"
+
+namespace inverse::testing {
+namespace {
+
+class WarmUp : public OnANewDevice<GlobalThesisTest> {
+ protected:
+  static constexpr Extent kExtent{96, 72};
+
+  /// A video in which everything comes: all numbers of layers, refinement, a correction, other
+  /// numbers of clusters, a cut. Three frames in flight, and nothing waits for the one just
+  /// recorded. Returns the regions corrected.
+  int play(GlobalThesis& method, GlobalThesisParams params) {
+    MarkedRegions regions(device, kExtent);
+    MisclusteringCorrection correction(device, kExtent);
+    RegionProposals proposals(device, kExtent);
+    std::vector<std::unique_ptr<gpu::Commands>> commands;
+    for (size_t i = 0; i < gpu::kFramesInFlight; ++i)
+      commands.push_back(std::make_unique<gpu::Commands>(device));
+    struct Numbers {
+      uint64_t method, regions, correction, proposals;
+    };
+    std::vector<Numbers> numbers;
+    std::vector<Plane> frames;
+    int corrected = 0;
+    for (uint32_t t = 0; t < 60; ++t) {
+      gpu::Commands& own = *commands[t % commands.size()];
+      if (t >= commands.size()) {
+        own.wait();
+        const Numbers& done = numbers[t - commands.size()];
+        method.collect(done.method);
+        regions.collect(done.regions);
+        corrected += correction.collect(done.correction, regions).has_value();
+        proposals.collect(done.proposals, regions);
+      }
+      if (t == 4) regions.click(5, 5);
+      if (t == 20) method.refine();
+      if (t > 20 && t % 10 == 5) {
+        params.clusters = static_cast<int>(1 + 5 * (t / 10) % 16);
+        method.set_params(params);
+      }
+      if (t >= 30 && t < 35) method.set_base_colors(random_colors(4 * (t - 30), t));
+      if (t == 35) method.reset();
+      own.begin();
+      Layers output;
+      GlobalThesis::Hints hints;
+      hints.regions = &regions;
+      Pixels pixels = room(kExtent, t, t > 20 ? t : 0);
+      if (t > 45)
+        for (size_t i = 0; i < pixels.size(); i += 4) std::swap(pixels[i], pixels[i + 1]);
+      frames.push_back(plane(kExtent, pixels));
+      const uint64_t number = method.record(own, frames.back(), output, hints);
+      numbers.push_back({number, regions.last(), correction.record(own, method, regions),
+                         proposals.record(own, method, regions, RegionProposals::Mode::correct)});
+      own.submit();
+    }
+    for (auto& own : commands) own->wait();
+    return corrected;
+  }
+};
+
+TEST_F(WarmUp, LeavesNothingToBeBuiltInMidStream) {
+  GlobalThesis method(device, kExtent);
+  GlobalThesisParams params;
+  params.steps = params.pcg_iterations = 2;
+  params.keyframe_spacing = 2;
+  method.set_params(params);
+  method.warm_up();
+  EXPECT_TRUE(warm_up_correction(device));
+  const uint64_t warm = device->kernels_used();
+  EXPECT_GE(play(method, params), 1);
+  EXPECT_EQ(device->kernels_used(), warm);
+}
+
+TEST_F(WarmUp, IsWhatSparesTheStreamIt) {
+  GlobalThesis method(device, kExtent);
+  GlobalThesisParams params;
+  params.steps = params.pcg_iterations = 2;
+  method.set_params(params);
+  const Plane frame = plane(kExtent, room(kExtent, 1));
+  Layers output;
+  run([&](gpu::Commands& commands) { method.record(commands, frame, output); });
+  const uint64_t first = device->kernels_used();
+  play(method, params);
+  EXPECT_GT(device->kernels_used(), first + 20);
+}
+
+}  // namespace
+}  // namespace inverse::testing

@@ -1,0 +1,37 @@
+// How light that comes from far away is given back by a surface (thesis Eq. 6.1-6.3), by brute
+// force.
+#pragma once
+
+#include <vector>
+
+#include "tests/reference/plane.hpp"
+
+namespace inverse::reference {
+
+/// A latitude-longitude map whose pixels are patches of constant radiance. Row 0 is up (+y), the
+/// center column +z towards the viewer, x right.
+struct LightMap {
+  int rows = 0;  ///< columns are twice as many
+  std::vector<Vec3> radiance;
+
+  const Vec3& at(int column, int row) const {
+    return radiance[static_cast<std::size_t>(row) * static_cast<std::size_t>(2 * rows) +
+                    static_cast<std::size_t>(column)];
+  }
+};
+
+/// D(n) = 1/pi ∫_{w·n>0} (w·n) E dw and S(n) = 1/pi ∫_{w·n>0} (h·n)^s E dw with h halfway between w
+/// and v = +z; each pixel is summed over `split` x `split` points. `turn`: of the map about y,
+/// radian.
+struct Shading {
+  Vec3 diffuse{}, specular{};
+};
+Shading shade(const LightMap& map, const Vec3& normal, double shininess, double turn = 0,
+              int split = 2);
+
+/// What a table over normals n of length 1 that face the viewer says of one: the half sphere goes
+/// to the unit disc by Lambert's projection, of equal areas, p = n.xy / sqrt(1 + n.z), the disc to
+/// the square table, y up; between its points it is bilinear.
+Vec3 lit_lookup(const Plane& table, const Vec3& normal);
+
+}  // namespace inverse::reference

@@ -1,0 +1,39 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kernels/image/format/pixel_format.hpp"
+
+namespace inverse::reference {
+
+/// What the samples of a frame mean, written pixel by pixel from the definitions in double
+/// precision. Interleaved pixels of four numbers throughout.
+
+/// Codes of one row position: luma or R, G, B, and alpha (0 where there is none).
+struct Codes {
+  uint32_t value[4];
+};
+/// Reads the codes of plane 0 at a pixel (r, g, b, a or y) and the chroma codes of a chroma sample.
+Codes pixel_codes(const FrameFormat& format, const std::vector<std::byte>& bytes, uint32_t x,
+                  uint32_t y);
+void set_pixel_codes(const FrameFormat& format, std::vector<std::byte>& bytes, uint32_t x,
+                     uint32_t y, const Codes& codes);
+Codes chroma_codes_at(const FrameFormat& format, const std::vector<std::byte>& bytes, uint32_t x,
+                      uint32_t y);
+void set_chroma_codes(const FrameFormat& format, std::vector<std::byte>& bytes, uint32_t x,
+                      uint32_t y, const Codes& codes);
+/// Chroma samples across and down; {0, 0} for RGB and gray.
+Extent chroma_extent(const FrameFormat& format);
+/// How many of the codes of a pixel a format has.
+uint32_t components(PixelFormat format);
+
+/// Linear light of a frame, w = alpha.
+std::vector<double> unpack(const FrameFormat& format, const std::vector<std::byte>& bytes);
+
+/// The bytes of a frame (padding zero) from a picture: rgb, or w as gray where `shading`; alpha
+/// from another picture's w, null for opaque.
+std::vector<std::byte> pack(const FrameFormat& format, const std::vector<float>& picture,
+                            bool shading, float gain, const std::vector<float>* alpha);
+
+}  // namespace inverse::reference

@@ -1,0 +1,291 @@
+// The serial backend against a pseudo-terminal that plays the controller.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "common/error.hpp"
+#include "serial_controller.hpp"
+#include "stage/controllers/light_driver.hpp"
+#include "stage/controllers/serial_protocol.hpp"
+#include "two_lights.hpp"
+
+namespace inverse::testing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+LightDriverSettings settings_for(const std::string& port) {
+  LightDriverSettings settings;
+  settings.backend = LightDriverSettings::Backend::serial;
+  settings.serial.port = port;
+  settings.serial.patience = 1;
+  return settings;
+}
+
+/// What `upload` throws where a controller answers like this, which must not take much longer than
+/// its patience.
+std::string upload_error(Controller& controller) {
+  const auto start = Clock::now();
+  const std::string error =
+      error_of([&] { make_light_driver(settings_for(controller.path()))->upload(two_lights()); });
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(6));
+  return error;
+}
+
+class SerialDriver : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
+      GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
+  }
+};
+
+TEST(SerialProtocol, ChecksumIsTheUsualOne) {
+  EXPECT_EQ(serial::crc32("123456789"), 0xcbf43926U);  // the check value of CRC-32
+  EXPECT_EQ(serial::crc32(""), 0U);
+}
+
+TEST(SerialProtocol, LinesAreCutAndBounded) {
+  serial::LineReader reader;
+  const std::string text =
+      "ok\r\n\n\x01"
+      "error\xff now\nrest";
+  for (const char c : text) reader.take({&c, 1});
+  EXPECT_EQ(reader.next(), "ok");
+  EXPECT_EQ(reader.next(), "?error? now");
+  EXPECT_FALSE(reader.next());
+  const std::string flood(1 << 20, 'x');
+  reader.take(flood);
+  reader.take(std::string("\n"));
+  EXPECT_EQ(reader.next()->size(), serial::kLongestReply);
+  const std::string many(1 << 20, '\n');
+  std::string alternating;
+  for (int i = 0; i < 100000; ++i) alternating += "a\n";
+  reader.take(alternating);
+  int lines = 0;
+  while (reader.next()) ++lines;
+  EXPECT_LE(lines, 1024);
+}
+
+TEST(SerialProtocol, Replies) {
+  using Kind = serial::Reply::Kind;
+  EXPECT_EQ(serial::parse_reply("ok 1234abcd").text, "1234abcd");
+  EXPECT_EQ(serial::parse_reply("error lamp 3 is dead").text, "lamp 3 is dead");
+  const auto hello = serial::parse_reply("hello 7 1 a big rig");
+  EXPECT_EQ(hello.kind, Kind::hello);
+  EXPECT_EQ(hello.token, 7U);
+  EXPECT_EQ(hello.version, 1);
+  EXPECT_EQ(hello.text, "a big rig");
+  for (const char* text : {"", " ", "okay", "hello", "hello x 1", "hello 1", "hello 99999999999 1",
+                           "hello -1 1", "Error", "hello  1 1"})
+    EXPECT_EQ(serial::parse_reply(text).kind, Kind::other) << text;
+}
+
+TEST_F(SerialDriver, UploadsOnceAndSteps) {
+  for (const auto marker :
+       {LightProgram::Marker::start, LightProgram::Marker::pass, LightProgram::Marker::none}) {
+    Rig rig;
+    Controller controller([&](const std::string& line) { return rig(line); });
+    LightProgram program = two_lights();
+    program.marker = marker;
+    const auto driver = make_light_driver(settings_for(controller.path()));
+    driver->upload(program);
+    uint64_t pulses = 0;
+    for (uint64_t t = 0; t <= program.triggers().value() + 2; ++t) {
+      if (t == 4) continue;  // a pulse that was never sent does no harm
+      driver->show(t);
+      const auto lights = rig.after(++pulses);
+      const auto colors = program.colors(program.at(t));
+      ASSERT_EQ(lights.size(), colors.size());
+      for (size_t i = 0; i < lights.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR(lights[i][c], 65535 * colors[i][c], .5001) << "trigger " << t;
+    }
+    driver->show(1);
+    driver->black();
+    EXPECT_EQ(rig.after(0), Rig::Lights(2));
+    EXPECT_EQ(controller.lines(0).back(), "off");
+    driver->upload(program);  // another start of the same one
+    driver->show(0);
+    driver->black();
+    EXPECT_EQ(controller.count("begin"), 1);
+    EXPECT_EQ(controller.count("go"), 2);
+    program.steps.pop_back();
+    driver->upload(program);
+    EXPECT_EQ(controller.count("begin"), 2);
+  }
+}
+
+TEST_F(SerialDriver, ControllersThatWereSwitchedOffMeanwhileAreGivenTheProgramAgain) {
+  Rig rig;
+  bool forgotten = false;
+  Controller controller([&](const std::string& line) -> std::string {
+    if (line.starts_with("begin")) forgotten = false;
+    return forgotten && line.starts_with("go") ? "error no program\n" : rig(line);
+  });
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  driver->black();
+  forgotten = true;
+  driver->upload(two_lights());
+  driver->show(0);
+  EXPECT_EQ(controller.count("begin"), 2);
+}
+
+TEST_F(SerialDriver, UploadsBigPrograms) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  LightProgram program = static_capture(stage_lights(geodesic_directions(331)), 60);
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(program);
+  driver->show(3 + 330 + 30);  // the last light comes after 30 tracking frames
+  const auto lights = rig.after(1);
+  ASSERT_EQ(lights.size(), 331U);
+  EXPECT_EQ(lights[330][1], 65535);
+  EXPECT_EQ(lights[329][1], 0);
+}
+
+TEST_F(SerialDriver, LeavesSteppingToTheRig) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  auto settings = settings_for(controller.path());
+  settings.serial.pulses = false;
+  const auto driver = make_light_driver(settings);
+  driver->upload(two_lights());
+  for (int t = 0; t < 5; ++t) driver->show(t);
+  driver->black();
+  const auto lines = controller.lines(0);
+  EXPECT_EQ(lines[lines.size() - 2], "go trigger");
+}
+
+TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
+  Rig rig;
+  std::atomic<int> greetings = 0;
+  Controller controller([&](const std::string& line) -> std::string {
+    if (line.starts_with("hello") && ++greetings < 3) return greetings == 1 ? "" : "booting...\n";
+    return rig(line);
+  });
+  auto settings = settings_for(controller.path());
+  settings.serial.patience = 5;
+  const auto driver = make_light_driver(settings);
+  driver->upload(two_lights());
+  EXPECT_EQ(greetings, 3);
+}
+
+TEST_F(SerialDriver, SaysThatNobodyAnswers) {
+  Controller silent([](const std::string&) { return ""; });
+  EXPECT_NE(upload_error(silent).find("does not answer; check its cable"), std::string::npos);
+  Rig rig;
+  Controller half(
+      [&](const std::string& line) { return line.starts_with("set 3") ? "" : rig(line); });
+  EXPECT_NE(upload_error(half).find("does not answer \"set\""), std::string::npos);
+}
+
+TEST_F(SerialDriver, SaysThatItIsRubbish) {
+  Controller rubbish([](const std::string&) { return "\x80\xffU*U*\x01\n"; });
+  EXPECT_NE(upload_error(rubbish).find("is not our protocol; check the baud rate"),
+            std::string::npos);
+  Rig rig;
+  Controller later(
+      [&](const std::string& line) { return line.starts_with("set") ? "what?\n" : rig(line); });
+  EXPECT_NE(upload_error(later).find("says \"what?\", which is no answer"), std::string::npos);
+  Controller flood([](const std::string&) { return std::string(3000, 'x'); });
+  EXPECT_NE(upload_error(flood).find("does not answer"), std::string::npos);
+  Controller newer([](const std::string& line) { return line + " 2 a rig of tomorrow\n"; });
+  EXPECT_NE(upload_error(newer).find("speaks version 2"), std::string::npos);
+}
+
+TEST_F(SerialDriver, SaysWhatTheControllerSays) {
+  Rig rig;
+  Controller small([&](const std::string& line) {
+    return line.starts_with("begin") ? "error no memory for 2 lights\n" : rig(line);
+  });
+  EXPECT_NE(upload_error(small).find("says: no memory for 2 lights"), std::string::npos);
+  Controller wrong([&](const std::string& line) {
+    return line.starts_with("end") ? "ok 00000000\n" : rig(line);
+  });
+  EXPECT_NE(upload_error(wrong).find("checksum \"00000000\""), std::string::npos);
+  Controller dying([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(dying.path()));
+  driver->upload(two_lights());
+  driver->show(0);
+  dying.say("error lamp 1 is dead\n");
+  std::string error;
+  for (int t = 1; t < 100 && error.empty(); ++t) {
+    error = error_of([&] { driver->show(t); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_NE(error.find("says: lamp 1 is dead"), std::string::npos) << error;
+}
+
+TEST_F(SerialDriver, SaysThatItHungUp) {
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  driver->show(0);
+  controller.hang_up();
+  EXPECT_NE(error_of([&] { driver->show(1); }).find("has hung up"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver->black(); }).find("has hung up"), std::string::npos);
+}
+
+TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
+  Rig rig;
+  std::atomic<bool> stuck{false};
+  Controller controller([&](const std::string& line) {
+    while (stuck) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return rig(line);
+  });
+  auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  stuck = true;
+  std::string error;
+  const auto start = Clock::now();
+  for (uint64_t t = 0; t < 10'000'000 && error.empty(); ++t)
+    error = error_of([&] { driver->show(t); });
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
+  EXPECT_NE(error.find("takes nothing any more"), std::string::npos) << error;
+  stuck = false;
+  driver.reset();
+}
+
+TEST_F(SerialDriver, CanBeCancelled) {
+  Controller silent([](const std::string&) { return ""; });
+  auto settings = settings_for(silent.path());
+  settings.serial.patience = 60;
+  const auto driver = make_light_driver(settings);
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    driver->cancel();
+  });
+  const auto start = Clock::now();
+  EXPECT_NE(error_of([&] { driver->upload(two_lights()); }).find("given up"), std::string::npos);
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(5));
+  other.join();
+}
+
+TEST_F(SerialDriver, PortsThatAreNone) {
+  const auto upload = [](LightDriverSettings settings) {
+    return error_of([&] { make_light_driver(settings)->upload(two_lights()); });
+  };
+  EXPECT_NE(upload(settings_for("/dev/no-such-tty")).find("cannot open the serial port"),
+            std::string::npos);
+  EXPECT_NE(upload(settings_for("/dev/null")).find("is no serial port"), std::string::npos);
+  EXPECT_NE(upload(settings_for("")).find("needs the name of its port"), std::string::npos);
+  auto settings = settings_for("/dev/null");
+  settings.serial.baud = 12345;
+  EXPECT_NE(upload(settings).find("12345 baud"), std::string::npos);
+  Rig rig;
+  Controller controller([&](const std::string& line) { return rig(line); });
+  const auto driver = make_light_driver(settings_for(controller.path()));
+  driver->upload(two_lights());
+  EXPECT_NE(upload(settings_for(controller.path())).find("in use by another program"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace inverse::testing

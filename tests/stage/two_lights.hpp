@@ -1,0 +1,36 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "common/error.hpp"
+#include "stage/program/light_program.hpp"
+
+namespace inverse::testing {
+
+/// Two lights in two universes, all kinds of steps.
+inline LightProgram two_lights() {
+  LightProgram program;
+  program.name = "two lights";
+  program.lights = {{{0.6, 0, 0.8}, {1, 2, 3}}, {{0, 1, 0}, {513, 514, 515}}};
+  program.steps = {{StepKind::olat, 1},
+                   {StepKind::gradient_a},
+                   {StepKind::gradient_b},
+                   {StepKind::tracking},
+                   {StepKind::custom, 0, {{1, .5F, 0}, {0, 0, .25F}}}};
+  program.marker = LightProgram::Marker::start;
+  program.repeat = 2;
+  program.check();
+  return program;
+}
+
+/// What it complains of; empty where it does not.
+inline std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace inverse::testing
