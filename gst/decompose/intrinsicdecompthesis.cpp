@@ -27,8 +27,8 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
                       method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
                       "iterations", G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT,
                       method.keyframes, "residual", G_TYPE_DOUBLE,
-                      static_cast<double>(method.residual), "gauge", G_TYPE_DOUBLE,
-                      static_cast<double>(method.gauge), "clusters", G_TYPE_INT,
+                      static_cast<double>(method.residual), "scale", G_TYPE_DOUBLE,
+                      static_cast<double>(method.scale), "clusters", G_TYPE_INT,
                       method.cluster_count, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);

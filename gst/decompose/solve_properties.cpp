@@ -14,8 +14,8 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
       static_cast<guint>(solve.halvings), "half-distance", G_TYPE_DOUBLE,
       static_cast<double>(found.half_distance), "history", G_TYPE_BOOLEAN, solve.history, "cut",
       G_TYPE_BOOLEAN, found.cut, "mismatch", G_TYPE_DOUBLE, static_cast<double>(found.mismatch),
-      "change", G_TYPE_DOUBLE, static_cast<double>(found.change), "gauge", G_TYPE_DOUBLE,
-      static_cast<double>(found.gauge), "tiles", G_TYPE_UINT, solve.tiles, "tiles-evaluated",
+      "change", G_TYPE_DOUBLE, static_cast<double>(found.change), "scale", G_TYPE_DOUBLE,
+      static_cast<double>(found.scale), "tiles", G_TYPE_UINT, solve.tiles, "tiles-evaluated",
       G_TYPE_UINT, found.tiles_evaluated, "tiles-active", G_TYPE_UINT, found.tiles_active,
       "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
 }

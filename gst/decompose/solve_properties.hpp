@@ -99,17 +99,12 @@ PropertyTable<P> solve_properties() {
           "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
           "natural log units"),
       number<P>(
-          "gauge-value", [](P& p) -> float& { return p.gauge.value; }, 0.05f, 1.f,
-          "Reflectance has a free scale: what the brightest surfaces (see gauge-quantile) come "
-          "to, "
-          "1 = the brightest that a display shows"),
+          "white-level", [](P& p) -> float& { return p.scale.white_level; }, 0.05f, 1.f,
+          "Reflectance of the brightest surfaces when a scene begins; 1 is the brightest that a "
+          "display shows"),
       number<P>(
-          "gauge-quantile", [](P& p) -> float& { return p.gauge.quantile; }, 0.f, 1.f,
-          "Quantile of the largest channel of reflectance that gauge-value speaks of"),
-      number<P>(
-          "gauge-share", [](P& p) -> float& { return p.gauge.share; }, 0.f, 1.f,
-          "Share of the newest frame in that scale: 1 = follows every frame, 0 = moves at cuts "
-          "only"),
+          "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
+          "Share of the frame that is darker than the surfaces that white-level scales"),
       number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch of a frame with the one before from which on it counts as a cut of the "

@@ -302,8 +302,8 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
                                   const PlanePtr& tau) {
   const struct {
     Place place;
-    float gauge, trust, trust_tint;
-  } push{place(), params.gauge.value, kTrust, kTrustTint};
+    float white_level, trust, trust_tint;
+  } push{place(), params.scale.white_level, kTrust, kTrustTint};
   kernels_.untint.dispatch(commands,
                            mode_ == Tint::held ? &*changed_[recorded_ % changed_.size()] : nullptr,
                            {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2],

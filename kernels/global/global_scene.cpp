@@ -85,8 +85,8 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
                                bool plain) {
   const struct {
     Place place;
-    float gauge;
-  } grid{place(), params.gauge.value};
+    float white_level;
+  } grid{place(), params.scale.white_level};
   const auto make_grid = [&](size_t raw) {
     commands.dispatch(plain ? kernels_.plain_grid : kernels_.grid[raw],
                       {frame->buffer, memory_, scene_, colors_, points_}, grid,

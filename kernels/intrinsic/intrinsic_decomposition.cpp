@@ -12,7 +12,6 @@
 INVERSE_SHADER(intrinsic_energy_cell_terms);
 INVERSE_SHADER(intrinsic_energy_assemble);
 INVERSE_SHADER(intrinsic_output_layers);
-INVERSE_SHADER(intrinsic_output_rescale);
 INVERSE_SHADER(intrinsic_energy_take_over);
 INVERSE_SHADER(solve_total);
 
@@ -32,7 +31,7 @@ IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params par
 
 constexpr uint64_t kVec4 = 16;  // bytes
 // Where a report has what, in vec4, and how many.
-constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundGauge = 2, kFoundEvaluated = 3,
+constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundScale = 2, kFoundEvaluated = 3,
                    kFoundActive = 4, kFoundBusy = 5, kFoundStatistics = 6, kFoundKept = 8,
                    kFoundBinding = 10, kFoundGates = 11, kFoundSize = 12;
 constexpr float kAllTiles = -1;  // the tolerance that lists all
@@ -48,7 +47,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchor_(device_, extent),
       bins_(device_, guide_.cell_extent()),
       multigrid_(device_, extent),
-      gauge_(device_),
+      scale_(device_, guide_.cell_extent()),
       active_(device_, extent),
       terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {0, 0}, 0, 0),
       anchored_terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {1, 0}, 1, 4),
@@ -57,7 +56,6 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_assemble_(device_, shaders::intrinsic_energy_assemble, {1}, 4, 16),
       layers_(device_, shaders::intrinsic_output_layers, {0}, 0, 0),
       anchored_layers_(device_, shaders::intrinsic_output_layers, {1}, 4, 4),
-      rescale_(device_->kernel(shaders::intrinsic_output_rescale)),
       take_over_(device_->kernel(shaders::intrinsic_energy_take_over)),
       total_(device_->kernel(shaders::solve_total)) {
   const auto buffer = [&](uint64_t count) {
@@ -190,21 +188,20 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("assemble");
   solve(commands, params);
 
-  using History = OutputGauge::History;
-  gauge_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
-                stats_.history       ? History::judged
-                : history_ || taken_ ? History::taken_on
+  using History = OutputScale::History;
+  scale_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
+                stats_.history       ? History::decided
+                : history_ || taken_ ? History::taken
                                      : History::none,
-                params.gauge, plan_.gauge_rests);
+                params.scale, listed());
   const PlanePtr intrinsic = layers_plane(commands);
-  if (listed() && !plan_.gauge_rests) rescale(commands, intrinsic->buffer);
   const struct {
     uint32_t width, height;
     float texture;
   } push{extent_.width, extent_.height, 1 / params.anchor.hold_texture};
   (stats_.holds ? anchored_layers_ : layers_)
       .dispatch(commands, list(),
-                {input->buffer, guide_.cells(), guide_.wide(), gauge_.value(), start_,
+                {input->buffer, guide_.cells(), guide_.wide(), scale_.value(), start_,
                  anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
                  multigrid_.field(), anchor_.kept(), intrinsic->buffer},
                 push, line_of(guide_.cell_extent().pixels()));
@@ -249,7 +246,6 @@ std::optional<LeaveOut::Found> IntrinsicDecomposition::found_before() const {
   for (size_t i = 4; i < 8; ++i)
     found.drift =
         std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), found.drift);  // NaN stays
-  found.gauge_off = std::abs(of(kFoundGauge)[2] - of(kFoundGauge)[0]);
   return found;
 }
 
@@ -260,15 +256,10 @@ PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
   return plane;
 }
 
-void IntrinsicDecomposition::rescale(gpu::Commands& commands, const gpu::BufferPtr& layers) {
-  const auto pixels = static_cast<uint32_t>(extent_.pixels());
-  commands.dispatch(rescale_, {gauge_.value(), layers, layers}, pixels, line_of(pixels));
-}
-
 void IntrinsicDecomposition::take_over(gpu::Commands& commands, const IntrinsicDecomposition& other,
                                        PlanePtr intrinsic) {
   reset();
-  gauge_.take(commands, other.gauge_);
+  scale_.take(commands, other.scale_);
   commands.copy(other.anchor_.verdict(), anchor_.verdict(), kVec4);
   continues_ = other.stats_.history;
   taken_ = std::move(intrinsic);
@@ -278,7 +269,7 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(
       take_over_,
-      {input->buffer, (*taken_)->buffer, guide_.cells(), guide_.wide(), gauge_.value(),
+      {input->buffer, (*taken_)->buffer, guide_.cells(), guide_.wide(), scale_.value(),
        guide_.level0(), anchor_.memory(), multigrid_.field(), anchor_.kept(),
        multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_force()},
       size, line_of(quads_of(guide_.cell_extent())));
@@ -301,7 +292,7 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
   };
   copy(multigrid_.progress(), kVec4, kFoundChange);
   if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
-  copy(gauge_.value(), kVec4, kFoundGauge);
+  copy(scale_.value(), kVec4, kFoundScale);
   if (listed()) copy(active_.list().words(), kWord, kFoundActive);
   if (report.compared_edges) copy(prior_.evaluated(), kWord, kFoundEvaluated);
   if (report.looked_at_bins) copy(bins_.binding(), kVec4, kFoundBinding);
@@ -323,7 +314,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.mismatch = found[4 * kFoundVerdict];
     findings.cut = found[4 * kFoundVerdict + 1] == 0;
   }
-  findings.gauge = found[4 * kFoundGauge];
+  findings.scale = found[4 * kFoundScale];
   if (of.looked_at_bins)
     findings.binding =
         std::sqrt(found[4 * kFoundBinding] / std::max(found[4 * kFoundBinding + 1], 1e-20F));

@@ -11,7 +11,7 @@
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
-#include "kernels/intrinsic/output/output_gauge.hpp"
+#include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
 #include "kernels/intrinsic/reuse/active_tiles.hpp"
 #include "kernels/intrinsic/reuse/leave_out.hpp"
@@ -32,7 +32,7 @@ class IntrinsicDecomposition {
     /// The same of a frame that continues the one before, and so starts near its solution, 1…32.
     uint32_t warm_cycles = 2;
     Multigrid::Params multigrid;
-    OutputGauge::Params gauge;
+    OutputScale::Params scale;
     /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
     /// weights, cycles end when little changes, and tiles that need no work are left out.
     bool adaptive = true;
@@ -81,7 +81,7 @@ class IntrinsicDecomposition {
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
   /// one of the frame before; null: all.
   const TileList* drawn() const {
-    return listed() && plan_.gauge_rests ? &active_.drawn() : nullptr;
+    return listed() ? &active_.drawn() : nullptr;
   }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
@@ -103,7 +103,7 @@ class IntrinsicDecomposition {
     float change = 0;     ///< rms change of log shading by the last cycle: what is left to do
     float mismatch = 0;   ///< with the frame before, 0…1; 0 without one
     bool cut = false;     ///< a cut: nothing was taken over
-    float gauge = 0;      ///< ln of the factor from the solver's R to the layer's
+    float scale = 0;      ///< ln of the factor from the solver's R to the layer's
     uint32_t tiles_evaluated = 0;  ///< those of Stats::tiles whose edges were decided anew
     uint32_t tiles_active = 0;     ///< those that were worked on
     /// Of a frame that looked, else 0: what the bins can move (Params::chroma_tolerance), and the
@@ -127,7 +127,6 @@ class IntrinsicDecomposition {
   std::optional<LeaveOut::Found> found_before() const;
   /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
-  void rescale(gpu::Commands& commands, const gpu::BufferPtr& layers);
   const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
   void record_report(gpu::Commands& commands);
   bool listed() const { return plan_.mode == LeaveOut::Mode::listed; }
@@ -145,11 +144,11 @@ class IntrinsicDecomposition {
   TemporalAnchor anchor_;
   ChromaBins bins_;
   Multigrid multigrid_;
-  OutputGauge gauge_;
+  OutputScale scale_;
   ActiveTiles active_;
   TileKernel terms_kernel_, anchored_terms_kernel_, looking_terms_kernel_, assemble_,
       anchored_assemble_, layers_, anchored_layers_;
-  gpu::KernelPtr rescale_, take_over_, total_;
+  gpu::KernelPtr take_over_, total_;
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   std::array<Report, gpu::kFramesInFlight> reports_;
   uint64_t recorded_ = 0;

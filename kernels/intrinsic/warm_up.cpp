@@ -48,7 +48,7 @@ bool ScaledIntrinsic::play_all() const {
   // Everything, without and with a frame before; the output's scale far from where it will be.
   Params params;
   params.half_bound = 0;
-  params.gauge.value = 0.3F;
+  params.scale.white_level = 0.3F;
   params.adaptive = false;
   play(params, 2, false);
   // What comes with `adaptive`: looks at bins and anchor, of which those that do not bind are left
@@ -60,7 +60,7 @@ bool ScaledIntrinsic::play_all() const {
   small.compare_at_ = 0;
   play(params, 5, false);
   // Tiles, while the output's scale moves, with cycles that end early and with such that do not.
-  params.gauge.value = 0.9F;
+  params.scale.white_level = 0.9F;
   params.chroma_tolerance = params.half_bound = 0;
   play(params, 6, true);
   const bool tiles_came = small.methods_[0]->stats(small.methods_[0]->recorded() - 1).listed;

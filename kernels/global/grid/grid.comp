@@ -14,7 +14,7 @@ PLANE_OUT(3, colors);  // rgb; weight
 PLANE_OUT(4, points);  // chroma; shading as before, and as guessed
 layout(push_constant) uniform Push {
   SIZES
-  float gauge;
+  float white_level;
 } push;
 
 const float kDark = 0.01, kBright = 0.98;  // what has a color to trust
@@ -33,7 +33,7 @@ void main() {
       sum.rgb += rgb;
       if (kPlain) continue;
       sum.w += shading_before(rgb, FETCH1(memory, n));
-      guessed += shading_guessed(rgb, push.gauge);
+      guessed += shading_guessed(rgb, push.white_level);
     }
   float share = 1.0 / float((last.x - first.x) * (last.y - first.y));
   sum *= share;

@@ -23,7 +23,7 @@ PLANE_OUT(9, light);
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   SIZES
-  float gauge, trust, trust_tint;
+  float white_level, trust, trust_tint;
 } push;
 
 const float kLeastTau = 0.02;  // of a channel
@@ -56,7 +56,7 @@ void main() {
         AROUND(smooth_at, smooth_part)
         AROUND(fit_at, coefficients)
       }
-      float shading = cut ? shading_guessed(rgb, push.gauge) : shading_before(rgb, FETCH1(memory, n));
+      float shading = cut ? shading_guessed(rgb, push.white_level) : shading_before(rgb, FETCH1(memory, n));
       vec2 z = chroma_of(rgb);
       int label = int(FETCH1(slots, bin_of(z - BLEND(tint_at).xy)));
       RECEIVED(indirect, label, x, first.y, 2.0 * float(push.factor))

@@ -64,12 +64,12 @@ vec2 between(int x, float factor, int count) {
 }
 
 // What shading seems to be before the solve: what reflectance as bright as it was leaves of the pixel; and where nothing is
-// known of it, what reflectance whose largest channel is the gauge's does.
+// known of it, what reflectance whose largest channel is the white level does.
 float shading_before(vec3 rgb, float memory) {
   vec3 light = rgb + kIntensityFloor;
   return exp(log(light.r * light.g * light.b) * (1.0 / 3.0) - memory);
 }
-float shading_guessed(vec3 rgb, float gauge) { return max(max(rgb.r, rgb.g), rgb.b) / gauge; }
+float shading_guessed(vec3 rgb, float white_level) { return max(max(rgb.r, rgb.g), rgb.b) / white_level; }
 
 #define SIZES            \
   ivec2 size;  /* of the frame */ \

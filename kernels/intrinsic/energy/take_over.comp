@@ -11,7 +11,7 @@ PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // R.rgb, S
 PLANE_IN(2, cells);
 PLANE_IN(3, wide);
-PLANE_IN(4, gauge);  // .x = ln c (gauge.comp)
+PLANE_IN(4, scale);  // .x = ln c (scale.glsl)
 PLANE_IN(5, level0);
 PLANE_OUT(6, memory);
 PLANE_OUT(7, shading);
@@ -28,7 +28,7 @@ void main() {
   uint quads = QUADS(push.size.x), cell_quads = QUADS(cell_size.x);
   uvec2 position = grid_position(cell_quads);
   if (position.y >= cell_size.y) return;
-  float scale = FETCH(gauge, 0).x;
+  float log_scale = FETCH(scale, 0).x;
   vec4 mean = vec4(0.0);
   for (uint k = 0u; k < 4u; ++k) {
     uvec2 cell = uvec2(4u * position.x + k, position.y);
@@ -42,7 +42,7 @@ void main() {
         int pixel = int(y * push.size.x + first.x + min(x, count.x - 1u));
         vec3 rgb = sanitize(FETCH(frame, pixel).rgb);
         m = vec4(m.yzw, FETCH(level0, pixel).x);
-        s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kLeastShading)) + scale);
+        s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kLeastShading)) + log_scale);
         bright = vec4(bright.yzw, log((rgb.r + rgb.g + rgb.b) / 3.0 + kIntensityFloor));
       }
       uint quad = y * quads + cell.x;

@@ -5,7 +5,7 @@
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/temporal/temporal.glsl"
 
-// The solution as layers in the output's gauge c, S = e^s / c and R = I / S, and what the next frame wants to know of this
+// The solution as layers in the output's scale c, S = e^s / c and R = I / S, and what the next frame wants to know of this
 // one. With kAnchored, reflectance first moves only part of the way from the frame before, so that the sensor's noise is
 // averaged over frames and stays in shading: as the cells say, interpolated between them, and less where a pixel changed
 // otherwise than its cell. One cell, 4 x 4 pixels, an invocation.
@@ -13,7 +13,7 @@ layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, cells);
 PLANE_IN(2, wide);
-PLANE_IN(3, gauge);  // .x = ln c (gauge.comp)
+PLANE_IN(3, scale);  // .x = ln c (scale.glsl)
 PLANE_IN(4, start);  // of cells (cell_terms.comp)
 PLANE_IN(5, before);    // m and the brightness of reflectance, the last frame's
 PLANE_IN(6, now);       // m (assemble.comp)
@@ -43,7 +43,7 @@ void main() {
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
-  float scale = FETCH(gauge, 0).x;
+  float log_scale = FETCH(scale, 0).x;
   uint at = cell.y * quads + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
   float change = 0.0;
@@ -77,7 +77,7 @@ void main() {
     for (uint x = 0u; x < count.x; ++x) {
       uint pixel = (first + y) * push.size.x + 4u * cell.x + x;
       vec3 rgb = sanitize(FETCH(frame, int(pixel)).rgb);
-      float light = exp(s.x - scale);
+      float light = exp(s.x - log_scale);
       STORE(intrinsic, pixel, vec4(rgb * (1.0 / light), light));
       s = s.yzwx;
     }

@@ -12,7 +12,7 @@ class GuidedUpsample {
   /// `extent` of the frame. Throws Error(limit).
   GuidedUpsample(const std::shared_ptr<gpu::Device>& device, Extent extent);
   /// `frame` is linear RGB, `half_intrinsic` (R.rgb, S) of half_of(extent). Writes (R.rgb, S) with
-  /// R S = frame, in the same gauge.
+  /// R S = frame, in the same scale.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
               const gpu::BufferPtr& half_intrinsic, const gpu::BufferPtr& intrinsic) const;
 

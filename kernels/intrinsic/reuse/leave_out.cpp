@@ -38,7 +38,6 @@ void LeaveOut::choose_mode(Plan& plan, const Params& params, const Frame& frame,
       static_cast<float>(found->tiles_busy) <= kMostBusy * static_cast<float>(found->tiles);
   if (!worth || !(found->drift <= params.still_tolerance)) return;  // nor for NaN
   plan.mode = Mode::listed;
-  plan.gauge_rests = found->gauge_off <= kGaugeRest;
 }
 
 LeaveOut::Plan LeaveOut::next(const Params& params, const Frame& frame,

@@ -40,12 +40,10 @@ class LeaveOut {
     float binding = 0, gate = 0;              ///< with looked_at_…
     uint32_t tiles_busy = 0;  ///< watched or listed: moved by more than tile_tolerance
     float drift = 0;          ///< of its statistics from those that edges were decided on
-    float gauge_off = 0;      ///< log distance of the output's scale from what it wants to be
   };
   struct Plan {
     Mode mode = Mode::whole;
     bool all_tiles = false;                            ///< listed: this time all of them
-    bool gauge_rests = false;                          ///< the output's scale stays
     bool stops = false;                                ///< cycles end where they change little
     bool compares_edges = false, keeps_edges = false;  ///< keeps: what the next frame compares with
     bool holds = false;                                ///< pixels are compared with those before
@@ -69,9 +67,6 @@ class LeaveOut {
   static constexpr float kMostChanged = 0.25F, kMostBusy = 0.5F;
   /// Listed frames from one that works on all tiles to the next.
   static constexpr uint64_t kAllEvery = 32;
-  /// How far the output's scale (log units) may be from what the frame would have before it moves,
-  /// and with it layers that are not written anew.
-  static constexpr float kGaugeRest = 0.02F;
 
  private:
   void judge(const Params& params, const Found& found);

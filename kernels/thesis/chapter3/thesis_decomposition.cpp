@@ -10,6 +10,7 @@
 #include "push.hpp"
 
 INVERSE_SHADER(thesis_chapter3_sanitize);
+INVERSE_SHADER(thesis_chapter3_scale_cells);
 INVERSE_SHADER(thesis_chapter3_downsample);
 INVERSE_SHADER(thesis_chapter3_setup);
 INVERSE_SHADER(thesis_chapter3_start);
@@ -36,7 +37,7 @@ constexpr uint32_t kStrip = 8;        // pixels an invocation of the strip kerne
 constexpr uint32_t kOneGroup = 128;   // invocations of the kernels that run as one workgroup
 constexpr uint64_t kScalars = 6;      // as in scalars.comp
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
-// Layout of a readback buffer, in vec4: gauge, scalars, palette, trace.
+// Layout of a readback buffer, in vec4: scale, scalars, palette, trace.
 constexpr uint64_t kScalarsAt = 1, kColorsAt = 3, kTraceAt = kColorsAt + kColors;
 
 /// The radical inverse of n in `base`, times the block size, rounded down.
@@ -51,6 +52,11 @@ int halton(int n, int base) {
 
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
 gpu::Items strips_of(Extent extent) { return {extent.width, (extent.height - 1) / kStrip + 1}; }
+
+/// Cells of 4 x 4 pixels, on which the scale's points are followed.
+constexpr Extent cells_of(Extent extent) {
+  return {(extent.width + 3) / 4, (extent.height + 3) / 4};
+}
 
 }  // namespace
 
@@ -74,6 +80,7 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
     : device_(device),
       extent_(extent),
       palette_(device),
+      scale_(device, cells_of(extent)),
       pool_(device, extent),
       sanitize_(device->kernel(shaders::thesis_chapter3_sanitize)),
       downsample_(device->kernel(shaders::thesis_chapter3_downsample)),
@@ -88,7 +95,9 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       schwarz_(device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup)),
       energy_(device->kernel(shaders::thesis_chapter3_energy)),
       total_(device->kernel(shaders::thesis_chapter3_total, {}, kOneGroup)),
-      layers_(device->kernel(shaders::thesis_chapter3_layers)) {
+      layers_(device->kernel(shaders::thesis_chapter3_layers)),
+      scale_cells_(device->kernel(shaders::thesis_chapter3_scale_cells)),
+      wanted_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
   };
@@ -415,10 +424,18 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
     }
     ++stored_keyframes_;
   }
+
+  const Extent cells = cells_of(extent_);
+  commands.dispatch(scale_cells_,
+                    {levels_[0].solution, palette_.gauge(), scale_.cells(), wanted_scale_},
+                    std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(cells));
+  using History = ScaleNormalization::History;
+  scale_.record(commands, {.wanted = wanted_scale_,
+                           .history = since_reset_ > 0 ? History::taken : History::none});
   ++since_reset_;
 
   const PlanePtr plane = pool_.acquire();
-  commands.dispatch(layers_, {levels_[0].solution, palette_.gauge(), plane->buffer}, push_for(0),
+  commands.dispatch(layers_, {levels_[0].solution, scale_.value(), plane->buffer}, push_for(0),
                     pixels_of(extent_));
   layers.extent = extent_;
   layers[Role::intrinsic] = plane;
@@ -426,7 +443,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   solution_ = {extent_, levels_[0].solution};
   commands.stage("layers");
 
-  commands.copy(palette_.gauge(), readback.buffer, sizeof(float));
+  commands.copy(scale_.value(), readback.buffer, sizeof(float));
   commands.copy(scalars_, readback.buffer, kScalars * sizeof(float), 0, 16 * kScalarsAt);
   commands.copy(palette_.colors(), readback.buffer, 16 * kColors, 0, 16 * kColorsAt);
   if (!current_->energy.empty()) {
@@ -443,7 +460,7 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   const Readback& readback = readback_[frame % readback_.size()];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
-  stats.gauge = values[0];
+  stats.scale = values[0];
   if (params_.solver == Params::Solver::pcg)
     stats.iterations = static_cast<int>(values[4 * kScalarsAt + 5]);
   stats.residual = params_.solver == Params::Solver::pcg ? values[4 * kScalarsAt] : 0.0f;

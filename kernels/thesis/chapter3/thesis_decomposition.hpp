@@ -8,6 +8,7 @@
 #include "kernels/image/layers.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/palette/palette.hpp"
+#include "kernels/solve/scale_normalization.hpp"
 #include "thesis_params.hpp"
 
 namespace inverse {
@@ -39,7 +40,7 @@ class ThesisDecomposition {
     /// False: a single level, with nothing to cluster beforehand, or a weight of 0.
     bool clustered = false;
     std::vector<std::string> skipped;  ///< what was left out, and why
-    float gauge = 0;                   ///< ln of the factor from the solver's R to the layer's
+    float scale = 0;                   ///< ln of the factor from the solver's R to the layer's
     int iterations = 0;          ///< of conjugate gradients, all systems; 0 with solver = schwarz
     float residual = 0;          ///< rᵀM⁻¹r of the last system; 0 with solver = schwarz
     std::vector<Energy> energy;  ///< as Params::energy and Params::trace ask for
@@ -56,8 +57,8 @@ class ThesisDecomposition {
   int levels() const { return static_cast<int>(levels_.size()); }
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
-  /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. R is scaled so that
-  /// its 99.5 % quantile is near 0.95, averaged over time. Returns the frame's number for `stats`.
+  /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. The first frame's R
+  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale. Returns the frame's number for `stats`.
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
 
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
@@ -67,7 +68,7 @@ class ThesisDecomposition {
   /// first frame. Throws Error(internal) for older ones.
   Stats stats(uint64_t frame) const;
 
-  /// (r, s) of the finest level in the solver's gauge: valid until the next record.
+  /// (r, s) of the finest level in the solver's own scale: valid until the next record.
   const Plane& solution() const { return solution_; }
   /// (r_cluster, index) that the last frame's finest level was pulled to, where stats say
   /// clustered.
@@ -103,12 +104,13 @@ class ThesisDecomposition {
   Extent extent_;
   Params params_;
   Palette palette_;
+  ScaleNormalization scale_;
   PlanePool pool_;
   gpu::KernelPtr sanitize_, downsample_, setup_, start_, prolong_, pack_, reweight_, direction_,
-      update_, scalars_kernel_, schwarz_, energy_, total_, layers_;
+      update_, scalars_kernel_, schwarz_, energy_, total_, layers_, scale_cells_;
   // Shared by all levels, of the finest level's size.
   gpu::BufferPtr links_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
-      clusters_;
+      clusters_, wanted_scale_;
   std::array<gpu::BufferPtr, 2> directions_;
   gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
   std::vector<Level> levels_;

@@ -175,8 +175,8 @@ void run(int argc, char** argv) {
         run->take(session, frame, run == &some ? changed : std::vector<uint8_t>());
       before = frame;
       if ((k + 1) % every) continue;
-      const double a = double(some.method.findings().gauge),
-                   b = double(all.method.findings().gauge);
+      const double a = double(some.method.findings().scale),
+                   b = double(all.method.findings().scale);
       const Distance d = distance(some.now.shading, a, all.now.shading, b);
       std::printf("%5d  %.4f %.3f %.3f | %+.3f | %.3f\n", k + 1, d.rms, d.tile, d.pixel, a - b,
                   some.step);

@@ -76,7 +76,7 @@ class GlobalSymmetry : public testing::Test {
     method.set(params);
     method.decompose(frame);
     GlobalLayers got = method.decompose(frame);
-    gauge_ = method.found().solve.gauge;
+    gauge_ = method.found().solve.scale;
     amount_ = method.found().amount;
     return got;
   }

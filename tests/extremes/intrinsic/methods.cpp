@@ -33,7 +33,7 @@ Pixels Method::decompose(const Pixels& frame) {
       number = thesis_->record(commands, *input, layers);
   });
   if (thesis_) stats_ = thesis_->stats(number);
-  gauge_ = intrinsic_ ? intrinsic_->findings().gauge : stats_.gauge;
+  gauge_ = intrinsic_ ? intrinsic_->findings().scale : stats_.scale;
   return lab_.download(layers[Role::intrinsic]->buffer);
 }
 

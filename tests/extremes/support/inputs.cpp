@@ -159,7 +159,7 @@ void turn_knobs(const Case& one, Params& params) {
     params.warm_cycles = less ? 1 : 8;
     params.anchor.hold = 0.99F;
     params.anchor.hold_light = less ? 1e-3F : 10;
-    params.gauge.quantile = less ? 0 : 1;
+    params.scale.quantile = less ? 0 : 1;
   }
 }
 

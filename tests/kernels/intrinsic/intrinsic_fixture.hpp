@@ -10,7 +10,7 @@
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
 #include "tests/reference/intrinsic/multigrid.hpp"
-#include "tests/reference/intrinsic/output_gauge.hpp"
+#include "tests/reference/intrinsic/output_scale.hpp"
 
 namespace inverse::testing {
 
@@ -62,7 +62,7 @@ class IntrinsicTest : public GpuTest {
                    const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
     Pixels pixels = decompose_in_gauge(method, frame, params, reset);
     // Back to the solver's own scale, which is the reference's.
-    const float scale = std::exp(method.findings().gauge);
+    const float scale = std::exp(method.findings().scale);
     for (size_t i = 0; i < pixels.size(); ++i) pixels[i] *= i % 4 == 3 ? scale : 1 / scale;
     return pixels;
   }

@@ -242,24 +242,23 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   EXPECT_EQ(got, once()) << "the sums' order must not matter";
 }
 
-TEST_F(IntrinsicTest, OutputGaugeAgreesWithReference) {
+TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
   for (const Extent extent : kOddSizes) {
     Guide guide(device, extent);
-    OutputGauge gauge(device);
-    OutputGauge::Params params;
-    reference::GaugeParams wanted;
+    OutputScale scale(device, guide.cell_extent());
+    OutputScale::Params params;
+    reference::ScaleParams wanted;
     wanted.quantile = params.quantile = 0.83F;  // of no count of cells a whole number
-    wanted.share = params.share = 0.3F;
-    reference::OutputGauge expected(wanted);
-    using History = OutputGauge::History;
+    reference::OutputScale expected(wanted);
+    using History = OutputScale::History;
     const struct {
       History history;
-      float same;  // the verdict: 1 where the frame continues the one before
+      float same;  // the decision: 1 where the frame continues the one before
       bool dark;
-    } frames[] = {{History::none, 0, false},   {History::judged, 1, false},
-                  {History::judged, 1, true},  {History::judged, 1, false},
-                  {History::judged, 0, false}, {History::taken_on, 0, false},
-                  {History::none, 0, true},    {History::judged, 1, false}};
+    } frames[] = {{History::none, 0, false},   {History::decided, 1, false},
+                  {History::decided, 1, true},  {History::decided, 1, false},
+                  {History::decided, 0, false}, {History::taken, 0, false},
+                  {History::none, 0, true},    {History::decided, 1, false}};
     unsigned seed = 20;
     for (const auto& frame : frames) {
       std::mt19937 random(++seed);
@@ -279,16 +278,16 @@ TEST_F(IntrinsicTest, OutputGaugeAgreesWithReference) {
       const auto judged = upload(gpu::Element::vec4, verdict, 1);
       run([&](gpu::Commands& commands) {
         guide.record(commands, input.buffer);
-        gauge.record(commands, guide, field, judged, frame.history, params);
+        scale.record(commands, guide, field, judged, frame.history, params);
       });
       const auto rgb = rgb_of(pixels);
-      const bool carries = frame.history == History::taken_on ||
-                           (frame.history == History::judged && frame.same > 0);
+      const bool carries = frame.history == History::taken ||
+                           (frame.history == History::decided && frame.same > 0);
       const double want =
           expected.update(reference::make_guide(rgb.data(), static_cast<int>(extent.width),
                                                 static_cast<int>(extent.height)),
                           shading, carries);
-      EXPECT_NEAR(download(gauge.value())[0], want, 0.5 / 32 + 1e-3)  // half a bin
+      EXPECT_NEAR(download(scale.value())[0], want, 0.5 / 32 + 1e-3)  // half a bin
           << name_of(extent) << ", frame " << seed - 21;
     }
   }

@@ -4,7 +4,7 @@
 
 namespace inverse::testing {
 
-TEST_F(IntrinsicTest, GaugeBringsBrightReflectanceToItsValueAndMovesSlowly) {
+TEST_F(IntrinsicTest, ScaleBringsBrightReflectanceToTheWhiteLevel) {
   const Extent extent{128, 96};
   IntrinsicDecomposition method(device, extent);
   IntrinsicDecomposition::Params params;
@@ -13,27 +13,27 @@ TEST_F(IntrinsicTest, GaugeBringsBrightReflectanceToItsValueAndMovesSlowly) {
     for (size_t i = 0; i < pixels.size(); i += 4)
       brightest.push_back(std::max({pixels[i], pixels[i + 1], pixels[i + 2]}));
     std::sort(brightest.begin(), brightest.end());
-    return brightest[static_cast<size_t>(params.gauge.quantile *
+    return brightest[static_cast<size_t>(params.scale.quantile *
                                          static_cast<float>(brightest.size()))];
   };
   Pixels pixels = scene(extent, 4);
   const PlanePtr frame = input(extent, pixels);
   // Counted over cells and here over pixels: near, not equal.
-  EXPECT_NEAR(bright_end(decompose_in_gauge(method, frame, params)), params.gauge.value, 0.25F);
-  const float first = method.findings().gauge;
-  // Another wish is followed a share at a time by a frame that continues the one before …
-  params.gauge.value = 0.45F;
+  EXPECT_NEAR(bright_end(decompose_in_gauge(method, frame, params)), params.scale.white_level,
+              0.25F);
+  const float first = method.findings().scale;
+  // Another white level takes effect at once.
+  params.scale.white_level = 0.45F;
   decompose_in_gauge(method, frame, params, false);
-  EXPECT_NEAR(method.findings().gauge, first - params.gauge.share * std::log(2.0F), 0.05F);
-  // … and at once by one that does not.
+  EXPECT_NEAR(method.findings().scale, first - std::log(2.0F), 0.01F);
   decompose_in_gauge(method, frame, params, true);
-  EXPECT_NEAR(method.findings().gauge, first - std::log(2.0F), 0.05F);
-  // A black frame has no say: the next one with light does, at once.
+  EXPECT_NEAR(method.findings().scale, first - std::log(2.0F), 1e-5F);
+  // A black frame asks for no scale: the next one with light does, at once.
   decompose_in_gauge(method, input(extent, Pixels(pixels.size(), 0.0F)), params, true);
-  EXPECT_EQ(method.findings().gauge, 0.0F);
-  params.gauge.value = 0.9F;
+  EXPECT_EQ(method.findings().scale, 0.0F);
+  params.scale.white_level = 0.9F;
   decompose_in_gauge(method, frame, params, false);
-  EXPECT_NEAR(method.findings().gauge, first, 0.05F);
+  EXPECT_NEAR(method.findings().scale, first, 0.05F);
 }
 
 TEST_F(IntrinsicTest, WholeSolveAgreesWithReference) {

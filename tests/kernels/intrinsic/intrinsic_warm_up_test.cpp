@@ -38,7 +38,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
     ScaledIntrinsic::Params params;
     const PlanePtr still = input(kExtent, scene(kExtent, 31));
     for (int k = 0; k < 28; ++k) show(still, params, k > 0);
-    params.gauge.value = 0.5F;
+    params.scale.white_level = 0.5F;
     for (int k = 0; k < 6; ++k) show(still, params, true);
     for (unsigned k = 0; k < 6; ++k)
       show(input(kExtent, scene(kExtent, 40 + k)), params, false);  // cuts

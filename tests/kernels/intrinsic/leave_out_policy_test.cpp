@@ -47,7 +47,6 @@ TEST(LeaveOutPolicy, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
   for (unsigned k = 1; k <= 4 * LeaveOut::kAllEvery; ++k) {
     const auto plan = video.next();
     ASSERT_EQ(plan.mode, Mode::listed);
-    EXPECT_TRUE(plan.gauge_rests);
     EXPECT_FALSE(plan.looks_at_bins || plan.looks_at_gate);
     since = plan.all_tiles ? 0 : since + 1;
     EXPECT_LT(since, LeaveOut::kAllEvery) << "no tile is left out for longer";
@@ -82,14 +81,6 @@ TEST(LeaveOutPolicy, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
             Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.frame.layers_kept = false; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
-}
-
-TEST(LeaveOutPolicy, AScaleFarFromWhereItBelongsMoves) {
-  Video video;
-  video.found.gauge_off = 0.03F;
-  EXPECT_FALSE(video.after(8).gauge_rests);
-  video.found.gauge_off = 0.01F;
-  EXPECT_TRUE(video.next().gauge_rests);
 }
 
 TEST(LeaveOutPolicy, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {

@@ -119,7 +119,7 @@ std::vector<double> guess_shading(const std::vector<double>& rgb, const GlobalPa
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_at(rgb, i);
     if (!state) {  // every albedo's largest channel alike
-      shading[i] = *std::max_element(color.begin(), color.end()) / params.gauge.value;
+      shading[i] = *std::max_element(color.begin(), color.end()) / params.scale.white_level;
       continue;
     }
     double m = 0;  // the reflectance that was there
@@ -231,8 +231,8 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const IntrinsicResult bright =
       decompose(plain.data(), width, height, solve, state ? &state->solve : nullptr);
   result.stats = bright.stats;
-  OutputGauge& gauge = state ? state->gauge : still.gauge;
-  const double log_scale = gauge.update(make_guide(plain.data(), width, height), bright.log_shading,
+  OutputScale& scale = state ? state->scale : still.scale;
+  const double log_scale = scale.update(make_guide(plain.data(), width, height), bright.log_shading,
                                         bright.stats.anchored);
   if (state) state->log_scale = log_scale;
 

@@ -10,13 +10,13 @@
 #include "global_amount.hpp"
 #include "global_tint.hpp"
 #include "tests/reference/intrinsic/intrinsic_decomposition.hpp"
-#include "tests/reference/intrinsic/output_gauge.hpp"
+#include "tests/reference/intrinsic/output_scale.hpp"
 
 namespace inverse::reference {
 
 struct GlobalParams {
   IntrinsicParams solve;
-  GaugeParams gauge;
+  ScaleParams scale;
   int warm_cycles = 2;       ///< Multigrid cycles of a frame that continues the one before.
   int grid = 40;             ///< Points along the longer side of the grid, at most.
   double renew = 0.2;        ///< Share of a frame in what is carried from frame to frame, 0 ... 1.
@@ -43,7 +43,7 @@ struct GlobalScene {
 /// Carried from frame to frame.
 struct GlobalState {
   IntrinsicState solve;  ///< Of the frame without its tint.
-  OutputGauge gauge{GaugeParams{}};
+  OutputScale scale{ScaleParams{}};
   double log_scale = 0;  ///< ln of the factor from the solver's R to the layer's.
   GlobalScene scene;
 };

@@ -1,15 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "gauge.glsl"
 #include "image/quad.glsl"
 #include "intrinsic/guide/guide.glsl"
+#include "intrinsic/output/brightness.glsl"
 
-// Counts ln max_c R over the cells of a frame, one cell of 4 x 4 pixels an invocation. Dark cells stay out: what little
-// light they have says more of the sensor than of the surface.
+// Counts ln max_c R over the cells of a frame, and writes each cell for ScaleNormalization (scale.glsl). One cell of 4 x 4
+// pixels an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, shading);
 WORD_INOUT(2, counts);
+PLANE_OUT(3, scale_cells);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
@@ -24,7 +25,9 @@ void main() {
     mean += rows.x * dot(columns, FETCH(shading, int((first + y) * quads + cell.x)));
     rows = rows.yzwx;
   }
-  vec4 guide = FETCH(cells, int(CELL_STRIDE * (cell.y * quads + cell.x)));
+  uint at = cell.y * quads + cell.x;
+  vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
+  STORE(scale_cells, at, vec4(guide.xyz, guide.x - mean));
   float brightest = guide.x + guide.w;
-  if (brightest > kDarkest) atomicAdd(counts_data[gauge_bin(brightest - mean)], 1u);
+  if (brightest > kDarkest) atomicAdd(counts_data[brightness_bin(brightest - mean)], 1u);
 }

@@ -1,0 +1,11 @@
+// A histogram of ln max_c R over the cells of a frame. Dark cells do not count: their light says more of the sensor than of the
+// surface.
+const uint kBrightnessBins = 512u;
+const float kBrightnessReach = 8.0;  // ln R from -8 to 8
+const float kDarkest = -3.9;         // ln of 2 % of full scale
+
+uint brightness_bin(float log_reflectance) {
+  return uint(clamp((log_reflectance + kBrightnessReach) * (float(kBrightnessBins) / (2.0 * kBrightnessReach)), 0.0,
+                    float(kBrightnessBins - 1u)));
+}
+float brightness_of(uint bin) { return (float(bin) + 0.5) * (2.0 * kBrightnessReach / float(kBrightnessBins)) - kBrightnessReach; }

@@ -1,0 +1,57 @@
+#pragma once
+#include <memory>
+
+#include "kernels/gpu/commands.hpp"
+#include "kernels/image/plane.hpp"
+
+namespace inverse {
+
+/// The scale c in which reflectance R c and shading S / c go out (scale.glsl). A first frame, and a
+/// frame after a cut, gets the scale that it asks for. After that some 400 points are followed from
+/// frame to frame, and c is what keeps their reflectance: what stays in view stays as bright as it
+/// was, whatever enters or leaves the frame. All of it on the device.
+class ScaleNormalization {
+ public:
+  /// How a frame is related to the one before.
+  enum class History : uint32_t {
+    none,     ///< there is none
+    decided,  ///< a cut decision is on the device
+    taken,    ///< it continues that one for sure
+  };
+  /// What a solver says of a frame.
+  struct Frame {
+    /// vec4: ln c less ln(white level) that the frame alone asks for; 0 if all of it is dark.
+    gpu::BufferPtr wanted;
+    gpu::BufferPtr decision;  ///< vec4, with History::decided: its second number is 0 at a cut
+    History history = History::none;
+    float white_level = 1;  ///< of reflectance, > 0
+    bool frozen = false;    ///< the scale stays that of the frame before
+  };
+
+  /// `cells`: the size of the planes that points are followed on.
+  ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells);
+
+  /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log ratios
+  /// of its color, mean log reflectance in the solver's scale.
+  const gpu::BufferPtr& cells() const { return now_; }
+  /// Records the scale of the frame whose cells were just written.
+  void record(gpu::Commands& commands, const Frame& frame);
+  /// Records taking over the scale of another size.
+  void take(gpu::Commands& commands, const ScaleNormalization& other);
+  /// vec4: ln c; 1 once it is known; both less ln(white level): ln c, and what the last frame asks
+  /// for.
+  const gpu::BufferPtr& value() const { return scale_; }
+
+ private:
+  void clear_once(gpu::Commands& commands);
+
+  Extent cells_;
+  uint32_t columns_, rows_;  // of points
+  float spacing_;            // cells from point to point
+  gpu::KernelPtr track_, update_;
+  gpu::BufferPtr before_, now_, scale_, points_, samples_;
+  bool cleared_ = false;
+  bool followed_ = false;  // `before_` is of the frame before
+};
+
+}  // namespace inverse

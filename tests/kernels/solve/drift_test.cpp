@@ -1,0 +1,137 @@
+// Reflectance of what a moving camera keeps in view: its common change over a second or two is the
+// camera's, not the decomposition's.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "kernels/global/global_intrinsic.hpp"
+#include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
+
+namespace inverse::testing {
+namespace {
+
+constexpr Extent kWorld{640, 480}, kView{160, 120};
+constexpr int kFrames = 48, kSpan = 40;
+
+struct Camera {
+  double x, y, step;  ///< upper left corner in the world, and world pixels a view's pixel
+};
+
+/// R.rgb, S of every frame of a video, of views of one picture.
+using Decompose = std::function<Pixels(const PlanePtr&, bool first)>;
+
+class DriftTest : public IntrinsicTest {
+ protected:
+  static const Pixels& world() {
+    static const Pixels pixels = scene(kWorld, 3);
+    return pixels;
+  }
+  /// Means of step x step world pixels would do; bilinear samples of a picture of large tiles do.
+  static Pixels view(const Camera& camera) {
+    Pixels pixels;
+    for (uint32_t y = 0; y < kView.height; ++y)
+      for (uint32_t x = 0; x < kView.width; ++x)
+        for (size_t c = 0; c < 4; ++c)
+          pixels.push_back(sample(world(), kWorld, camera.x + camera.step * x,
+                                  camera.y + camera.step * y, c));
+    return pixels;
+  }
+  static float sample(const Pixels& pixels, Extent extent, double x, double y, size_t c) {
+    const auto at = [&](double column, double row) {
+      const auto i = static_cast<size_t>(std::clamp(column, 0.0, extent.width - 1.0));
+      const auto j = static_cast<size_t>(std::clamp(row, 0.0, extent.height - 1.0));
+      return pixels[4 * (j * extent.width + i) + c];
+    };
+    const double fx = x - std::floor(x), fy = y - std::floor(y);
+    const auto top = at(x, y) * (1 - fx) + at(x + 1, y) * fx;
+    return static_cast<float>(top * (1 - fy) +
+                              (at(x, y + 1) * (1 - fx) + at(x + 1, y + 1) * fx) * fy);
+  }
+
+  /// |median| over points that both frames show of the change of ln mean R, kSpan frames apart.
+  double drift(const std::function<Camera(int)>& camera, const Decompose& decompose) {
+    std::vector<Pixels> layers;
+    for (int k = 0; k < kFrames; ++k)
+      layers.push_back(decompose(input(kView, view(camera(k))), k == 0));
+    double sum = 0;
+    int count = 0;
+    for (int k = 4; k + kSpan < kFrames; ++k, ++count) {
+      const Camera a = camera(k), b = camera(k + kSpan);
+      std::vector<double> changes;
+      for (double y = 4; y < kWorld.height; y += 7)
+        for (double x = 4; x < kWorld.width; x += 7) {
+          const double from[] = {(x - a.x) / a.step, (y - a.y) / a.step};
+          const double to[] = {(x - b.x) / b.step, (y - b.y) / b.step};
+          const auto inside = [](const double* p) {
+            return p[0] > 3 && p[1] > 3 && p[0] < kView.width - 4 && p[1] < kView.height - 4;
+          };
+          if (!inside(from) || !inside(to)) continue;
+          const auto brightness = [&](const Pixels& pixels, const double* p) {
+            double mean = 0;
+            for (size_t c = 0; c < 3; ++c)
+              mean += static_cast<double>(sample(pixels, kView, p[0], p[1], c));
+            return std::log(mean / 3 + 2e-3);
+          };
+          changes.push_back(brightness(layers[static_cast<size_t>(k + kSpan)], to) -
+                            brightness(layers[static_cast<size_t>(k)], from));
+        }
+      std::nth_element(changes.begin(), changes.begin() + static_cast<long>(changes.size() / 2),
+                       changes.end());
+      sum += std::abs(changes[changes.size() / 2]);
+    }
+    return sum / count;
+  }
+
+  void check(const char* name, const std::function<Decompose()>& method) {
+    const struct {
+      const char* name;
+      std::function<Camera(int)> camera;
+    } shots[] = {
+        {"zoom", [](int k) { return Camera{60.0 + 1.6 * k, 40.0 + 1.2 * k, 3.0 - 0.02 * k}; }},
+        {"pan", [](int k) { return Camera{20.0 + 3.0 * k, 40.0 + 1.0 * k, 2.0}; }}};
+    for (const auto& shot : shots) {
+      const double found = drift(shot.camera, method());
+      std::printf("%s, %s: common drift of ln R over %d frames %.4f\n", name, shot.name, kSpan,
+                  found);
+      EXPECT_LT(found, 0.02) << name << ", " << shot.name;
+    }
+  }
+};
+
+TEST_F(DriftTest, IntrinsicDecomposition) {
+  check("intrinsicdecomp", [&] {
+    auto method = std::make_shared<IntrinsicDecomposition>(device, kView);
+    return [this, method](const PlanePtr& frame, bool first) {
+      return decompose_in_gauge(*method, frame, {}, first);
+    };
+  });
+}
+
+TEST_F(DriftTest, GlobalIntrinsic) {
+  check("globalintrinsic", [&] {
+    auto method = std::make_shared<GlobalIntrinsic>(device, kView);
+    return [this, method](const PlanePtr& frame, bool first) {
+      Layers layers;
+      run([&](gpu::Commands& commands) {
+        layers = method->record(commands, frame, {}, {.reset = first});
+      });
+      return download(layers[Role::intrinsic]->buffer);
+    };
+  });
+}
+
+TEST_F(DriftTest, ThesisDecomposition) {
+  check("intrinsicdecompthesis", [&] {
+    auto method = std::make_shared<ThesisDecomposition>(device, kView);
+    return [this, method](const PlanePtr& frame, bool) {
+      Layers layers;
+      run([&](gpu::Commands& commands) { method->record(commands, *frame, layers); });
+      return download(layers[Role::intrinsic]->buffer);
+    };
+  });
+}
+
+}  // namespace
+}  // namespace inverse::testing

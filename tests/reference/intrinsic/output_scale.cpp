@@ -1,0 +1,58 @@
+#include "output_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace inverse::reference {
+
+namespace {
+
+/// Means of 2 x 2; at an odd border the last row or column counts twice, as in the guide.
+std::vector<double> halved(const std::vector<double>& plane, const GuideLevel& fine,
+                           const GuideLevel& coarse) {
+  std::vector<double> means;
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x) {
+      double sum = 0;
+      for (const int j : {2 * y, 2 * y + 1})
+        for (const int i : {2 * x, 2 * x + 1}) sum += plane[fine.index(i, j)];
+      means.push_back(sum / 4);
+    }
+  return means;
+}
+
+}  // namespace
+
+double OutputScale::update(const Guide& guide, const std::vector<double>& log_shading,
+                           bool carries) {
+  const GuideLevel& cells = guide.level[kCellLevel];
+  std::vector<double> mean = log_shading;
+  for (int level = 0; level < kCellLevel; ++level)
+    mean = halved(mean, guide.level[std::size_t(level)], guide.level[std::size_t(level) + 1]);
+  std::vector<double> brightest;  // ln max_c R
+  for (std::size_t i = 0; i < cells.m.size(); ++i)
+    if (const double light = cells.m[i] + cells.u[i]; light > kDarkest)
+      brightest.push_back(std::clamp(light - mean[i], -kBrightnessReach, kBrightnessReach));
+  std::vector<ScaleCell> states;
+  for (std::size_t i = 0; i < cells.m.size(); ++i)
+    states.push_back({cells.m[i], cells.c0[i], cells.c1[i], cells.m[i] - mean[i]});
+  if (!normalization_) normalization_.emplace(cells.width, cells.height);
+  wanted_ = {0, brightest.empty()};
+  if (!wanted_.dark) {
+    // The mean over ranks around the quantile, half of what lies above it wide on either side.
+    std::sort(brightest.begin(), brightest.end());
+    const auto total = static_cast<double>(brightest.size());
+    const double center = params_.quantile * total, reach = std::max((total - center) / 2, 0.5);
+    const double low = std::clamp(center - reach, 0.0, total - 0.5);
+    const double high = std::min(center + reach, total);
+    double sum = 0;
+    for (std::size_t i = 0; i < brightest.size(); ++i) {
+      const auto rank = static_cast<double>(i);
+      sum += std::max(std::min(rank + 1, high) - std::max(rank, low), 0.0) * brightest[i];
+    }
+    wanted_.offset = -sum / (high - low);
+  }
+  return normalization_->update(states, wanted_, carries, params_.white_level);
+}
+
+}  // namespace inverse::reference

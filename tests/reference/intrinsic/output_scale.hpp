@@ -1,0 +1,39 @@
+// The scale in which intrinsicdecomp's layers go out, R c and S / c, in double precision. This is
+// the specification of kernels/intrinsic/output/output_scale, which counts in bins of 1/32 where
+// this sorts.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "intrinsic_features.hpp"
+#include "tests/reference/solve/scale_normalization.hpp"
+
+namespace inverse::reference {
+
+/// Names and defaults are those of kernels/intrinsic.
+struct ScaleParams {
+  double quantile = 0.98;
+  double white_level = 0.9;
+};
+
+inline constexpr double kBrightnessReach = 8;  ///< ln max_c R counts from −8 to 8.
+inline constexpr double kDarkest = -3.9;       ///< ln max_c I of a cell that still counts.
+
+class OutputScale {
+ public:
+  explicit OutputScale(const ScaleParams& params) : params_(params) {}
+
+  /// ln c of a frame with this guide and log shading (of its pixels). Alone, a frame asks for what
+  /// brings the mean of ln max_c R around its quantile over the cells to the white level.
+  double update(const Guide& guide, const std::vector<double>& log_shading, bool carries);
+  /// ln c less ln(white level) that the last frame asks for.
+  const ScaleNormalization::Wanted& wanted() const { return wanted_; }
+
+ private:
+  ScaleParams params_;
+  ScaleNormalization::Wanted wanted_;
+  std::optional<ScaleNormalization> normalization_;
+};
+
+}  // namespace inverse::reference
