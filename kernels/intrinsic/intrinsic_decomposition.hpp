@@ -80,9 +80,7 @@ class IntrinsicDecomposition {
                 const FrameInfo& info);
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
   /// one of the frame before; null: all.
-  const TileList* drawn() const {
-    return listed() ? &active_.drawn() : nullptr;
-  }
+  const TileList* drawn() const { return listed() ? &active_.drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
     history_ = false;

@@ -62,11 +62,11 @@ void ScaleNormalization::record(gpu::Commands& commands, const Frame& frame) {
     uint32_t points;
     float log_white;
     uint32_t history, frozen;
-  } update{follows ? points : 0, std::log(frame.white_level),
-           static_cast<uint32_t>(frame.history), frame.frozen ? 1U : 0U};
-  commands.dispatch(update_,
-                    {samples_, frame.wanted, frame.decision ? frame.decision : frame.wanted, scale_},
-                    update, {});
+  } update{follows ? points : 0, std::log(frame.white_level), static_cast<uint32_t>(frame.history),
+           frame.frozen ? 1U : 0U};
+  commands.dispatch(
+      update_, {samples_, frame.wanted, frame.decision ? frame.decision : frame.wanted, scale_},
+      update, {});
   before_.swap(now_);
   followed_ = true;
 }

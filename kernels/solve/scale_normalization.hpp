@@ -31,8 +31,8 @@ class ScaleNormalization {
   /// `cells`: the size of the planes that points are followed on.
   ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
-  /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log ratios
-  /// of its color, mean log reflectance in the solver's scale.
+  /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log
+  /// ratios of its color, mean log reflectance in the solver's scale.
   const gpu::BufferPtr& cells() const { return now_; }
   /// Records the scale of the frame whose cells were just written.
   void record(gpu::Commands& commands, const Frame& frame);

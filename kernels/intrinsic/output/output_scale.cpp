@@ -35,8 +35,8 @@ void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu:
                     line_of(guide.cell_extent().pixels()));
   commands.dispatch(wanted_kernel_, {counts_, wanted_}, std::clamp(params.quantile, 0.0F, 1.0F),
                     {});
-  normalization_.record(commands, {wanted_, decision, history,
-                                   std::clamp(params.white_level, 0.05F, 1.0F), frozen});
+  normalization_.record(
+      commands, {wanted_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), frozen});
 }
 
 }  // namespace inverse

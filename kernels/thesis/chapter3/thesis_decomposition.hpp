@@ -58,7 +58,8 @@ class ThesisDecomposition {
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
   /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. The first frame's R
-  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale. Returns the frame's number for `stats`.
+  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale.
+  /// Returns the frame's number for `stats`.
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
 
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
