@@ -36,11 +36,11 @@ void LayerDistance::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
   const std::array<uint32_t, 2> size{extent_.width, extent_.height};
   commands.dispatch(compare_, {frame, one, other, sums_}, size, strips_of(extent_));
   commands.dispatch(total_, {sums_, sum_}, static_cast<uint32_t>(sums_->count()), {});
-  commands.copy(sum_, found_[slot % found_.size()], sum_->bytes());
+  commands.copy(sum_, found_[slot], sum_->bytes());
 }
 
 float LayerDistance::value(uint64_t slot) const {
-  const float* sum = found_[slot % found_.size()]->map_as<float>();
+  const float* sum = found_[slot]->map_as<float>();
   if (!(sum[0] > 0)) return 0;
   const float mean = sum[1] / sum[0];
   return std::sqrt(std::max(sum[2] / sum[0] - mean * mean, 0.0F));

@@ -24,7 +24,7 @@ class LayerDistance {
   Extent extent_;
   gpu::KernelPtr compare_, total_;
   gpu::BufferPtr sums_, sum_;
-  std::array<gpu::BufferPtr, gpu::kFramesInFlight> found_;
+  gpu::FrameRing<gpu::BufferPtr> found_;
   bool cleared_ = false;  // the sums' unused slots
 };
 

@@ -215,7 +215,7 @@ GlobalThesis::Push GlobalThesis::push_for() const {
 }
 
 GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
-  Readback& readback = readback_[number % readback_.size()];
+  Readback& readback = readback_[number];
   if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
   clear(readback, epoch_);
   return readback;
@@ -361,7 +361,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
 
 void GlobalThesis::collect(uint64_t frame) {
   if (frame >= recorded_ || frame + readback_.size() < recorded_) return;
-  Readback& readback = readback_[frame % readback_.size()];
+  Readback& readback = readback_[frame];
   if (readback.collected) return;
   readback.collected = true;
   if (readback.refining) system_pending_ = false;
@@ -392,7 +392,7 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   if (frame >= recorded_ || frame + readback_.size() < recorded_) {
     throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
   }
-  const Readback& readback = readback_[frame % readback_.size()];
+  const Readback& readback = readback_[frame];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   if (readback.compared) stats.change = values[4 * kChangeAt];

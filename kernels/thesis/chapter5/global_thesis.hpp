@@ -198,7 +198,7 @@ class GlobalThesis {
   gpu::BufferPtr trace_, residuals_, reflectances_, outer_partials_, system_, score_;
   std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
   int slots_ = 0;
-  std::array<Readback, gpu::kFramesInFlight> readback_;
+  gpu::FrameRing<Readback> readback_;
   Readback colors_readback_;     // of record_colors
   Readback* current_ = nullptr;  // of the frame being recorded
   uint64_t recorded_ = 0;        // frames since construction

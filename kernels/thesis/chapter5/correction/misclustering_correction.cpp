@@ -98,7 +98,7 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
   if (method.extent() != extent_)
     throw Error(ErrorKind::internal, "the correction was made for another frame size");
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   // Nobody collected that frame: once more.
   if (frame.pending && job_ && frame.job == jobs_) job_->candidates.push_back(frame.candidate);
   frame.pending = false;
@@ -126,7 +126,7 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
 std::optional<MisclusteringCorrection::Result> MisclusteringCorrection::collect(
     uint64_t number, MarkedRegions& regions) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return {};
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (!frame.pending) return {};
   frame.pending = false;
   if (!job_ || frame.job != jobs_) return {};

@@ -84,7 +84,7 @@ class MisclusteringCorrection {
   std::vector<RegionName> hopeless_;  ///< regions without candidates
   std::vector<int> told_hopeless_;    ///< those not asked for yet
   std::vector<RegionName> thin_;      ///< not to be seen in a smaller frame
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   uint64_t recorded_ = 0;
 };
 

@@ -59,7 +59,7 @@ uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& me
   if (method.extent() != extent_)
     throw Error(ErrorKind::internal, "the proposals were made for another frame size");
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   frame.pending = false;
   change(mode, regions);
   if (mode == Mode::off) {
@@ -96,7 +96,7 @@ uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& me
 std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
                                                                 MarkedRegions& regions) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return {};
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (!frame.pending) return {};
   frame.pending = false;
   if (frame.epoch != epoch_) return {};

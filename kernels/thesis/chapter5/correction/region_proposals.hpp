@@ -86,7 +86,7 @@ class RegionProposals {
   int factor_ = 1;
   gpu::KernelPtr survey_;
   gpu::BufferPtr pixels_;
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   std::vector<Seen> seen_;
   uint64_t recorded_ = 0, due_ = 0;
   uint32_t epoch_ = 0;     // resets

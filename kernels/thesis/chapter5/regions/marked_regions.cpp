@@ -125,7 +125,7 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
     clear_ = false;
   }
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   frame.epoch = epoch_;
   frame.collected = false;
   auto* orders = frame.orders->map_as<uint32_t>();
@@ -168,7 +168,7 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
 
 void MarkedRegions::collect(uint64_t number) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (frame.collected) return;
   frame.collected = true;
   if (frame.epoch != epoch_) return;

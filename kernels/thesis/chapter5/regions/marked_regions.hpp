@@ -103,7 +103,7 @@ class MarkedRegions {
   Extent extent_;
   gpu::KernelPtr start_, join_, probe_, click_, mark_;
   gpu::BufferPtr roots_, claims_, plane_, clusters_, counts_;
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   std::vector<Region> regions_;  // by number
   std::vector<Click> waiting_;   // for the next frame
   std::vector<Lost> lost_;       // not asked for yet
