@@ -6,6 +6,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/image_tiles_list_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -43,7 +44,7 @@ class TileList {
 
  private:
   uint32_t columns_, rows_, workgroup_;
-  gpu::KernelPtr list_;
+  gpu::Program<shaders::image_tiles_list_tiles> list_;
   gpu::BufferPtr flags_, words_;
 };
 
