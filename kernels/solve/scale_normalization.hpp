@@ -3,6 +3,8 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/solve_scale_track.spv.hpp"
+#include "kernels/solve_scale_update.spv.hpp"
 
 namespace inverse {
 
@@ -48,7 +50,8 @@ class ScaleNormalization {
   Extent cells_;
   uint32_t columns_, rows_;  // of points
   float spacing_;            // cells from point to point
-  gpu::KernelPtr track_, update_;
+  gpu::Program<shaders::solve_scale_track> track_;
+  gpu::Program<shaders::solve_scale_update> update_;
   gpu::BufferPtr before_, now_, scale_, points_, samples_;
   bool cleared_ = false;
   bool followed_ = false;  // `before_` is of the frame before

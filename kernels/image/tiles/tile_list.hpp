@@ -6,6 +6,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/image_tiles_list_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -43,7 +44,7 @@ class TileList {
 
  private:
   uint32_t columns_, rows_, workgroup_;
-  gpu::KernelPtr list_;
+  gpu::Program<shaders::image_tiles_list_tiles> list_;
   gpu::BufferPtr flags_, words_;
 };
 
@@ -51,9 +52,45 @@ class TileList {
 /// is.
 std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns);
 
-/// A kernel that runs over a whole frame or over the tiles of a list. The list is its last binding;
-/// its last two constants are how many invocations a tile has across and down; 0 where it only runs
-/// over whole frames.
+/// A kernel that runs over a whole frame or over the tiles of a list, which it gets here. A tile
+/// has `across` x `down` invocations; 0 where it only runs over whole frames.
+template <typename Shader>
+class TileProgram {
+ public:
+  TileProgram() = default;
+  TileProgram(const std::shared_ptr<gpu::Device>& device, typename Shader::Constants constants,
+              uint32_t across, uint32_t down)
+      : whole_(device, constants),
+        items_(across * down),
+        nothing_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
+    if (items_ == 0) return;
+    constants.tile_across = across;
+    constants.tile_down = down;
+    listed_ = {device, constants};
+  }
+
+  /// Records it over the tiles of `listed`, or over `whole` where that is null.
+  template <typename Push = typename Shader::Push>
+  void dispatch(gpu::Commands& commands, const TileList* listed, typename Shader::Buffers buffers,
+                const Push& push, gpu::Items whole) const {
+    buffers.list = listed ? listed->words() : nothing_;
+    if (listed)
+      commands.dispatch_indirect(listed_, buffers, push, listed->words(),
+                                 TileList::arguments(items_));
+    else
+      commands.dispatch(whole_, buffers, push, whole);
+  }
+  const gpu::KernelPtr& whole() const { return whole_.kernel(); }
+
+ private:
+  gpu::Program<Shader> whole_, listed_;
+  uint32_t items_ = 0;      // invocations a tile
+  gpu::BufferPtr nothing_;  // in the list's place
+};
+
+/// By position, until all calls are by name: a kernel that runs over a whole frame or over the
+/// tiles of a list. The list is its last binding; its last two constants are how many invocations a
+/// tile has across and down; 0 where it only runs over whole frames.
 class TileKernel {
  public:
   TileKernel() = default;
