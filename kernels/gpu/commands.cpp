@@ -210,19 +210,6 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers
   ++dispatches_;
 }
 
-namespace {
-std::vector<Binding> by_position(std::span<const BufferPtr> buffers) {
-  std::vector<Binding> bindings;
-  for (const BufferPtr& buffer : buffers) bindings.emplace_back(aliased(buffer));
-  return bindings;
-}
-}  // namespace
-
-void Commands::dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
-                        std::span<const std::byte> push, Items items) {
-  run(kernel, by_position(buffers), push, items);
-}
-
 void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
                    std::span<const std::byte> push, Items items) {
   if (!items.x || !items.y || !items.z) return;
@@ -237,12 +224,6 @@ void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
   prepare(kernel, buffers, push);
   vkCmdDispatch(buffer_, groups, items.y, items.z);
   if (stage_every_dispatch_) stage(kernel->name());
-}
-
-void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
-                                 std::span<const std::byte> push, const BufferPtr& arguments,
-                                 uint64_t offset) {
-  run_indirect(kernel, by_position(buffers), push, arguments, offset);
 }
 
 void Commands::run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,

@@ -70,23 +70,6 @@ class Commands {
                  offset);
   }
 
-  // By position, until all calls are by name. `buffers[i]` goes to binding i.
-  void dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
-                std::span<const std::byte> push, Items items);
-  template <typename Push>
-  void dispatch(const KernelPtr& kernel, std::initializer_list<BufferPtr> buffers, const Push& push,
-                Items items) {
-    static_assert(std::is_trivially_copyable_v<Push> && sizeof(Push) <= Kernel::kPushBytes);
-    dispatch(kernel, std::span(buffers.begin(), buffers.size()), std::as_bytes(std::span(&push, 1)),
-             items);
-  }
-  void dispatch(const KernelPtr& kernel, std::initializer_list<BufferPtr> buffers, Items items) {
-    dispatch(kernel, std::span(buffers.begin(), buffers.size()), {}, items);
-  }
-  void dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
-                         std::span<const std::byte> push, const BufferPtr& arguments,
-                         uint64_t offset = 0);
-
   /// Records kernels that the device leaves out where the word at `offset` bytes of `condition` is
   /// 0 when it comes to them; all of them run on a device that cannot
   /// (`Device::variant().conditional`). What a kernel left out would have written stays as it was.

@@ -186,8 +186,8 @@ def main():
     if interfaces[0].named() != interfaces[1].named():
         sys.exit(f"{source}: the variants differ in what they declare")
     entry = f'{{"{name}", {", ".join(embedded)}}};'
-    text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source, {name};",
-             f"const gpu::KernelSource {name}_source{entry}", f"const gpu::KernelSource {name}{entry}", "}"]
+    text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source;",
+             f"const gpu::KernelSource {name}_source{entry}", "}"]
     write_if_changed(pathlib.Path(output_header), [
         origin, "#pragma once", "#include <cstddef>", '#include "kernels/gpu/binding.hpp"', "namespace inverse::shaders {",
         *header(name, interfaces[0], glsl_constants(dependencies)), "}"])

@@ -13,9 +13,11 @@ namespace {
 using Row = MeshView::Row;
 using Turn = std::array<Row, 3>;
 
-// The grids on the ground, as in occlude.comp: pixels a unit, and of a side.
-constexpr uint32_t kPerUnit = 16, kHeights = 2 * kPerUnit, kOcclusion = 4 * kPerUnit;
-constexpr float kReach = 2;  // of the shadow, in radii
+// The grids on the ground: pixels a unit, and of a side.
+using Ground = shaders::raster_occlude;
+constexpr auto kPerUnit = static_cast<uint32_t>(Ground::kPerUnit);
+constexpr uint32_t kHeights = Ground::kHeights, kOcclusion = Ground::kOcclusion;
+constexpr float kReach = Ground::kReach;  // of the shadow, in radii
 
 constexpr float kRadian = std::numbers::pi_v<float> / 180;
 

@@ -8,12 +8,6 @@ namespace {
 
 using List = shaders::image_tiles_list_tiles;
 
-std::vector<uint32_t> with(std::vector<uint32_t> constants, uint32_t across, uint32_t down) {
-  constants.push_back(across);
-  constants.push_back(down);
-  return constants;
-}
-
 }  // namespace
 
 TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gpu::Memory memory)
@@ -59,12 +53,5 @@ std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t colum
     }
   return spread;
 }
-
-TileKernel::TileKernel(const std::shared_ptr<gpu::Device>& device, const gpu::KernelSource& source,
-                       const std::vector<uint32_t>& constants, uint32_t across, uint32_t down)
-    : whole_(device->kernel(source, with(constants, 0, 0))),
-      listed_(across > 0 ? device->kernel(source, with(constants, across, down)) : nullptr),
-      items_(across * down),
-      nothing_(gpu::Buffer::create(device, gpu::Element::word, 1)) {}
 
 }  // namespace inverse

@@ -1,5 +1,4 @@
 #pragma once
-#include <initializer_list>
 #include <memory>
 #include <span>
 #include <vector>
@@ -84,36 +83,6 @@ class TileProgram {
 
  private:
   gpu::Program<Shader> whole_, listed_;
-  uint32_t items_ = 0;      // invocations a tile
-  gpu::BufferPtr nothing_;  // in the list's place
-};
-
-/// By position, until all calls are by name: a kernel that runs over a whole frame or over the
-/// tiles of a list. The list is its last binding; its last two constants are how many invocations a
-/// tile has across and down; 0 where it only runs over whole frames.
-class TileKernel {
- public:
-  TileKernel() = default;
-  TileKernel(const std::shared_ptr<gpu::Device>& device, const gpu::KernelSource& source,
-             const std::vector<uint32_t>& constants, uint32_t across, uint32_t down);
-
-  /// Records it over the tiles of `listed`, or over `whole` where that is null.
-  template <typename Push>
-  void dispatch(gpu::Commands& commands, const TileList* listed,
-                std::initializer_list<gpu::BufferPtr> buffers, const Push& push,
-                gpu::Items whole) const {
-    std::vector<gpu::BufferPtr> all(buffers);
-    all.push_back(listed ? listed->words() : nothing_);
-    const auto bytes = std::as_bytes(std::span(&push, 1));
-    if (listed)
-      commands.dispatch_indirect(listed_, all, bytes, listed->words(), TileList::arguments(items_));
-    else
-      commands.dispatch(whole_, all, bytes, whole);
-  }
-  const gpu::KernelPtr& whole() const { return whole_; }
-
- private:
-  gpu::KernelPtr whole_, listed_;
   uint32_t items_ = 0;      // invocations a tile
   gpu::BufferPtr nothing_;  // in the list's place
 };

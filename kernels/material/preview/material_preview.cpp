@@ -5,7 +5,7 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 4;      // preview.comp
+constexpr uint32_t kRows = shaders::material_preview_preview::kRows;
 constexpr float kMargin = 0.06F;   // to the frame's borders, of the diameter
 constexpr float kSmallest = 2.0F;  // pixels across
 

@@ -5,7 +5,8 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kSide = 65, kLevels = 13;  // lobe.glsl
+constexpr uint32_t kSide = shaders::relight_lobe_lobes::kSide,
+                   kLevels = shaders::relight_lobe_lobes::kLevels;
 constexpr uint64_t kEntries = uint64_t{kSide} * kSide * kLevels;
 
 gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,

@@ -6,7 +6,8 @@ namespace inverse {
 namespace {
 
 using Models = RelightModels;
-constexpr uint32_t kLightSize = 8, kAtOnce = 4;  // light_head.glsl
+constexpr uint32_t kLightSize = shaders::relight_network_head_sum::kLightSize;
+constexpr uint32_t kAtOnce = 4;  // light_head.glsl
 constexpr uint32_t kHiddenBlocks = Models::kHidden / 4;
 
 Extent padded(Extent extent) {

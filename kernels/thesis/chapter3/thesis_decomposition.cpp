@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kBlock = 16;            // Schwarz
 constexpr uint32_t kBlockGroup = 64;  // invocations that solve one block
-constexpr uint32_t kStrip = 8;        // pixels an invocation of the strip kernels
-constexpr uint32_t kOneGroup = 128;   // invocations of the kernels that run as one workgroup
-constexpr uint64_t kScalars = 6;      // as in scalars.comp
+constexpr uint32_t kStrip = shaders::thesis_chapter3_direction::kStrip;
+constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as one workgroup
+constexpr uint64_t kScalars = 6;     // as in scalars.comp
 constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
 // Layout of a readback buffer, in vec4: scale, scalars, palette, trace.
 constexpr uint64_t kScalarsAt = 1, kColorsAt = 3, kTraceAt = kColorsAt + kColors;

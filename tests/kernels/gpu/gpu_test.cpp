@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 
@@ -87,6 +86,21 @@ TEST_F(DeviceTest, WhatRunsAlwaysIsRefusedInsideOfACondition) {
   EXPECT_THROW(commands.when(word, 0, [&] { commands.when(word, 0, [] {}); }), Error);
   commands.begin();
   EXPECT_NO_THROW(commands.fill(word));
+  commands.submit();
+  commands.wait();
+}
+
+TEST_F(DeviceTest, OneBufferIsBoundTwiceOnPurposeOnly) {
+  const auto buffer = gpu::Buffer::create(device, gpu::Element::vec4, 4);
+  const gpu::Program<shaders::image_halve> halve(device);
+  gpu::Commands commands(device);
+  commands.begin();
+  EXPECT_THROW(
+      commands.dispatch(halve, {.fine = buffer, .coarse = buffer}, {.fine_size = {2, 2}}, {1}),
+      Error);
+  commands.begin();
+  EXPECT_NO_THROW(commands.dispatch(halve, {.fine = gpu::aliased(buffer), .coarse = buffer},
+                                    {.fine_size = {2, 2}}, {1}));
   commands.submit();
   commands.wait();
 }
