@@ -13,6 +13,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "log.hpp"
 #include "property_table.hpp"
 
 namespace inverse {
@@ -65,6 +66,9 @@ struct FrameWork {
 class Filter {
  public:
   virtual ~Filter() = default;
+  /// Where it logs: into the category of its element. The base sets it before all other calls.
+  const Log& log() const { return log_; }
+  void set_log(const Log& log) { log_ = log; }
   virtual PropertyStore& parameters() = 0;
   /// READY → PAUSED, before any frame, from the application's thread: reads files. What it throws
   /// becomes an element error, and the element does not start.
@@ -117,6 +121,9 @@ class Filter {
   /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
   /// back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
+
+ private:
+  Log log_ = log_of(nullptr);
 };
 
 /// All that makes an element out of a Filter.

@@ -30,11 +30,8 @@ class FilterElement {
   bool set_caps(GstCaps* in, GstCaps* out);
   /// Takes one buffer through the filter into `out`, which has memory only where pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
-  /// The next frame starts afresh.
-  void flush() {
-    fresh_ = true;
-    filter_->flushed();
-  }
+  /// The next frame starts afresh; `reason` is for the log.
+  void flush(const char* reason);
   /// The stream ended, or will stop.
   void ended();
   /// Has the filter write the light that it found; posts a warning and returns false where it
@@ -43,6 +40,7 @@ class FilterElement {
   /// Downstream said how late a frame was (negative: early). From any thread.
   void late(double milliseconds);
 
+  const Log& log() const { return log_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
   /// A configured pool for images, where images go out; posts one error and returns null where
@@ -90,6 +88,8 @@ class FilterElement {
   GstClockTime stream_time(GstBuffer* in) const;
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
+  /// Waits until a frame's work on the device is done.
+  void wait(Slot& slot, const char* reason);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
   /// So with all slots, the oldest first; what goes wrong is logged.
@@ -98,6 +98,7 @@ class FilterElement {
   std::optional<double> take_lateness();
 
   GstElement* element_;
+  Log log_;
   const ElementInfo& info_;
   std::unique_ptr<Filter> filter_;
   DeviceContext context_;

@@ -42,7 +42,8 @@ struct DecomposerParams {
 /// while repeats go on (FrameWork::hold).
 class Decomposer : public Filter {
  public:
-  explicit Decomposer(std::span<const double> level_costs) : trade_(level_costs) {}
+  explicit Decomposer(std::span<const double> level_costs)
+      : trade_(level_costs), logged_level_(trade_.level()) {}
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
   void process(FrameWork& frame) final;
@@ -119,7 +120,12 @@ class Decomposer : public Filter {
  private:
   static std::vector<Choice> show_choices(Makes makes);
   static std::vector<Choice> quality_choices(const QualityText& text);
-  bool keeps(const FrameWork& frame, const Settings& settings);
+  /// Whether a frame keeps the layers of the one before, and why, for the log.
+  struct Decision {
+    bool keep;
+    const char* reason;
+  };
+  Decision decide(const FrameWork& frame, const Settings& settings);
   void draw(FrameWork& frame, const Settings& settings);
 
   /// What became of one of the last frames.
@@ -147,6 +153,7 @@ class Decomposer : public Filter {
   std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
   uint64_t kept_ = 0;                          // frames since `configure`
   LiveTrade trade_;
+  size_t logged_level_;
 };
 
 /// A decomposer whose frames all go through one object of the method, made anew for each size:

@@ -89,28 +89,33 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
         number<P>("amount", &P::amount, 0.f, 2.f,
                   "How much light that surfaces send reaches others, as a factor of what the frame "
                   "shows of them; 0 = measured, as stats tell with a confidence"),
-        number<P>("typical-amount", &P::typical, 0.05f, 2.f,
-                  "The amount of a scene whose colors say nothing of it; one without color has "
-                  "none (amount 0)"),
-        number<P>("trust", &P::trust, 0.f, 100.f,
-                  "How much the scene's colors count beside typical-amount when it is measured; 0 "
-                  "= not, and "
-                  "bounced light is gray"),
+        tuning(
+            number<P>("typical-amount", &P::typical, 0.05f, 2.f,
+                      "The amount of a scene whose colors say nothing of it; one without color has "
+                      "none (amount 0)")),
+        tuning(number<P>(
+            "trust", &P::trust, 0.f, 100.f,
+            "How much the scene's colors count beside typical-amount when it is measured; 0 "
+            "= not, and "
+            "bounced light is gray")),
         number<P>("white-balance", &P::white_balance, 0.f, 1.f,
                   "Share of the lamps' color, as the frame lets guess it, that is taken out of "
                   "reflectance first; 0 = lamps are white"),
         number<P>("base-colors", &P::base_colors, 1, static_cast<int>(kMaxBases),
                   "Base colors at most; as many layers of bounced light are made as there are"),
-        number<P>("reach", &P::reach, 0.02f, 2.f,
-                  "How far surfaces light each other: standard deviation, of the frame's width"),
-        number<P>("near", &P::near, 0.f, 1.f,
-                  "Share of that light beside light that comes from all over the frame"),
-        number<P>("renew", &P::renew, 0.01f, 1.f,
-                  "Share of the newest frame in what is measured of the scene: amount and base "
-                  "colors; 1 = follows every frame"),
-        number<P>("cut-chroma", &P::cut, 0.f, 1.f,
-                  "Mean change of chroma, in halves of a natural log unit, from which on a frame "
-                  "counts as a cut of the scene for all of this"),
+        tuning(number<P>(
+            "reach", &P::reach, 0.02f, 2.f,
+            "How far surfaces light each other: standard deviation, of the frame's width")),
+        tuning(number<P>("near", &P::near, 0.f, 1.f,
+                         "Share of that light beside light that comes from all over the frame")),
+        tuning(
+            number<P>("renew", &P::renew, 0.01f, 1.f,
+                      "Share of the newest frame in what is measured of the scene: amount and base "
+                      "colors; 1 = follows every frame")),
+        tuning(number<P>(
+            "cut-chroma", &P::cut, 0.f, 1.f,
+            "Mean change of chroma, in halves of a natural log unit, from which on a frame "
+            "counts as a cut of the scene for all of this")),
     };
   }
 };

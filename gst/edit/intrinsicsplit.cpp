@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gst/base/caps.hpp"
+#include "gst/base/log.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;
@@ -208,6 +209,7 @@ namespace inverse {
 
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin) {
+  debug_category("intrinsicsplit", "Layers of decomposed video as video of their own");
   return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE, split_type());
 }
 

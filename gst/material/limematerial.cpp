@@ -68,18 +68,18 @@ const PropertyTable<Params>& table() {
           "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
           "Frames over which the material is averaged, at most (thesis Eq. 6.5), and views over "
           "which the light is (one estimate in four): lower where the camera turns"),
-      number<P>(
+      tuning(number<P>(
           "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
           "A diffuse albedo that is so far from the average (largest channel, linear) for "
           "five frames is of another object: averaging starts anew; so it does for a specular "
-          "albedo twice as far, and a sixth of log2 of the shininess three times as far"),
+          "albedo twice as far, and a sixth of log2 of the shininess three times as far")),
       flag<P>(
           "adaptive", &P::adaptive,
           "Leave out what cannot matter: all networks but the one that looks for the object while "
           "there is none, or one that rests and whose material is known; that one, too, where "
           "the picture rests; and drawing again what nothing else became known of"),
-      number<P>("recheck", &P::recheck, 1, 1000,
-                "The material of an object that rests is estimated every so many frames"),
+      tuning(number<P>("recheck", &P::recheck, 1, 1000,
+                       "The material of an object that rests is estimated every so many frames")),
       flag<P>("light", &P::tell_light,
               "Estimate the light around the object, for GstMaterialMeta and save-environment; "
               "show=preview and environment-location do without being asked"),
@@ -100,10 +100,11 @@ const PropertyTable<Params>& table() {
           "Radiance file (.hdr) that is written, in place of one that is there: the light, when "
           "the stream ends or stops; empty = none. (materialclone's is read)",
           Mutable::ready),
-      number<P>("steady", &P::steady, 0, 1,
-                "A material is known when its standard error (of albedos; of log2 of the "
-                "shininess, a sixth) is below this, and the last estimates differ from it by no "
-                "more (and by what they scatter)"),
+      tuning(number<P>(
+          "steady", &P::steady, 0, 1,
+          "A material is known when its standard error (of albedos; of log2 of the "
+          "shininess, a sixth) is below this, and the last estimates differ from it by no "
+          "more (and by what they scatter)")),
   };
   return table;
 }
@@ -132,7 +133,9 @@ class LimeElement final : public Filter {
 
   void start() override {
     const Params params = parameters_.snapshot();
-    models_ = LimeModels::load(models_folder(params.models, "lime"));  // files may be others
+    const std::string folder = models_folder(params.models, "lime");
+    models_ = LimeModels::load(folder);  // files may be others
+    GST_CAT_INFO_OBJECT(log().category, log().object, "read networks of %s", folder.c_str());
     if (!params.environment_location.empty())
       Environment::check_target(params.environment_location);
     {
@@ -147,6 +150,8 @@ class LimeElement final : public Filter {
       std::string warning;
       normal_map_ = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map, warning));
       if (!warning.empty()) warnings_.push_back(warning);
+      GST_CAT_INFO_OBJECT(log().category, log().object, "read normals of %s",
+                          params.normal_map.c_str());
     }
     told_.reset();
     written_ = true;  // until there is a frame

@@ -17,7 +17,7 @@ inline constexpr std::array kMaterialNews{"diffuse-albedo", "specular-albedo", "
 template <typename P>
 class MaterialProperties final : public PropertyStore {
  public:
-  explicit MaterialProperties(const PropertyTable<P>& table) : own_(table), count_(table.size()) {}
+  explicit MaterialProperties(const PropertyTable<P>& table) : own_(table), count_(own_.size()) {}
 
   P snapshot() const { return own_.snapshot(); }
   /// What is known now; nothing where there is no object.
@@ -64,6 +64,8 @@ class MaterialProperties final : public PropertyStore {
     }
   }
   void set(size_t index, const GValue* value) override { own_.set(index, value); }
+  std::string misconfigured() const override { return own_.misconfigured(); }
+  std::string tuning_entries_text() const override { return own_.tuning_entries_text(); }
 
  private:
   Parameters<P> own_;

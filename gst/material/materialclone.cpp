@@ -63,10 +63,10 @@ const PropertyTable<Params>& table() {
           "Turn in the picture (at yaw and pitch 0), degrees counterclockwise"),
       number<P>("spin", &P::spin, -3600, 3600,
                 "Added to yaw with time, degrees a second of stream time"),
-      number<P>(
+      tuning(number<P>(
           "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
           "How far the camera looks down on the ground on which the object stands, degrees; 0: its "
-          "shadow cannot be seen"),
+          "shadow cannot be seen")),
       flag<P>(
           "drag", &P::drag,
           "Follow the mouse: the object goes where its first button is pressed, and with it until "
@@ -86,10 +86,10 @@ const PropertyTable<Params>& table() {
           "shadow", [](P& p) -> float& { return p.place.shadow; }, 0, 1,
           "Darkness of the object's shadow on the ground: 0 none, 1 all light of an even sky that "
           "it keeps away"),
-      number<P>(
+      tuning(number<P>(
           "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
           "How soft the shadow is where the object touches the ground: so much of its radius it "
-          "counts as higher up"),
+          "counts as higher up")),
       choice<P>("source", &P::source, "GstInverseMaterialFrom",
                 {{static_cast<int>(MaterialFrom::stream), "stream",
                   "What limematerial says of the frame; while it has no object, the last that it "
@@ -125,6 +125,10 @@ class CloneElement final : public Filter {
     if (!warning.empty()) warnings_.push_back(warning);
     light_.start(params.environment_location, warning);
     if (!warning.empty()) warnings_.push_back(warning);
+    GST_CAT_INFO_OBJECT(log().category, log().object, "mesh: %s; light: %s",
+                        params.mesh.empty() ? "a sphere" : params.mesh.c_str(),
+                        params.environment_location.empty() ? "that of the stream"
+                                                            : params.environment_location.c_str());
     seen_.reset();
     warned_ = timeless_ = false;
     told_size_ = false;

@@ -117,15 +117,16 @@ const PropertyTable<Params>& table() {
       number<P>(
           "light-z", [](P& p) -> float& { return p.light[2]; }, -1e6F, 1e6F,
           "z of light-direction: to the camera"),
-      number<P>(
+      tuning(number<P>(
           "noise", [](P& p) -> float& { return p.lobe.noise; }, 1e-6F, 1,
           "Linear light of A + B, 1 = full scale, that is as good as noise: where there is no "
           "more, "
-          "directions are not trusted and light is taken to be given back from everywhere"),
-      number<P>("max-error", &P::max_error, 0, 1,
-                "How far a relit picture may be from the sum over all lights of the stage, mean "
-                "absolute difference over the mean, as far as 1600 of its pixels tell. The network "
-                "evaluates few lights, chosen to stay within it; 0 = all"),
+          "directions are not trusted and light is taken to be given back from everywhere")),
+      tuning(number<P>(
+          "max-error", &P::max_error, 0, 1,
+          "How far a relit picture may be from the sum over all lights of the stage, mean "
+          "absolute difference over the mean, as far as 1600 of its pixels tell. The network "
+          "evaluates few lights, chosen to stay within it; 0 = all")),
       flag<P>("adaptive", &P::adaptive,
               "Leave out what cannot be seen: most lights (max-error), and all that was done "
               "before where a picture comes again. false: all lights, one by one, at every pixel"),
@@ -147,12 +148,17 @@ class RelightElement final : public Filter {
       stage_ = std::make_shared<const RelightStage>(std::move(lights));
       gradient_ = program.colors(LightStep{StepKind::gradient_a, 0, {}, {}, {}});
       program_ = params.program;
+      GST_CAT_INFO_OBJECT(log().category, log().object, "light program \"%s\": %s",
+                          program_.c_str(), program.name.c_str());
     }
     told_of_stage_ = told_of_gray_ = false;
     model_ = params.model;
     models_.reset();  // files may be others
-    if (model_ == Relighting::Model::network)
-      models_ = RelightModels::load(models_folder(params.models, "olat"));
+    if (model_ == Relighting::Model::network) {
+      const std::string folder = models_folder(params.models, "olat");
+      models_ = RelightModels::load(folder);
+      GST_CAT_INFO_OBJECT(log().category, log().object, "read networks of %s", folder.c_str());
+    }
     load(params.environment);
   }
 
@@ -260,6 +266,7 @@ class RelightElement final : public Filter {
     map_ = LightCells::map(environment);
     environment_path_ = path;
     environment_name_ = path.empty() ? "studio" : path;
+    GST_CAT_INFO_OBJECT(log().category, log().object, "light: %s", environment_name_.c_str());
     if (!warning.empty()) pending_warning_ = warning;
     if (method_) method_->set_environment(map_);
   }

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "common/error.hpp"
+#include "gst/base/log.hpp"
 
 namespace inverse {
 namespace {
@@ -158,9 +159,11 @@ GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, i
   missed_ += missed;
   ++frames_;
   if (missed)
-    GST_INFO_OBJECT(element,
-                    "%" G_GUINT64_FORMAT " frames missing before number %" G_GUINT64_FORMAT, missed,
-                    frame.id);
+    GST_CAT_INFO_OBJECT(log_of(GST_ELEMENT(element)).category, element,
+                        "%" G_GUINT64_FORMAT " frames missing before number %" G_GUINT64_FORMAT,
+                        missed, frame.id);
+  GST_CAT_LOG_OBJECT(log_of(element).category, element,
+                     "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, frame.id, buffer);
   return buffer;
 }
 
@@ -173,12 +176,12 @@ void AravisSource::tell_incomplete(GstElement* element, Lock& lock) {
   told_ = 10 * bad;
   const uint64_t good = frames_;
   lock.unlock();
-  GST_ELEMENT_WARNING(
-      element, RESOURCE, READ,
-      ("%" G_GUINT64_FORMAT " frames of the camera %s did not come whole (%" G_GUINT64_FORMAT
-       " did)",
-       bad, camera->name().c_str(), good),
-      ("lower the frame rate or the size, or raise net.core.rmem_max and the packet size"));
+  post_warning(log_of(element), GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
+               "%" G_GUINT64_FORMAT
+               " frames of the camera %s did not come whole (%" G_GUINT64_FORMAT
+               " did); lower the frame rate or the size, or raise net.core.rmem_max and the packet "
+               "size",
+               bad, camera->name().c_str(), good);
   lock.lock();
 }
 

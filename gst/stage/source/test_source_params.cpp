@@ -27,21 +27,23 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
               "in place of the program's steps; where its lights and their channels are still says "
               "the program. Empty: nothing is heard",
               kReady),
-      number<P>("universe", &P::universe, 1, 63999,
-                "With listen: the sACN universe that channel 1 is in", kReady),
-      number<P>("sync-universe", &P::sync_universe, 0, 63999,
-                "With listen: the universe of synchronization packets, whose multicast group is "
-                "joined, too; 0: none",
-                kReady),
+      tuning(number<P>("universe", &P::universe, 1, 63999,
+                       "With listen: the sACN universe that channel 1 is in", kReady)),
+      tuning(number<P>(
+          "sync-universe", &P::sync_universe, 0, 63999,
+          "With listen: the universe of synchronization packets, whose multicast group is "
+          "joined, too; 0: none",
+          kReady)),
       number<P>("camera", &P::camera, 0, 15,
                 "From where the head is seen: 0 from the front, 1, 3, … 20 degrees each farther to "
                 "its left (the right of the picture), 2, 4, … to its right. Directions of lights "
                 "are as camera 0 sees them",
                 kReady),
-      number<P>("stack-limit", &P::stack_limit, 1, 1048576,
-                "MiB that the images under one light each may take on the device: 8 bytes a pixel "
-                "and light",
-                kReady),
+      tuning(number<P>(
+          "stack-limit", &P::stack_limit, 1, 1048576,
+          "MiB that the images under one light each may take on the device: 8 bytes a pixel "
+          "and light",
+          kReady)),
       flag<P>(
           "label", &P::label,
           "Attach GstLightStageMeta with what lit each frame: for tests, as real cameras do not "
@@ -52,8 +54,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
           "Write the camera's frame number into the buffer's offset; dropped frames leave gaps, "
           "doubled ones have the same",
           kReady),
-      number<P>("first-frame-id", &P::first_frame_id, 0, 0xffffffffU, "The first frame's number",
-                kReady),
+      tuning(number<P>("first-frame-id", &P::first_frame_id, 0, 0xffffffffU,
+                       "The first frame's number", kReady)),
       choice<P>("frame-id-bits", &P::frame_id_bits, "GstInverseTestSourceIdBits",
                 {{16, "16", "Numbers go from 65535 to 1, as those of GigE Vision cameras"},
                  {64, "64", "Numbers do not wrap"}},
@@ -70,14 +72,14 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
       number<P>("motion", &P::motion, -1000, 1000,
                 "How far the top row of the picture sways, pixels to either side; the bottom row "
                 "stands still, those between move in proportion"),
-      number<P>("motion-period", &P::motion_period, 0.01F, 3600, "Seconds of a sway"),
-      number<P>("drop-rate", &P::drop_rate, 0, 1, "Share of frames that are lost"),
-      number<P>("duplicate-rate", &P::duplicate_rate, 0, 1,
-                "Share of frames that come twice, with the same time stamp"),
-      number<P>("late-rate", &P::late_rate, 0, 1,
-                "Share of frames whose time stamp is half a period to a period late"),
-      number<P>("jitter", &P::jitter, 0, 0.5F,
-                "Time stamps are off by so much of a period at most, either way"),
+      tuning(number<P>("motion-period", &P::motion_period, 0.01F, 3600, "Seconds of a sway")),
+      tuning(number<P>("drop-rate", &P::drop_rate, 0, 1, "Share of frames that are lost")),
+      tuning(number<P>("duplicate-rate", &P::duplicate_rate, 0, 1,
+                       "Share of frames that come twice, with the same time stamp")),
+      tuning(number<P>("late-rate", &P::late_rate, 0, 1,
+                       "Share of frames whose time stamp is half a period to a period late")),
+      tuning(number<P>("jitter", &P::jitter, 0, 0.5F,
+                       "Time stamps are off by so much of a period at most, either way")),
   };
   return table;
 }

@@ -39,7 +39,8 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
   if (id >= PROP_TABLE)
-    sync_of(object).parameters().set(id - PROP_TABLE, value);
+    inverse::set_parameter(inverse::log_of(GST_ELEMENT(object)), sync_of(object).parameters(),
+                           id - PROP_TABLE, value, spec);
   else
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
 }
@@ -61,12 +62,18 @@ SyncElement& sync_of_pad(GstPad* pad) {
 
 GstFlowReturn chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
   const auto camera = camera_of(pad, parent);
+  GST_CAT_LOG_OBJECT(sync_of(parent).log().category, pad, "%" GST_PTR_FORMAT, buffer);
   if (camera) return sync_of(parent).chain(camera, buffer);
   gst_buffer_unref(buffer);
   return GST_FLOW_FLUSHING;
 }
 
 gboolean sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  const inverse::Log& log = sync_of(parent).log();
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    GST_CAT_INFO_OBJECT(log.category, pad, "%" GST_PTR_FORMAT, event);
+  else
+    GST_CAT_DEBUG_OBJECT(log.category, pad, "%" GST_PTR_FORMAT, event);
   const auto camera = camera_of(pad, parent);
   if (camera) return sync_of(parent).sink_event(camera, event);
   gst_event_unref(event);
@@ -232,7 +239,8 @@ void class_init(gpointer klass, gpointer) {
           "synchronized, and the triggers' rate by the camera's clock between rate-low and "
           "rate-high (Hz); sets-complete, sets-incomplete, and what assembling tells",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()).install(object, PROP_TABLE);
+  inverse::install_parameters(
+      klass, inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()), PROP_TABLE);
 }
 
 void instance_init(GTypeInstance* instance, gpointer) {
@@ -258,6 +266,7 @@ namespace inverse {
 
 gboolean register_lightstagesync(GstPlugin* plugin);
 gboolean register_lightstagesync(GstPlugin* plugin) {
+  debug_category("lightstagesync", "Light stage sync");
   return gst_element_register(plugin, "lightstagesync", GST_RANK_NONE, sync_type());
 }
 

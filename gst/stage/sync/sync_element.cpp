@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "gst/stage/sync/assemble/pair_assembler.hpp"
 #include "gst/stage/sync/shared/upstream.hpp"
@@ -23,11 +24,14 @@ SyncElement::~SyncElement() {
 }
 
 bool SyncElement::start() {
+  if (!check_parameters(log_, parameters_)) return false;
   SyncParams params = parameters_.snapshot();
   return guarded(element_, [&] {
     if (params.assemble != SyncParams::Assemble::olat && !params.location.empty())
       throw Error(ErrorKind::unsupported, "location is for assemble=olat: nothing else is written");
     auto labels = std::make_shared<const StageLabels>(light_program(params.program, params.rate));
+    GST_CAT_INFO_OBJECT(log_.category, element_, "light program \"%s\": %s", params.program.c_str(),
+                        labels->program().name.c_str());
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
     auto trigger = make_trigger(params, labels);

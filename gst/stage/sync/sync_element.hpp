@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "gst/base/log.hpp"
 #include "gst/base/vulkan/device_context.hpp"
 #include "gst/stage/sync/lights/light_clock.hpp"
 #include "gst/stage/sync/lights/stage_trigger.hpp"
@@ -25,7 +26,8 @@ class SyncElement {
  public:
   using CameraPtr = std::shared_ptr<SyncCamera>;
 
-  explicit SyncElement(GstElement* element) : element_(element), context_(element) {}
+  explicit SyncElement(GstElement* element)
+      : element_(element), log_(log_of(element)), context_(element) {}
   SyncElement(const SyncElement&) = delete;
   SyncElement& operator=(const SyncElement&) = delete;
   ~SyncElement();
@@ -51,6 +53,7 @@ class SyncElement {
   bool activate_sink(const CameraPtr& camera, bool active);
   bool activate_src(const CameraPtr& camera, bool active);
 
+  const Log& log() const { return log_; }
   DeviceContext& context() { return context_; }
   PropertyStore& parameters() { return parameters_; }
   GstStructure* stats() const;
@@ -105,6 +108,7 @@ class SyncElement {
   static constexpr uint32_t kLongestWait = 30;  ///< periods that a frame may wait for its label
 
   GstElement* element_;
+  Log log_;
   DeviceContext context_;
   Parameters<SyncParams> parameters_{sync_properties()};
   SyncParams params_;  // as of `start`

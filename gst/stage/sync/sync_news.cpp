@@ -41,9 +41,14 @@ void SyncElement::speak(Lock& lock) {
   messages.swap(messages_);
   warnings.swap(warnings_);
   lock.unlock();
-  for (GstMessage* message : messages) gst_element_post_message(element_, message);
+  for (GstMessage* message : messages) {
+    GST_CAT_INFO_OBJECT(log_.category, element_, "%" GST_PTR_FORMAT,
+                        gst_message_get_structure(message));
+    gst_element_post_message(element_, message);
+  }
   for (const std::string& text : warnings)
-    GST_ELEMENT_WARNING(element_, STREAM, FAILED, ("%s", text.c_str()), (nullptr));
+    post_warning(log_of(GST_ELEMENT(element_)), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED, "%s",
+                 text.c_str());
   lock.lock();
 }
 
