@@ -345,20 +345,16 @@ void element_class_init(gpointer klass, gpointer data) {
   if (info.takes_pixels())
     g_object_class_install_property(
         object, PROP_DEVICE,
-        g_param_spec_string(
-            "device", "device",
-            "Vulkan device to use: an index or a part of its name; empty = shared with neighbors, "
-            "else the environment variable INVERSE_DEVICE, else the fastest",
-            "",
-            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                     GST_PARAM_MUTABLE_READY)));
+        g_param_spec_string("device", "device",
+                            "Vulkan device: an index or a part of its name; empty = shared with "
+                            "neighbors, else INVERSE_DEVICE, else the fastest",
+                            "",
+                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                     GST_PARAM_MUTABLE_READY)));
   g_object_class_install_property(
       object, PROP_STATS,
       g_param_spec_boxed(
-          "stats", "stats",
-          "What the last completed frame took: frames (count), wall-ms, device-ms and one entry "
-          "for each stage (milliseconds), device-bytes now and at peak, kernels built so far on "
-          "the device, and what the method tells",
+          "stats", "stats", "Times (ms), memory (bytes) and results of the last completed frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   install_parameters(klass, info.create()->parameters(), PROP_TABLE);
   constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);

@@ -30,14 +30,14 @@ Extent extent_of(const GstVideoInfo& info) {
 }
 
 /// Posts what a filter had to say of a frame.
-void tell(const Log& log, FrameWork& frame) {
+void post_messages(const Log& log, FrameContext& frame) {
   GstElement* element = log.object;
   for (StructurePtr& message : frame.messages) {
     GST_CAT_DEBUG_OBJECT(log.category, element, "message: %" GST_PTR_FORMAT, message.get());
     gst_element_post_message(element,
                              gst_message_new_element(GST_OBJECT(element), message.release()));
   }
-  for (const char* property : frame.news) g_object_notify(G_OBJECT(element), property);
+  for (const char* property : frame.notify) g_object_notify(G_OBJECT(element), property);
   for (const std::string& warning : frame.warnings)
     post_warning(log, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS, "%s", warning.c_str());
 }
@@ -69,7 +69,7 @@ bool FilterElement::restart() {
   if (!check_parameters(log_, filter_->parameters())) return false;
   return guarded(element_, [&] {
     context_.renew(device_name());
-    told_shape_ = {1, 1};
+    reported_shape_ = {1, 1};
     filter_->start();
   });
 }
@@ -175,7 +175,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     return false;
   }
   if (!can_be_cut()) return false;
-  look_at_shape_of_pixels();
+  check_pixel_aspect_ratio();
   // What is known of the frames so far stays: sources of variable rate tell it ever anew.
   if (!refused_ && asked_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
@@ -205,10 +205,10 @@ bool FilterElement::can_be_cut() {
   return false;
 }
 
-void FilterElement::look_at_shape_of_pixels() {
+void FilterElement::check_pixel_aspect_ratio() {
   const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
   if (shape.first == shape.second || !filter_->takes_pixels_for_square()) return;
-  if (std::exchange(told_shape_, shape) == shape) return;
+  if (std::exchange(reported_shape_, shape) == shape) return;
   const std::string warning =
       std::string(info_.factory) + " needs square pixels, and these are " +
       std::to_string(shape.first) + ":" + std::to_string(shape.second) +
@@ -293,7 +293,7 @@ void FilterElement::forget_repeats() {
   drawn_.reset();
 }
 
-void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
+void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   if (in_layers_) {
     frame.layers = take_layers(in);
     return;
@@ -311,7 +311,7 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   convert_input(in, slot, frame);
 }
 
-void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
+void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   PlanePtr& plane = frame.layers[Role::input];
   if (frame.repeated && held_input_) {
     plane = held_input_;
@@ -335,7 +335,7 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   held_input_ = frame.hold || calm ? plane : nullptr;
 }
 
-void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
+void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
   const bool again = frame.same_picture && drawn_ && output_->waits();
   if (!out_layers_ && !again) {
     const bool parts = frame.drawn && drawn_ && output_->waits();
@@ -401,22 +401,22 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{.commands = *slot.commands,
-                  .layers = {},
-                  .number = number_,
-                  .in = in,
-                  .time = stream_time(in),
-                  .fresh = fresh,
-                  .draw = !out_layers_,
-                  .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
+  FrameContext frame{.commands = *slot.commands,
+                     .layers = {},
+                     .number = number_,
+                     .in = in,
+                     .time = stream_time(in),
+                     .fresh = fresh,
+                     .draw = !out_layers_,
+                     .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
   read_input(in, slot, frame);
   try {
     filter_->process(frame);
   } catch (...) {
-    tell(log_, frame);
+    post_messages(log_, frame);
     throw;
   }
-  tell(log_, frame);
+  post_messages(log_, frame);
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,

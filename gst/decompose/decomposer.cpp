@@ -8,7 +8,7 @@ namespace inverse {
 
 namespace {
 
-constexpr uint64_t kMostDoubled = 4;  // times that each picture of a video may be shown
+constexpr uint64_t kMaxRepeats = 4;  // times that each picture of a video may be shown
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -43,14 +43,14 @@ void Decomposer::reset() {
   shown_ = shown_before_ = 0;
 }
 
-void Decomposer::draw_clusters(FrameWork& frame, const Plane& target) {
+void Decomposer::draw_clusters(FrameContext& frame, const Plane& target) {
   const Plane& model = *frame.layers[Role::model];
   if (!palette_) palette_.emplace(device_, model.extent);
   palette_->record_update(frame.commands, model);
   palette_->record_paint(frame.commands, model, target);
 }
 
-Decomposer::Decision Decomposer::decide(const FrameWork& frame, const Settings& settings) {
+Decomposer::Decision Decomposer::decide(const FrameContext& frame, const Settings& settings) {
   if (!frame.repeated || settings.changed || !same_) {
     same_ = frame.number;
     shown_before_ = std::exchange(shown_, 0);
@@ -63,7 +63,7 @@ Decomposer::Decision Decomposer::decide(const FrameWork& frame, const Settings& 
   if (!held_) return {false, "the layers of the frame before are not held"};
   if (*same_ == frame.number) return {false, "it is the first frame of its picture"};
   // Film on a faster screen shows every picture two or three times: once is enough.
-  if (shown_ <= std::min(shown_before_, kMostDoubled))
+  if (shown_ <= std::min(shown_before_, kMaxRepeats))
     return {true, "the video shows each picture several times"};
   // The last frame that is sure to be done: what is kept must not depend on how fast frames are.
   std::optional<uint64_t> done;
@@ -75,7 +75,7 @@ Decomposer::Decision Decomposer::decide(const FrameWork& frame, const Settings& 
   return {true, "the picture came again, and its layers have converged"};
 }
 
-void Decomposer::process(FrameWork& frame) {
+void Decomposer::process(FrameContext& frame) {
   const Settings settings = next_settings(trade_);
   const auto [kept, reason] = decide(frame, settings);
   GST_CAT_DEBUG_OBJECT(log().category, log().object, "frame %" G_GUINT64_FORMAT " %s: %s",
@@ -139,7 +139,7 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
                       "live-reason", G_TYPE_STRING, trade.reason.c_str(), nullptr);
 }
 
-void Decomposer::draw(FrameWork& frame, const Settings& settings) {
+void Decomposer::draw(FrameContext& frame, const Settings& settings) {
   const PlanePtr& intrinsic = frame.layers[Role::intrinsic];
   const PlanePtr& input = frame.layers[Role::input];
   const auto light = [&](LightPicture::What what) {

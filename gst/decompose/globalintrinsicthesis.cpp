@@ -1,4 +1,4 @@
-// globalintrinsicthesis: chapter 5 of the thesis to the letter.
+// globalintrinsicthesis: chapter 5 of the thesis.
 #include <array>
 #include <tuple>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/thesis/chapter5/correction/warm_up.hpp"
 #include "kernels/thesis/chapter5/ladder.hpp"
-#include "region_news.hpp"
+#include "region_messages.hpp"
 #include "region_requests.hpp"
 
 namespace inverse {
@@ -31,10 +31,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
     proposals_.emplace(device, extent);
-    news_.forget();
+    messages_.forget();
     started_ = false;
     most_colors_ = GlobalThesis::most_layers(*device, extent);
-    told_most_ = 0;
+    reported_limit_ = 0;
     // All that frames may need later is built now: scenes with other colors, refinement,
     // correction.
     method_->set_params(parameters_.snapshot());
@@ -51,7 +51,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     proposals_.reset();
     regions_.reset();
     marks_.clear();
-    news_.forget();
+    messages_.forget();
     seen_ = false;
     MethodDecomposer::release();
   }
@@ -60,7 +60,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_->reset();
     correction_->reset();
     proposals_->reset();
-    news_.forget();
+    messages_.forget();
     started_ = false;
   }
   void flushed() override {
@@ -79,9 +79,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
  protected:
   // Marked regions and base colors go on being decided while a picture stays.
   bool settled(std::optional<uint64_t> done) const override {
-    return done.value_or(0) >= method_->scene_since() && news_.empty() && !regions_->has_lost() &&
-           !method_->refining() && !correction_->busy() && requests_.empty() &&
-           !proposals_->pending(params().propose) && since_click_ > kPatience;
+    return done.value_or(0) >= method_->scene_since() && messages_.empty() &&
+           !regions_->has_lost() && !method_->refining() && !correction_->busy() &&
+           requests_.empty() && !proposals_->pending(params().propose) && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
@@ -90,14 +90,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       regions_->reset(MarkedRegions::Loss::cut);
       correction_->reset();
       proposals_->reset();
-      news_.forget();
+      messages_.forget();
     }
     const Numbers& numbers = numbers_[number % numbers_.size()];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
-      news_.corrected(*result);
+      messages_.corrected(*result);
     for (const auto& proposal : proposals_->collect(numbers.proposals, *regions_))
-      news_.proposed(proposal);
+      messages_.proposed(proposal);
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -128,16 +128,16 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     method_->set_params(params());
     const Plane& input = *frame.layers[Role::input];
     seen_ = true;
     ++since_click_;
     take_marks(frame);
     take_clicks(frame);
-    news_.lost(regions_->take_lost());
-    news_.tell(frame);
-    tell_most(frame);
+    messages_.lost(regions_->take_lost());
+    messages_.post(frame);
+    report_color_limit(frame);
     if (!started_) {
       // The only frame that waits: the kernels are built for its base colors.
       method_->record_colors(frame.commands, input);
@@ -165,7 +165,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   static constexpr uint64_t kPatience = 50;
 
   /// Clicks on what `marks` names, when it was set anew.
-  void take_marks(FrameWork& frame) {
+  void take_marks(FrameContext& frame) {
     const std::string& marks = params().marks;
     if (marks == std::exchange(marks_, marks)) return;
     const auto positions = positions_of(marks);
@@ -177,7 +177,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       for (const auto& [x, y] : *positions) mark(x, y);
   }
 
-  void take_clicks(FrameWork& frame) {
+  void take_clicks(FrameContext& frame) {
     const RegionRequests::Taken taken = requests_.take();
     if (taken.refine) method_->refine();
     if (!taken.clicks.empty()) since_click_ = 0;
@@ -192,7 +192,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
           params().show == Show::mosaic)
         std::tie(x, y) = Mosaic::shown_at(x, y, extent_);
       const int number = regions_->click(x, y);
-      RegionNews::tell_marked(frame, x, y, number);
+      RegionMessages::post_marked(frame, x, y, number);
       if (number == 0)
         GST_CAT_WARNING_OBJECT(
             log().category, log().object,
@@ -202,9 +202,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   }
 
   /// Fewer base colors than were asked for.
-  void tell_most(FrameWork& frame) {
+  void report_color_limit(FrameContext& frame) {
     const int wanted = params().clusters;
-    if (wanted <= most_colors_ || wanted == std::exchange(told_most_, wanted)) return;
+    if (wanted <= most_colors_ || wanted == std::exchange(reported_limit_, wanted)) return;
     GST_CAT_WARNING_OBJECT(
         log().category, log().object,
         "base-colors=%d, but the device can bind the layers of %d at %ux%u: make the frame smaller "
@@ -219,7 +219,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     flushed();
     if (!regions_) return;
     regions_->reset();
-    news_.lost(regions_->take_lost());
+    messages_.lost(regions_->take_lost());
   }
 
   static const PropertyTable<Params>& table() {
@@ -238,17 +238,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     return {
         number<P>(
             "seed", &P::seed, 0u, G_MAXUINT,
-            "Seed of sample positions and of the first clusters: the same seed gives the same "
-            "layers"),
+            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
         flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: a picture that comes again keeps its layers "
-                "once its base colors are refined"),
+                "Reuse layers of repeated pictures once their base colors are refined"),
         tuning(number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)")),
         tuning(number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
                          "Conjugate gradient steps for each (5.7.1)")),
-        number<P>(
-            "base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
-            "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
+        number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
+                  "Number of chromaticity clusters to look for; duplicates are removed (5.5.1)"),
         choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
                   {{static_cast<int>(RegionProposals::Mode::off), "off",
                     "Only clicks mark regions (5.5.2)"},
@@ -256,11 +253,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                     "Tell by message which regions seem to be taken for the wrong color"},
                    {static_cast<int>(RegionProposals::Mode::correct), "correct",
                     "Mark them as well, with the color that they seem to have"}},
-                  "Look for regions that strong bounced light makes look like another base color"),
+                  "What to do with regions whose base color looks wrong because of strong indirect "
+                  "light"),
         text<P>("marks", &P::marks,
-                "Positions in the frame, x,y in pixels and apart by spaces: regions there are "
-                "marked as by the action signal mark, once, when this is set; before the first "
-                "frame: in that"),
+                "Regions to mark once, as positions x,y in pixels with spaces between"),
         tuning(number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f,
                          "Weight of the data term (Eq. 5.4)")),
         tuning(number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
@@ -347,10 +343,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     uint64_t regions = 0, correction = 0, proposals = 0;
   };
   std::array<Numbers, gpu::kFramesInFlight> numbers_;
-  RegionNews news_;
+  RegionMessages messages_;
   Extent extent_{};
   int most_colors_ = 0;                   // that the device has room for
-  int told_most_ = 0;                     // base-colors when it was said that they are too many
+  int reported_limit_ = 0;                // base-colors when it was said that they are too many
   bool seen_ = false;                     // a frame since the stream began
   bool started_ = false;                  // the scene's base colors are known
   uint64_t since_click_ = kPatience + 1;  // frames
@@ -366,7 +362,7 @@ const ElementInfo kGlobalIntrinsicThesis{
     "GstGlobalIntrinsicThesis",
     "Global intrinsic decomposition (thesis)",
     "Filter/Effect/Video",
-    "Takes video apart into reflectance, direct light and one layer of bounced light for each base "
+    "Decomposes video into reflectance, direct light and one layer of bounced light for each base "
     "color, as in chapter 5 of Meka, Live Inverse Rendering; globalintrinsic is faster and more "
     "accurate",
     Flow::pixels,

@@ -1,4 +1,4 @@
-// intrinsicdecompthesis: chapter 3 of the thesis to the letter.
+// intrinsicdecompthesis: chapter 3 of the thesis.
 #include "decomposer.hpp"
 #include "kernels/thesis/chapter3/ladder.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
@@ -34,7 +34,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     ThesisParams in_force = params();
     if (!params().adaptive) in_force.settled = 0;
     method_->set_params(in_force);
@@ -56,16 +56,14 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
   static PropertyTable<Params> own_properties() {
     using P = Params;
     return {
-        number<P>("seed", &P::seed, 0u, G_MAXUINT,
-                  "Seed of sample positions and of the first clusters: the same seed "
-                  "gives the same layers"),
+        number<P>(
+            "seed", &P::seed, 0u, G_MAXUINT,
+            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
         flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: a picture that comes again keeps its "
-                "layers, and conjugate gradients end where settled says so"),
-        tuning(number<P>(
-            "settled", &P::settled, 0.f, 1.f,
-            "Share of the residual of a level's first system, in the preconditioner's norm, at "
-            "which conjugate gradients end; 0 = all iterations run, as in the thesis")),
+                "Reuse layers of repeated pictures and stop iterations early by settled"),
+        tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+                         "Residual, relative to a level's first system, at which conjugate "
+                         "gradients end; 0 = all iterations")),
         tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
                          {{static_cast<int>(P::Solver::pcg), "pcg",
                            "Conjugate gradients with inverse diagonal, whole level"},
@@ -138,7 +136,7 @@ const ElementInfo kIntrinsicDecompThesis{
     "GstIntrinsicDecompThesis",
     "Intrinsic decomposition (thesis)",
     "Filter/Effect/Video",
-    "Takes video apart into reflectance and shading as in chapter 3 of Meka, Live Inverse "
+    "Decomposes video into reflectance and shading as in chapter 3 of Meka, Live Inverse "
     "Rendering; intrinsicdecomp is "
     "faster and more accurate",
     Flow::pixels,

@@ -16,20 +16,15 @@ struct SolveParams : DecomposerParams {
 template <typename P>
 PropertyTable<P> solve_properties() {
   return {
-      flag<P>(
-          "adaptive", &P::adaptive,
-          "Leave out what a frame does not need: tiles where little changed keep what was decided "
-          "about their edges, cycles end when little changes, and a picture that comes again keeps "
-          "its layers once they have settled"),
+      flag<P>("adaptive", &P::adaptive,
+              "Skip work that changes nothing visible; turn off to compare"),
       number<P>("settled", &P::settled, 0.f, 1.f,
                 "Change of log shading by a cycle, rms in natural log units, from which on no "
                 "further one follows; 0 = all run"),
       tuning(flag<P>("half-resolution", &P::half_resolution,
-                     "Solve at half the frame's width and height, at about half the cost; where "
-                     "shading steps is then read from the frame")),
-      tuning(flag<P>(
-          "quarter-resolution", &P::quarter_resolution,
-          "With half-resolution: solve at a quarter of the frame's width and height instead")),
+                     "Solve at half width and height, for speed")),
+      tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
+                     "With half-resolution: solve at a quarter of width and height")),
       number<P>("half-resolution-bound", &P::half_bound, 0.f, 1.f,
                 "Change of log shading, rms in natural log units, that half resolution may make "
                 "on a scene to be chosen by itself; 0 = never"),
@@ -45,34 +40,28 @@ PropertyTable<P> solve_properties() {
       number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                 "Change of intensity or chroma, natural log units, from which on a tile counts "
                 "as changed"),
-      tuning(number<P>(
-          "cycles", &P::cycles, 1u, 32u,
-          "Multigrid cycles of a frame without history (the first, after a seek, a gap or "
-          "new caps)")),
       tuning(
-          number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
-                    "Multigrid cycles of a frame that continues the one before, and so starts near "
-                    "its solution")),
+          number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
+      tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
+                       "Multigrid cycles of a frame that starts from the one before")),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
-          1e3f,
-          "Factor on how firmly reflectance stays even where the picture does; more moves "
-          "texture into shading"),
+          1e3f, "Weight of even reflectance; raise it to move texture into shading"),
       number<P>(
           "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
-          "Factor on how firmly shading stays even; more moves shadows into reflectance"),
+          "Weight of even shading; raise it to move shadows into reflectance"),
       tuning(number<P>(
           "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
-          "Factor on how firmly the largest channel of reflectance stays near 1")),
+          "Weight of a largest reflectance channel near 1")),
       tuning(number<P>(
           "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
-          "Factor on how firmly equal chroma means equal reflectance; 0 leaves that step out")),
+          "Weight of equal reflectance for equal chroma; 0 = term skipped")),
       number<P>(
           "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
-          "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
+          "Weight of steady reflectance where nothing moves; raise it for steadier video, 0 = off"),
       tuning(number<P>(
           "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
-          "Frames after a cut or a gap that it takes until the temporal weight is whole")),
+          "Frames after a cut or a gap until the temporal weight is full")),
       tuning(number<P>(
           "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
           "Change of chroma that halves the temporal weight, natural log units")),
@@ -87,8 +76,8 @@ PropertyTable<P> solve_properties() {
           "Share of the texture around a place that halves the temporal weight when it moves")),
       number<P>(
           "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
-          "Share of the last frame's reflectance that stays where neither content nor light "
-          "changes; more averages sensor noise over more frames"),
+          "Share of the last frame's reflectance kept where content and light stay; raise it "
+          "against sensor noise"),
       tuning(number<P>(
           "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
           "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units")),
@@ -99,11 +88,11 @@ PropertyTable<P> solve_properties() {
           "natural log units")),
       number<P>(
           "white-level", [](P& p) -> float& { return p.scale.white_level; }, 0.05f, 1.f,
-          "Reflectance of the brightest surfaces when a scene begins; 1 is the brightest that a "
-          "display shows"),
+          "Reflectance of the brightest surfaces when a scene begins, 1 = white of the display; "
+          "sets brightness"),
       tuning(number<P>(
           "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
-          "Share of the frame that is darker than the surfaces that white-level scales")),
+          "Share of the frame darker than the surfaces that white-level scales")),
       number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
@@ -160,7 +149,7 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
   }
 
   /// The method's parameters for a frame.
-  P in_force(const FrameWork& frame) const {
+  P in_force(const FrameContext& frame) const {
     P params = this->params();
     // The sooner a picture that stays has settled, the sooner nothing is left to do.
     if (frame.repeated) params.settled = std::min(params.settled, params.keep_tolerance);

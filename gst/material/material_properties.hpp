@@ -10,7 +10,7 @@
 namespace inverse {
 
 /// The read-only properties of an element that estimates a material.
-inline constexpr std::array kMaterialNews{"diffuse-albedo", "specular-albedo", "shininess"};
+inline constexpr std::array kMaterialResults{"diffuse-albedo", "specular-albedo", "shininess"};
 
 /// The parameters of an element that estimates a material, and behind them read-only properties
 /// that say what it found. Thread-safe.
@@ -33,7 +33,7 @@ class MaterialProperties final : public PropertyStore {
     const auto add = [&](GParamSpec* spec) {
       g_object_class_install_property(object_class, id++, spec);
     };
-    const auto& [diffuse, specular, shininess] = kMaterialNews;
+    const auto& [diffuse, specular, shininess] = kMaterialResults;
     add(g_param_spec_uint(diffuse, "diffuse albedo",
                           "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is "
                           "none. Notified, as specular-albedo and shininess are, with the message "

@@ -168,7 +168,7 @@ GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, i
 }
 
 /// Tells the user when frames get lost on the way, and again each time there are ten times as many.
-void AravisSource::tell_incomplete(GstElement* element, Lock& lock) {
+void AravisSource::report_incomplete(GstElement* element, Lock& lock) {
   const auto counts = stream->counts();
   const uint64_t bad = before_.incomplete + counts.incomplete + counts.misfits;
   // The first one may be: Aravis asks for a buffer of the frames' size when it has come.
@@ -203,7 +203,7 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
     const int64_t since = GST_CLOCK_TIME_IS_VALID(start) ? static_cast<int64_t>(start) : 0;
     // What came while nobody played is stale.
     const auto frame = stream->take([&](int64_t age) { return now >= 0 && now - age < since; });
-    tell_incomplete(element, lock);
+    report_incomplete(element, lock);
     if (frame) {
       *buffer = finish(element, *frame, now);
       return GST_FLOW_OK;

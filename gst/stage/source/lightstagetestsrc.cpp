@@ -340,19 +340,16 @@ void class_init(gpointer klass, gpointer) {
   GST_PUSH_SRC_CLASS(klass)->create = create;
   g_object_class_install_property(
       object, PROP_DEVICE,
-      g_param_spec_string("device", "device",
-                          "Vulkan device: its index or a part of its name; empty: the "
-                          "environment variable INVERSE_DEVICE, else the best one",
-                          "",
-                          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                   GST_PARAM_MUTABLE_READY)));
+      g_param_spec_string(
+          "device", "device",
+          "Vulkan device: an index or a part of its name; empty = INVERSE_DEVICE, else the fastest",
+          "",
+          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                   GST_PARAM_MUTABLE_READY)));
   g_object_class_install_property(
       object, PROP_STATS,
       g_param_spec_boxed(
-          "stats", "stats",
-          "About the last frame: frames (count), wall-ms, device-ms, render-ms of the images "
-          "(milliseconds), stack-bytes, trigger (the program's place), dropped, duplicated, "
-          "overruns (frames that this machine was too slow for), packets heard",
+          "stats", "stats", "Times (ms), memory (bytes) and counts up to the last frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   g_object_class_install_property(
       object, PROP_LIVE,

@@ -128,7 +128,7 @@ bool is_running(GstElement* element) {
 }
 
 /// A camera has come or gone: frames wait for others where there are some.
-void tell_latency(GstElement* element) {
+void post_latency(GstElement* element) {
   if (is_running(element))
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
@@ -168,7 +168,7 @@ GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, cons
     if (running) gst_pad_set_active(pad, TRUE);
     gst_element_add_pad(element, pad);
   }
-  tell_latency(element);
+  post_latency(element);
   return sink;
 }
 
@@ -178,7 +178,7 @@ void release_pad(GstElement* element, GstPad* pad) {
   sync_of(element).remove(camera);
   gst_element_remove_pad(element, camera->src);
   gst_element_remove_pad(element, camera->sink);
-  tell_latency(element);
+  post_latency(element);
 }
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
@@ -230,15 +230,10 @@ void class_init(gpointer klass, gpointer) {
   gst_caps_unref(out);
   g_object_class_install_property(
       object, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "stats",
-          "Counts of frames, of all cameras together and in a structure for each (sink_0 …): "
-          "frames, "
-          "labeled, sent, missing (lost on the way), duplicates, late, ambiguous, contradicted, "
-          "untimed, before-marker, after-end, incomplete (of sets), markers, resynchronizations; "
-          "synchronized, and the triggers' rate by the camera's clock between rate-low and "
-          "rate-high (Hz); sets-complete, sets-incomplete, and what assembling tells",
-          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+      g_param_spec_boxed("stats", "stats",
+                         "Counts of frames, labels and sets, of all cameras and of each (sink_0 …)",
+                         GST_TYPE_STRUCTURE,
+                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   inverse::install_parameters(
       klass, inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()), PROP_TABLE);
 }

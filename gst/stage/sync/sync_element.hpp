@@ -72,7 +72,7 @@ class SyncElement {
   Clock::duration periods(uint32_t count) const;  // of the program
   std::shared_ptr<StageTrigger> make_trigger(const SyncParams& params,
                                              std::shared_ptr<const StageLabels> labels) const;
-  double patience() const;
+  double frame_timeout() const;
   std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,
                                                const std::optional<uint64_t>& trigger) const;
   FrameLabeler::Counts counts_of(const SyncCamera& camera) const;
@@ -81,17 +81,17 @@ class SyncElement {
   GstStructure* camera_stats(const SyncCamera& camera) const;
 
   // With the mutex held.
-  uint64_t most_steps() const;
+  uint64_t max_steps() const;
   GstClockTime own_latency() const;
-  size_t most_in_sets(const SyncCamera& camera) const;
-  size_t most_outgoing(const SyncCamera& camera) const;
+  size_t max_in_sets(const SyncCamera& camera) const;
+  size_t max_outgoing(const SyncCamera& camera) const;
   Clock::duration longest_silence(const SyncCamera& camera) const;
   bool can_wait(const SyncCamera& camera) const;
   uint64_t newest_run() const;
   std::optional<FrameLabeler::Running> running_for(const SyncCamera& camera, GstClockTime pts,
                                                    GstClockTime time) const;
 
-  // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
+  // With the mutex held; what they have to say on the bus is posted by `post` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
   void end_program(SyncCamera& camera, bool over);
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
@@ -102,8 +102,8 @@ class SyncElement {
   void leave_alone(SyncCamera& camera);
   void lacked_ended(uint32_t number);
   void warn(const std::string& text);
-  void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
-  void speak(Lock& lock);
+  void report_event(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
+  void post(Lock& lock);
 
   static constexpr uint32_t kLongestWait = 30;  ///< periods that a frame may wait for its label
 
@@ -119,7 +119,7 @@ class SyncElement {
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
   std::shared_ptr<const StageLabels> labels_;
-  uint64_t most_steps_ = 0;                // of this program: every frame asks
+  uint64_t max_steps_ = 0;                 // of this program: every frame asks
   std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
   FrameSets sets_{true};
   uint64_t next_token_ = 1;
