@@ -153,6 +153,17 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
          << title << ":\n\n| property | values (default) | meaning |\n|---|---|---|\n"
          << rows;
   page << choices.str();
+  if (const char* tuning = gst_element_factory_get_metadata(factory, "Tuning")) {
+    page << "\nNames of `tuning`:\n\n| name | values (default) | meaning |\n|---|---|---|\n";
+    // "name: values (default): meaning"
+    const std::regex entry("([^:]+): (.*\\)|text): (.*)");
+    std::istringstream lines(tuning);
+    std::smatch parts;
+    for (std::string line; std::getline(lines, line);)
+      if (std::regex_match(line, parts, entry))
+        page << "| `" << parts[1].str() << "` | " << cell(parts[2].str()) << " | "
+             << cell(parts[3].str()) << " |\n";
+  }
   g_free(specs);
   gst_object_unref(element);
 }

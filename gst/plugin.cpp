@@ -34,5 +34,5 @@ static gboolean plugin_init(GstPlugin* plugin) {
 
 GST_PLUGIN_DEFINE(
     GST_VERSION_MAJOR, GST_VERSION_MINOR, inverse,
-    "Takes live video apart into reflectance and shading, and lets edits touch the layers",
+    "Decomposes live video into reflectance and shading, and lets edits touch the layers",
     plugin_init, VERSION, "LGPL", "gst-inverse", "Unknown package origin")

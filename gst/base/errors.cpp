@@ -1,8 +1,11 @@
 #include "errors.hpp"
 
+#include "log.hpp"
+
 namespace inverse {
 
 void post_error(GstElement* element, const Error& error) {
+  GST_CAT_ERROR_OBJECT(log_of(element).category, element, "%s", error.what());
   // One macro call a code: GST_ELEMENT_ERROR pastes its domain and code.
   switch (error.kind()) {
     case ErrorKind::no_device:

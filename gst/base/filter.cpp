@@ -10,11 +10,10 @@
 #include "filter_element.hpp"
 #include "report.hpp"
 
-GST_DEBUG_CATEGORY_STATIC(inverse_debug);
-#define GST_CAT_DEFAULT inverse_debug
-
 using inverse::ElementInfo;
 using inverse::FilterElement;
+using inverse::install_parameters;
+using inverse::set_parameter;
 
 struct GstInverseFilter {
   GstBaseTransform parent;
@@ -53,7 +52,7 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
   FilterElement& element = element_of(object);
   if (id >= PROP_TABLE)
-    element.filter().parameters().set(id - PROP_TABLE, value);
+    set_parameter(element.log(), element.filter().parameters(), id - PROP_TABLE, value, spec);
   else if (id == PROP_DEVICE)
     element.set_device_name(g_value_get_string(value));
   else
@@ -203,9 +202,10 @@ GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* o
 }
 
 gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
-  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP ||
-      GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START)
-    element_of(transform).flush();
+  const inverse::Log& log = element_of(transform).log();
+  GST_CAT_DEBUG_OBJECT(log.category, log.object, "event: %" GST_PTR_FORMAT, event);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) element_of(transform).flush("flush");
+  if (GST_EVENT_TYPE(event) == GST_EVENT_STREAM_START) element_of(transform).flush("new stream");
   if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) element_of(transform).ended();
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
@@ -247,6 +247,10 @@ void point(GstBaseTransform* transform, GstEvent* event) {
 }
 
 gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
+  const inverse::Log& log = element_of(transform).log();
+  if (GST_EVENT_TYPE(event) != GST_EVENT_QOS && GST_EVENT_TYPE(event) != GST_EVENT_NAVIGATION)
+    GST_CAT_DEBUG_OBJECT(log.category, log.object, "event from downstream: %" GST_PTR_FORMAT,
+                         event);
   if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
     GstQOSType type{};
     GstClockTimeDiff late = 0;
@@ -289,13 +293,14 @@ gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery*
   }
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && direction == GST_PAD_SRC) {
     inverse::add_latency(query, element_of(transform).latency());
+    const inverse::Log& log = element_of(transform).log();
+    GST_CAT_DEBUG_OBJECT(log.category, log.object, "answer: %" GST_PTR_FORMAT, query);
   }
   return TRUE;
 }
 
 void base_class_init(gpointer klass, gpointer) {
   parent_class = static_cast<GstBaseTransformClass*>(g_type_class_peek_parent(klass));
-  GST_DEBUG_CATEGORY_INIT(inverse_debug, "inverse", 0, "inverse rendering elements");
   auto* object = G_OBJECT_CLASS(klass);
   object->finalize = finalize;
   auto* element = GST_ELEMENT_CLASS(klass);
@@ -340,22 +345,18 @@ void element_class_init(gpointer klass, gpointer data) {
   if (info.takes_pixels())
     g_object_class_install_property(
         object, PROP_DEVICE,
-        g_param_spec_string(
-            "device", "device",
-            "Vulkan device to use: an index or a part of its name; empty = shared with neighbors, "
-            "else the environment variable INVERSE_DEVICE, else the fastest",
-            "",
-            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                     GST_PARAM_MUTABLE_READY)));
+        g_param_spec_string("device", "device",
+                            "Vulkan device: an index or a part of its name; empty = shared with "
+                            "neighbors, else INVERSE_DEVICE, else the fastest",
+                            "",
+                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                     GST_PARAM_MUTABLE_READY)));
   g_object_class_install_property(
       object, PROP_STATS,
       g_param_spec_boxed(
-          "stats", "stats",
-          "What the last completed frame took: frames (count), wall-ms, device-ms and one entry "
-          "for each stage (milliseconds), device-bytes now and at peak, kernels built so far on "
-          "the device, and what the method tells",
+          "stats", "stats", "Times (ms), memory (bytes) and results of the last completed frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  info.create()->parameters().install(object, PROP_TABLE);
+  install_parameters(klass, info.create()->parameters(), PROP_TABLE);
   constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
   const GType type = G_TYPE_FROM_CLASS(klass);
   if (info.lights)
@@ -398,6 +399,7 @@ GType filter_type(GstPlugin* plugin) {
 namespace inverse {
 
 gboolean register_filter(GstPlugin* plugin, const ElementInfo& element) {
+  debug_category(element.factory, element.description);
   GTypeInfo info{};
   info.class_size = sizeof(GstInverseFilterClass);
   info.class_init = element_class_init;

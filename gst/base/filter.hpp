@@ -13,6 +13,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "log.hpp"
 #include "property_table.hpp"
 
 namespace inverse {
@@ -23,7 +24,7 @@ struct FreeStructure {
 using StructurePtr = std::unique_ptr<GstStructure, FreeStructure>;
 
 /// One frame on its way through a filter.
-struct FrameWork {
+struct FrameContext {
   gpu::Commands& commands;  ///< record here; submitted once by the base
   Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
                   ///< to send on
@@ -38,11 +39,9 @@ struct FrameWork {
   /// Out: what there is to tell the application, posted as element messages, also where
   /// `process` throws.
   std::vector<StructurePtr> messages = {};
-  /// Out: read-only properties that are worth looking at anew, of which bindings are told
-  /// (GObject::notify).
-  std::vector<const char*> news = {};
-  /// Out: what is amiss with how the element is set or what reaches it, in words for who built the
-  /// pipeline; posted as warning messages. Each is worth telling once.
+  /// Out: read-only properties that changed (GObject::notify).
+  std::vector<const char*> notify = {};
+  /// Out: configuration warnings, posted on the bus; the filter adds each once.
   std::vector<std::string> warnings = {};
   Picture picture = {};  ///< out: what to draw
   /// Out: the only tiles where it differs from the one that was drawn last; null: all may.
@@ -65,6 +64,9 @@ struct FrameWork {
 class Filter {
  public:
   virtual ~Filter() = default;
+  /// Where it logs: into the category of its element. The base sets it before all other calls.
+  const Log& log() const { return log_; }
+  void set_log(const Log& log) { log_ = log; }
   virtual PropertyStore& parameters() = 0;
   /// READY → PAUSED, before any frame, from the application's thread: reads files. What it throws
   /// becomes an element error, and the element does not start.
@@ -76,15 +78,15 @@ class Filter {
   virtual void release() = 0;
   /// Forgets what it knows of earlier frames.
   virtual void reset() {}
-  /// Whether frames are to be compared with the ones before them, for FrameWork::repeated and
+  /// Whether frames are to be compared with the ones before them, for FrameContext::repeated and
   /// `changed`.
   virtual bool looks_for_repeats() const { return false; }
   /// Whether it takes pixels to be square; where they are not, a warning says what to do.
   virtual bool takes_pixels_for_square() const { return false; }
   /// Records the work for one frame.
-  virtual void process(FrameWork& frame) = 0;
-  /// What a completed frame took, its wait for the device included; `number` is FrameWork's. Called
-  /// once for each, before `describe`.
+  virtual void process(FrameContext& frame) = 0;
+  /// What a completed frame took, its wait for the device included; `number` is FrameContext's.
+  /// Called once for each, before `describe`.
   virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
   /// Who shows the frames said (QoS) that one came so much too late; negative: early.
   virtual void late(double /*milliseconds*/) {}
@@ -114,9 +116,12 @@ class Filter {
   /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
   /// Error(output) where it cannot.
   virtual void save_environment(const std::string& /*path*/) {}
-  /// Adds fields about a frame that is completed; `number` is FrameWork's, at most kFramesInFlight
-  /// back.
+  /// Adds fields about a frame that is completed; `number` is FrameContext's, at most
+  /// kFramesInFlight back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
+
+ private:
+  Log log_ = log_of(nullptr);
 };
 
 /// All that makes an element out of a Filter.

@@ -12,6 +12,9 @@
 #include "gst/base/meta/layers_meta.hpp"
 #include "report.hpp"
 
+// Members log into the category of their element.
+#define GST_CAT_DEFAULT (log_.category)
+
 namespace inverse {
 namespace {
 
@@ -27,19 +30,27 @@ Extent extent_of(const GstVideoInfo& info) {
 }
 
 /// Posts what a filter had to say of a frame.
-void tell(GstElement* element, FrameWork& frame) {
-  for (StructurePtr& message : frame.messages)
+void post_messages(const Log& log, FrameContext& frame) {
+  GstElement* element = log.object;
+  for (StructurePtr& message : frame.messages) {
+    GST_CAT_DEBUG_OBJECT(log.category, element, "message: %" GST_PTR_FORMAT, message.get());
     gst_element_post_message(element,
                              gst_message_new_element(GST_OBJECT(element), message.release()));
-  for (const char* property : frame.news) g_object_notify(G_OBJECT(element), property);
+  }
+  for (const char* property : frame.notify) g_object_notify(G_OBJECT(element), property);
   for (const std::string& warning : frame.warnings)
-    GST_ELEMENT_WARNING(element, LIBRARY, SETTINGS, ("%s", warning.c_str()), (nullptr));
+    post_warning(log, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS, "%s", warning.c_str());
 }
 
 }  // namespace
 
 FilterElement::FilterElement(GstElement* element, const ElementInfo& info)
-    : element_(element), info_(info), filter_(info.create()), context_(element) {
+    : element_(element),
+      log_(log_of(element)),
+      info_(info),
+      filter_(info.create()),
+      context_(element) {
+  filter_->set_log(log_);
   gst_video_info_init(&in_info_);
   gst_video_info_init(&out_info_);
 }
@@ -55,9 +66,10 @@ bool FilterElement::open() {
 }
 
 bool FilterElement::restart() {
+  if (!check_parameters(log_, filter_->parameters())) return false;
   return guarded(element_, [&] {
     context_.renew(device_name());
-    told_shape_ = {1, 1};
+    reported_shape_ = {1, 1};
     filter_->start();
   });
 }
@@ -99,7 +111,7 @@ void FilterElement::ended() {
   try {
     filter_->ended();
   } catch (const std::exception& error) {
-    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+    post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE, "%s", error.what());
   }
 }
 
@@ -108,7 +120,7 @@ bool FilterElement::save_environment(const char* path) {
     filter_->save_environment(path ? path : "");
     return true;
   } catch (const std::exception& error) {
-    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+    post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE, "%s", error.what());
     return false;
   }
 }
@@ -118,6 +130,11 @@ bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
   if (refused_ && asked_.is(in, out)) return false;
   refused_ = !try_caps(in, out);
   asked_.set(in, out);
+  if (refused_)
+    GST_WARNING_OBJECT(element_, "refused caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in,
+                       out);
+  else
+    GST_INFO_OBJECT(element_, "caps: in %" GST_PTR_FORMAT ", out %" GST_PTR_FORMAT, in, out);
   if (!refused_) announce_latency(out_layers_ ? 0 : frame_latency(out_info_));
   return !refused_;
 }
@@ -158,7 +175,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
     return false;
   }
   if (!can_be_cut()) return false;
-  look_at_shape_of_pixels();
+  check_pixel_aspect_ratio();
   // What is known of the frames so far stays: sources of variable rate tell it ever anew.
   if (!refused_ && asked_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
@@ -188,16 +205,16 @@ bool FilterElement::can_be_cut() {
   return false;
 }
 
-void FilterElement::look_at_shape_of_pixels() {
+void FilterElement::check_pixel_aspect_ratio() {
   const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
   if (shape.first == shape.second || !filter_->takes_pixels_for_square()) return;
-  if (std::exchange(told_shape_, shape) == shape) return;
-  GST_ELEMENT_WARNING(
-      element_, STREAM, FORMAT,
-      ("%s takes pixels to be square, and these are %d:%d: what is round is an ellipse to it; put "
-       "videoscale ! video/x-raw,pixel-aspect-ratio=1/1 before it",
-       info_.factory, shape.first, shape.second),
-      (nullptr));
+  if (std::exchange(reported_shape_, shape) == shape) return;
+  const std::string warning =
+      std::string(info_.factory) + " needs square pixels, and these are " +
+      std::to_string(shape.first) + ":" + std::to_string(shape.second) +
+      ": round objects become ellipses; put videoscale ! video/x-raw,pixel-aspect-ratio=1/1 "
+      "before it";
+  post_warning(log_, GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s", warning.c_str());
 }
 
 void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
@@ -220,10 +237,26 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
     throw;
   }
   if (device->variant().warm_up && filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
+  GST_INFO_OBJECT(element_, "device \"%s\", frames of %ux%u", device->name().c_str(), extent.width,
+                  extent.height);
   device_ = device;
   configured_ = true;
   fresh_ = true;
   number_ = 0;
+}
+
+void FilterElement::flush(const char* reason) {
+  GST_DEBUG_OBJECT(element_, "the next frame starts a new scene: %s", reason);
+  fresh_ = true;
+  filter_->flushed();
+}
+
+void FilterElement::wait(Slot& slot, const char* reason) {
+  if (slot.commands->done()) return slot.commands->wait();
+  const auto start = Clock::now();
+  slot.commands->wait();
+  GST_DEBUG_OBJECT(element_, "waited %.2f ms for the device: %s", milliseconds_since(start),
+                   reason);
 }
 
 void FilterElement::warm_up() {
@@ -260,7 +293,7 @@ void FilterElement::forget_repeats() {
   drawn_.reset();
 }
 
-void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
+void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   if (in_layers_) {
     frame.layers = take_layers(in);
     return;
@@ -278,7 +311,7 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   convert_input(in, slot, frame);
 }
 
-void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
+void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   PlanePtr& plane = frame.layers[Role::input];
   if (frame.repeated && held_input_) {
     plane = held_input_;
@@ -302,7 +335,7 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameWork& frame) {
   held_input_ = frame.hold || calm ? plane : nullptr;
 }
 
-void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
+void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
   const bool again = frame.same_picture && drawn_ && output_->waits();
   if (!out_layers_ && !again) {
     const bool parts = frame.drawn && drawn_ && output_->waits();
@@ -315,7 +348,7 @@ void FilterElement::send(GstBuffer* out, Slot& slot, FrameWork& frame) {
   if (out_layers_) {
     attach_layers(out, frame.layers);
   } else if (output_->waits()) {
-    slot.commands->wait();
+    wait(slot, "to download the picture");
     output_->write(drawn_, out);
   }
 }
@@ -347,6 +380,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
 
 void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   const auto start = Clock::now();
+  GST_LOG_OBJECT(element_, "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, number_, in);
   const auto device = device_for(in);
   if (images_device_ && device != images_device_)
     throw Error(ErrorKind::no_device,
@@ -362,32 +396,32 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   ++next_slot_;
   finish(slot);
   slot.commands->begin();
-  if (breaks_off(in)) flush();
+  if (breaks_off(in)) flush("discontinuity");
   const bool fresh = fresh_.exchange(false);
   if (fresh) filter_->reset();
   if (const auto late = take_lateness()) filter_->late(*late);
 
-  FrameWork frame{.commands = *slot.commands,
-                  .layers = {},
-                  .number = number_,
-                  .in = in,
-                  .time = stream_time(in),
-                  .fresh = fresh,
-                  .draw = !out_layers_,
-                  .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
+  FrameContext frame{.commands = *slot.commands,
+                     .layers = {},
+                     .number = number_,
+                     .in = in,
+                     .time = stream_time(in),
+                     .fresh = fresh,
+                     .draw = !out_layers_,
+                     .gray = !in_layers_ && GST_VIDEO_INFO_IS_GRAY(&in_info_)};
   read_input(in, slot, frame);
   try {
     filter_->process(frame);
   } catch (...) {
-    tell(element_, frame);
+    post_messages(log_, frame);
     throw;
   }
-  tell(element_, frame);
+  post_messages(log_, frame);
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
   // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
   // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
-  if (in_images_) slot.commands->wait();
+  if (in_images_) wait(slot, "for the input image");
   slot.number = number_++;
   slot.wall_ms = milliseconds_since(start);
   slot.pending = true;
@@ -418,11 +452,13 @@ bool FilterElement::breaks_off(GstBuffer* in) {
 void FilterElement::finish(Slot& slot) {
   if (!slot.pending) return;
   slot.pending = false;
-  slot.commands->wait();
+  wait(slot, "for a frame in flight");
   // Where nobody waits for the device, the wall clock says little of what a frame costs.
   filter_->took(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
   GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);
   filter_->describe(stats, slot.number);
+  GST_DEBUG_OBJECT(element_, "frame %" G_GUINT64_FORMAT " is done: %" GST_PTR_FORMAT, slot.number,
+                   stats);
   std::lock_guard lock(mutex_);
   std::swap(stats, stats_);
   if (stats) gst_structure_free(stats);
@@ -435,6 +471,7 @@ GstBufferPool* FilterElement::image_pool(GstCaps* caps, guint* size) {
 }
 
 void FilterElement::late(double milliseconds) {
+  GST_DEBUG_OBJECT(element_, "quality of service: downstream is %.2f ms late", milliseconds);
   std::lock_guard lock(mutex_);
   late_ms_ = std::max(late_ms_.value_or(milliseconds), milliseconds);
 }
@@ -445,8 +482,9 @@ std::optional<double> FilterElement::take_lateness() {
 }
 
 void FilterElement::announce_latency(GstClockTime latency) {
-  if (latency_.exchange(latency) != latency)
-    gst_element_post_message(element_, gst_message_new_latency(GST_OBJECT(element_)));
+  if (latency_.exchange(latency) == latency) return;
+  GST_DEBUG_OBJECT(element_, "latency %" GST_TIME_FORMAT, GST_TIME_ARGS(latency));
+  gst_element_post_message(element_, gst_message_new_latency(GST_OBJECT(element_)));
 }
 
 void FilterElement::set_device_name(const char* name) {

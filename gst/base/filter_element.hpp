@@ -30,11 +30,8 @@ class FilterElement {
   bool set_caps(GstCaps* in, GstCaps* out);
   /// Takes one buffer through the filter into `out`, which has memory only where pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
-  /// The next frame starts afresh.
-  void flush() {
-    fresh_ = true;
-    filter_->flushed();
-  }
+  /// The next frame starts afresh; `reason` is for the log.
+  void flush(const char* reason);
   /// The stream ended, or will stop.
   void ended();
   /// Has the filter write the light that it found; posts a warning and returns false where it
@@ -43,6 +40,7 @@ class FilterElement {
   /// Downstream said how late a frame was (negative: early). From any thread.
   void late(double milliseconds);
 
+  const Log& log() const { return log_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
   /// A configured pool for images, where images go out; posts one error and returns null where
@@ -67,7 +65,7 @@ class FilterElement {
     std::unique_ptr<gpu::Commands> commands;
     gpu::BufferPtr in, out;         // the bytes of a frame
     std::optional<TileList> tiles;  // of the input that are converted anew
-    uint64_t number = 0;            // FrameWork's
+    uint64_t number = 0;            // FrameContext's
     double wall_ms = 0;
     bool pending = false;  // stats are yet to be published
   };
@@ -75,21 +73,23 @@ class FilterElement {
   /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
   bool can_be_cut();
   /// Warns of pixels that are not square where the filter takes them for it, once of one shape.
-  void look_at_shape_of_pixels();
+  void check_pixel_aspect_ratio();
   void configure(const std::shared_ptr<gpu::Device>& device);
   /// Has the device build the kernels for frames of which only tiles are converted.
   void warm_up();
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
   void run(GstBuffer* in, GstBuffer* out);
-  void read_input(GstBuffer* in, Slot& slot, FrameWork& frame);
+  void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
   /// Converts a frame from memory, as far as it differs from the one before.
-  void convert_input(GstBuffer* in, Slot& slot, FrameWork& frame);
+  void convert_input(GstBuffer* in, Slot& slot, FrameContext& frame);
   /// What a frame whose picture came again could take over is gone.
   void forget_repeats();
-  void send(GstBuffer* out, Slot& slot, FrameWork& frame);
+  void send(GstBuffer* out, Slot& slot, FrameContext& frame);
   GstClockTime stream_time(GstBuffer* in) const;
   /// Whether `in` has nothing to do with the frame before it.
   bool breaks_off(GstBuffer* in);
+  /// Waits until a frame's work on the device is done.
+  void wait(Slot& slot, const char* reason);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
   /// So with all slots, the oldest first; what goes wrong is logged.
@@ -98,6 +98,7 @@ class FilterElement {
   std::optional<double> take_lateness();
 
   GstElement* element_;
+  Log log_;
   const ElementInfo& info_;
   std::unique_ptr<Filter> filter_;
   DeviceContext context_;
@@ -106,9 +107,9 @@ class FilterElement {
   std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
 
   GstVideoInfo in_info_, out_info_;
-  CapsPair asked_;                        // last
-  bool refused_ = false;                  // asked_ was answered with an error
-  std::pair<int, int> told_shape_{1, 1};  // of pixels, that was warned of last
+  CapsPair asked_;                            // last
+  bool refused_ = false;                      // asked_ was answered with an error
+  std::pair<int, int> reported_shape_{1, 1};  // of pixels, that was warned of last
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};

@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "common/error.hpp"
+#include "log.hpp"
 
 namespace inverse {
 
@@ -25,7 +30,17 @@ struct Property {
   std::function<void(const P&, GValue*)> read;
   std::function<void(P&, const GValue*)> write;
   std::function<void(P& to, const P& from)> copy;
+  /// An entry of the property `tuning` in place of a property of its own.
+  bool in_tuning = false;
 };
+
+/// Makes an entry of the property `tuning` out of a property: for what is only changed to study the
+/// method. Its value's text must have neither ':' nor ','.
+template <typename P>
+Property<P> tuning(Property<P> property) {
+  property.in_tuning = true;
+  return property;
+}
 
 namespace property_detail {
 
@@ -190,14 +205,44 @@ Property<P> color(const char* name, Access access, const char* blurb) {
 template <typename P>
 using PropertyTable = std::vector<Property<P>>;
 
-/// The parameters of one element as GObject sees them; index = place in the table. Thread-safe.
+/// The values that a property takes, and its default: "0…1 (0.5)".
+std::string values_of(GParamSpec* spec);
+
+/// The text of a `tuning` property, "name=value:name=value" (or with ','), as pairs in order.
+/// Throws Error(unsupported) where it is something else.
+std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text);
+
+/// Reads `text` as a value of the property `spec` into `value`, which is unset. Throws
+/// Error(unsupported) where it is none, or out of range.
+void tuning_value(GParamSpec* spec, const std::string& text, GValue* value);
+
+/// The property `tuning`.
+GParamSpec* tuning_spec();
+
+/// The parameters of one element as GObject sees them; index = place in the table, behind them
+/// `tuning`. Thread-safe.
 class PropertyStore {
  public:
   virtual ~PropertyStore() = default;
   virtual void install(GObjectClass* object_class, guint first_id) const = 0;
   virtual void get(size_t index, GValue* value) const = 0;
   virtual void set(size_t index, const GValue* value) = 0;
+  /// What is wrong with the text that `tuning` was set to last, and which names it takes; the text
+  /// before stays in force. Empty where nothing is.
+  virtual std::string misconfigured() const { return {}; }
+  /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty where it has
+  /// none.
+  virtual std::string tuning_entries_text() const { return {}; }
 };
+
+/// Installs an element class's parameters, and lists the entries of `tuning` in its metadata, where
+/// gst-inspect-1.0 shows them.
+void install_parameters(gpointer element_class, const PropertyStore& parameters, guint first_id);
+/// GObject::set_property of one of them: a `tuning` that cannot be read becomes a warning.
+void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
+                   const GParamSpec* spec);
+/// Posts an error and returns false where `tuning` cannot be read: the element does not start.
+bool check_parameters(const Log& log, const PropertyStore& parameters);
 
 /// The parameters of one element. `preset` turns the values that were set so far into a full set of
 /// defaults (for `quality`); whatever was set explicitly wins over it.
@@ -207,6 +252,9 @@ class Parameters final : public PropertyStore {
   using Preset = std::function<P(const P& set_so_far)>;
   explicit Parameters(const PropertyTable<P>& table, Preset preset = nullptr)
       : table_(table), preset_(std::move(preset)), explicitly_(table.size()) {}
+
+  /// Indices in use.
+  size_t size() const { return table_.size() + (has_tuning() ? 1 : 0); }
 
   /// The values in force now.
   P snapshot() const {
@@ -225,17 +273,89 @@ class Parameters final : public PropertyStore {
   void install(GObjectClass* object_class, guint first_id) const override {
     const P defaults = effective();
     for (size_t i = 0; i < table_.size(); ++i)
-      g_object_class_install_property(object_class, first_id + static_cast<guint>(i),
-                                      table_[i].make_spec(defaults));
+      if (!table_[i].in_tuning)
+        g_object_class_install_property(object_class, first_id + static_cast<guint>(i),
+                                        table_[i].make_spec(defaults));
+    if (has_tuning())
+      g_object_class_install_property(object_class, first_id + static_cast<guint>(table_.size()),
+                                      tuning_spec());
   }
-  void get(size_t index, GValue* value) const override { table_[index].read(snapshot(), value); }
+  void get(size_t index, GValue* value) const override {
+    if (index < table_.size()) return table_[index].read(snapshot(), value);
+    std::lock_guard lock(mutex_);
+    g_value_set_string(value, tuning_.c_str());
+  }
   void set(size_t index, const GValue* value) override {
     std::lock_guard lock(mutex_);
+    if (index == table_.size()) {
+      const char* text = g_value_get_string(value);
+      return set_tuning(text ? text : "");
+    }
     table_[index].write(values_, value);
     explicitly_[index] = true;
   }
+  std::string misconfigured() const override {
+    std::lock_guard lock(mutex_);
+    return misconfigured_;
+  }
+  std::string tuning_entries_text() const override {
+    const P defaults = effective();
+    std::string lines;
+    for (const Property<P>& property : table_) {
+      if (!property.in_tuning) continue;
+      const auto spec = spec_of(property, defaults);
+      lines += property.name + ": " + values_of(spec.get()) + ": " +
+               g_param_spec_get_blurb(spec.get()) + "\n";
+    }
+    return lines;
+  }
 
  private:
+  using SpecPtr = std::unique_ptr<GParamSpec, decltype(&g_param_spec_unref)>;
+  static SpecPtr spec_of(const Property<P>& property, const P& defaults) {
+    return {g_param_spec_ref_sink(property.make_spec(defaults)), g_param_spec_unref};
+  }
+  bool has_tuning() const {
+    return std::any_of(table_.begin(), table_.end(), [](const auto& p) { return p.in_tuning; });
+  }
+
+  /// Takes all entries of the text, or none. Entries that it does not name return to their
+  /// defaults. mutex_ held.
+  void set_tuning(const std::string& text) {
+    const P defaults{};
+    P values = values_;
+    std::vector<bool> explicitly = explicitly_;
+    for (size_t i = 0; i < table_.size(); ++i)
+      if (table_[i].in_tuning) {
+        table_[i].copy(values, defaults);
+        explicitly[i] = false;
+      }
+    try {
+      for (const auto& [name, value] : tuning_entries(text))
+        write_entry(name, value, values, explicitly);
+    } catch (const Error& error) {
+      misconfigured_ = "tuning=\"" + text + "\": " + error.what() + "; its names are";
+      for (const Property<P>& property : table_)
+        if (property.in_tuning) misconfigured_ += " " + property.name;
+      return;
+    }
+    values_ = values;
+    explicitly_ = explicitly;
+    tuning_ = text;
+    misconfigured_.clear();
+  }
+  void write_entry(const std::string& name, const std::string& value, P& values,
+                   std::vector<bool>& explicitly) const {
+    const auto entry = std::find_if(table_.begin(), table_.end(), [&](const auto& property) {
+      return property.in_tuning && property.name == name;
+    });
+    if (entry == table_.end()) throw Error(ErrorKind::unsupported, "there is no \"" + name + "\"");
+    GValue read = G_VALUE_INIT;
+    tuning_value(spec_of(*entry, P{}).get(), value, &read);
+    entry->write(values, &read);
+    g_value_unset(&read);
+    explicitly[static_cast<size_t>(entry - table_.begin())] = true;
+  }
   P effective() const { return preset_ ? with_explicit(preset_(values_)) : values_; }
   P with_explicit(P result) const {
     for (size_t i = 0; i < table_.size(); ++i)
@@ -248,6 +368,7 @@ class Parameters final : public PropertyStore {
   mutable std::mutex mutex_;
   P values_{};
   std::vector<bool> explicitly_;
+  std::string tuning_, misconfigured_;
 };
 
 }  // namespace inverse

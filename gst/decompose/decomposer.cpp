@@ -8,7 +8,7 @@ namespace inverse {
 
 namespace {
 
-constexpr uint64_t kMostDoubled = 4;  // times that each picture of a video may be shown
+constexpr uint64_t kMaxRepeats = 4;  // times that each picture of a video may be shown
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -43,32 +43,47 @@ void Decomposer::reset() {
   shown_ = shown_before_ = 0;
 }
 
-void Decomposer::draw_clusters(FrameWork& frame, const Plane& target) {
+void Decomposer::draw_clusters(FrameContext& frame, const Plane& target) {
   const Plane& model = *frame.layers[Role::model];
   if (!palette_) palette_.emplace(device_, model.extent);
   palette_->record_update(frame.commands, model);
   palette_->record_paint(frame.commands, model, target);
 }
 
-bool Decomposer::keeps(const FrameWork& frame, const Settings& settings) {
+Decomposer::Decision Decomposer::decide(const FrameContext& frame, const Settings& settings) {
   if (!frame.repeated || settings.changed || !same_) {
     same_ = frame.number;
     shown_before_ = std::exchange(shown_, 0);
   }
   ++shown_;
-  if (!settings.adaptive || !held_ || *same_ == frame.number) return false;
+  if (!settings.adaptive) return {false, "adaptive is off"};
+  if (frame.changed.empty()) return {false, "it is compared with no frame before"};
+  if (!frame.repeated) return {false, "the picture changed"};
+  if (settings.changed) return {false, "parameters changed"};
+  if (!held_) return {false, "the layers of the frame before are not held"};
+  if (*same_ == frame.number) return {false, "it is the first frame of its picture"};
   // Film on a faster screen shows every picture two or three times: once is enough.
-  if (shown_ <= std::min(shown_before_, kMostDoubled)) return true;
+  if (shown_ <= std::min(shown_before_, kMaxRepeats))
+    return {true, "the video shows each picture several times"};
   // The last frame that is sure to be done: what is kept must not depend on how fast frames are.
   std::optional<uint64_t> done;
   if (frame.number >= past_.size() && frame.number - past_.size() >= *same_)
     done = past(frame.number).method;
-  return settled(done);
+  if (!settled(done))
+    return {false, done ? "the picture came again, but its layers have not converged"
+                        : "no frame of this picture is completed yet"};
+  return {true, "the picture came again, and its layers have converged"};
 }
 
-void Decomposer::process(FrameWork& frame) {
+void Decomposer::process(FrameContext& frame) {
   const Settings settings = next_settings(trade_);
-  const bool kept = keeps(frame, settings);
+  const auto [kept, reason] = decide(frame, settings);
+  GST_CAT_DEBUG_OBJECT(log().category, log().object, "frame %" G_GUINT64_FORMAT " %s: %s",
+                       frame.number, kept ? "skipped, layers reused" : "decomposed", reason);
+  if (const size_t level = trade_.level(); level != std::exchange(logged_level_, level))
+    GST_CAT_INFO_OBJECT(log().category, log().object, "quality level changed to %zu: %s", level,
+                        trade_.report().reason.empty() ? "quality or target was set"
+                                                       : trade_.report().reason.c_str());
   if (kept) {
     frame.layers = *held_;
     ++kept_;
@@ -112,6 +127,10 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   if (frame.kept)
     gst_structure_set(stats, "skipped", G_TYPE_STRING, "method: the picture of the frame before",
                       nullptr);
+  gboolean cut = FALSE;
+  if (gst_structure_get_boolean(stats, "cut", &cut) && cut)
+    GST_CAT_INFO_OBJECT(log().category, log().object, "scene cut at frame %" G_GUINT64_FORMAT,
+                        number);
   const LiveTrade::Report& trade = trade_.report();
   if (trade.budget_ms > 0)
     gst_structure_set(stats, "live-level", G_TYPE_UINT, static_cast<guint>(frame.level),
@@ -120,7 +139,7 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
                       "live-reason", G_TYPE_STRING, trade.reason.c_str(), nullptr);
 }
 
-void Decomposer::draw(FrameWork& frame, const Settings& settings) {
+void Decomposer::draw(FrameContext& frame, const Settings& settings) {
   const PlanePtr& intrinsic = frame.layers[Role::intrinsic];
   const PlanePtr& input = frame.layers[Role::input];
   const auto light = [&](LightPicture::What what) {

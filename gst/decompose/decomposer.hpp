@@ -39,13 +39,14 @@ struct DecomposerParams {
 /// A picture that came again keeps the layers of the frame before without running the method, where
 /// the method's parameters are the same, `adaptive` is on and the method has settled on it. For
 /// that the planes of the last frame are held, and editors have to copy them; so they are held only
-/// while repeats go on (FrameWork::hold).
+/// while repeats go on (FrameContext::hold).
 class Decomposer : public Filter {
  public:
-  explicit Decomposer(std::span<const double> level_costs) : trade_(level_costs) {}
+  explicit Decomposer(std::span<const double> level_costs)
+      : trade_(level_costs), logged_level_(trade_.level()) {}
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
-  void process(FrameWork& frame) final;
+  void process(FrameContext& frame) final;
   void took(uint64_t number, double milliseconds) final;
   void late(double milliseconds) final;
   void describe(GstStructure* stats, uint64_t number) const final;
@@ -62,7 +63,7 @@ class Decomposer : public Filter {
   virtual Settings next_settings(LiveTrade& trade) = 0;
   /// Runs the method: fills `frame.layers` from its input layer. Returns the method's own number
   /// for the frame.
-  virtual uint64_t decompose(FrameWork& frame) = 0;
+  virtual uint64_t decompose(FrameContext& frame) = 0;
   /// Whether running the method again on the same picture is worth nothing. `done` is a frame (the
   /// method's number) of that picture with the same parameters that is completed; nothing where
   /// there is none yet.
@@ -72,7 +73,7 @@ class Decomposer : public Filter {
   /// Nothing of a frame (the method's number) is left to be done on the device.
   virtual void done(uint64_t /*number*/) {}
   /// Draws every pixel in the color of what it counts as.
-  virtual void draw_clusters(FrameWork& frame, const Plane& target);
+  virtual void draw_clusters(FrameContext& frame, const Plane& target);
   /// Adds to the stats what the method tells of a completed frame (the method's number).
   virtual void describe_method(GstStructure* stats, uint64_t number) const = 0;
 
@@ -99,19 +100,18 @@ class Decomposer : public Filter {
     PropertyTable<P> table{
         choice<P>("show", &P::show, global ? "GstInverseGlobalShow" : "GstInverseShow",
                   show_choices(makes),
-                  "What to show where ordinary video goes out; elements that take layers get all "
-                  "of them"),
+                  "Layer to show as ordinary video; elements that take layers get all of them"),
         choice<P>("quality", &P::quality, quality.type, quality_choices(quality), quality.sets),
         number<P>("target-fps", &P::target_fps, 0., 1000.,
-                  "Frames a second to hold by choosing the work for each, at most that of quality; "
-                  "what is set explicitly stays. 0 = any rate"),
+                  "Frames a second to hold by reducing the work for each, down from quality; 0 = "
+                  "no target"),
         number<P>("latency-budget", &P::latency_budget, 0., 1e5,
-                  "Milliseconds that a frame may take in this element, held in the same way; the "
-                  "stricter of the two counts. 0 = any time"),
+                  "Longest time for a frame in this element, ms, held by reducing the work; 0 = no "
+                  "limit"),
     };
     if (global)
       table.push_back(number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
-                                "The base color whose layer show=layer shows"));
+                                "Base color whose layer show=layer shows"));
     table.insert(table.end(), own.begin(), own.end());
     return table;
   }
@@ -119,8 +119,13 @@ class Decomposer : public Filter {
  private:
   static std::vector<Choice> show_choices(Makes makes);
   static std::vector<Choice> quality_choices(const QualityText& text);
-  bool keeps(const FrameWork& frame, const Settings& settings);
-  void draw(FrameWork& frame, const Settings& settings);
+  /// Whether a frame keeps the layers of the one before, and why, for the log.
+  struct Decision {
+    bool keep;
+    const char* reason;
+  };
+  Decision decide(const FrameContext& frame, const Settings& settings);
+  void draw(FrameContext& frame, const Settings& settings);
 
   /// What became of one of the last frames.
   struct Past {
@@ -141,12 +146,13 @@ class Decomposer : public Filter {
   gpu::FrameRing<Past> past_;
   std::optional<Layers> held_;             // of the frame before
   uint64_t shown_ = 0, shown_before_ = 0;  // frames of this picture, and of the one before
-  std::optional<uint64_t> same_;  // the first frame (FrameWork's number) of this picture with these
-                                  // parameters
-  uint64_t last_method_ = 0;      // the last frame's number
+  std::optional<uint64_t> same_;  // the first frame (FrameContext's number) of this picture with
+                                  // these parameters
+  uint64_t last_method_ = 0;                   // the last frame's number
   std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
   uint64_t kept_ = 0;                          // frames since `configure`
   LiveTrade trade_;
+  size_t logged_level_;
 };
 
 /// A decomposer whose frames all go through one object of the method, made anew for each size:

@@ -49,7 +49,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     return settings;
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     Params params = in_force(frame);
     // As intrinsicdecomp: a picture that rests settles everywhere.
     if (frame.repeated && repeated_) params.tile_tolerance = 0;
@@ -60,7 +60,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     return method_->recorded() - 1;
   }
 
-  void draw_clusters(FrameWork& frame, const Plane& target) override {
+  void draw_clusters(FrameContext& frame, const Plane& target) override {
     method_->draw_labels(frame.commands, *frame.layers[Role::input], target);
   }
 
@@ -87,30 +87,29 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     using P = Params;
     return {
         number<P>("amount", &P::amount, 0.f, 2.f,
-                  "How much light that surfaces send reaches others, as a factor of what the frame "
-                  "shows of them; 0 = measured, as stats tell with a confidence"),
-        number<P>("typical-amount", &P::typical, 0.05f, 2.f,
-                  "The amount of a scene whose colors say nothing of it; one without color has "
-                  "none (amount 0)"),
-        number<P>("trust", &P::trust, 0.f, 100.f,
-                  "How much the scene's colors count beside typical-amount when it is measured; 0 "
-                  "= not, and "
-                  "bounced light is gray"),
-        number<P>("white-balance", &P::white_balance, 0.f, 1.f,
-                  "Share of the lamps' color, as the frame lets guess it, that is taken out of "
-                  "reflectance first; 0 = lamps are white"),
+                  "Indirect light as a factor of what surfaces in view emit; 0 = estimated, raise "
+                  "it if a cast remains"),
+        tuning(number<P>("typical-amount", &P::typical, 0.05f, 2.f,
+                         "Amount assumed for a scene whose colors do not determine it")),
+        tuning(number<P>("trust", &P::trust, 0.f, 100.f,
+                         "Weight of the scene's colors against typical-amount; 0 = not used, "
+                         "indirect light is gray")),
+        number<P>(
+            "white-balance", &P::white_balance, 0.f, 1.f,
+            "Share of the estimated lamp color to remove from reflectance; 0 = lamps are white"),
         number<P>("base-colors", &P::base_colors, 1, static_cast<int>(kMaxBases),
-                  "Base colors at most; as many layers of bounced light are made as there are"),
-        number<P>("reach", &P::reach, 0.02f, 2.f,
-                  "How far surfaces light each other: standard deviation, of the frame's width"),
-        number<P>("near", &P::near, 0.f, 1.f,
-                  "Share of that light beside light that comes from all over the frame"),
-        number<P>("renew", &P::renew, 0.01f, 1.f,
-                  "Share of the newest frame in what is measured of the scene: amount and base "
-                  "colors; 1 = follows every frame"),
-        number<P>("cut-chroma", &P::cut, 0.f, 1.f,
-                  "Mean change of chroma, in halves of a natural log unit, from which on a frame "
-                  "counts as a cut of the scene for all of this"),
+                  "Maximum number of base colors, each with a layer of indirect light"),
+        tuning(number<P>("reach", &P::reach, 0.02f, 2.f,
+                         "Standard deviation of the distance over which surfaces light each other, "
+                         "in frame widths")),
+        tuning(number<P>("near", &P::near, 0.f, 1.f,
+                         "Share of near indirect light; the rest comes from the whole frame")),
+        tuning(number<P>("renew", &P::renew, 0.01f, 1.f,
+                         "Share of the newest frame in the estimates of amount and base colors; 1 "
+                         "= no averaging")),
+        tuning(number<P>("cut-chroma", &P::cut, 0.f, 1.f,
+                         "Mean change of chroma that counts as a scene cut for these estimates, "
+                         "half natural log units")),
     };
   }
 };
@@ -123,7 +122,7 @@ const ElementInfo kGlobalIntrinsic{
     "GstGlobalIntrinsic",
     "Global intrinsic decomposition",
     "Filter/Effect/Video",
-    "Takes live video apart into reflectance, direct light, and light that bounced off surfaces of "
+    "Decomposes live video into reflectance, direct light, and light that bounced off surfaces of "
     "each base color",
     Flow::pixels,
     Flow::pixels_or_layers,

@@ -1,4 +1,4 @@
-// globalintrinsicthesis: chapter 5 of the thesis to the letter.
+// globalintrinsicthesis: chapter 5 of the thesis.
 #include <array>
 #include <tuple>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/thesis/chapter5/correction/warm_up.hpp"
 #include "kernels/thesis/chapter5/ladder.hpp"
-#include "region_news.hpp"
+#include "region_messages.hpp"
 #include "region_requests.hpp"
 
 namespace inverse {
@@ -31,16 +31,17 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_.emplace(device, extent);
     correction_.emplace(device, extent);
     proposals_.emplace(device, extent);
-    news_.forget();
+    messages_.forget();
     started_ = false;
     most_colors_ = GlobalThesis::most_layers(*device, extent);
-    told_most_ = 0;
+    reported_limit_ = 0;
     // All that frames may need later is built now: scenes with other colors, refinement,
     // correction.
     method_->set_params(parameters_.snapshot());
     method_->warm_up();
     if (!warm_up_correction(device))
-      GST_WARNING(
+      GST_CAT_WARNING_OBJECT(
+          log().category, log().object,
           "the correction of clusters did not end on its test picture: some kernels may be built "
           "in mid-stream");
   }
@@ -50,7 +51,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     proposals_.reset();
     regions_.reset();
     marks_.clear();
-    news_.forget();
+    messages_.forget();
     seen_ = false;
     MethodDecomposer::release();
   }
@@ -59,7 +60,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     regions_->reset();
     correction_->reset();
     proposals_->reset();
-    news_.forget();
+    messages_.forget();
     started_ = false;
   }
   void flushed() override {
@@ -78,9 +79,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
  protected:
   // Marked regions and base colors go on being decided while a picture stays.
   bool settled(std::optional<uint64_t> done) const override {
-    return done.value_or(0) >= method_->scene_since() && news_.empty() && !regions_->has_lost() &&
-           !method_->refining() && !correction_->busy() && requests_.empty() &&
-           !proposals_->pending(params().propose) && since_click_ > kPatience;
+    return done.value_or(0) >= method_->scene_since() && messages_.empty() &&
+           !regions_->has_lost() && !method_->refining() && !correction_->busy() &&
+           requests_.empty() && !proposals_->pending(params().propose) && since_click_ > kPatience;
   }
 
   void done(uint64_t number) override {
@@ -89,14 +90,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       regions_->reset(MarkedRegions::Loss::cut);
       correction_->reset();
       proposals_->reset();
-      news_.forget();
+      messages_.forget();
     }
     const Numbers& numbers = numbers_[number];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
-      news_.corrected(*result);
+      messages_.corrected(*result);
     for (const auto& proposal : proposals_->collect(numbers.proposals, *regions_))
-      news_.proposed(proposal);
+      messages_.proposed(proposal);
   }
 
   void describe_method(GstStructure* stats, uint64_t number) const override {
@@ -127,16 +128,16 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     method_->set_params(params());
     const Plane& input = *frame.layers[Role::input];
     seen_ = true;
     ++since_click_;
     take_marks(frame);
     take_clicks(frame);
-    news_.lost(regions_->take_lost());
-    news_.tell(frame);
-    tell_most(frame);
+    messages_.lost(regions_->take_lost());
+    messages_.post(frame);
+    report_color_limit(frame);
     if (!started_) {
       // The only frame that waits: the kernels are built for its base colors.
       method_->record_colors(frame.commands, input);
@@ -163,7 +164,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   static constexpr uint64_t kPatience = 50;
 
   /// Clicks on what `marks` names, when it was set anew.
-  void take_marks(FrameWork& frame) {
+  void take_marks(FrameContext& frame) {
     const std::string& marks = params().marks;
     if (marks == std::exchange(marks_, marks)) return;
     const auto positions = positions_of(marks);
@@ -175,32 +176,36 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       for (const auto& [x, y] : *positions) mark(x, y);
   }
 
-  void take_clicks(FrameWork& frame) {
+  void take_clicks(FrameContext& frame) {
     const RegionRequests::Taken taken = requests_.take();
     if (taken.refine) method_->refine();
     if (!taken.clicks.empty()) since_click_ = 0;
     for (auto [x, y, region, what] : taken.clicks) {
       if (what == RegionRequests::Click::What::unmark) {
         proposals_->refuse(region);
-        if (!regions_->remove(region)) GST_WARNING("no region %d is marked", region);
+        if (!regions_->remove(region))
+          GST_CAT_WARNING_OBJECT(log().category, log().object, "no region %d is marked", region);
         continue;
       }
       if (what == RegionRequests::Click::What::picture && frame.draw &&
           params().show == Show::mosaic)
         std::tie(x, y) = Mosaic::shown_at(x, y, extent_);
       const int number = regions_->click(x, y);
-      RegionNews::tell_marked(frame, x, y, number);
+      RegionMessages::post_marked(frame, x, y, number);
       if (number == 0)
-        GST_WARNING("a click at %d, %d was refused: outside the frame, or %d regions are marked", x,
-                    y, MarkedRegions::kMaxRegions);
+        GST_CAT_WARNING_OBJECT(
+            log().category, log().object,
+            "a click at %d, %d was refused: outside the frame, or %d regions are marked", x, y,
+            MarkedRegions::kMaxRegions);
     }
   }
 
   /// Fewer base colors than were asked for.
-  void tell_most(FrameWork& frame) {
+  void report_color_limit(FrameContext& frame) {
     const int wanted = params().clusters;
-    if (wanted <= most_colors_ || wanted == std::exchange(told_most_, wanted)) return;
-    GST_WARNING(
+    if (wanted <= most_colors_ || wanted == std::exchange(reported_limit_, wanted)) return;
+    GST_CAT_WARNING_OBJECT(
+        log().category, log().object,
         "base-colors=%d, but the device can bind the layers of %d at %ux%u: make the frame smaller "
         "for more",
         wanted, most_colors_, extent_.width, extent_.height);
@@ -213,7 +218,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     flushed();
     if (!regions_) return;
     regions_->reset();
-    news_.lost(regions_->take_lost());
+    messages_.lost(regions_->take_lost());
   }
 
   static const PropertyTable<Params>& table() {
@@ -232,17 +237,14 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     return {
         number<P>(
             "seed", &P::seed, 0u, G_MAXUINT,
-            "Seed of sample positions and of the first clusters: the same seed gives the same "
-            "layers"),
+            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
         flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: a picture that comes again keeps its layers "
-                "once its base colors are refined"),
-        number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)"),
-        number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
-                  "Conjugate gradient steps for each (5.7.1)"),
-        number<P>(
-            "base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
-            "Clusters of chromaticity to look for; superfluous and duplicate ones go (5.5.1)"),
+                "Reuse layers of repeated pictures once their base colors are refined"),
+        tuning(number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)")),
+        tuning(number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
+                         "Conjugate gradient steps for each (5.7.1)")),
+        number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
+                  "Number of chromaticity clusters to look for; duplicates are removed (5.5.1)"),
         choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
                   {{static_cast<int>(RegionProposals::Mode::off), "off",
                     "Only clicks mark regions (5.5.2)"},
@@ -250,79 +252,85 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                     "Tell by message which regions seem to be taken for the wrong color"},
                    {static_cast<int>(RegionProposals::Mode::correct), "correct",
                     "Mark them as well, with the color that they seem to have"}},
-                  "Look for regions that strong bounced light makes look like another base color"),
+                  "What to do with regions whose base color looks wrong because of strong indirect "
+                  "light"),
         text<P>("marks", &P::marks,
-                "Positions in the frame, x,y in pixels and apart by spaces: regions there are "
-                "marked as by the action signal mark, once, when this is set; before the first "
-                "frame: in that"),
-        number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f, "Weight of the data term (Eq. 5.4)"),
-        number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
-                  "Weight of the distance to clustered reflectance (Eq. 5.6)"),
-        number<P>("lambda-r-sparsity", &P::lambda_r_sparsity, 0.f, 1e6f,
-                  "Weight of reflectance sparsity (Eq. 5.7)"),
-        number<P>("lambda-r-consistency", &P::lambda_r_consistency, 0.f, 1e6f,
-                  "Weight of the spatio-temporal samples (Eq. 3.12)"),
-        number<P>("lambda-monochrome", &P::lambda_monochrome, 0.f, 1e6f,
-                  "Weight of gray shading (Eq. 5.9)"),
-        number<P>("lambda-i-sparsity", &P::lambda_i_sparsity, 0.f, 1e6f,
-                  "Weight of few indirect layers in a pixel (Eq. 5.11)"),
-        number<P>("lambda-smoothness", &P::lambda_smoothness, 0.f, 1e6f,
-                  "Weight of piecewise constant light (Eq. 5.12)"),
-        number<P>("lambda-non-negativity", &P::lambda_non_negativity, 0.f, 1e6f,
-                  "Weight of light that is not negative (Eq. 5.13)"),
-        number<P>("lambda-ir", &P::lambda_ir, 1e-3f, 1e9f,
-                  "Refinement: weight of small changes of the base colors (Eq. 5.14)"),
-        number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
-                  "Refinement: weight of their chromaticity (Eq. 5.14)"),
-        number<P>("refine-rounds", &P::refine_rounds, 0, 100,
-                  "Refinements of the base colors after a start, a cut or the action refine, at "
-                  "most, one a frame; 0 = none"),
-        number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
-                  "They end where no channel of a base color changes by more"),
-        number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
-                  "Mean change of chroma, in halves of a natural log unit, from which on a frame "
-                  "counts as a cut of the scene; 0 = never"),
-        choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
-                  {{static_cast<int>(P::Irls::consistent), "consistent",
-                    "Weights that minimize the energy (p/2)"},
-                   {static_cast<int>(P::Irls::printed), "printed",
-                    "As in Eq. 5.16: L1 terms twice as strong"}},
-                  "Form of the reweighting factor"),
-        number<P>("p", &P::p, 0.f, 2.f, "Exponent of reflectance sparsity (Eq. 5.7)"),
-        number<P>("alpha-sr", &P::alpha_sr, 0.f, 1e4f,
-                  "Rise of the soft color Retinex weight with steps of chromaticity (Eq. 5.10); "
-                  "10000 = every pixel counts"),
-        number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
-                  "How much less dark pixels' samples count (Eq. 3.6)"),
-        number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
-                  "Chromaticity distance up to which samples bind (Eq. 3.13)"),
-        number<P>("tau-merge", &P::tau_merge, 0.f, 3.f,
-                  "Chromaticity distance up to which clusters merge (5.7.1)"),
-        number<P>("tau-neutral", &P::tau_neutral, 0.f, 3.f,
-                  "Base colors this near to white in chromaticity get no layer; 0 = all do"),
-        number<P>("epsilon", &P::epsilon, 1e-4f, 1.f,
-                  "Smallest light and step of light in a reweighting (5.6.4.1)"),
-        number<P>("epsilon-r", &P::epsilon_r, 1e-4f, 1.f,
-                  "Smallest reflectance step in a reweighting, log units"),
-        number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
-                  "Smallest reflectance and light to start from, 1 = full scale"),
-        number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
-                  "Added to intensities before chromaticities are taken, 1 = full scale"),
-        number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
-                  "Share of direct light that all indirect layers together start as"),
-        flag<P>("line-search", &P::line_search,
-                "Shorten steps that would raise the energy, as they may where light spans decades; "
-                "samples may raise the rest of it, by 5 % of where a frame starts at most"),
-        flag<P>("warm-start", &P::warm_start,
-                "Begin where the last frame ended instead of at the clusters"),
-        number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
-        number<P>("keyframes", &P::keyframes, 0, 5,
-                  "Earlier frames to draw samples from; 0 for stills"),
-        number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
-                  "Frames from one keyframe to the next"),
-        flag<P>("resample", &P::resample,
-                "Draw new sample positions for every frame instead of keeping them"),
-        flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
+                "Regions to mark once, as positions x,y in pixels with spaces between"),
+        tuning(number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f,
+                         "Weight of the data term (Eq. 5.4)")),
+        tuning(number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
+                         "Weight of the distance to clustered reflectance (Eq. 5.6)")),
+        tuning(number<P>("lambda-r-sparsity", &P::lambda_r_sparsity, 0.f, 1e6f,
+                         "Weight of reflectance sparsity (Eq. 5.7)")),
+        tuning(number<P>("lambda-r-consistency", &P::lambda_r_consistency, 0.f, 1e6f,
+                         "Weight of the spatio-temporal samples (Eq. 3.12)")),
+        tuning(number<P>("lambda-monochrome", &P::lambda_monochrome, 0.f, 1e6f,
+                         "Weight of gray shading (Eq. 5.9)")),
+        tuning(number<P>("lambda-i-sparsity", &P::lambda_i_sparsity, 0.f, 1e6f,
+                         "Weight of few indirect layers in a pixel (Eq. 5.11)")),
+        tuning(number<P>("lambda-smoothness", &P::lambda_smoothness, 0.f, 1e6f,
+                         "Weight of piecewise constant light (Eq. 5.12)")),
+        tuning(number<P>("lambda-non-negativity", &P::lambda_non_negativity, 0.f, 1e6f,
+                         "Weight of light that is not negative (Eq. 5.13)")),
+        tuning(number<P>("lambda-ir", &P::lambda_ir, 1e-3f, 1e9f,
+                         "Refinement: weight of small changes of the base colors (Eq. 5.14)")),
+        tuning(number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
+                         "Refinement: weight of their chromaticity (Eq. 5.14)")),
+        tuning(number<P>(
+            "refine-rounds", &P::refine_rounds, 0, 100,
+            "Refinements of the base colors after a start, a cut or the action refine, at "
+            "most, one a frame; 0 = none")),
+        tuning(number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
+                         "They end where no channel of a base color changes by more")),
+        tuning(number<P>(
+            "cut-fraction", &P::cut_fraction, 0.f, 1.f,
+            "Mean change of chroma, in halves of a natural log unit, from which on a frame "
+            "counts as a cut of the scene; 0 = never")),
+        tuning(choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
+                         {{static_cast<int>(P::Irls::consistent), "consistent",
+                           "Weights that minimize the energy (p/2)"},
+                          {static_cast<int>(P::Irls::printed), "printed",
+                           "As in Eq. 5.16: L1 terms twice as strong"}},
+                         "Form of the reweighting factor")),
+        tuning(number<P>("p", &P::p, 0.f, 2.f, "Exponent of reflectance sparsity (Eq. 5.7)")),
+        tuning(number<P>(
+            "alpha-sr", &P::alpha_sr, 0.f, 1e4f,
+            "Rise of the soft color Retinex weight with steps of chromaticity (Eq. 5.10); "
+            "10000 = every pixel counts")),
+        tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                         "How much less dark pixels' samples count (Eq. 3.6)")),
+        tuning(number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
+                         "Chromaticity distance up to which samples bind (Eq. 3.13)")),
+        tuning(number<P>("tau-merge", &P::tau_merge, 0.f, 3.f,
+                         "Chromaticity distance up to which clusters merge (5.7.1)")),
+        tuning(
+            number<P>("tau-neutral", &P::tau_neutral, 0.f, 3.f,
+                      "Base colors this near to white in chromaticity get no layer; 0 = all do")),
+        tuning(number<P>("epsilon", &P::epsilon, 1e-4f, 1.f,
+                         "Smallest light and step of light in a reweighting (5.6.4.1)")),
+        tuning(number<P>("epsilon-r", &P::epsilon_r, 1e-4f, 1.f,
+                         "Smallest reflectance step in a reweighting, log units")),
+        tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                         "Smallest reflectance and light to start from, 1 = full scale")),
+        tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                         "Added to intensities before chromaticities are taken, 1 = full scale")),
+        tuning(number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
+                         "Share of direct light that all indirect layers together start as")),
+        tuning(flag<P>(
+            "line-search", &P::line_search,
+            "Shorten steps that would raise the energy, as they may where light spans decades; "
+            "samples may raise the rest of it, by 5 % of where a frame starts at most")),
+        tuning(flag<P>("warm-start", &P::warm_start,
+                       "Begin where the last frame ended instead of at the clusters")),
+        tuning(number<P>("samples", &P::samples, 0, 64,
+                         "Spatio-temporal samples of a pixel (Eq. 3.12)")),
+        tuning(number<P>("keyframes", &P::keyframes, 0, 5,
+                         "Earlier frames to draw samples from; 0 for stills")),
+        tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                         "Frames from one keyframe to the next")),
+        tuning(flag<P>("resample", &P::resample,
+                       "Draw new sample positions for every frame instead of keeping them")),
+        tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
     };
   }
 
@@ -334,10 +342,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     uint64_t regions = 0, correction = 0, proposals = 0;
   };
   gpu::FrameRing<Numbers> numbers_;
-  RegionNews news_;
+  RegionMessages messages_;
   Extent extent_{};
   int most_colors_ = 0;                   // that the device has room for
-  int told_most_ = 0;                     // base-colors when it was said that they are too many
+  int reported_limit_ = 0;                // base-colors when it was said that they are too many
   bool seen_ = false;                     // a frame since the stream began
   bool started_ = false;                  // the scene's base colors are known
   uint64_t since_click_ = kPatience + 1;  // frames
@@ -353,7 +361,7 @@ const ElementInfo kGlobalIntrinsicThesis{
     "GstGlobalIntrinsicThesis",
     "Global intrinsic decomposition (thesis)",
     "Filter/Effect/Video",
-    "Takes video apart into reflectance, direct light and one layer of bounced light for each base "
+    "Decomposes video into reflectance, direct light and one layer of bounced light for each base "
     "color, as in chapter 5 of Meka, Live Inverse Rendering; globalintrinsic is faster and more "
     "accurate",
     Flow::pixels,

@@ -23,7 +23,7 @@ class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params>
     return method_->stats(number);
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     Params params = in_force(frame);
     // One that rests settles everywhere: a tile that was left out may lack what time would have
     // given.
@@ -55,7 +55,7 @@ const ElementInfo kIntrinsicDecomp{"intrinsicdecomp",
                                    "GstIntrinsicDecomp",
                                    "Intrinsic decomposition",
                                    "Filter/Effect/Video",
-                                   "Takes live video apart into reflectance (color without light) "
+                                   "Decomposes live video into reflectance (color without light) "
                                    "and shading (light without color)",
                                    Flow::pixels,
                                    Flow::pixels_or_layers,

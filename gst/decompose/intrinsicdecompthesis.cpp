@@ -1,4 +1,4 @@
-// intrinsicdecompthesis: chapter 3 of the thesis to the letter.
+// intrinsicdecompthesis: chapter 3 of the thesis.
 #include "decomposer.hpp"
 #include "kernels/thesis/chapter3/ladder.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
@@ -34,7 +34,7 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
-  uint64_t decompose(FrameWork& frame) override {
+  uint64_t decompose(FrameContext& frame) override {
     ThesisParams in_force = params();
     if (!params().adaptive) in_force.settled = 0;
     method_->set_params(in_force);
@@ -56,70 +56,74 @@ class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params>
   static PropertyTable<Params> own_properties() {
     using P = Params;
     return {
-        number<P>("seed", &P::seed, 0u, G_MAXUINT,
-                  "Seed of sample positions and of the first clusters: the same seed "
-                  "gives the same layers"),
+        number<P>(
+            "seed", &P::seed, 0u, G_MAXUINT,
+            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
         flag<P>("adaptive", &P::adaptive,
-                "Leave out what a frame does not need: a picture that comes again keeps its "
-                "layers, and conjugate gradients end where settled says so"),
-        number<P>(
-            "settled", &P::settled, 0.f, 1.f,
-            "Share of the residual of a level's first system, in the preconditioner's norm, at "
-            "which conjugate gradients end; 0 = all iterations run, as in the thesis"),
-        choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
-                  {{static_cast<int>(P::Solver::pcg), "pcg",
-                    "Conjugate gradients with inverse diagonal, whole level"},
-                   {static_cast<int>(P::Solver::schwarz), "schwarz",
-                    "Additive Schwarz on shifted blocks of 16x16"}},
-                  "What solves the linear system of a reweighting (thesis 3.5)"),
-        choice<P>("irls", &P::irls, "GstIntrinsicDecompThesisIrls",
-                  {{static_cast<int>(P::Irls::consistent), "consistent",
-                    "Weights that minimize the energy (p/2)"},
-                   {static_cast<int>(P::Irls::printed), "printed",
-                    "As in Eq. 3.19: a sparsity 2/p times stronger"}},
-                  "Form of the reweighting factor"),
-        number<P>("levels", &P::levels, 0, 12,
-                  "Levels of the Gaussian pyramid; 0 = three to five by resolution"),
-        number<P>("irls-iterations", &P::irls_iterations, 1, 64, "Reweightings on each level"),
-        number<P>(
+                "Reuse layers of repeated pictures and stop iterations early by settled"),
+        tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+                         "Residual, relative to a level's first system, at which conjugate "
+                         "gradients end; 0 = all iterations")),
+        tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
+                         {{static_cast<int>(P::Solver::pcg), "pcg",
+                           "Conjugate gradients with inverse diagonal, whole level"},
+                          {static_cast<int>(P::Solver::schwarz), "schwarz",
+                           "Additive Schwarz on shifted blocks of 16x16"}},
+                         "What solves the linear system of a reweighting (thesis 3.5)")),
+        tuning(choice<P>("irls", &P::irls, "GstIntrinsicDecompThesisIrls",
+                         {{static_cast<int>(P::Irls::consistent), "consistent",
+                           "Weights that minimize the energy (p/2)"},
+                          {static_cast<int>(P::Irls::printed), "printed",
+                           "As in Eq. 3.19: a sparsity 2/p times stronger"}},
+                         "Form of the reweighting factor")),
+        tuning(number<P>("levels", &P::levels, 0, 12,
+                         "Levels of the Gaussian pyramid; 0 = three to five by resolution")),
+        tuning(
+            number<P>("irls-iterations", &P::irls_iterations, 1, 64, "Reweightings on each level")),
+        tuning(number<P>(
             "pcg-iterations", &P::pcg_iterations, 1, 256,
-            "Conjugate gradient steps for each reweighting (with solver=schwarz: for each block)"),
-        number<P>("w-data", &P::w_data, 0.f, 1e6f, "Weight of the data term (Eq. 3.5)"),
-        number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
-                  "How much less dark pixels count (Eq. 3.6)"),
-        number<P>("w-reflectance", &P::w_reflectance, 0.f, 1e6f,
-                  "Weight of reflectance sparsity (Eq. 3.8)"),
-        number<P>("w-shading", &P::w_shading, 0.f, 1e6f, "Weight of shading smoothness (Eq. 3.9)"),
-        number<P>("w-chromaticity", &P::w_chromaticity, 0.f, 1e6f,
-                  "Weight of the chromaticity prior (Eq. 3.10)"),
-        number<P>("w-non-local", &P::w_non_local, 0.f, 1e6f,
-                  "Weight of the spatio-temporal samples (Eq. 3.12)"),
-        number<P>("w-clustering", &P::w_clustering, 0.f, 1e6f,
-                  "Weight of the reflectance clusters (Eq. 3.15)"),
-        number<P>("w-cs", &P::w_cs, 0.f, 1.f, "Scale of the chromaticity similarity (Eq. 3.7)"),
-        number<P>("p", &P::p, 0.f, 2.f,
-                  "Exponent of reflectance sparsity; smaller is sparser (Eq. 3.8)"),
-        number<P>("alpha-cs", &P::alpha_cs, 0.f, 1e4f,
-                  "Fall-off of similarity with chromaticity distance, chromaticities of mean 1 "
-                  "(Eq. 3.7)"),
-        number<P>("alpha-clustering", &P::alpha_clustering, 0.f, 1e3f,
-                  "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)"),
-        number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
-                  "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)"),
-        number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
-                  "Smallest reflectance step in a reweighting, log units"),
-        number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
-                  "Smallest intensity before the logarithm, 1 = full scale"),
-        number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
-                  "Added to intensities before chromaticities are taken, 1 = full scale"),
-        number<P>("samples", &P::samples, 0, 64, "Spatio-temporal samples of a pixel (Eq. 3.12)"),
-        number<P>("keyframes", &P::keyframes, 0, 5,
-                  "Earlier frames to draw samples from; 0 for stills"),
-        number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
-                  "Frames from one keyframe to the next"),
-        flag<P>("resample", &P::resample,
-                "Draw new sample positions for every frame instead of keeping them"),
-        flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats"),
+            "Conjugate gradient steps for each reweighting (with solver=schwarz: for each block)")),
+        tuning(number<P>("w-data", &P::w_data, 0.f, 1e6f, "Weight of the data term (Eq. 3.5)")),
+        tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                         "How much less dark pixels count (Eq. 3.6)")),
+        tuning(number<P>("w-reflectance", &P::w_reflectance, 0.f, 1e6f,
+                         "Weight of reflectance sparsity (Eq. 3.8)")),
+        tuning(number<P>("w-shading", &P::w_shading, 0.f, 1e6f,
+                         "Weight of shading smoothness (Eq. 3.9)")),
+        tuning(number<P>("w-chromaticity", &P::w_chromaticity, 0.f, 1e6f,
+                         "Weight of the chromaticity prior (Eq. 3.10)")),
+        tuning(number<P>("w-non-local", &P::w_non_local, 0.f, 1e6f,
+                         "Weight of the spatio-temporal samples (Eq. 3.12)")),
+        tuning(number<P>("w-clustering", &P::w_clustering, 0.f, 1e6f,
+                         "Weight of the reflectance clusters (Eq. 3.15)")),
+        tuning(number<P>("w-cs", &P::w_cs, 0.f, 1.f,
+                         "Scale of the chromaticity similarity (Eq. 3.7)")),
+        tuning(number<P>("p", &P::p, 0.f, 2.f,
+                         "Exponent of reflectance sparsity; smaller is sparser (Eq. 3.8)")),
+        tuning(
+            number<P>("alpha-cs", &P::alpha_cs, 0.f, 1e4f,
+                      "Fall-off of similarity with chromaticity distance, chromaticities of mean 1 "
+                      "(Eq. 3.7)")),
+        tuning(number<P>("alpha-clustering", &P::alpha_clustering, 0.f, 1e3f,
+                         "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)")),
+        tuning(number<P>(
+            "tau-cc", &P::tau_cc, 0.f, 3.f,
+            "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)")),
+        tuning(number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
+                         "Smallest reflectance step in a reweighting, log units")),
+        tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                         "Smallest intensity before the logarithm, 1 = full scale")),
+        tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                         "Added to intensities before chromaticities are taken, 1 = full scale")),
+        tuning(number<P>("samples", &P::samples, 0, 64,
+                         "Spatio-temporal samples of a pixel (Eq. 3.12)")),
+        tuning(number<P>("keyframes", &P::keyframes, 0, 5,
+                         "Earlier frames to draw samples from; 0 for stills")),
+        tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                         "Frames from one keyframe to the next")),
+        tuning(flag<P>("resample", &P::resample,
+                       "Draw new sample positions for every frame instead of keeping them")),
+        tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
     };
   }
 };
@@ -132,7 +136,7 @@ const ElementInfo kIntrinsicDecompThesis{
     "GstIntrinsicDecompThesis",
     "Intrinsic decomposition (thesis)",
     "Filter/Effect/Video",
-    "Takes video apart into reflectance and shading as in chapter 3 of Meka, Live Inverse "
+    "Decomposes video into reflectance and shading as in chapter 3 of Meka, Live Inverse "
     "Rendering; intrinsicdecomp is "
     "faster and more accurate",
     Flow::pixels,

@@ -29,7 +29,7 @@ class RegionRequests {
   void add(const Click& click) {
     std::lock_guard lock(mutex_);
     // What nobody looks at for so long is no click on a picture any more.
-    if (waiting_.clicks.size() < kMostClicks) waiting_.clicks.push_back(click);
+    if (waiting_.clicks.size() < kMaxClicks) waiting_.clicks.push_back(click);
   }
   void refine() {
     std::lock_guard lock(mutex_);
@@ -49,7 +49,7 @@ class RegionRequests {
   }
 
  private:
-  static constexpr size_t kMostClicks = 1000;
+  static constexpr size_t kMaxClicks = 1000;
   mutable std::mutex mutex_;
   Taken waiting_{};
 };

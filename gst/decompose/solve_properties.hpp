@@ -8,7 +8,6 @@ namespace inverse {
 
 /// What decomposers whose shading is solved for by ScaledIntrinsic have beside its parameters.
 struct SolveParams : DecomposerParams {
-  uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
   float keep_tolerance = 1e-3F;
 };
@@ -17,19 +16,15 @@ struct SolveParams : DecomposerParams {
 template <typename P>
 PropertyTable<P> solve_properties() {
   return {
-      flag<P>(
-          "adaptive", &P::adaptive,
-          "Leave out what a frame does not need: tiles where little changed keep what was decided "
-          "about their edges, cycles end when little changes, and a picture that comes again keeps "
-          "its layers once they have settled"),
+      flag<P>("adaptive", &P::adaptive,
+              "Skip work that changes nothing visible; turn off to compare"),
       number<P>("settled", &P::settled, 0.f, 1.f,
                 "Change of log shading by a cycle, rms in natural log units, from which on no "
                 "further one follows; 0 = all run"),
-      flag<P>("half-resolution", &P::half_resolution,
-              "Solve at half the frame's width and height, at about half the cost; where "
-              "shading steps is then read from the frame"),
-      flag<P>("quarter-resolution", &P::quarter_resolution,
-              "With half-resolution: solve at a quarter of the frame's width and height instead"),
+      tuning(flag<P>("half-resolution", &P::half_resolution,
+                     "Solve at half width and height, for speed")),
+      tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
+                     "With half-resolution: solve at a quarter of width and height")),
       number<P>("half-resolution-bound", &P::half_bound, 0.f, 1.f,
                 "Change of log shading, rms in natural log units, that half resolution may make "
                 "on a scene to be chosen by itself; 0 = never"),
@@ -45,66 +40,59 @@ PropertyTable<P> solve_properties() {
       number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
                 "Change of intensity or chroma, natural log units, from which on a tile counts "
                 "as changed"),
-      number<P>("seed", &P::seed, 0u, G_MAXUINT,
-                "Has no effect, as this method draws nothing at random; for scripts that set it on "
-                "any decomposer"),
-      number<P>("cycles", &P::cycles, 1u, 32u,
-                "Multigrid cycles of a frame without history (the first, after a seek, a gap or "
-                "new caps)"),
-      number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
-                "Multigrid cycles of a frame that continues the one before, and so starts near "
-                "its solution"),
+      tuning(
+          number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
+      tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
+                       "Multigrid cycles of a frame that starts from the one before")),
       number<P>(
           "reflectance-weight", [](P& p) -> float& { return p.prior.reflectance_weight; }, 1e-3f,
-          1e3f,
-          "Factor on how firmly reflectance stays even where the picture does; more moves "
-          "texture into shading"),
+          1e3f, "Weight of even reflectance; raise it to move texture into shading"),
       number<P>(
           "shading-weight", [](P& p) -> float& { return p.prior.shading_weight; }, 1e-3f, 1e3f,
-          "Factor on how firmly shading stays even; more moves shadows into reflectance"),
-      number<P>(
+          "Weight of even shading; raise it to move shadows into reflectance"),
+      tuning(number<P>(
           "value-weight", [](P& p) -> float& { return p.prior.value_weight; }, 1e-3f, 1e3f,
-          "Factor on how firmly the largest channel of reflectance stays near 1"),
-      number<P>(
+          "Weight of a largest reflectance channel near 1")),
+      tuning(number<P>(
           "chroma-weight", [](P& p) -> float& { return p.prior.chroma_weight; }, 0.f, 1e3f,
-          "Factor on how firmly equal chroma means equal reflectance; 0 leaves that step out"),
+          "Weight of equal reflectance for equal chroma; 0 = term skipped")),
       number<P>(
           "temporal-weight", [](P& p) -> float& { return p.anchor.anchor_weight; }, 0.f, 1e3f,
-          "How firmly reflectance stays what it was where nothing moves; 0 leaves that step out"),
-      number<P>(
+          "Weight of steady reflectance where nothing moves; raise it for steadier video, 0 = off"),
+      tuning(number<P>(
           "temporal-frames", [](P& p) -> float& { return p.anchor.anchor_frames; }, 1.f, 1e3f,
-          "Frames after a cut or a gap that it takes until the temporal weight is whole"),
-      number<P>(
+          "Frames after a cut or a gap until the temporal weight is full")),
+      tuning(number<P>(
           "temporal-chroma", [](P& p) -> float& { return p.anchor.anchor_chroma; }, 1e-3f, 10.f,
-          "Change of chroma that halves the temporal weight, natural log units"),
-      number<P>(
+          "Change of chroma that halves the temporal weight, natural log units")),
+      tuning(number<P>(
           "temporal-detail", [](P& p) -> float& { return p.anchor.anchor_detail; }, 1e-3f, 10.f,
-          "Change of local contrast that halves the temporal weight, natural log units"),
-      number<P>(
+          "Change of local contrast that halves the temporal weight, natural log units")),
+      tuning(number<P>(
           "temporal-texture", [](P& p) -> float& { return p.anchor.anchor_texture; }, 1e-3f, 10.f,
-          "How unevenly 4x4 pixels change that halves the temporal weight, natural log units"),
-      number<P>(
+          "How unevenly 4x4 pixels change that halves the temporal weight, natural log units")),
+      tuning(number<P>(
           "temporal-motion", [](P& p) -> float& { return p.anchor.anchor_motion; }, 1e-2f, 100.f,
-          "Share of the texture around a place that halves the temporal weight when it moves"),
+          "Share of the texture around a place that halves the temporal weight when it moves")),
       number<P>(
           "temporal-hold", [](P& p) -> float& { return p.anchor.hold; }, 0.f, 0.99f,
-          "Share of the last frame's reflectance that stays where neither content nor light "
-          "changes; more averages sensor noise over more frames"),
-      number<P>(
+          "Share of the last frame's reflectance kept where content and light stay; raise it "
+          "against sensor noise"),
+      tuning(number<P>(
           "temporal-hold-light", [](P& p) -> float& { return p.anchor.hold_light; }, 1e-3f, 10.f,
-          "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units"),
-      number<P>(
+          "Change of 4x4 pixels' intensity that halves temporal-hold, natural log units")),
+      tuning(number<P>(
           "temporal-hold-texture", [](P& p) -> float& { return p.anchor.hold_texture; }, 1e-3f,
           10.f,
           "Change of a pixel beyond that of the 4x4 pixels around it that halves temporal-hold, "
-          "natural log units"),
+          "natural log units")),
       number<P>(
           "white-level", [](P& p) -> float& { return p.scale.white_level; }, 0.05f, 1.f,
-          "Reflectance of the brightest surfaces when a scene begins; 1 is the brightest that a "
-          "display shows"),
-      number<P>(
+          "Reflectance of the brightest surfaces when a scene begins, 1 = white of the display; "
+          "sets brightness"),
+      tuning(number<P>(
           "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
-          "Share of the frame that is darker than the surfaces that white-level scales"),
+          "Share of the frame darker than the surfaces that white-level scales")),
       number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
@@ -125,8 +113,7 @@ Property<P> tile_tolerance_property() {
 
 /// What of those `quality` stands for.
 inline constexpr const char* kSolveSets =
-    "Sets half-resolution, quarter-resolution, cycles, warm-cycles, settled and still-tolerance as "
-    "a group; what is set explicitly wins";
+    "Work for each frame: lower is faster, higher is more accurate; what is set explicitly wins";
 
 /// Adds to the stats what a solve tells of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
@@ -147,7 +134,9 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
     if (set.target_fps > 0 || set.latency_budget > 0)
       for (const size_t halvings : {0, 1, 2}) this->method_->prepare(halvings);
     if (!this->method_->warm_up())
-      GST_WARNING("some kernels are built when frames first need them: a frame then takes longer");
+      GST_CAT_WARNING_OBJECT(
+          this->log().category, this->log().object,
+          "some kernels are built when frames first need them: a frame then takes longer");
   }
 
  protected:
@@ -160,7 +149,7 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
   }
 
   /// The method's parameters for a frame.
-  P in_force(const FrameWork& frame) const {
+  P in_force(const FrameContext& frame) const {
     P params = this->params();
     // The sooner a picture that stays has settled, the sooner nothing is left to do.
     if (frame.repeated) params.settled = std::min(params.settled, params.keep_tolerance);

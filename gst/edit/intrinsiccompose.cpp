@@ -84,7 +84,7 @@ class ComposeElement final : public Filter {
     pictures_ = {};
   }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     const Params params = parameters_.snapshot();
     const uint32_t before = frame.commands.dispatches();
     frame.picture = draw(frame, params);
@@ -92,7 +92,7 @@ class ComposeElement final : public Filter {
   }
 
  private:
-  Picture draw(FrameWork& frame, const Params& params) {
+  Picture draw(FrameContext& frame, const Params& params) {
     switch (params.show) {
       case Show::reflectance:
         return {needed(frame, Role::intrinsic, "reflectance", "intrinsicdecomp")};
@@ -128,7 +128,8 @@ class ComposeElement final : public Filter {
     return {compose_->record(frame.commands, frame.layers, params)};
   }
 
-  static PlanePtr needed(const FrameWork& frame, Role role, const char* what, const char* maker) {
+  static PlanePtr needed(const FrameContext& frame, Role role, const char* what,
+                         const char* maker) {
     if (!frame.layers[role])
       throw Error(ErrorKind::unsupported, std::string("these layers have no ") + what +
                                               " for intrinsiccompose to show; put " + maker +
@@ -136,7 +137,7 @@ class ComposeElement final : public Filter {
     return frame.layers[role];
   }
 
-  Picture light(FrameWork& frame, LightPicture::What what, int base = 0) {
+  Picture light(FrameContext& frame, LightPicture::What what, int base = 0) {
     return pictures_.draw(frame.commands, frame.layers, what, "intrinsiccompose",
                           static_cast<uint32_t>(base));
   }

@@ -56,7 +56,7 @@ class DespillElement final : public Filter {
   }
   void release() override { edit_.reset(); }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     const Params params = parameters_.snapshot();
     if (!(params.strength > 0)) return;
     std::array<float, 3> aim = linear_color(params.tint_color);

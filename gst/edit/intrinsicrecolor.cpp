@@ -78,7 +78,7 @@ class RecolorElement final : public Filter {
   }
   void reset() override { recolor_->reset(); }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
     params.key = linear_color(params.key_color);
     params.target = linear_color(params.target_color);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gst/base/caps.hpp"
+#include "gst/base/log.hpp"
 #include "split_element.hpp"
 
 using inverse::SplitBranch;
@@ -143,9 +144,7 @@ void class_init(gpointer klass, gpointer) {
   g_object_class_install_property(
       object, PROP_STATS,
       g_param_spec_boxed(
-          "stats", "stats",
-          "What the last completed frame took: frames (count), wall-ms, device-ms (milliseconds), "
-          "device-bytes now and at peak",
+          "stats", "stats", "Times (ms) and memory (bytes) of the last completed frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   inverse::Parameters<inverse::SplitParams>(SplitElement::table()).install(object, PROP_TABLE);
 }
@@ -208,6 +207,7 @@ namespace inverse {
 
 gboolean register_intrinsicsplit(GstPlugin* plugin);
 gboolean register_intrinsicsplit(GstPlugin* plugin) {
+  debug_category("intrinsicsplit", "Layers of decomposed video as video of their own");
   return gst_element_register(plugin, "intrinsicsplit", GST_RANK_NONE, split_type());
 }
 

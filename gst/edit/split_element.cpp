@@ -5,6 +5,7 @@
 
 #include "gst/base/caps.hpp"
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "gst/base/meta/layers_meta.hpp"
 #include "gst/base/report.hpp"
 
@@ -156,6 +157,9 @@ void SplitElement::send(const std::vector<BranchPtr>& to, GstEvent* event) {
 }
 
 gboolean SplitElement::sink_event(GstEvent* event) {
+  const GstDebugLevel level =
+      GST_EVENT_TYPE(event) == GST_EVENT_CAPS ? GST_LEVEL_INFO : GST_LEVEL_DEBUG;
+  GST_CAT_LEVEL_LOG(log_of(element_).category, level, element_, "event: %" GST_PTR_FORMAT, event);
   const auto all = branches();
   switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_STREAM_START:
@@ -306,6 +310,7 @@ void SplitElement::draw(GstBuffer* buffer, const std::vector<BranchPtr>& all,
 
 GstFlowReturn SplitElement::chain(GstBuffer* buffer) {
   const auto start_time = Clock::now();
+  GST_CAT_LOG_OBJECT(log_of(element_).category, element_, "%" GST_PTR_FORMAT, buffer);
   const auto all = branches();
   std::vector<GstBuffer*> frames(all.size());
   // Only this thread changes caps_ while data flows.

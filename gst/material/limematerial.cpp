@@ -57,53 +57,43 @@ const PropertyTable<Params>& table() {
             "The frame, and in its bottom right corner a sphere of the object's material under "
             "the estimated light (that of a studio while none is known); nothing there while "
             "no material is known"}},
-          "What to show; elements that take layers get all of them"),
+          "Layer to show as ordinary video; elements that take layers get all of them"),
       number<P>("preview-size", &P::preview_size, 0.02F, 1,
-                "Diameter of the sphere of show=preview, over the frame's shorter side"),
-      text<P>("models", &P::models,
-              "Folder with a folder lime of networks; empty = the environment variable "
-              "INVERSE_MODELS, else where the plugin's models were installed",
-              Mutable::ready),
+                "Diameter of the sphere of show=preview, relative to the frame's shorter side"),
+      text<P>(
+          "models", &P::models,
+          "Folder with a folder lime of networks; empty = INVERSE_MODELS, else the installed ones",
+          Mutable::ready),
       number<P>(
           "memory", [](P& p) -> uint32_t& { return p.fusion.memory; }, 1, 100000,
-          "Frames over which the material is averaged, at most (thesis Eq. 6.5), and views over "
-          "which the light is (one estimate in four): lower where the camera turns"),
-      number<P>(
+          "Maximum number of frames to average the material over; lower it if the camera turns"),
+      tuning(number<P>(
           "other", [](P& p) -> float& { return p.fusion.other; }, 0, 1,
           "A diffuse albedo that is so far from the average (largest channel, linear) for "
           "five frames is of another object: averaging starts anew; so it does for a specular "
-          "albedo twice as far, and a sixth of log2 of the shininess three times as far"),
-      flag<P>(
-          "adaptive", &P::adaptive,
-          "Leave out what cannot matter: all networks but the one that looks for the object while "
-          "there is none, or one that rests and whose material is known; that one, too, where "
-          "the picture rests; and drawing again what nothing else became known of"),
-      number<P>("recheck", &P::recheck, 1, 1000,
-                "The material of an object that rests is estimated every so many frames"),
+          "albedo twice as far, and a sixth of log2 of the shininess three times as far")),
+      flag<P>("adaptive", &P::adaptive,
+              "Skip networks and drawing if object or picture stay the same"),
+      tuning(number<P>("recheck", &P::recheck, 1, 1000,
+                       "Interval of new estimates for an object at rest, frames")),
       flag<P>("light", &P::tell_light,
-              "Estimate the light around the object, for GstMaterialMeta and save-environment; "
-              "show=preview and environment-location do without being asked"),
+              "Estimate the light around the object, for GstMaterialMeta and save-environment"),
       choice<P>("normals", &P::normals, "GstInverseLightNormals",
                 {{static_cast<int>(LightNormals::none), "none",
                   "There are none: without normal-map there is no light"},
                  {static_cast<int>(LightNormals::silhouette), "silhouette",
                   "The object is taken for a body inflated from its outline: right for spheres, "
                   "near for other round things"}},
-                "Which way the object's surface faces, for the light, without normal-map"),
+                "Source of the surface normals for the light if there is no normal-map"),
       text<P>("normal-map", &P::normal_map,
-              "PNG of the normals in the frame, for a camera and an object that rest: RGB = xyz "
-              "from -1 to 1 (8 or 16 bits), x right, y up, z to the camera; scaled to the frame. "
-              "Empty = none",
+              "PNG file of the normals in the frame, RGB = xyz from -1 to 1, z to the camera; "
+              "empty = none",
               Mutable::ready),
-      text<P>(
-          "environment-location", &P::environment_location,
-          "Radiance file (.hdr) that is written, in place of one that is there: the light, when "
-          "the stream ends or stops; empty = none. (materialclone's is read)",
-          Mutable::ready),
-      number<P>("steady", &P::steady, 0, 1,
-                "A material is known when its standard error (of albedos; of log2 of the "
-                "shininess, a sixth) is below this, and the last estimates differ from it by no "
-                "more (and by what they scatter)"),
+      text<P>("environment-location", &P::environment_location,
+              "Radiance file (.hdr) to write the estimated light to at the end; empty = none",
+              Mutable::ready),
+      tuning(number<P>("steady", &P::steady, 0, 1,
+                       "Standard error below which a material counts as known")),
   };
   return table;
 }
@@ -132,7 +122,9 @@ class LimeElement final : public Filter {
 
   void start() override {
     const Params params = parameters_.snapshot();
-    models_ = LimeModels::load(models_folder(params.models, "lime"));  // files may be others
+    const std::string folder = models_folder(params.models, "lime");
+    models_ = LimeModels::load(folder);  // files may be others
+    GST_CAT_INFO_OBJECT(log().category, log().object, "read networks of %s", folder.c_str());
     if (!params.environment_location.empty())
       Environment::check_target(params.environment_location);
     {
@@ -147,6 +139,8 @@ class LimeElement final : public Filter {
       std::string warning;
       normal_map_ = std::make_shared<const NormalMap>(NormalMap::load(params.normal_map, warning));
       if (!warning.empty()) warnings_.push_back(warning);
+      GST_CAT_INFO_OBJECT(log().category, log().object, "read normals of %s",
+                          params.normal_map.c_str());
     }
     told_.reset();
     written_ = true;  // until there is a frame
@@ -206,7 +200,7 @@ class LimeElement final : public Filter {
     light->save(path);
   }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     Params params = this->params();
     params.light_asked = params.asks_for_light();
     params.layers_asked =
@@ -216,7 +210,7 @@ class LimeElement final : public Filter {
     written_ = false;
     const PlanePtr input = frame.layers[Role::input];
     const bool still = !changed_within(frame.changed, extent_, method_->square());
-    tell(frame);
+    report_material(frame);
     warn(frame, params);
     const uint64_t number = method_->recorded();
     method_->record(frame.commands, *input, params, still);
@@ -287,12 +281,12 @@ class LimeElement final : public Filter {
     return params;
   }
 
-  Layers layers(FrameWork& frame, const PlanePtr& input) {
+  Layers layers(FrameContext& frame, const PlanePtr& input) {
     const LimeMaterial::Layers found = method_->record_layers(frame.commands, *input);
     return material_layers(input, found.diffuse, found.gloss);
   }
 
-  Picture picture(FrameWork& frame, const Params& params, const PlanePtr& input) {
+  Picture picture(FrameContext& frame, const Params& params, const PlanePtr& input) {
     if (params.show == LimeShow::preview) return preview(frame, params, input);
     if (params.show == LimeShow::input) return {input};
     const LimeMaterial::Layers layers = method_->record_layers(frame.commands, *input);
@@ -316,7 +310,7 @@ class LimeElement final : public Filter {
     return {layers.diffuse};
   }
 
-  Picture preview(FrameWork& frame, const Params& params, const PlanePtr& input) {
+  Picture preview(FrameContext& frame, const Params& params, const PlanePtr& input) {
     if (!method_->object().known()) return {input};
     if (!preview_) preview_.emplace(device_);
     const PlanePtr with_sphere = planes_->acquire();
@@ -397,7 +391,7 @@ class LimeElement final : public Filter {
   }
 
   /// A message when an object comes or goes, and when its material is another than was told.
-  void tell(FrameWork& frame) {
+  void report_material(FrameContext& frame) {
     const LimeMaterial::Object& object = method_->object();
     const bool known = object.known();
     if (known == told_.has_value() && (!known || near(object.material, *told_))) return;
@@ -408,9 +402,9 @@ class LimeElement final : public Filter {
     StructurePtr message(gst_structure_new_empty("material"));
     describe_object(message.get(), known ? object : LimeMaterial::Object{});
     frame.messages.push_back(std::move(message));
-    frame.news.insert(frame.news.end(), kMaterialNews.begin(), kMaterialNews.end());
+    frame.notify.insert(frame.notify.end(), kMaterialResults.begin(), kMaterialResults.end());
   }
-  void warn(FrameWork& frame, const Params& params) {
+  void warn(FrameContext& frame, const Params& params) {
     for (std::string& warning : std::exchange(warnings_, {}))
       frame.warnings.push_back(std::move(warning));
     if (!normal_map_ || !method_->lacks_normals() || std::exchange(bare_, true)) return;

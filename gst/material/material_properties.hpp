@@ -10,14 +10,14 @@
 namespace inverse {
 
 /// The read-only properties of an element that estimates a material.
-inline constexpr std::array kMaterialNews{"diffuse-albedo", "specular-albedo", "shininess"};
+inline constexpr std::array kMaterialResults{"diffuse-albedo", "specular-albedo", "shininess"};
 
 /// The parameters of an element that estimates a material, and behind them read-only properties
 /// that say what it found. Thread-safe.
 template <typename P>
 class MaterialProperties final : public PropertyStore {
  public:
-  explicit MaterialProperties(const PropertyTable<P>& table) : own_(table), count_(table.size()) {}
+  explicit MaterialProperties(const PropertyTable<P>& table) : own_(table), count_(own_.size()) {}
 
   P snapshot() const { return own_.snapshot(); }
   /// What is known now; nothing where there is no object.
@@ -33,7 +33,7 @@ class MaterialProperties final : public PropertyStore {
     const auto add = [&](GParamSpec* spec) {
       g_object_class_install_property(object_class, id++, spec);
     };
-    const auto& [diffuse, specular, shininess] = kMaterialNews;
+    const auto& [diffuse, specular, shininess] = kMaterialResults;
     add(g_param_spec_uint(diffuse, "diffuse albedo",
                           "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is "
                           "none. Notified, as specular-albedo and shininess are, with the message "
@@ -64,6 +64,8 @@ class MaterialProperties final : public PropertyStore {
     }
   }
   void set(size_t index, const GValue* value) override { own_.set(index, value); }
+  std::string misconfigured() const override { return own_.misconfigured(); }
+  std::string tuning_entries_text() const override { return own_.tuning_entries_text(); }
 
  private:
   Parameters<P> own_;

@@ -40,8 +40,8 @@ const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
       text<P>("mesh", &P::mesh,
-              "File of the object to draw: OBJ, PLY or glTF, at most 1000000 triangles, of which "
-              "the shape is used and no material; empty = a sphere",
+              "OBJ, PLY or glTF file of the object's shape, at most 1000000 triangles; empty = a "
+              "sphere",
               Mutable::ready),
       number<P>(
           "x", [](P& p) -> float& { return p.place.x; }, -1, 2,
@@ -54,42 +54,34 @@ const PropertyTable<Params>& table() {
           "Diameter of the sphere around the object, fraction of the frame's height"),
       number<P>(
           "yaw", [](P& p) -> float& { return p.place.yaw; }, -360, 360,
-          "Turn about the vertical in degrees; positive: what faces the camera goes to the right"),
+          "Rotation about the vertical in degrees, positive to the right"),
       number<P>(
           "pitch", [](P& p) -> float& { return p.place.pitch; }, -360, 360,
-          "How far the object's top leans towards the camera (at yaw 0), degrees"),
+          "Tilt of the object's top towards the camera (at yaw 0), degrees"),
       number<P>(
           "roll", [](P& p) -> float& { return p.place.roll; }, -360, 360,
-          "Turn in the picture (at yaw and pitch 0), degrees counterclockwise"),
+          "Rotation in the picture plane (at yaw and pitch 0), degrees counterclockwise"),
       number<P>("spin", &P::spin, -3600, 3600,
-                "Added to yaw with time, degrees a second of stream time"),
-      number<P>(
+                "Change of yaw in degrees per second of stream time"),
+      tuning(number<P>(
           "elevation", [](P& p) -> float& { return p.place.elevation; }, 0, 90,
-          "How far the camera looks down on the ground on which the object stands, degrees; 0: its "
-          "shadow cannot be seen"),
-      flag<P>(
-          "drag", &P::drag,
-          "Follow the mouse: the object goes where its first button is pressed, and with it until "
-          "it is released (navigation events of video sinks); x and y follow"),
-      text<P>(
-          "environment-location", &P::environment_location,
-          "Radiance (.hdr) or OpenEXR file that is read: the light, a panorama as seen from the "
-          "object, its middle towards the camera; empty = the light that limematerial estimates, "
-          "before that a neutral studio",
-          Mutable::ready),
+          "Angle at which the camera looks down on the ground, degrees; 0 = no visible shadow")),
+      flag<P>("drag", &P::drag,
+              "Move the object with the mouse: x and y follow navigation events of the video sink"),
+      text<P>("environment-location", &P::environment_location,
+              "Radiance (.hdr) or OpenEXR panorama of the light; empty = the light that "
+              "limematerial estimates",
+              Mutable::ready),
       number<P>("environment-rotation", &P::rotation, -360, 360,
-                "Turn of the light about the vertical in degrees; positive: what comes from the "
-                "camera comes from the right"),
+                "Rotation of the light about the vertical in degrees, positive to the right"),
       number<P>("exposure", &P::exposure, -10, 10,
                 "Brightness of the light on the object, in stops"),
       number<P>(
           "shadow", [](P& p) -> float& { return p.place.shadow; }, 0, 1,
-          "Darkness of the object's shadow on the ground: 0 none, 1 all light of an even sky that "
-          "it keeps away"),
-      number<P>(
+          "Darkness of the shadow on the ground, from 0 (none) to 1 (an even sky is blocked)"),
+      tuning(number<P>(
           "shadow-softness", [](P& p) -> float& { return p.place.softness; }, 0.05F, 1,
-          "How soft the shadow is where the object touches the ground: so much of its radius it "
-          "counts as higher up"),
+          "Softness of the shadow at the contact point, relative to the object's radius")),
       choice<P>("source", &P::source, "GstInverseMaterialFrom",
                 {{static_cast<int>(MaterialFrom::stream), "stream",
                   "What limematerial says of the frame; while it has no object, the last that it "
@@ -125,6 +117,10 @@ class CloneElement final : public Filter {
     if (!warning.empty()) warnings_.push_back(warning);
     light_.start(params.environment_location, warning);
     if (!warning.empty()) warnings_.push_back(warning);
+    GST_CAT_INFO_OBJECT(log().category, log().object, "mesh: %s; light: %s",
+                        params.mesh.empty() ? "a sphere" : params.mesh.c_str(),
+                        params.environment_location.empty() ? "that of the stream"
+                                                            : params.environment_location.c_str());
     seen_.reset();
     warned_ = timeless_ = false;
     told_size_ = false;
@@ -168,7 +164,7 @@ class CloneElement final : public Filter {
     return place;
   }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     const Params params = parameters_.snapshot();
     const GstMaterialMeta* meta = frame.in ? gst_buffer_get_material_meta(frame.in) : nullptr;
     for (std::string& warning : std::exchange(warnings_, {}))
@@ -224,7 +220,7 @@ class CloneElement final : public Filter {
   };
 
   /// Where the object is in this frame, which spin turns.
-  Insertion::Params placed(FrameWork& frame, const Params& params) {
+  Insertion::Params placed(FrameContext& frame, const Params& params) {
     Insertion::Params place = params.place;
     if (params.spin == 0) return place;
     if (GST_CLOCK_TIME_IS_VALID(frame.time))

@@ -89,23 +89,20 @@ const PropertyTable<Params>& table() {
                   "gradients tell: no shadows, no training, fast"},
                  {static_cast<int>(Relighting::Model::network), "network",
                   "A network that was trained on heads: shadows and highlights, too"}},
-                "How the picture under one light is found", Mutable::ready),
-      text<P>("models", &P::models,
-              "Folder with a folder olat of networks, for model=network; empty = the environment "
-              "variable INVERSE_MODELS, else where the plugin's models were installed",
-              Mutable::ready),
+                "Method that predicts the picture under one light", Mutable::ready),
+      text<P>(
+          "models", &P::models,
+          "Folder with a folder olat of networks; empty = INVERSE_MODELS, else the installed ones",
+          Mutable::ready),
       text<P>("program", &P::program,
-              "Light program of the stage, for where its lights are: a JSON file, or "
-              "performance[:N] or static[:N] for N lights (331) of a geodesic dome",
+              "Light program with the positions of the lights: a JSON file, or performance[:N] or "
+              "static[:N]",
               Mutable::ready),
       text<P>("environment", &P::environment,
-              "Latitude-longitude map of the light to show the subject in: a Radiance (.hdr) or "
-              "OpenEXR file, a panorama as seen from the subject, its middle towards the camera; "
-              "empty = a neutral studio. Radiance 1 from everywhere is the stage with all lights "
-              "on"),
+              "Radiance (.hdr) or OpenEXR panorama to light the subject with; empty = a neutral "
+              "studio"),
       number<P>("rotation", &P::rotation, -360, 360,
-                "Turn of the environment about the vertical in degrees; positive: what comes from "
-                "the camera comes from the right"),
+                "Rotation of the environment about the vertical in degrees, positive to the right"),
       number<P>("exposure", &P::exposure, -10, 10, "Brightness of all light, in stops"),
       direction_property(),
       number<P>(
@@ -117,18 +114,14 @@ const PropertyTable<Params>& table() {
       number<P>(
           "light-z", [](P& p) -> float& { return p.light[2]; }, -1e6F, 1e6F,
           "z of light-direction: to the camera"),
-      number<P>(
+      tuning(number<P>(
           "noise", [](P& p) -> float& { return p.lobe.noise; }, 1e-6F, 1,
-          "Linear light of A + B, 1 = full scale, that is as good as noise: where there is no "
-          "more, "
-          "directions are not trusted and light is taken to be given back from everywhere"),
-      number<P>("max-error", &P::max_error, 0, 1,
-                "How far a relit picture may be from the sum over all lights of the stage, mean "
-                "absolute difference over the mean, as far as 1600 of its pixels tell. The network "
-                "evaluates few lights, chosen to stay within it; 0 = all"),
+          "Linear light of A + B (1 = full scale) below which directions are not used")),
+      tuning(number<P>(
+          "max-error", &P::max_error, 0, 1,
+          "Relative error of a relit picture that skipping lights may cause; 0 = all lights")),
       flag<P>("adaptive", &P::adaptive,
-              "Leave out what cannot be seen: most lights (max-error), and all that was done "
-              "before where a picture comes again. false: all lights, one by one, at every pixel"),
+              "Skip lights and frames that change nothing visible; turn off to compare"),
   };
   return table;
 }
@@ -147,12 +140,17 @@ class RelightElement final : public Filter {
       stage_ = std::make_shared<const RelightStage>(std::move(lights));
       gradient_ = program.colors(LightStep{StepKind::gradient_a, 0, {}, {}, {}});
       program_ = params.program;
+      GST_CAT_INFO_OBJECT(log().category, log().object, "light program \"%s\": %s",
+                          program_.c_str(), program.name.c_str());
     }
     told_of_stage_ = told_of_gray_ = false;
     model_ = params.model;
     models_.reset();  // files may be others
-    if (model_ == Relighting::Model::network)
-      models_ = RelightModels::load(models_folder(params.models, "olat"));
+    if (model_ == Relighting::Model::network) {
+      const std::string folder = models_folder(params.models, "olat");
+      models_ = RelightModels::load(folder);
+      GST_CAT_INFO_OBJECT(log().category, log().object, "read networks of %s", folder.c_str());
+    }
     load(params.environment);
   }
 
@@ -203,7 +201,7 @@ class RelightElement final : public Filter {
     return light;
   }
 
-  void process(FrameWork& frame) override {
+  void process(FrameContext& frame) override {
     Params params = parameters_.snapshot();
     params.model = model_;
     check_colors(frame);
@@ -260,12 +258,13 @@ class RelightElement final : public Filter {
     map_ = LightCells::map(environment);
     environment_path_ = path;
     environment_name_ = path.empty() ? "studio" : path;
+    GST_CAT_INFO_OBJECT(log().category, log().object, "light: %s", environment_name_.c_str());
     if (!warning.empty()) pending_warning_ = warning;
     if (method_) method_->set_environment(map_);
   }
 
   /// Another file while playing: one that cannot be read is told once, and the light stays.
-  void take_environment(FrameWork& frame, const Params& params) {
+  void take_environment(FrameContext& frame, const Params& params) {
     const bool asked = params.environment != asked_;
     asked_ = params.environment;
     if (asked && asked_ != environment_path_) try {
@@ -277,14 +276,14 @@ class RelightElement final : public Filter {
   }
 
   /// Layers were looked at by who made them.
-  void check_colors(FrameWork& frame) {
+  void check_colors(FrameContext& frame) {
     if (!frame.gray || told_of_gray_) return;
     told_of_gray_ = true;
     frame.warnings.emplace_back(kGrayGradients);
   }
 
   /// What lightstagesync says of the frame has to be what it is taken for.
-  void check_label(FrameWork& frame) {
+  void check_label(FrameContext& frame) {
     const GstLightStageMeta* meta = frame.in ? gst_buffer_get_light_stage_meta(frame.in) : nullptr;
     if (!meta) return;
     if (meta->kind != GST_LIGHT_STAGE_GRADIENTS)
@@ -311,7 +310,7 @@ class RelightElement final : public Filter {
     return true;
   }
 
-  void take_pair(FrameWork& frame, const Params& params) {
+  void take_pair(FrameContext& frame, const Params& params) {
     const bool layers = frame.layers.gradients();
     const PlanePtr a = layers ? frame.layers[Role::gradient_a] : frame.layers[Role::input];
     const PlanePtr b = layers ? frame.layers[Role::gradient_b] : a;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "gst/base/log.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "registered_once.hpp"
 
@@ -27,7 +28,7 @@ GBytes* download(GstInverseLayersMeta* meta, GstInverseRole role) {
     commands.wait();
     return g_bytes_new(host->map(), host->bytes());
   } catch (const std::exception& error) {
-    GST_WARNING("could not read a layer: %s", error.what());
+    GST_CAT_WARNING(log_of(nullptr).category, "could not read a layer: %s", error.what());
     return nullptr;
   }
 }
@@ -61,7 +62,7 @@ gboolean upload(GstInverseLayersMeta* meta, GstInverseRole role, GBytes* data) {
     layers[static_cast<Role>(role)] = plane;
     return TRUE;
   } catch (const std::exception& error) {
-    GST_WARNING("could not write a layer: %s", error.what());
+    GST_CAT_WARNING(log_of(nullptr).category, "could not write a layer: %s", error.what());
     return FALSE;
   }
 }

@@ -1,6 +1,7 @@
 #include "device_context.hpp"
 
 #include "common/error.hpp"
+#include "gst/base/log.hpp"
 #include "gst/base/meta/registered_once.hpp"
 
 namespace inverse {
@@ -114,6 +115,11 @@ void DeviceContext::acquire(const std::string& select) {
   }
   const bool ours = !device;
   if (ours) device = gpu::Device::open(select);
+  GST_CAT_INFO_OBJECT(log_of(element_).category, element_, "device \"%s\": %s",
+                      device->name().c_str(),
+                      !ours                        ? "shared with the application or a neighbor"
+                      : demand == Demand::property ? "opened as the property device names it"
+                                                   : "opened, as nobody shares one");
   {
     std::lock_guard lock(mutex_);
     device_ = device;
@@ -237,7 +243,7 @@ bool DeviceContext::provide(GstQuery* query) {
     neighbor_.make(element_, *like);
   } catch (const std::exception& error) {
     // They will open one of their own; whether that does is decided with the caps.
-    GST_WARNING_OBJECT(element_, "%s", error.what());
+    GST_CAT_WARNING_OBJECT(log_of(element_).category, element_, "%s", error.what());
     return false;
   }
   return answer(query);

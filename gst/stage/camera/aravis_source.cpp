@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "common/error.hpp"
+#include "gst/base/log.hpp"
 
 namespace inverse {
 namespace {
@@ -158,14 +159,16 @@ GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, i
   missed_ += missed;
   ++frames_;
   if (missed)
-    GST_INFO_OBJECT(element,
-                    "%" G_GUINT64_FORMAT " frames missing before number %" G_GUINT64_FORMAT, missed,
-                    frame.id);
+    GST_CAT_INFO_OBJECT(log_of(GST_ELEMENT(element)).category, element,
+                        "%" G_GUINT64_FORMAT " frames missing before number %" G_GUINT64_FORMAT,
+                        missed, frame.id);
+  GST_CAT_LOG_OBJECT(log_of(element).category, element,
+                     "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, frame.id, buffer);
   return buffer;
 }
 
 /// Tells the user when frames get lost on the way, and again each time there are ten times as many.
-void AravisSource::tell_incomplete(GstElement* element, Lock& lock) {
+void AravisSource::report_incomplete(GstElement* element, Lock& lock) {
   const auto counts = stream->counts();
   const uint64_t bad = before_.incomplete + counts.incomplete + counts.misfits;
   // The first one may be: Aravis asks for a buffer of the frames' size when it has come.
@@ -173,12 +176,12 @@ void AravisSource::tell_incomplete(GstElement* element, Lock& lock) {
   told_ = 10 * bad;
   const uint64_t good = frames_;
   lock.unlock();
-  GST_ELEMENT_WARNING(
-      element, RESOURCE, READ,
-      ("%" G_GUINT64_FORMAT " frames of the camera %s did not come whole (%" G_GUINT64_FORMAT
-       " did)",
-       bad, camera->name().c_str(), good),
-      ("lower the frame rate or the size, or raise net.core.rmem_max and the packet size"));
+  post_warning(log_of(element), GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ,
+               "%" G_GUINT64_FORMAT
+               " frames of the camera %s did not come whole (%" G_GUINT64_FORMAT
+               " did); lower the frame rate or the size, or raise net.core.rmem_max and the packet "
+               "size",
+               bad, camera->name().c_str(), good);
   lock.lock();
 }
 
@@ -200,7 +203,7 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
     const int64_t since = GST_CLOCK_TIME_IS_VALID(start) ? static_cast<int64_t>(start) : 0;
     // What came while nobody played is stale.
     const auto frame = stream->take([&](int64_t age) { return now >= 0 && now - age < since; });
-    tell_incomplete(element, lock);
+    report_incomplete(element, lock);
     if (frame) {
       *buffer = finish(element, *frame, now);
       return GST_FLOW_OK;

@@ -44,7 +44,7 @@ struct AravisSource : std::enable_shared_from_this<AravisSource> {
 
  private:
   GstBuffer* finish(GstElement* element, const CameraFrame& frame, int64_t now);
-  void tell_incomplete(GstElement* element, Lock& lock);
+  void report_incomplete(GstElement* element, Lock& lock);
 
   GstCaps* reference_ = nullptr;  ///< of GstReferenceTimestampMeta
   CameraClock clock_;

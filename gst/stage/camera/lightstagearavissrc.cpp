@@ -7,6 +7,7 @@
 
 #include "aravis_source.hpp"
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 
 using inverse::AravisSource;
 
@@ -89,7 +90,8 @@ void set_live(GObject* object, Send send) {
   try {
     send(*camera);
   } catch (const Error& error) {
-    GST_ELEMENT_WARNING(object, RESOURCE, SETTINGS, ("%s", error.what()), (nullptr));
+    post_warning(log_of(GST_ELEMENT(object)), GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_SETTINGS, "%s",
+                 error.what());
   }
 }
 
@@ -161,6 +163,7 @@ GstCaps* fixate(GstBaseSrc* base, GstCaps* caps) {
 }
 
 gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
+  GST_CAT_INFO_OBJECT(log_of(GST_ELEMENT(base)).category, base, "caps: %" GST_PTR_FORMAT, caps);
   source_of(base).end();
   if (!guarded(GST_ELEMENT(base), [&] { source_of(base).begin(caps); })) return FALSE;
   gst_element_post_message(GST_ELEMENT(base), gst_message_new_latency(GST_OBJECT(base)));
@@ -340,6 +343,7 @@ GType source_type() {
 
 gboolean register_lightstagearavissrc(GstPlugin* plugin);
 gboolean register_lightstagearavissrc(GstPlugin* plugin) {
+  debug_category("lightstagearavissrc", "Industrial cameras through Aravis");
   return gst_element_register(plugin, "lightstagearavissrc", GST_RANK_NONE, source_type());
 }
 

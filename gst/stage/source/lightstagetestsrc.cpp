@@ -5,6 +5,7 @@
 
 #include "gst/base/caps.hpp"
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "test_source.hpp"
 
 using inverse::TestSource;
@@ -56,7 +57,8 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
   TestSource& source = source_of(object);
   if (id >= PROP_TABLE)
-    source.parameters().set(id - PROP_TABLE, value);
+    inverse::set_parameter(inverse::log_of(GST_ELEMENT(object)), source.parameters(),
+                           id - PROP_TABLE, value, spec);
   else if (id == PROP_DEVICE)
     source.set_device_name(g_value_get_string(value));
   else if (id == PROP_LIVE)
@@ -89,9 +91,12 @@ GstStateChangeReturn change_state(GstElement* element, GstStateChange transition
 gboolean start(GstBaseSrc* base) {
   auto& self = self_of(base);
   std::string trouble;
+  if (!inverse::check_parameters(inverse::log_of(GST_ELEMENT(base)), self.source->parameters()))
+    return FALSE;
   if (!inverse::guarded(GST_ELEMENT(base), [&] { trouble = self.source->start(); })) return FALSE;
   if (!trouble.empty())
-    GST_ELEMENT_WARNING(base, RESOURCE, NOT_FOUND, ("%s", trouble.c_str()), (nullptr));
+    inverse::post_warning(inverse::log_of(GST_ELEMENT(base)), GST_RESOURCE_ERROR,
+                          GST_RESOURCE_ERROR_NOT_FOUND, "%s", trouble.c_str());
   self.running = false;
   self.last_time = 0;
   return TRUE;
@@ -127,6 +132,8 @@ bool flushing(GstLightStageTestSrc& self) {
 }
 
 gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
+  const inverse::Log log = inverse::log_of(GST_ELEMENT(base));
+  GST_CAT_INFO_OBJECT(log.category, base, "caps: %" GST_PTR_FORMAT, caps);
   bool done = false;
   const bool good = inverse::guarded(GST_ELEMENT(base), [&] {
     GstVideoInfo info;
@@ -279,6 +286,8 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
     source.count(false, true);
     self.again = gst_buffer_copy(made);
   }
+  GST_CAT_LOG_OBJECT(inverse::log_of(GST_ELEMENT(push)).category, push,
+                     "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, self.frame, made);
   ++self.frame;
   *buffer = made;
   return GST_FLOW_OK;
@@ -331,19 +340,16 @@ void class_init(gpointer klass, gpointer) {
   GST_PUSH_SRC_CLASS(klass)->create = create;
   g_object_class_install_property(
       object, PROP_DEVICE,
-      g_param_spec_string("device", "device",
-                          "Vulkan device: its index or a part of its name; empty: the "
-                          "environment variable INVERSE_DEVICE, else the best one",
-                          "",
-                          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                                   GST_PARAM_MUTABLE_READY)));
+      g_param_spec_string(
+          "device", "device",
+          "Vulkan device: an index or a part of its name; empty = INVERSE_DEVICE, else the fastest",
+          "",
+          static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                   GST_PARAM_MUTABLE_READY)));
   g_object_class_install_property(
       object, PROP_STATS,
       g_param_spec_boxed(
-          "stats", "stats",
-          "About the last frame: frames (count), wall-ms, device-ms, render-ms of the images "
-          "(milliseconds), stack-bytes, trigger (the program's place), dropped, duplicated, "
-          "overruns (frames that this machine was too slow for), packets heard",
+          "stats", "stats", "Times (ms), memory (bytes) and counts up to the last frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   g_object_class_install_property(
       object, PROP_LIVE,
@@ -353,8 +359,9 @@ void class_init(gpointer klass, gpointer) {
           TRUE,
           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                    GST_PARAM_MUTABLE_READY)));
-  inverse::Parameters<inverse::TestSourceParams>(inverse::test_source_properties())
-      .install(object, PROP_TABLE);
+  inverse::install_parameters(
+      klass, inverse::Parameters<inverse::TestSourceParams>(inverse::test_source_properties()),
+      PROP_TABLE);
 }
 
 void instance_init(GTypeInstance* instance, gpointer) {
@@ -371,6 +378,7 @@ namespace inverse {
 bool register_test_source(GstPlugin* plugin);
 
 bool register_test_source(GstPlugin* plugin) {
+  debug_category("lightstagetestsrc", "Light stage test source");
   GTypeInfo info{};
   info.class_size = sizeof(GstLightStageTestSrcClass);
   info.class_init = class_init;

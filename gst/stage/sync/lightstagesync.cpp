@@ -39,7 +39,8 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 
 void set_property(GObject* object, guint id, const GValue* value, GParamSpec* spec) {
   if (id >= PROP_TABLE)
-    sync_of(object).parameters().set(id - PROP_TABLE, value);
+    inverse::set_parameter(inverse::log_of(GST_ELEMENT(object)), sync_of(object).parameters(),
+                           id - PROP_TABLE, value, spec);
   else
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
 }
@@ -61,12 +62,18 @@ SyncElement& sync_of_pad(GstPad* pad) {
 
 GstFlowReturn chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
   const auto camera = camera_of(pad, parent);
+  GST_CAT_LOG_OBJECT(sync_of(parent).log().category, pad, "%" GST_PTR_FORMAT, buffer);
   if (camera) return sync_of(parent).chain(camera, buffer);
   gst_buffer_unref(buffer);
   return GST_FLOW_FLUSHING;
 }
 
 gboolean sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  const inverse::Log& log = sync_of(parent).log();
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
+    GST_CAT_INFO_OBJECT(log.category, pad, "%" GST_PTR_FORMAT, event);
+  else
+    GST_CAT_DEBUG_OBJECT(log.category, pad, "%" GST_PTR_FORMAT, event);
   const auto camera = camera_of(pad, parent);
   if (camera) return sync_of(parent).sink_event(camera, event);
   gst_event_unref(event);
@@ -121,7 +128,7 @@ bool is_running(GstElement* element) {
 }
 
 /// A camera has come or gone: frames wait for others where there are some.
-void tell_latency(GstElement* element) {
+void post_latency(GstElement* element) {
   if (is_running(element))
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
@@ -161,7 +168,7 @@ GstPad* request_new_pad(GstElement* element, GstPadTemplate* sink_template, cons
     if (running) gst_pad_set_active(pad, TRUE);
     gst_element_add_pad(element, pad);
   }
-  tell_latency(element);
+  post_latency(element);
   return sink;
 }
 
@@ -171,7 +178,7 @@ void release_pad(GstElement* element, GstPad* pad) {
   sync_of(element).remove(camera);
   gst_element_remove_pad(element, camera->src);
   gst_element_remove_pad(element, camera->sink);
-  tell_latency(element);
+  post_latency(element);
 }
 
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
@@ -223,16 +230,12 @@ void class_init(gpointer klass, gpointer) {
   gst_caps_unref(out);
   g_object_class_install_property(
       object, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "stats",
-          "Counts of frames, of all cameras together and in a structure for each (sink_0 …): "
-          "frames, "
-          "labeled, sent, missing (lost on the way), duplicates, late, ambiguous, contradicted, "
-          "untimed, before-marker, after-end, incomplete (of sets), markers, resynchronizations; "
-          "synchronized, and the triggers' rate by the camera's clock between rate-low and "
-          "rate-high (Hz); sets-complete, sets-incomplete, and what assembling tells",
-          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
-  inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()).install(object, PROP_TABLE);
+      g_param_spec_boxed("stats", "stats",
+                         "Counts of frames, labels and sets, of all cameras and of each (sink_0 …)",
+                         GST_TYPE_STRUCTURE,
+                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  inverse::install_parameters(
+      klass, inverse::Parameters<inverse::SyncParams>(inverse::sync_properties()), PROP_TABLE);
 }
 
 void instance_init(GTypeInstance* instance, gpointer) {
@@ -258,6 +261,7 @@ namespace inverse {
 
 gboolean register_lightstagesync(GstPlugin* plugin);
 gboolean register_lightstagesync(GstPlugin* plugin) {
+  debug_category("lightstagesync", "Light stage sync");
   return gst_element_register(plugin, "lightstagesync", GST_RANK_NONE, sync_type());
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "gst/stage/sync/assemble/olat_assembler.hpp"
 #include "gst/stage/sync/assemble/pair_assembler.hpp"
 #include "gst/stage/sync/shared/upstream.hpp"
@@ -23,11 +24,14 @@ SyncElement::~SyncElement() {
 }
 
 bool SyncElement::start() {
+  if (!check_parameters(log_, parameters_)) return false;
   SyncParams params = parameters_.snapshot();
   return guarded(element_, [&] {
     if (params.assemble != SyncParams::Assemble::olat && !params.location.empty())
       throw Error(ErrorKind::unsupported, "location is for assemble=olat: nothing else is written");
     auto labels = std::make_shared<const StageLabels>(light_program(params.program, params.rate));
+    GST_CAT_INFO_OBJECT(log_.category, element_, "light program \"%s\": %s", params.program.c_str(),
+                        labels->program().name.c_str());
     PairAssembler::check(params, labels->program());
     OlatAssembler::check(params, labels->program());
     auto trigger = make_trigger(params, labels);
@@ -38,7 +42,7 @@ bool SyncElement::start() {
     trigger_ = std::move(trigger);
     params_ = params;
     labels_ = std::move(labels);
-    most_steps_ = most_steps();
+    max_steps_ = max_steps();
     if (params_.camera_trigger == SyncParams::CameraTrigger::none &&
         !FrameLabeler::all_confirmed(labels_->program(), labeler_params()))
       warn("single lights of \"" + labels_->program().name +
@@ -190,7 +194,7 @@ void SyncElement::remove(const CameraPtr& camera) {
     camera->released = camera->flushing = true;
     advance();
     changed_.notify_all();
-    speak(lock);
+    post(lock);
   }
   gst_pad_set_active(camera->sink, FALSE);
   gst_pad_set_active(camera->src, FALSE);
@@ -237,13 +241,13 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   Lock lock(mutex_);
   camera->begun = true;
   camera->last_arrival = Clock::now();
-  const auto full = [&] { return camera->outgoing_buffers >= most_outgoing(*camera); };
+  const auto full = [&] { return camera->outgoing_buffers >= max_outgoing(*camera); };
   while (!camera->flushing && !camera->ended &&
-         (camera->in_sets >= most_in_sets(*camera) || full())) {
+         (camera->in_sets >= max_in_sets(*camera) || full())) {
     camera->blocked = full();
     changed_.wait_for(lock, kLook);
     look_for_silence();
-    speak(lock);
+    post(lock);
   }
   camera->blocked = false;
   camera->last_arrival = Clock::now();
@@ -260,7 +264,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   report(*camera);
   advance();
   const GstFlowReturn flow = combined_flow(*camera);
-  speak(lock);
+  post(lock);
   return flow;
 }
 
@@ -282,7 +286,7 @@ std::shared_ptr<StageTrigger> SyncElement::make_trigger(
 
 /// Seconds for which sets wait for a camera: as long as it may be triggered again. That is no
 /// latency, as no other frame is asked for meanwhile.
-double SyncElement::patience() const {
+double SyncElement::frame_timeout() const {
   if (!trigger_) return params_.timeout;
   return std::max(params_.timeout, params_.trigger_timeout * (params_.trigger_retries + 3));
 }
@@ -341,7 +345,7 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     if (camera.left_alone && camera.run == newest_run()) {
       camera.left_alone = false;
       sets_.wait_for(camera.number, true);
-      tell("camera-back", camera);
+      report_event("camera-back", camera);
     }
   }
 }
@@ -367,7 +371,7 @@ bool SyncElement::take_out(SyncCamera& camera, SyncCamera::Item& item) {
   while (camera.out.empty() && !camera.flushing) {
     changed_.wait_for(lock, kLook);
     look_for_silence();
-    speak(lock);
+    post(lock);
   }
   if (camera.flushing) return false;
   item = camera.out.front();

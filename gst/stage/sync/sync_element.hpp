@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "gst/base/log.hpp"
 #include "gst/base/vulkan/device_context.hpp"
 #include "gst/stage/sync/lights/light_clock.hpp"
 #include "gst/stage/sync/lights/stage_trigger.hpp"
@@ -25,7 +26,8 @@ class SyncElement {
  public:
   using CameraPtr = std::shared_ptr<SyncCamera>;
 
-  explicit SyncElement(GstElement* element) : element_(element), context_(element) {}
+  explicit SyncElement(GstElement* element)
+      : element_(element), log_(log_of(element)), context_(element) {}
   SyncElement(const SyncElement&) = delete;
   SyncElement& operator=(const SyncElement&) = delete;
   ~SyncElement();
@@ -51,6 +53,7 @@ class SyncElement {
   bool activate_sink(const CameraPtr& camera, bool active);
   bool activate_src(const CameraPtr& camera, bool active);
 
+  const Log& log() const { return log_; }
   DeviceContext& context() { return context_; }
   PropertyStore& parameters() { return parameters_; }
   GstStructure* stats() const;
@@ -69,7 +72,7 @@ class SyncElement {
   Clock::duration periods(uint32_t count) const;  // of the program
   std::shared_ptr<StageTrigger> make_trigger(const SyncParams& params,
                                              std::shared_ptr<const StageLabels> labels) const;
-  double patience() const;
+  double frame_timeout() const;
   std::vector<FrameLabeler::Labeled> triggered(SyncCamera& camera, uint64_t token,
                                                const std::optional<uint64_t>& trigger) const;
   FrameLabeler::Counts counts_of(const SyncCamera& camera) const;
@@ -78,17 +81,17 @@ class SyncElement {
   GstStructure* camera_stats(const SyncCamera& camera) const;
 
   // With the mutex held.
-  uint64_t most_steps() const;
+  uint64_t max_steps() const;
   GstClockTime own_latency() const;
-  size_t most_in_sets(const SyncCamera& camera) const;
-  size_t most_outgoing(const SyncCamera& camera) const;
+  size_t max_in_sets(const SyncCamera& camera) const;
+  size_t max_outgoing(const SyncCamera& camera) const;
   Clock::duration longest_silence(const SyncCamera& camera) const;
   bool can_wait(const SyncCamera& camera) const;
   uint64_t newest_run() const;
   std::optional<FrameLabeler::Running> running_for(const SyncCamera& camera, GstClockTime pts,
                                                    GstClockTime time) const;
 
-  // With the mutex held; what they have to say on the bus is said by `speak` once it is not.
+  // With the mutex held; what they have to say on the bus is posted by `post` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
   void end_program(SyncCamera& camera, bool over);
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
@@ -99,12 +102,13 @@ class SyncElement {
   void leave_alone(SyncCamera& camera);
   void lacked_ended(uint32_t number);
   void warn(const std::string& text);
-  void tell(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
-  void speak(Lock& lock);
+  void report_event(const char* event, const SyncCamera& camera, GstStructure* more = nullptr);
+  void post(Lock& lock);
 
   static constexpr uint32_t kLongestWait = 30;  ///< periods that a frame may wait for its label
 
   GstElement* element_;
+  Log log_;
   DeviceContext context_;
   Parameters<SyncParams> parameters_{sync_properties()};
   SyncParams params_;  // as of `start`
@@ -115,7 +119,7 @@ class SyncElement {
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
   std::shared_ptr<const StageLabels> labels_;
-  uint64_t most_steps_ = 0;                // of this program: every frame asks
+  uint64_t max_steps_ = 0;                 // of this program: every frame asks
   std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
   FrameSets sets_{true};
   uint64_t next_token_ = 1;

@@ -53,7 +53,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   if (other_picture && camera.labeler) {
     labeled(camera, camera.labeler->new_framing());
     advance();
-    speak(lock);
+    post(lock);
   }
   camera.frame_bytes = GST_VIDEO_INFO_SIZE(&info);
   camera.begun = true;
@@ -73,7 +73,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
          " steps; labels need one frame a step: set the camera's rate, or " +
          (is_built_in_program(params_.program) ? "lightstagesync's property \"rate\""
                                                : "\"rate\" in " + params_.program));
-  speak(lock);
+  post(lock);
   return true;
 }
 
@@ -148,11 +148,11 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
       warn("camera " + camera->name() +
            " has ended without the marker of the light program "
            "(black, full on, black): none of its frames has a label");
-    speak(lock);  // before an application that waits for the end hears of it
+    post(lock);  // before an application that waits for the end hears of it
   }
   camera->append(event);
   advance();
-  speak(lock);
+  post(lock);
   return TRUE;
 }
 
@@ -182,7 +182,7 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
 
 /// Steps that a frame may stay here for the other of its pair or the rest of its pass, and for the
 /// picture that confirms its label.
-uint64_t SyncElement::most_steps() const {
+uint64_t SyncElement::max_steps() const {
   uint64_t steps = 0;
   if (params_.assemble == SyncParams::Assemble::pairs) steps += 1;
   if (params_.assemble == SyncParams::Assemble::olat)
@@ -195,7 +195,7 @@ uint64_t SyncElement::most_steps() const {
 GstClockTime SyncElement::own_latency() const {
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);
-  return labels_ ? latency + most_steps_ * labels_->period() : latency;
+  return labels_ ? latency + max_steps_ * labels_->period() : latency;
 }
 
 gboolean SyncElement::src_event(const CameraPtr& camera, GstEvent* event) {

@@ -131,7 +131,7 @@ ELEMENTS = {  # by line: sizes always, and those of --full
 ADAPTIVE = ["intrinsicdecomp", "globalintrinsic"]  # of which is measured what leaving out saves; of the first by parts, too
 SETTLES = {"intrinsicdecomp": 24, "globalintrinsic": 56}  # frames until a picture that comes again is kept
 COLORS = [1, 2, 4, 8, 12, 16]  # base colors, for what each costs
-BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tau-merge=0 tau-neutral=0 base-colors={}",
+BY_COLORS = {"globalintrinsicthesis": "globalintrinsicthesis tuning=tau-merge=0:tau-neutral=0 base-colors={}",
              "globalintrinsic with layers of light": "globalintrinsic base-colors={} ! intrinsiccompose"}
 
 

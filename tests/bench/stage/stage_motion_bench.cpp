@@ -96,7 +96,7 @@ struct Stage {
     char text[512];
     std::snprintf(text, sizeof text,
                   "lightstagetestsrc is-live=false label=true program=%s num-buffers=%d motion=%g "
-                  "motion-period=%g noise=%g ! video/x-raw,format=RGBA64_LE,width=%d,height=%d",
+                  "tuning=motion-period=%g noise=%g ! video/x-raw,format=RGBA64_LE,width=%d,height=%d",
                   program.c_str(), frames, sway, seconds,
                   sway != 0 ? static_cast<double>(noise) : 0, width, height);
     return text;

@@ -67,7 +67,8 @@ TEST(LostDevice, WhatThereWasToTellIsToldAllTheSame) {
   // Lost with the first frame's base colors, while the frame is being recorded, and later.
   for (const char* submit : {"1", "2", "3"}) {
     const auto [status, text] = lost_at(
-        submit, {kMarkOption, kSource + "globalintrinsicthesis name=marked steps=1 ! fakesink"});
+        submit,
+        {kMarkOption, kSource + "globalintrinsicthesis name=marked tuning=steps=1 ! fakesink"});
     EXPECT_EQ(status, 0);
     EXPECT_EQ(text.substr(0, 28), "inverse-region-marked\nerror\n") << submit << ": " << text;
   }

@@ -151,7 +151,10 @@ TEST_P(RepeatedFrames, ChangedPropertiesTakeEffect) {
   g_object_set(harness.find(GetParam()), "show", 0 /* reflectance */, nullptr);
   EXPECT_EQ(harness.process(picture), reflectance);
   const bool thesis = std::string(GetParam()) == "intrinsicdecompthesis";
-  g_object_set(harness.find(GetParam()), thesis ? "w-shading" : "shading-weight", 300.0, nullptr);
+  if (thesis)
+    g_object_set(harness.find(GetParam()), "tuning", "w-shading=300", nullptr);
+  else
+    g_object_set(harness.find(GetParam()), "shading-weight", 300.0, nullptr);
   EXPECT_GT(largest_difference(harness.process(picture), reflectance), 1);
   EXPECT_FALSE(kept(harness));
   until_kept(harness, picture);

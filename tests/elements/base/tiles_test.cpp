@@ -99,8 +99,8 @@ TEST(TilesOfAVideo, PropertiesAndLightThatChangeConcernEveryTile) {
   for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
   // Half the resolution has no such tiles.
-  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.02F, "half-resolution", TRUE,
-               nullptr);
+  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.02F, "tuning",
+               "half-resolution=true", nullptr);
   for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
   EXPECT_TRUE(harness.errors().empty());

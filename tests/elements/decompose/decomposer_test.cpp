@@ -51,8 +51,9 @@ float linear_of(uint8_t code) { return srgb_light(static_cast<float>(code) / 255
 
 /// A decomposer that does as little as it can, for what does not depend on how well it does.
 std::string quick(const std::string& name) {
-  if (name == "globalintrinsicthesis") return name + " steps=1 pcg-iterations=1 refine-rounds=0";
-  if (name == "intrinsicdecompthesis") return name + " irls-iterations=1 pcg-iterations=1";
+  if (name == "globalintrinsicthesis")
+    return name + " tuning=steps=1:pcg-iterations=1:refine-rounds=0";
+  if (name == "intrinsicdecompthesis") return name + " tuning=irls-iterations=1:pcg-iterations=1";
   return name;
 }
 
@@ -360,30 +361,73 @@ TEST(Pipelines, TwoDecomposersInOneProcessDoNotDisturbEachOther) {
 
 TEST(Properties, ControllersReachLiveProperties) {
   const std::string caps = VideoHarness::caps("RGBA", 16, 12);
-  VideoHarness harness("intrinsicdecompthesis", caps, caps);
-  GstElement* element = harness.find("intrinsicdecompthesis");
+  VideoHarness harness("intrinsicdecomp", caps, caps);
+  GstElement* element = harness.find("intrinsicdecomp");
   GstControlSource* source = gst_interpolation_control_source_new();
   g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
   gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), 0, 0.0);
   gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), GST_SECOND, 25.0);
-  gst_object_add_control_binding(GST_OBJECT(element), gst_direct_control_binding_new_absolute(
-                                                          GST_OBJECT(element), "w-data", source));
+  gst_object_add_control_binding(
+      GST_OBJECT(element),
+      gst_direct_control_binding_new_absolute(GST_OBJECT(element), "temporal-weight", source));
   for (int i = 0; i < 6; ++i) harness.process(random_frame(caps, i));
   gfloat weight = 0;
-  g_object_get(element, "w-data", &weight, nullptr);
+  g_object_get(element, "temporal-weight", &weight, nullptr);
   EXPECT_NEAR(weight, 5.0f, 1e-3f);  // at 5/25 s
   gst_object_unref(source);
 }
 
 TEST(Properties, QualityIsAPresetThatExplicitValuesOverrule) {
-  GstElement* element = gst_element_factory_make("intrinsicdecompthesis", nullptr);
-  ASSERT_NE(element, nullptr);
-  gint irls = 0, pcg = 0;
-  g_object_set(element, "irls-iterations", 5, "quality", 3 /* best */, nullptr);
-  g_object_get(element, "irls-iterations", &irls, "pcg-iterations", &pcg, nullptr);
-  EXPECT_EQ(irls, 5);
-  EXPECT_EQ(pcg, 16);
-  gst_object_unref(element);
+  const std::string caps = VideoHarness::caps("RGBA", 16, 12);
+  VideoHarness harness("intrinsicdecompthesis adaptive=false tuning=irls-iterations=5 quality=best",
+                       caps, caps);
+  harness.process(random_frame(caps, 1));
+  GstElement* element = harness.find("intrinsicdecompthesis");
+  EXPECT_EQ(stat<gint>(element, "irls-iterations", G_TYPE_INT), 5);
+  EXPECT_EQ(stat<gint>(element, "pcg-iterations", G_TYPE_INT), 16);
+}
+
+TEST(Properties, TuningTakesAllEntriesOrNone) {
+  const std::string caps = VideoHarness::caps("RGBA", 16, 12);
+  VideoHarness harness("intrinsicdecompthesis adaptive=false tuning=irls-iterations=2", caps, caps);
+  GstElement* element = harness.find("intrinsicdecompthesis");
+  const auto irls = [&] {
+    harness.process(random_frame(caps, 1));
+    return stat<gint>(element, "irls-iterations", G_TYPE_INT);
+  };
+  const auto tuning = [&] {
+    gchar* text = nullptr;
+    g_object_get(element, "tuning", &text, nullptr);
+    const std::string copy = text;
+    g_free(text);
+    return copy;
+  };
+  EXPECT_EQ(irls(), 2);
+  g_object_set(element, "tuning", "irls-iterations = 3, irls=printed", nullptr);
+  EXPECT_EQ(irls(), 3) << "live";
+  EXPECT_EQ(tuning(), "irls-iterations = 3, irls=printed");
+  EXPECT_TRUE(harness.warnings().empty());
+  for (const char* wrong :
+       {"irls-iterations=1:magic=1", "irls-iterations=1:irls=maybe", "irls-iterations=0",
+        "irls-iterations=many", "irls-iterations", "w-data=nan", "seed=1"}) {
+    g_object_set(element, "tuning", wrong, nullptr);
+    const auto warnings = harness.warnings();
+    ASSERT_EQ(warnings.size(), 1u) << wrong;
+    EXPECT_NE(warnings[0].find(wrong), std::string::npos) << warnings[0];
+    EXPECT_NE(warnings[0].find("keyframe-spacing"), std::string::npos) << warnings[0];
+    EXPECT_EQ(irls(), 3) << wrong;
+    EXPECT_EQ(tuning(), "irls-iterations = 3, irls=printed");
+  }
+  g_object_set(element, "tuning", "", nullptr);
+  EXPECT_EQ(irls(), 4) << "what it does not name returns to its default";
+}
+
+TEST(Properties, ElementsDoNotStartWithATuningThatCannotBeRead) {
+  const LineResult line =
+      run_line("videotestsrc num-buffers=1 ! intrinsicdecomp tuning=cycle=2 ! fakesink");
+  ASSERT_EQ(line.errors.size(), 1u);
+  EXPECT_NE(line.first_error().find("there is no \"cycle\""), std::string::npos);
+  EXPECT_NE(line.first_error().find("warm-cycles"), std::string::npos) << line.first_error();
 }
 
 }  // namespace inverse::testing

@@ -59,11 +59,12 @@ bool has(const Told& told, const char* what) {
 
 TEST(LeaveOut, TermsWithoutWeightAreNamed) {
   EXPECT_FALSE(has(after("intrinsicdecomp", "intrinsicdecomp", true, 3), "chroma bins"));
-  EXPECT_TRUE(has(after("intrinsicdecomp chroma-weight=0", "intrinsicdecomp", true, 3),
+  EXPECT_TRUE(has(after("intrinsicdecomp tuning=chroma-weight=0", "intrinsicdecomp", true, 3),
                   "chroma bins: their weight is 0"));
-  const Told thesis =
-      after("intrinsicdecompthesis irls-iterations=1 pcg-iterations=1 w-non-local=0 w-clustering=0",
-            "intrinsicdecompthesis", true, 2);
+  const Told thesis = after(
+      "intrinsicdecompthesis "
+      "tuning=irls-iterations=1:pcg-iterations=1:w-non-local=0:w-clustering=0",
+      "intrinsicdecompthesis", true, 2);
   EXPECT_TRUE(has(thesis, "samples: none, or their weight is 0")) << thesis.skipped;
   EXPECT_TRUE(has(thesis, "clusters: their weight is 0")) << thesis.skipped;
 }
@@ -83,8 +84,8 @@ TEST(LeaveOut, HalfResolutionFollowsItsBound) {
     EXPECT_FALSE(never.half) << line;
     EXPECT_EQ(never.distance, 0) << line;
   }
-  EXPECT_EQ(after("intrinsicdecomp half-resolution=true quarter-resolution=true", "intrinsicdecomp",
-                  false, 2)
+  EXPECT_EQ(after("intrinsicdecomp tuning=half-resolution=true:quarter-resolution=true",
+                  "intrinsicdecomp", false, 2)
                 .halvings,
             2u);
 }

@@ -102,7 +102,8 @@ TEST(Live, WorkFollowsTheBudgetDownAndUp) {
 
 TEST(Live, WhatIsSetExplicitlyStays) {
   const std::string caps = caps_of(64, 48);
-  VideoHarness harness("intrinsicdecomp quality=low latency-budget=0.01 warm-cycles=3", caps, caps);
+  VideoHarness harness("intrinsicdecomp quality=low latency-budget=0.01 tuning=warm-cycles=3", caps,
+                       caps);
   Source source(caps);
   send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
   harness.process(source.next());

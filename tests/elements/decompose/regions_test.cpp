@@ -81,7 +81,8 @@ class Regions : public ::testing::Test {
 
   const std::string caps_ = VideoHarness::caps("RGBA", 96, 72);
   const std::vector<uint8_t> frame_ = shaded_floor();
-  VideoHarness harness_{"globalintrinsicthesis steps=2 keyframes=0 refine-rounds=0", caps_, {}};
+  VideoHarness harness_{
+      "globalintrinsicthesis tuning=steps=2:keyframes=0:refine-rounds=0", caps_, {}};
   GstBus* bus_ = gst_bus_new();
   GstElement* element_ = nullptr;
 };

@@ -294,7 +294,7 @@ class GlobalIntrinsicThesis : public ::testing::Test {
 
   const std::string caps_ = VideoHarness::caps("RGBA", kSide, kSide);
   const std::vector<uint8_t> frame_ = colored_corner(kSide, kSide);
-  VideoHarness harness_{"globalintrinsicthesis steps=2 keyframes=0", caps_, caps_};
+  VideoHarness harness_{"globalintrinsicthesis tuning=steps=2:keyframes=0", caps_, caps_};
   GstBus* bus_ = gst_bus_new();
   GstElement* element_ = nullptr;
 };
@@ -426,7 +426,7 @@ TEST(GlobalIntrinsicThesisStreams, MayFollowEachOtherWhileFramesAreInFlight) {
   const std::string source =
       "videotestsrc num-buffers=6 ! video/x-raw,format=RGBA,width=32,height=24 ! c. ";
   const LineResult result = run_line(
-      "concat name=c ! globalintrinsicthesis steps=1 ! "
+      "concat name=c ! globalintrinsicthesis tuning=steps=1 ! "
       "video/x-raw(meta:InverseLayers) ! fakesink " +
       source + source);
   EXPECT_TRUE(result.eos);

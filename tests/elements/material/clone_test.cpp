@@ -244,14 +244,18 @@ TEST_F(CloneTest, EveryPropertyMayChangeWhilePlaying) {
                        frame_caps());
   GstElement* clone = harness.find("materialclone");
   auto before = harness.process(gray());
+  for (const char* entries : {"elevation=45", "elevation=45:shadow-softness=1"}) {
+    g_object_set(clone, "tuning", entries, nullptr);
+    const auto after = harness.process(gray());
+    EXPECT_GT(largest_difference(after, before), 2) << entries;
+    before = after;
+  }
   const std::pair<const char*, double> changes[] = {{"x", .3},
                                                     {"y", .3},
                                                     {"size", .4},
                                                     {"yaw", 40},
                                                     {"pitch", 30},
                                                     {"roll", 30},
-                                                    {"elevation", 45},
-                                                    {"shadow-softness", 1},
                                                     {"shadow", 0},
                                                     {"specular", 1},
                                                     {"shininess", 8},

@@ -120,7 +120,7 @@ TEST_F(LimeElementTest, EveryShowHasAPicture) {
 }
 
 TEST_F(LimeElementTest, RestsWithARestingObject) {
-  VideoHarness harness(line("recheck=6"), caps(), caps());
+  VideoHarness harness(line("tuning=recheck=6"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
   const auto before = stat<guint64>(lime, "estimates", G_TYPE_UINT64);
@@ -133,7 +133,7 @@ TEST_F(LimeElementTest, RestsWithARestingObject) {
 
 TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
   for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
-    VideoHarness harness(line(std::string("recheck=1000 show=") + show), caps(), caps());
+    VideoHarness harness(line(std::string("tuning=recheck=1000 show=") + show), caps(), caps());
     GstElement* lime = harness.find("limematerial");
     const auto kept = [lime] { return stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN); };
     std::vector<uint8_t> out;
@@ -150,7 +150,8 @@ TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
 }
 
 TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
-  VideoHarness harness(line("recheck=1000") + " ! intrinsiccompose show=specular", caps(), caps());
+  VideoHarness harness(line("tuning=recheck=1000") + " ! intrinsiccompose show=specular", caps(),
+                       caps());
   std::vector<uint8_t> out;
   for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
   EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
@@ -160,7 +161,7 @@ TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
 }
 
 TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings) {
-  VideoHarness harness(line("recheck=1000 show=mask"), caps(), caps());
+  VideoHarness harness(line("tuning=recheck=1000 show=mask"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   const auto shown = [&](const char* property, const char* value) {
     gst_util_set_object_arg(G_OBJECT(lime), property, value);
@@ -178,7 +179,7 @@ TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings)
 }
 
 TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
-  VideoHarness harness(line("recheck=1000 show=preview"), caps(), caps());
+  VideoHarness harness(line("tuning=recheck=1000 show=preview"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> lit;
   for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));

@@ -4,7 +4,8 @@
 namespace inverse::testing {
 
 TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
-  VideoHarness harness("olatrelight model=network max-error=0.05 models=" + models(), caps());
+  VideoHarness harness("olatrelight model=network tuning=max-error=0.05 models=" + models(),
+                       caps());
   GstElement* relight = harness.find("olatrelight");
   auto frame = sphere.side_by_side();
   auto out = harness.process(frame);

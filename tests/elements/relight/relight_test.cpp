@@ -238,7 +238,7 @@ TEST_F(RelightTest, EveryPropertyMayChangeWhilePlaying) {
   };
   changes("rotation", "120");
   changes("exposure", "-1.5");
-  changes("noise", "0.8");
+  changes("tuning", "noise=0.8");
   for (const char* show : {"olat", "normal", "albedo", "mosaic", "relit"}) changes("show", show);
   changes("environment", white(2).c_str());
   changes("environment", "");

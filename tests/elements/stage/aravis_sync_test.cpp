@@ -90,7 +90,7 @@ TEST_F(AravisSync, EveryFrameIsLabeledWithTheLightItWasTakenIn) {
   Witness witness(program_, {1});
   ASSERT_NO_FATAL_FAILURE(
       play(line("backend=sacn host=127.0.0.1:" + std::to_string(witness.receiver.port()) +
-                " trigger-timeout=2")));
+                " tuning=trigger-timeout=2")));
   GstPad* pad = gst_element_get_static_pad(element("before"), "sink");
   gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, Witness::saw, &witness, nullptr);
   gst_object_unref(pad);
@@ -151,7 +151,7 @@ TEST_F(AravisSync, GoesOnAfterAPauseAndStartsAgain) {
 TEST_F(AravisSync, LostFramesAreTakenAgain) {
   ASSERT_NO_FATAL_FAILURE(start_camera("15"));
   write_program(6);
-  ASSERT_NO_FATAL_FAILURE(play(line("trigger-timeout=0.4 trigger-retries=5")));
+  ASSERT_NO_FATAL_FAILURE(play(line("tuning=trigger-timeout=0.4:trigger-retries=5")));
   take(1000);
   EXPECT_EQ(error(0), "");
   EXPECT_GE(sync_stat("triggers-retried"), 1U);
@@ -176,7 +176,8 @@ TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   write_program(1);
   make(
-      "lightstagesync name=sync camera-trigger=aravis-software trigger-timeout=2 timeout=0.3 "
+      "lightstagesync name=sync camera-trigger=aravis-software tuning=trigger-timeout=2 "
+      "timeout=0.3 "
       "program=" +
       (folder_ / "program.json") +
       " sync.src_0 ! appsink name=out sync=false sync.src_1 ! fakesink " + source("") + " ! " +

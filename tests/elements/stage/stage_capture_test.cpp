@@ -163,7 +163,7 @@ TEST_F(StageCapture, PicturesOfAnEarlierCaptureAreNotAmongTheNewOnes) {
 }
 
 TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {
-  g_object_set(element_, "max-frames", 8u, nullptr);
+  g_object_set(element_, "tuning", "max-frames=8", nullptr);
   start();
   for (int64_t n = -3; n < 40; ++n) {
     if (n == 14) continue;  // the first tracking frame: the second one has to tell

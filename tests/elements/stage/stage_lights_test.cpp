@@ -61,9 +61,10 @@ TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
   const LightProgram program = performance(stage_lights(geodesic_directions(42)));
   const std::vector<uint32_t> universes = {1};
   sacn::Receiver receiver("127.0.0.1:0", universes);
-  Line line(std::string(kCamera) +
-            "lightstagesync program=performance:42 backend=sacn lead-in=0.2 host=127.0.0.1:" +
-            std::to_string(receiver.port()) + " ! fakesink");
+  Line line(
+      std::string(kCamera) +
+      "lightstagesync program=performance:42 backend=sacn tuning=lead-in=0.2 host=127.0.0.1:" +
+      std::to_string(receiver.port()) + " ! fakesink");
   for (int time = 0; time < 2; ++time) {  // after a pause it starts anew
     ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
     EXPECT_TRUE(shows(receiver, program, StepKind::gradient_a));
@@ -98,8 +99,9 @@ TEST_F(StageSync, ProgramsThatStartAnewAfterAPauseAreLabeledAnew) {
 
 std::string on_line(const std::string& port) {
   return std::string(kCamera) +
-         "lightstagesync program=performance:42 lead-in=0.1 backend=serial serial-port=" + port +
-         " patience=60 ! fakesink";
+         "lightstagesync program=performance:42 tuning=lead-in=0.1:serial-timeout=60 "
+         "backend=serial serial-port=" +
+         port + " ! fakesink";
 }
 
 TEST(StageLights, StateChangesDoNotWaitForAController) {

@@ -54,15 +54,17 @@ void run(const std::string& source, const std::string& sync, Truth& truth) {
   if (element) gst_object_unref(element);
 }
 
-std::string trouble(int seed) {
-  return " drop-rate=0.02 duplicate-rate=0.01 jitter=0.33 num-buffers=600 seed=" +
-         std::to_string(seed);
+/// `more`: further entries of tuning.
+std::string trouble(int seed, const std::string& more = "") {
+  return " tuning=drop-rate=0.02:duplicate-rate=0.01:jitter=0.33" + more +
+         " num-buffers=600 seed=" + std::to_string(seed);
 }
 
 TEST(StageLine, APerformanceByTimesAloneAlsoWhereSomeAreLate) {
   for (const int seed : {1, 2, 3}) {
     Truth truth;
-    run("program=performance:42 late-rate=0.02" + trouble(seed), "program=performance:42", truth);
+    run("program=performance:42" + trouble(seed, ":late-rate=0.02"), "program=performance:42",
+        truth);
     EXPECT_EQ(truth.mislabeled, 0u) << seed;
     EXPECT_GT(truth.labeled, 560u) << seed;
   }
@@ -80,8 +82,8 @@ TEST(StageLine, SingleLightsByTimesAlone) {
 TEST(StageLine, SingleLightsByIdsAlsoWhereTimesAreLate) {
   for (const int seed : {6, 7}) {
     Truth truth;
-    run("program=static:331 late-rate=0.02 frame-ids=true frame-id-bits=16 first-frame-id=65400" +
-            trouble(seed),
+    run("program=static:331 frame-ids=true frame-id-bits=16" +
+            trouble(seed, ":late-rate=0.02:first-frame-id=65400"),
         // Left to itself it asks the source.
         std::string("program=static:331 frame-id=offset") + (seed == 6 ? " frame-id-bits=16" : ""),
         truth);

@@ -85,7 +85,7 @@ TEST_F(StageRuns, ACameraThatComesPassesLateMeetsTheOthers) {
 
 TEST_F(StageRuns, ACameraOfUncertainPassesIsToldOfOnce) {
   use_marker(LightProgram::Marker::pass);
-  g_object_set(element_, "timeout", 0.1, "max-frames", 1000u, nullptr);
+  g_object_set(element_, "timeout", 0.1, "tuning", "max-frames=1000", nullptr);
   start(0);
   start(1);
   alone(-10, 20);
@@ -96,7 +96,7 @@ TEST_F(StageRuns, ACameraOfUncertainPassesIsToldOfOnce) {
 
 TEST_F(StageRuns, CamerasThatSawTheStartSecondsApartAreToldOfOnce) {
   use_marker(LightProgram::Marker::start);
-  g_object_set(element_, "timeout", 0.1, "max-frames", 1000u, nullptr);
+  g_object_set(element_, "timeout", 0.1, "tuning", "max-frames=1000", nullptr);
   start(0);
   start(1);
   alone(-10, 20);

@@ -86,7 +86,7 @@ TEST_F(StageStreams, TwoCamerasGoOnTogetherAfterOneWasCovered) {
     program.steps.push_back(program.steps[program.steps.size() % 2]);
   program.marker = LightProgram::Marker::pass;
   use(program);
-  g_object_set(element_, "max-frames", 200u, nullptr);
+  g_object_set(element_, "tuning", "max-frames=200", nullptr);
   start(0);
   start(1);
   const BallOnStage ball(program_, kWidth, kHeight);

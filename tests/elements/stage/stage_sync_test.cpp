@@ -157,7 +157,7 @@ TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
 
 TEST_F(StageSync, AMarkerThatNeverComesIsAWarning) {
   use_performance();
-  g_object_set(element_, "marker-timeout", 0.5, nullptr);
+  g_object_set(element_, "tuning", "marker-timeout=0.5", nullptr);
   start();
   for (int64_t n = -50; n < 0; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
   EXPECT_TRUE(warned_of("marker"));

@@ -86,8 +86,9 @@ TEST(LightStageTestSrc, LightAddsUp) {
 
 TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
   const Shots shots = shoot(
-      "is-live=false program=performance:4 num-buffers=400 frame-ids=true first-frame-id=65400 "
-      "frame-id-bits=16 drop-rate=0.05 duplicate-rate=0.04 jitter=0.33 late-rate=0.05 seed=3");
+      "is-live=false program=performance:4 num-buffers=400 frame-ids=true frame-id-bits=16 "
+      "tuning=first-frame-id=65400:drop-rate=0.05:duplicate-rate=0.04:jitter=0.33:late-rate=0.05 "
+      "seed=3");
   ASSERT_EQ(shots.frames.size(), 400U) << shots.line.first_error();
   const CameraFaults faults{.05F, .04F, .05F, .33F, 3};
   size_t at = 0, dropped = 0, doubled = 0;
@@ -118,7 +119,7 @@ TEST(LightStageTestSrc, LosesAndRepeatsFramesAsAsked) {
 TEST(LightStageTestSrc, StartsLaterWhereAsked) {
   const Shots shots = shoot(
       "is-live=false program=static:2 rate=20 label=true start=0.35 "
-      "frame-ids=true first-frame-id=5");
+      "frame-ids=true tuning=first-frame-id=5");
   const LightProgram program = light_program("static:2", 20);
   ASSERT_EQ(shots.frames.size(), 7 + program.triggers().value()) << shots.line.first_error();
   for (size_t i = 0; i < shots.frames.size(); ++i) {
@@ -163,7 +164,7 @@ TEST(LightStageTestSrc, MotionIsWhatItSays) {
       shoot("is-live=false num-buffers=10 gain=0.1 program=" + path, linear16(width, height))
           .line.frames;
   const auto moved = shoot(
-                         "is-live=false num-buffers=10 gain=0.1 motion=6 motion-period=0.5 "
+                         "is-live=false num-buffers=10 gain=0.1 motion=6 tuning=motion-period=0.5 "
                          "program=" +
                              path,
                          linear16(width, height))
@@ -268,7 +269,8 @@ TEST(LightStageTestSrc, StopsWhileItWaits) {
 
 TEST(LightStageTestSrc, StopsWhileItRenders) {
   GstElement* pipeline = gst_parse_launch(
-      "lightstagetestsrc stack-limit=8192 ! video/x-raw,width=1024,height=768 ! fakesink", nullptr);
+      "lightstagetestsrc tuning=stack-limit=8192 ! video/x-raw,width=1024,height=768 ! fakesink",
+      nullptr);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   g_usleep(1500000);  // all of it takes a minute and more
   const auto start = std::chrono::steady_clock::now();
@@ -351,7 +353,7 @@ TEST(LightStageTestSrc, SaysWhatIsWrong) {
   expect(error_of("program=/no/such/program.json"), "/no/such/program.json");
   expect(error_of("program=performance:0"), "the number of lights");
   expect(error_of("", "width=8000,height=4000"), "use a smaller frame");
-  expect(error_of("stack-limit=1", "width=320,height=240"), "the limit is 1 MiB");
+  expect(error_of("tuning=stack-limit=1", "width=320,height=240"), "the limit is 1 MiB");
   expect(error_of("listen=nowhere.invalid"), "cannot find the host");
   expect(error_of("device=no-such-device"), "no-such-device");
 }

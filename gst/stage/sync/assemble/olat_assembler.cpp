@@ -13,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "frame_picture.hpp"
+#include "gst/base/log.hpp"
 #include "motion.hpp"
 #include "olat_motion.hpp"
 #include "stage/program/light_list.hpp"
@@ -181,14 +182,13 @@ GstFlowReturn OlatAssembler::assemble(bool ended) {
     tracking[held.label.trigger] = Motion::gray(light);
   }
   if (clipped > kMuchClipped)
-    GST_ELEMENT_WARNING(
-        element_, STREAM, FAILED,
-        ("%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
-         "not seen there; let the camera or the lights' controller expose the steps \"tracking\" "
-         "for a shorter time than single lights, and say so in the program (\"exposure\" of these "
-         "steps: it changes nothing by itself)",
-         static_cast<int>(std::lround(100 * clipped))),
-        (nullptr));
+    post_warning(
+        log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+        "%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "
+        "not seen there; let the camera or the lights' controller expose the steps \"tracking\" "
+        "for a shorter time than single lights, and say so in the program (\"exposure\" of these "
+        "steps: it changes nothing by itself)",
+        static_cast<int>(std::lround(100 * clipped)));
   std::unique_ptr<OlatMotion> motion;
   if (!tracking.empty()) motion = std::make_unique<OlatMotion>(tracking);
   const uint64_t last = tracking.empty() ? 0 : tracking.rbegin()->first;
@@ -296,10 +296,9 @@ void OlatAssembler::publish(bool ended) try {
   const bool beside = !whole && std::filesystem::exists(to + "/lights.json");
   if (beside) to += ".partial";
   if (!whole)
-    GST_ELEMENT_WARNING(element_, STREAM, FAILED,
-                        ("the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
-                         to.c_str(), beside ? ", and the one before it stays where it is" : ""),
-                        (nullptr));
+    post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+                 "the capture was cut short: %zu of %zu pictures are in %s%s", got, wanted,
+                 to.c_str(), beside ? ", and the one before it stays where it is" : "");
   std::filesystem::create_directories(to + "/olat");
   std::set<std::string> fresh;
   for (const auto& [kind, name] : files_) fresh.insert(name);

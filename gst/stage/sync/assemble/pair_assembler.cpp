@@ -5,6 +5,7 @@
 
 #include "frame_picture.hpp"
 #include "gst/base/caps.hpp"
+#include "gst/base/log.hpp"
 #include "motion.hpp"
 #include "stage/gray_gradients.hpp"
 
@@ -126,7 +127,8 @@ bool PairAssembler::set_caps(GstCaps* caps) {
                       ("frames are %" GST_PTR_FORMAT, caps));
   // Where pictures go out, who takes them can tell.
   if (layers_ && GST_VIDEO_INFO_IS_GRAY(&info_))
-    GST_ELEMENT_WARNING(element_, STREAM, FORMAT, (kGrayGradients), (nullptr));
+    post_warning(log_of(GST_ELEMENT(element_)), GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s",
+                 kGrayGradients);
   return negotiated_;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "light_upload.hpp"
 
 namespace inverse {
@@ -79,7 +80,8 @@ void LightClock::work() {
     try {
       driver_->black();
     } catch (const std::exception& error) {
-      GST_WARNING_OBJECT(element_, "the lights were not switched off: %s", error.what());
+      GST_CAT_WARNING_OBJECT(log_of(GST_ELEMENT(element_)).category, element_,
+                             "the lights were not switched off: %s", error.what());
     }
     lock.lock();
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gst/base/errors.hpp"
+#include "gst/base/log.hpp"
 #include "light_upload.hpp"
 
 namespace inverse {
@@ -39,7 +40,8 @@ StageTrigger::~StageTrigger() {
   try {
     lights_->black();
   } catch (const std::exception& error) {
-    GST_WARNING_OBJECT(element_, "lights: %s", error.what());  // that they are gone was an error
+    GST_CAT_WARNING_OBJECT(log_of(GST_ELEMENT(element_)).category, element_, "lights: %s",
+                           error.what());  // that they are gone was an error
   }
 }
 
@@ -60,10 +62,8 @@ void StageTrigger::upload() {
 void StageTrigger::tell_lost(uint64_t trigger, const std::vector<size_t>& cameras) const {
   std::string names;
   for (const size_t i : cameras) names += (names.empty() ? "" : ", ") + cameras_[i].trigger->name();
-  GST_ELEMENT_WARNING(
-      element_, STREAM, FAILED,
-      ("no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str()),
-      (nullptr));
+  post_warning(log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+               "no frame of trigger %" G_GUINT64_FORMAT " came from %s", trigger, names.c_str());
 }
 
 TriggeredCapture::Listener StageTrigger::listener() {

@@ -1,4 +1,4 @@
-#include "region_news.hpp"
+#include "region_messages.hpp"
 
 namespace inverse {
 namespace {
@@ -31,12 +31,12 @@ const char* reason(MarkedRegions::Loss loss) {
 
 }  // namespace
 
-void RegionNews::forget() {
+void RegionMessages::forget() {
   corrected_.clear();
   proposed_.clear();
 }
 
-void RegionNews::tell(FrameWork& frame) {
+void RegionMessages::post(FrameContext& frame) {
   for (const auto& result : corrected_)
     frame.messages.emplace_back(gst_structure_new(
         "inverse-region-corrected", "region", G_TYPE_INT, result.number, "cluster", G_TYPE_INT,
@@ -55,7 +55,7 @@ void RegionNews::tell(FrameWork& frame) {
   lost_.clear();
 }
 
-void RegionNews::tell_marked(FrameWork& frame, int x, int y, int region) {
+void RegionMessages::post_marked(FrameContext& frame, int x, int y, int region) {
   frame.messages.emplace_back(gst_structure_new("inverse-region-marked", "x", G_TYPE_INT, x, "y",
                                                 G_TYPE_INT, y, "region", G_TYPE_INT, region,
                                                 nullptr));

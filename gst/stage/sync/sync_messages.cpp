@@ -19,7 +19,7 @@ double seconds(SyncCamera::Clock::duration time) {
 
 void SyncElement::warn(const std::string& text) { warnings_.push_back(text); }
 
-void SyncElement::tell(const char* event, const SyncCamera& camera, GstStructure* more) {
+void SyncElement::report_event(const char* event, const SyncCamera& camera, GstStructure* more) {
   GstStructure* news = gst_structure_new("lightstagesync", "event", G_TYPE_STRING, event, "camera",
                                          G_TYPE_STRING, camera.name().c_str(), nullptr);
   if (more) {
@@ -34,21 +34,26 @@ void SyncElement::tell(const char* event, const SyncCamera& camera, GstStructure
 
 /// Says on the bus what has come up. The mutex is not held meanwhile: who listens may ask for
 /// stats.
-void SyncElement::speak(Lock& lock) {
+void SyncElement::post(Lock& lock) {
   if (messages_.empty() && warnings_.empty()) return;
   std::vector<GstMessage*> messages;
   std::vector<std::string> warnings;
   messages.swap(messages_);
   warnings.swap(warnings_);
   lock.unlock();
-  for (GstMessage* message : messages) gst_element_post_message(element_, message);
+  for (GstMessage* message : messages) {
+    GST_CAT_INFO_OBJECT(log_.category, element_, "%" GST_PTR_FORMAT,
+                        gst_message_get_structure(message));
+    gst_element_post_message(element_, message);
+  }
   for (const std::string& text : warnings)
-    GST_ELEMENT_WARNING(element_, STREAM, FAILED, ("%s", text.c_str()), (nullptr));
+    post_warning(log_of(GST_ELEMENT(element_)), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED, "%s",
+                 text.c_str());
   lock.lock();
 }
 
 SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& camera) const {
-  const auto timeout = std::chrono::duration<double>(patience());
+  const auto timeout = std::chrono::duration<double>(frame_timeout());
   return std::max<Clock::duration>({camera.begun ? kSilent : kNotBegun,
                                     std::chrono::duration_cast<Clock::duration>(timeout),
                                     periods(kFewPeriods)});
@@ -65,18 +70,18 @@ bool SyncElement::can_wait(const SyncCamera& camera) const {
 /// Cameras that have stopped are told of, and not waited for.
 void SyncElement::look_for_silence() {
   const auto now = Clock::now();
-  const auto timeout = std::chrono::duration<double>(patience());
+  const auto timeout = std::chrono::duration<double>(frame_timeout());
   if (!playing_) {
     lacking_since_ = now;
     return;
   }
   for (auto& [number, camera] : cameras_) {
     if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
-        camera->in_sets >= most_in_sets(*camera) ||
+        camera->in_sets >= max_in_sets(*camera) ||
         now - camera->last_arrival < longest_silence(*camera))
       continue;
     camera->silent = true;
-    tell("camera-stopped", *camera);
+    report_event("camera-stopped", *camera);
     const auto silence = std::to_string(static_cast<int>(seconds(now - camera->last_arrival)));
     if (camera->begun)
       warn("camera " + camera->name() + " has sent no frame for " + silence +
@@ -110,8 +115,8 @@ void SyncElement::leave_alone(SyncCamera& camera) {
   camera.left_alone = true;
   sets_.wait_for(camera.number, false);
   const bool elsewhere = camera.run != 0 && camera.run != newest_run();
-  tell("camera-left-alone", camera,
-       gst_structure_new("more", "another-start", G_TYPE_BOOLEAN, elsewhere, nullptr));
+  report_event("camera-left-alone", camera,
+               gst_structure_new("more", "another-start", G_TYPE_BOOLEAN, elsewhere, nullptr));
   if (elsewhere) {
     const bool pass = labels_->program().marker == LightProgram::Marker::pass;
     warn("the frames of camera " + camera.name() +
@@ -124,7 +129,7 @@ void SyncElement::leave_alone(SyncCamera& camera) {
                : std::string(", or give it the marker \"pass\"")));
     return;
   }
-  warn("the frames of other cameras have waited " + std::to_string(patience()) + " s for " +
+  warn("the frames of other cameras have waited " + std::to_string(frame_timeout()) + " s for " +
        camera.name() + (camera.begun ? "; " : ", whose source has not begun; ") +
        (params_.sets == SyncParams::Sets::complete
             ? "they are dropped until it sends labeled frames again (sets=all lets them pass)"
@@ -150,14 +155,14 @@ void SyncElement::lacked_ended(uint32_t number) {
 void SyncElement::report(SyncCamera& camera) {
   if (camera.silent) {
     camera.silent = false;
-    tell("camera-sends", camera);
+    report_event("camera-sends", camera);
   }
   if (trigger_) return;  // whoever triggers tells
   const FrameLabeler& labeler = *camera.labeler;
   const FrameLabeler::Counts& counts = labeler.counts();
   if (labeler.anchored() != camera.was_anchored) {
     camera.was_anchored = labeler.anchored();
-    tell(camera.was_anchored ? "marker" : "unsynchronized", camera);
+    report_event(camera.was_anchored ? "marker" : "unsynchronized", camera);
   }
   if ((!lights_ || lights_->started()) && camera.labeler->take_overdue())
     warn("camera " + camera.name() +
@@ -195,7 +200,7 @@ void SyncElement::report(SyncCamera& camera) {
   }
   camera.told = counts;
   camera.told_at = now;
-  tell("frames", camera, more);
+  report_event("frames", camera, more);
   warn("frames of camera " + camera.name() + ": " + text);
 }
 

@@ -20,7 +20,7 @@ size_t fitting(const SyncCamera& camera) {
 /// Frames that may wait for what follows. Sinks keep to the latency: a frame that came without a
 /// detour waits there for the time that others take here, and those behind it must not hold the
 /// camera up.
-size_t SyncElement::most_outgoing(const SyncCamera& camera) const {
+size_t SyncElement::max_outgoing(const SyncCamera& camera) const {
   const GstClockTime ours = camera.live ? own_latency() : 0;
   const uint64_t frames = labels_ ? std::max(ours, camera.sinks_wait) / labels_->period() : 0;
   return kFew + static_cast<size_t>(std::min<uint64_t>(frames, fitting(camera)));
@@ -28,7 +28,7 @@ size_t SyncElement::most_outgoing(const SyncCamera& camera) const {
 
 /// Frames of a camera that may wait for those of others: as many as come until these are left
 /// alone, and a few, since threads are not punctual.
-size_t SyncElement::most_in_sets(const SyncCamera& camera) const {
+size_t SyncElement::max_in_sets(const SyncCamera& camera) const {
   if (params_.max_frames || !labels_) return std::max(params_.max_frames, 1u);
   const double timeout = 1e9 * params_.timeout / static_cast<double>(labels_->period());
   const size_t frames = static_cast<size_t>(std::ceil(timeout)) + kLongestWait + kFew;

@@ -10,7 +10,7 @@ namespace inverse {
 /// What globalintrinsicthesis has to tell of marked regions, as element messages
 /// (docs/reference/elements/globalintrinsicthesis.md); all but what became of a click waits for the
 /// next frame.
-class RegionNews {
+class RegionMessages {
  public:
   void corrected(const MisclusteringCorrection::Result& result) { corrected_.push_back(result); }
   void proposed(const RegionProposals::Proposal& proposal) { proposed_.push_back(proposal); }
@@ -21,9 +21,9 @@ class RegionNews {
   void forget();
   bool empty() const { return corrected_.empty() && proposed_.empty() && lost_.empty(); }
   /// Tells all of it, once.
-  void tell(FrameWork& frame);
+  void post(FrameContext& frame);
   /// A click was taken in as this region, 0: refused.
-  static void tell_marked(FrameWork& frame, int x, int y, int region);
+  static void post_marked(FrameContext& frame, int x, int y, int region);
 
  private:
   std::vector<MisclusteringCorrection::Result> corrected_;
