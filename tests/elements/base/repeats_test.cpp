@@ -106,7 +106,7 @@ TEST_P(RepeatedFrames, KeepTheirLayersOnceSettled) {
   const auto before = harness.process(picture);
   EXPECT_FALSE(kept(harness)) << "the first repeat pays";
   const auto settled = until_kept(harness, picture);
-  EXPECT_LE(largest_difference(settled, before), 16);
+  EXPECT_LE(largest_difference(settled, before), 3);
   const uint64_t count = Stats(harness, GetParam()).count("frames-kept");
   for (uint64_t i = 1; i < 10; ++i) {
     EXPECT_EQ(harness.process(picture), settled);

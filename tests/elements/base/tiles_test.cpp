@@ -51,7 +51,8 @@ TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSam
   const auto tiles = [&](VideoHarness& harness, const char* field) {
     return count(harness, field, element);
   };
-  for (const char* show : {"reflectance", "shading", "input", "mosaic"}) {
+  for (const auto& [show, most] :
+       {std::pair{"reflectance", 14}, {"shading", 8}, {"input", 0}, {"mosaic", 23}}) {
     VideoHarness some(element + " show=" + show, caps(), caps());
     VideoHarness all(element + " adaptive=false show=" + show, caps(), caps());
     unsigned few = 0;
@@ -60,12 +61,11 @@ TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSam
       const auto got = some.process(picture), want = all.process(picture);
       ASSERT_FALSE(got.empty());
       // Within a few percent of light, as docs/reference/methods/intrinsicdecomp.md, 8, promises on
-      // the average.
-      EXPECT_LE(largest_difference(got, want), std::string(show) == "input" ? 0 : 40)
-          << show << " " << k;
+      // the average; reached were 12, 7, 0 and, with half the pixels, 21.
+      EXPECT_LE(largest_difference(got, want), most) << show << " " << k;
       double sum = 0;
       for (size_t i = 0; i < got.size(); ++i) sum += std::abs(int(got[i]) - int(want[i]));
-      EXPECT_LT(sum / static_cast<double>(got.size()), 3) << show << " " << k;
+      EXPECT_LT(sum / static_cast<double>(got.size()), 1) << show << " " << k;
       EXPECT_EQ(tiles(all, "tiles-active"), tiles(all, "tiles"));
       few += tiles(some, "tiles-active") < tiles(some, "tiles") / 2;
     }

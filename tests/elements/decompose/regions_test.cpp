@@ -108,10 +108,10 @@ TEST_F(Regions, AreProposedAndCorrected) {
   EXPECT_EQ(proposed[0].region, 1);
   EXPECT_EQ(stat("regions"), 1U);
   EXPECT_EQ(stat("regions-decided"), 1U);
-  // Its reflectance is the floor's.
+  // Its reflectance is the floor's, but for 22 code values: light differs by 94 to 126.
   const std::vector<uint8_t> shown = harness_.process(frame_);
   const auto at = [&](size_t x, size_t y) { return &shown[4 * (y * 96 + x)]; };
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(at(42, 35)[c], at(70, 35)[c], 40) << c;
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(at(42, 35)[c], at(70, 35)[c], 24) << c;
   // Somebody does not want that.
   unmark(1);
   play(frame_, 40);

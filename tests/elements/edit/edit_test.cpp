@@ -5,6 +5,7 @@
 
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
+#include "tests/srgb.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -140,15 +141,29 @@ TEST(Recolor, AClusterIsRecoloredByItsIndex) {
   const GValue* clusters = gst_structure_get_value(stats, "clusters");
   ASSERT_NE(clusters, nullptr);
   ASSERT_EQ(gst_value_array_get_size(clusters), 4u);
-  // One of them is red, one is blue.
-  bool red = false, blue = false;
+  // One of them has the chromaticity of the left half, one that of the right.
+  const auto chromaticity = [](std::array<int, 3> code) {
+    std::array<float, 3> light{};
+    float sum = 0;
+    for (size_t c = 0; c < 3; ++c) sum += light[c] = srgb_light(static_cast<float>(code[c]) / 255);
+    for (float& l : light) l /= sum;
+    return light;
+  };
+  const auto apart = [&](std::array<int, 3> a, std::array<int, 3> b) {
+    const auto one = chromaticity(a), other = chromaticity(b);
+    float most = 0;
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(one[c] - other[c]));
+    return most;
+  };
+  float red = 1, blue = 1;
   for (guint i = 0; i < 4; ++i) {
     const guint color = g_value_get_uint(gst_value_array_get_value(clusters, i));
-    const int r = color >> 16 & 255, b = color & 255;
-    red |= r > b + 40;
-    blue |= b > r + 40;
+    const std::array<int, 3> code{int(color >> 16 & 255), int(color >> 8 & 255), int(color & 255)};
+    red = std::min(red, apart(code, {210, 60, 50}));
+    blue = std::min(blue, apart(code, {60, 90, 200}));
   }
-  EXPECT_TRUE(red && blue) << gst_structure_to_string(stats);
+  EXPECT_LT(red, 0.05F) << gst_structure_to_string(stats);
+  EXPECT_LT(blue, 0.02F) << gst_structure_to_string(stats);
   gst_structure_free(stats);
 }
 

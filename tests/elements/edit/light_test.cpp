@@ -201,7 +201,7 @@ TEST(GlobalIntrinsic, DespillTakesTheWallsColorOffTheFloor) {
     return double(picture[by_the_wall]) / picture[by_the_wall + 1];
   };
   EXPECT_GT(cast(frame), 1.08);
-  EXPECT_LT(cast(out), 1 + 0.6 * (cast(frame) - 1)) << "red over green";
+  EXPECT_NEAR(cast(out), 1, 0.1 * (cast(frame) - 1)) << "red over green";
 }
 
 TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
@@ -224,7 +224,7 @@ TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
   int brightest = 0;
   for (size_t i = 0; i < seen.back().size(); ++i)
     if (i % 4 != 3) brightest = std::max(brightest, int(seen.back()[i]));
-  EXPECT_GT(brightest, 20);
+  EXPECT_NEAR(brightest, 119, 6);
 }
 
 TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
@@ -240,7 +240,7 @@ TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
                                 nullptr));
   EXPECT_FLOAT_EQ(amount, 0.33F);
   EXPECT_EQ(confidence, 1);
-  EXPECT_GE(colors, 3u);
+  EXPECT_EQ(colors, 3u);
   gst_structure_free(stats);
 }
 

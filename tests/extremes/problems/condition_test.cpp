@@ -3,11 +3,92 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tests/extremes/support/problem.hpp"
 
 namespace inverse::extremes {
 namespace {
+
+/// Digits that are kept, the fewest of three variants on llvmpipe, rounded down. What the condition
+/// predicts says nothing where it is 1e6 or more.
+const std::map<std::string, double> kDigits{
+    {"multigrid: edges over 0 decades", 7.0},
+    {"multigrid: edges over 2 decades", 6.6},
+    {"multigrid: edges over 4 decades", 5.3},
+    {"multigrid: edges over 6 decades", 2.5},
+    {"multigrid: edges over 8 decades", 1.7},
+    {"multigrid: edges over 12 decades", 0.9},
+    {"multigrid: patches of 100 that 1 joins", 6.6},
+    {"multigrid: patches of 10000 that 1 joins", 6.7},
+    {"multigrid: patches of 1e+06 that 1 joins", 6.7},
+    {"multigrid: cells held by 1000", 2.9},
+    {"multigrid: cells held by 0.01", 6.4},
+    {"multigrid: cells held by 0.0001", 6.3},
+    {"multigrid: stroke of 1000 on a cell", 6.6},
+    {"multigrid: stroke of 100000 on a cell", 6.6},
+    {"pcg: defaults", 6.8},
+    {"pcg: epsilon 0.1 at zero gradient", 6.7},
+    {"pcg: epsilon 0.01 at zero gradient", 6.6},
+    {"pcg: epsilon 0.001 at zero gradient", 6.6},
+    {"pcg: epsilon 0.0001 at zero gradient", 6.5},
+    {"pcg: epsilon 1e-05 at zero gradient", 6.5},
+    {"pcg: epsilon 1e-06 at zero gradient", 2.5},
+    {"pcg: p 2 at zero gradient", 6.7},
+    {"pcg: p 1, epsilon 1e-06 at zero gradient", 6.5},
+    {"pcg: p 0.3 at zero gradient", 6.6},
+    {"pcg: p 0.01 at zero gradient", 6.6},
+    {"pcg: stroke of 0.01", 5.8},
+    {"pcg: stroke of 1000", 6.9},
+    {"pcg: stroke of 100000", 6.8},
+    {"pcg: strokes of 1e-1 and 1e5", 6.6},
+    {"pcg: data 1e6", 6.8},
+    {"pcg: reflectance 1e4, shading 1e-2", 0.7},
+    {"pcg: shading 1e6, reflectance 1e-6", 7.0},
+    {"pcg: edges over 6 decades", 6.6},
+    {"pcg: edges over 12 decades", 1.2},
+    {"schwarz: defaults", 6.8},
+    {"schwarz: epsilon 0.1 at zero gradient", 7.0},
+    {"schwarz: epsilon 0.01 at zero gradient", 6.8},
+    {"schwarz: epsilon 0.001 at zero gradient", 6.6},
+    {"schwarz: epsilon 0.0001 at zero gradient", 6.4},
+    {"schwarz: epsilon 1e-05 at zero gradient", 6.3},
+    {"schwarz: epsilon 1e-06 at zero gradient", 3.6},
+    {"schwarz: p 2 at zero gradient", 6.9},
+    {"schwarz: p 1, epsilon 1e-06 at zero gradient", 6.2},
+    {"schwarz: p 0.3 at zero gradient", 6.6},
+    {"schwarz: p 0.01 at zero gradient", 6.7},
+    {"schwarz: stroke of 0.01", 5.3},
+    {"schwarz: stroke of 1000", 6.9},
+    {"schwarz: stroke of 100000", 6.9},
+    {"schwarz: strokes of 1e-1 and 1e5", 6.7},
+    {"schwarz: data 1e6", 6.6},
+    {"schwarz: reflectance 1e4, shading 1e-2", 1.0},
+    {"schwarz: shading 1e6, reflectance 1e-6", 6.9},
+    {"schwarz: edges over 6 decades", 6.8},
+    {"schwarz: edges over 12 decades", 3.9},
+    {"global-thesis: defaults", 5.8},
+    {"global-thesis: epsilons 1 at zero gradient", 4.6},
+    {"global-thesis: epsilons 0.01 at zero gradient", 6.1},
+    {"global-thesis: epsilons 0.001 at zero gradient", 5.9},
+    {"global-thesis: epsilons 0.0001 at zero gradient", 5.7},
+    {"global-thesis: data 1", 5.2},
+    {"global-thesis: data 1e+06", 3.7},
+    {"global-thesis: p 0", 5.3},
+    {"global-thesis: p 2", 6.1},
+    {"global-thesis: light over 2 decades", 6.0},
+    {"global-thesis: light over 4 decades", 5.9},
+    {"global-thesis: light over 8 decades", 6.0},
+    {"global-thesis: sparsity 1e4", 5.9},
+    {"global-thesis: smoothness 1e4", 4.5},
+    {"global-thesis: clusters 1e-4", 4.5},
+    {"global-thesis: clusters 1e-4, data 1e6", 2.5},
+    {"global-thesis: clusters 1e-4, epsilons 1e-4 at zero gradient", 2.0},
+    {"global-thesis: clusters 1e-4, smoothness 1e6", 2.5},
+    {"global-thesis: base colors that are nearly one", 5.7},
+    {"global-thesis: negative light, penalty 1000", 5.8},
+    {"global-thesis: negative light, penalty 1e+06", 5.5},
+};
 
 class Conditions : public testing::TestWithParam<Solver> {};
 
@@ -20,6 +101,9 @@ TEST_P(Conditions, NoMoreDigitsAreLostThanTheConditionPredicts) {
     EXPECT_TRUE(outcome.finite) << problem.name;
     EXPECT_GE(outcome.digits_preconditioned, predicted_digits(problem.solver, outcome))
         << problem.name << ", condition " << outcome.condition;
+    const auto digits = kDigits.find(std::string(name_of(problem.solver)) + ": " + problem.name);
+    ASSERT_NE(digits, kDigits.end()) << problem.name << " has no line in the table";
+    EXPECT_GE(outcome.digits_preconditioned, digits->second - 0.3) << problem.name;
     least = std::min(least, outcome.condition);
     most = std::max(most, outcome.condition);
   }

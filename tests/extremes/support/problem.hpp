@@ -50,7 +50,7 @@ std::vector<Problem> ladder();
 /// The fewest digits that the outcome may have kept: the condition number predicts a relative error
 /// of C · condition · 2^−24. Conjugate gradients: the condition after scaling by the diagonal, C
 /// = 4. Multigrid: the condition of A, which it does not scale, C = 32; what of that it loses it
-/// has not reached yet, rather than lost to rounding.
+/// has not reached yet, rather than lost to rounding. Negative where nothing is predicted.
 double predicted_digits(Solver solver, const Outcome& outcome);
 
 }  // namespace inverse::extremes

@@ -19,8 +19,8 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
   };
   Layers output;
   const auto colored = decompose(room(extent, 1), output);
-  EXPECT_GE(colored.layers, 2);
-  EXPECT_GE(colored.colors, 3);
+  EXPECT_EQ(colored.layers, 2);
+  EXPECT_EQ(colored.colors, 3);
   for (const Rgb& wall : {kRoom[0], kRoom[1]}) {
     double nearest = 1;
     for (const Rgb& color : method.colors().layer_colors()) {
@@ -29,7 +29,7 @@ TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
         distance = std::max<double>(distance, std::abs(color[c] - wall[c]));
       nearest = std::min(nearest, distance);
     }
-    EXPECT_LT(nearest, 0.15);
+    EXPECT_LT(nearest, 0.105);  // 0.091 and 0.099 when this was written
   }
   // A gray scene has one base color, white, which needs no layer: neither memory nor time.
   Pixels gray = room(extent, 1, 0, 0);
@@ -369,7 +369,7 @@ TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
       }
     }
     EXPECT_EQ(refined, 2);
-    EXPECT_LT(nearest, 0.2);
+    EXPECT_LT(nearest, 0.156);  // 0.148
   }
 }
 

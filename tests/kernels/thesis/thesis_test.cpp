@@ -85,19 +85,25 @@ class ThesisTest : public GpuTest {
           worst = std::max(worst, std::abs(got[4 * n + c] - x.data[n][c] - gauge));
         }
       }
+      worst_ = worst;
+      solution_.clear();
+      for (size_t i = 0; i < got.size(); ++i)
+        if (i % 4 != 3) solution_.push_back(static_cast<double>(got[i]) - gauge);
       const double reference_energy = expected.energy(x).total();
       const double energy = expected.energy(to_reference(extent, got)).total();
       const std::string where = std::to_string(extent.width) + "x" + std::to_string(extent.height) +
                                 ", frame " + std::to_string(t);
-      EXPECT_LT(worst, 1e-3) << where;
-      EXPECT_NEAR(energy, reference_energy, 0.01 * reference_energy + 1e-6) << where;
+      EXPECT_LT(worst, 3e-5) << where;
+      EXPECT_NEAR(energy, reference_energy, 1e-5 * reference_energy + 1e-6) << where;
       ASSERT_EQ(stats.energy.size(), 1u);
-      EXPECT_NEAR(stats.energy[0].total(), energy, 1e-3 * energy + 1e-3) << where;
+      EXPECT_NEAR(stats.energy[0].total(), energy, 3e-5 * energy + 1e-3) << where;
       RecordProperty("max_difference_" + std::to_string(extent.width), std::to_string(worst));
       printf("  %s: max |dr| %.2e, energy %.6g against %.6g\n", where.c_str(), worst, energy,
              reference_energy);
     }
   }
+  double worst_ = 0;              ///< of the last frame, log units
+  std::vector<double> solution_;  ///< the device's r of the last frame in the reference's gauge
 };
 
 const std::vector<Extent> kSizes = {{1, 1}, {2, 3}, {1, 40}, {17, 5}, {15, 10}, {64, 48}};
@@ -156,26 +162,55 @@ TEST_F(ThesisTest, KeyframesAgreeWithReference) {
   compare(extent, params, frames);
 }
 
-TEST_F(ThesisTest, EveryParameterReachesTheEnergy) {
+// Device and reference agree, and the solution is another than with defaults: a parameter that both
+// ignored would change nothing.
+TEST_F(ThesisTest, EveryParameterReachesTheSolution) {
   const Extent extent{33, 21};
-  const std::vector<Pixels> frames = {scene(extent, 3)};
+  const std::vector<Pixels> frames = {scene(extent, 3), scene(extent, 4, 1)};
+  ThesisParams defaults;
+  defaults.keyframe_spacing = 1;
+  compare(extent, defaults, frames);
+  const std::vector<double> plain = solution_;
   using Set = void (*)(ThesisParams&);
-  for (const Set set : {
-           Set([](ThesisParams& p) { p.irls = ThesisParams::Irls::printed; }),
-           Set([](ThesisParams& p) { p.p = 1.3f; }),
-           Set([](ThesisParams& p) { p.p = 0.0f; }),
-           Set([](ThesisParams& p) { p.w_data = 3, p.w_shading = 2, p.w_chromaticity = 5; }),
-           Set([](ThesisParams& p) { p.w_reflectance = 4, p.w_intensity = 0.3f; }),
-           Set([](ThesisParams& p) { p.w_non_local = 0, p.w_clustering = 0; }),
-           Set([](ThesisParams& p) { p.w_cs = 0.7f, p.alpha_cs = 4, p.alpha_clustering = 3; }),
-           Set([](ThesisParams& p) { p.samples = 20, p.tau_cc = 0.4f, p.seed = 77; }),
-           Set([](ThesisParams& p) { p.levels = 2, p.irls_iterations = 3, p.pcg_iterations = 5; }),
-           Set([](ThesisParams& p) { p.epsilon = 0.03f, p.log_floor = 0.02f; }),
-           Set([](ThesisParams& p) { p.chroma_floor = 0.1f, p.levels = 1; }),
-       }) {
-    ThesisParams params;
+  const std::pair<const char*, Set> settings[] = {
+      {"irls", [](ThesisParams& p) { p.irls = ThesisParams::Irls::printed; }},
+      {"p = 1.3", [](ThesisParams& p) { p.p = 1.3f; }},
+      {"p = 0", [](ThesisParams& p) { p.p = 0.0f; }},
+      {"w_data", [](ThesisParams& p) { p.w_data = 3; }},
+      {"w_shading", [](ThesisParams& p) { p.w_shading = 2; }},
+      {"w_chromaticity", [](ThesisParams& p) { p.w_chromaticity = 5; }},
+      {"w_reflectance", [](ThesisParams& p) { p.w_reflectance = 4; }},
+      {"w_intensity", [](ThesisParams& p) { p.w_intensity = 0.3f; }},
+      {"w_non_local", [](ThesisParams& p) { p.w_non_local = 0; }},
+      {"w_clustering", [](ThesisParams& p) { p.w_clustering = 0; }},
+      {"neither", [](ThesisParams& p) { p.w_non_local = 0, p.w_clustering = 0; }},
+      {"w_cs", [](ThesisParams& p) { p.w_cs = 0.7f; }},
+      {"alpha_cs", [](ThesisParams& p) { p.alpha_cs = 4; }},
+      {"alpha_clustering", [](ThesisParams& p) { p.alpha_clustering = 3; }},
+      {"samples", [](ThesisParams& p) { p.samples = 20; }},
+      {"tau_cc", [](ThesisParams& p) { p.tau_cc = 0.4f; }},
+      {"seed", [](ThesisParams& p) { p.seed = 77; }},
+      {"keyframes", [](ThesisParams& p) { p.keyframes = 0; }},
+      {"resample", [](ThesisParams& p) { p.resample = true; }},
+      {"levels", [](ThesisParams& p) { p.levels = 2; }},
+      {"irls_iterations", [](ThesisParams& p) { p.irls_iterations = 3; }},
+      {"pcg_iterations", [](ThesisParams& p) { p.pcg_iterations = 5; }},
+      {"solver", [](ThesisParams& p) { p.solver = ThesisParams::Solver::schwarz; }},
+      {"epsilon", [](ThesisParams& p) { p.epsilon = 0.03f; }},
+      {"log_floor", [](ThesisParams& p) { p.log_floor = 0.05f; }},
+      {"chroma_floor", [](ThesisParams& p) { p.chroma_floor = 0.1f; }},
+  };
+  for (const auto& [name, set] : settings) {
+    SCOPED_TRACE(name);
+    ThesisParams params = defaults;
     set(params);
     compare(extent, params, frames);
+    ASSERT_EQ(solution_.size(), plain.size());
+    double change = 0;
+    for (size_t i = 0; i < plain.size(); ++i)
+      change = std::max(change, std::abs(solution_[i] - plain[i]));
+    EXPECT_GT(change, 30 * worst_ + 1e-4);
+    printf("  %s changes r by %.2e\n", name, change);
   }
 }
 
