@@ -215,7 +215,7 @@ TEST(LightProgram, IsTheSameWhenReadAgain) {
 TEST(LightProgram, FieldsThatAreNotKnownAreNamed) {
   EXPECT_NE(error_of(with(kTwo, kBlack, R"("repeats": 4, )")).find("\"repeats\""),
             std::string::npos);
-  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})")).find("step 0 has a \"gard\""),
+  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})")).find("step 0 has an unknown field \"gard\""),
             std::string::npos);
   EXPECT_NE(error_of(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)).find("light 0"),
             std::string::npos);

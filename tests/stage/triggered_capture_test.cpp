@@ -60,7 +60,7 @@ class Camera : public TriggeredCamera {
     deeds = next;
   }
   /// As if somebody else had triggered it.
-  void fire_unasked() {
+  void fire_untriggered() {
     const std::lock_guard lock(mutex_);
     expose(milliseconds(0), true);
   }
@@ -313,9 +313,9 @@ TEST_F(Capture, LightsThatDoNotAnswerAreAnError) {
 TEST_F(Capture, ACameraThatRunsFreelyIsAnError) {
   Camera camera(lights_, 16, 1);
   camera.slow = 1;
-  meanwhile_ = [&] { camera.fire_unasked(); };
+  meanwhile_ = [&] { camera.fire_untriggered(); };
   run(small_program(5000), {&camera}, {}, 30);
-  EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
 }
 
 /// Nor is it one of whose frames none is surely of a trigger a camera that sends nothing.
@@ -326,7 +326,7 @@ TEST_F(Capture, ACameraThatRunsFreelyAndHidesTheTriggeredFramesIsThatErrorToo) {
   TriggeredCapture::Params params;
   params.timeout = .1;
   run(small_program(5000), {&camera}, params, 30);
-  EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
 }
 
 /// The lights wait for who handles the frames.
@@ -376,7 +376,7 @@ TEST_F(Capture, StopsAtOnceAndGoesOn) {
     const uint64_t before = camera.labeled;
     capture.start(next);
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    // The trigger that was lost makes its successor doubtful: that one is dropped.
+    // The trigger that was lost makes its successor ambiguous: that one is dropped.
     while (camera.refused + camera.labeled < before + 1 && std::chrono::steady_clock::now() < until)
       std::this_thread::sleep_for(milliseconds(1));
     capture.stop();

@@ -150,7 +150,7 @@ const PropertyTable<SyncParams>& sync_properties() {
           "backend=serial: step the program from here; else the rig's own trigger does",
           Mutable::ready),
       number<P>(
-          "patience", [](P & p) -> auto& { return p.lights.serial.patience; }, 0.01, 3600,
+          "patience", [](P & p) -> auto& { return p.lights.serial.timeout; }, 0.01, 3600,
           "backend=serial: seconds that the controller has for an answer", Mutable::ready),
   };
   return table;
