@@ -66,11 +66,11 @@ template <typename Push>
 void Network::add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::BufferPtr> buffers,
                   const Push& push, uint64_t items) {
   static_assert(sizeof(Push) <= sizeof(Dispatch::push));
-  const uint64_t most = uint64_t{device_->limits().workgroups[0]} * kernel->workgroup();
-  if (items > most)
+  const uint64_t max_items = uint64_t{device_->limits().workgroups[0]} * kernel->workgroup();
+  if (items > max_items)
     throw Error(ErrorKind::limit, "network: node \"" + graph_.nodes[step.node].name + "\" needs " +
                                       std::to_string(items) + " invocations and the device has " +
-                                      std::to_string(most) + "; use a smaller input");
+                                      std::to_string(max_items) + "; use a smaller input");
   Dispatch dispatch{graph_.nodes[step.node].name.c_str(),
                     std::move(kernel),
                     std::move(buffers),

@@ -23,7 +23,7 @@ struct Push {
   float power, ceiling, gain, largest;
 };
 constexpr uint32_t kFlagShading = 1, kFlagOpaque = 2;
-constexpr uint32_t kStripRows = 8;  // rows that an invocation turns, in every kernel
+constexpr uint32_t kStripRows = 8;  // rows per invocation, in every kernel
 constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
 Push layout_push(const FrameFormat& format) {
