@@ -174,7 +174,7 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
       mirror_sum[at] += z * across * down * std::max(p.mirror, 0.0F);
     }
   }
-  if (used < kFewest) return;
+  if (used < kMinPoints) return;
   ++count_;
   averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const double share = 1.0 / static_cast<double>(averaged_);

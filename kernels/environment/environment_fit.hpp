@@ -44,13 +44,13 @@ class EnvironmentFit {
   EnvironmentFit();
 
   /// Adds the points of a frame. Ignores points that are not finite, and frames with fewer than
-  /// kFewest points.
+  /// kMinPoints points.
   void add(std::span<const Point> points, const Params& params);
   void reset();
   /// Limits the weight of earlier views to this number of views.
   void shorten(uint64_t views);
   uint64_t count() const { return count_; }
-  static constexpr size_t kFewest = 24;
+  static constexpr size_t kMinPoints = 24;
 
   /// The light, given the object's albedos; empty before any view, and if the object is black
   /// without gloss.
