@@ -1,4 +1,4 @@
-// The serial backend against a pseudo-terminal that plays the controller.
+// The serial backend against a simulated controller on a pseudo-terminal.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -26,8 +26,7 @@ LightDriverSettings settings_for(const std::string& port) {
   return settings;
 }
 
-/// What `upload` throws where a controller answers like this, which must not take much longer than
-/// the timeout.
+/// Error of `upload` for a controller with these replies, within about the timeout.
 std::string upload_error(Controller& controller) {
   const auto start = Clock::now();
   const std::string error =
