@@ -70,7 +70,7 @@ void FilterElement::close() {
 void FilterElement::finish_all() {
   if (device_ && device_->silent()) return;  // somebody has waited for it already
   try {
-    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[(next_slot_ + i) % slots_.size()]);
+    for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[next_slot_ + i]);
   } catch (const std::exception& error) {
     GST_WARNING_OBJECT(element_, "the last frames were not finished: %s", error.what());
   }
@@ -227,7 +227,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
 }
 
 void FilterElement::warm_up() {
-  Slot& slot = slots_.front();
+  Slot& slot = slots_[0];
   const PlanePtr plane = planes_->acquire();
   slot.tiles->assign(std::vector<uint8_t>(slot.tiles->tiles(), 1));
   memset(slot.in->map(), 0, slot.in->bytes());
@@ -359,7 +359,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
                     "vulkanupload between");
   if (!configured_ || device != device_) configure(device);
   Slot& slot = slots_[next_slot_];
-  next_slot_ = (next_slot_ + 1) % slots_.size();
+  ++next_slot_;
   finish(slot);
   slot.commands->begin();
   if (breaks_off(in)) flush();
@@ -393,7 +393,7 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   slot.pending = true;
   // Those before it that are done by now, the oldest first, and this one where it was waited for.
   for (size_t i = 0; i < slots_.size(); ++i) {
-    Slot& older = slots_[(next_slot_ + i) % slots_.size()];
+    Slot& older = slots_[next_slot_ + i];
     if (older.pending && !older.commands->done()) break;  // it may be while the next one is asked
     finish(older);
   }

@@ -118,7 +118,7 @@ class FilterElement {
   Repeats repeats_;
   PlanePtr held_input_;   // of the frame before, while repeats go on or little changes
   gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
-  std::array<Slot, gpu::kFramesInFlight> slots_;
+  gpu::FrameRing<Slot> slots_;
   size_t next_slot_ = 0;
   uint64_t number_ = 0;  // frames since `configure`
   uint64_t frames_ = 0;  // completed since the stream began

@@ -80,7 +80,7 @@ void Decomposer::process(FrameWork& frame) {
     held_ = frame.layers;
   else
     held_.reset();
-  past_[frame.number % past_.size()] = {last_method_, kept, trade_.level(), kept_};
+  past_[frame.number] = {last_method_, kept, trade_.level(), kept_};
   if (!frame.draw) return;
   draw(frame, settings);
   // Clusters follow the last frames, also those that are alike.

@@ -129,7 +129,7 @@ class Decomposer : public Filter {
     size_t level = 0;  // of LiveTrade
     uint64_t kept_so_far = 0;
   };
-  const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
+  const Past& past(uint64_t number) const { return past_[number]; }
 
   std::shared_ptr<gpu::Device> device_;
   std::optional<PlanePool> planes_;
@@ -138,7 +138,7 @@ class Decomposer : public Filter {
   std::optional<ScenePalette> palette_;
   LightPictures light_;
 
-  std::array<Past, gpu::kFramesInFlight> past_;
+  gpu::FrameRing<Past> past_;
   std::optional<Layers> held_;             // of the frame before
   uint64_t shown_ = 0, shown_before_ = 0;  // frames of this picture, and of the one before
   std::optional<uint64_t> same_;  // the first frame (FrameWork's number) of this picture with these

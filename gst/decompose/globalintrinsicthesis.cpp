@@ -91,7 +91,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       proposals_->reset();
       news_.forget();
     }
-    const Numbers& numbers = numbers_[number % numbers_.size()];
+    const Numbers& numbers = numbers_[number];
     regions_->collect(numbers.regions);
     if (const auto result = correction_->collect(numbers.correction, *regions_))
       news_.corrected(*result);
@@ -151,9 +151,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     const PlanePtr kept = frame.layers[Role::input];
     const uint64_t number = method_->record(frame.commands, input, frame.layers, hints);
     frame.layers[Role::input] = kept;
-    numbers_[number % numbers_.size()] = {
-        regions_->last(), correction_->record(frame.commands, *method_, *regions_),
-        proposals_->record(frame.commands, *method_, *regions_, params().propose)};
+    numbers_[number] = {regions_->last(), correction_->record(frame.commands, *method_, *regions_),
+                        proposals_->record(frame.commands, *method_, *regions_, params().propose)};
     for (const int region : correction_->take_hopeless())
       regions_->remove(region, MarkedRegions::Loss::no_candidates);
     return number;
@@ -334,7 +333,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   struct Numbers {
     uint64_t regions = 0, correction = 0, proposals = 0;
   };
-  std::array<Numbers, gpu::kFramesInFlight> numbers_;
+  gpu::FrameRing<Numbers> numbers_;
   RegionNews news_;
   Extent extent_{};
   int most_colors_ = 0;                   // that the device has room for

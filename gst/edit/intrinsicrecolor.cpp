@@ -92,7 +92,7 @@ class RecolorElement final : public Filter {
     const uint32_t before = frame.commands.dispatches();
     recolor_->record(frame.commands, frame.layers, params);
     const bool worked = frame.commands.dispatches() > before;
-    Copy& copy = copies_[frame.number % copies_.size()];
+    Copy& copy = copies_[frame.number];
     copy.clusters = worked && params.base < 0 && params.cluster >= 0
                         ? recolor_->palette()->params().clusters
                         : 0;
@@ -102,7 +102,7 @@ class RecolorElement final : public Filter {
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const Copy& copy = copies_[number % copies_.size()];
+    const Copy& copy = copies_[number];
     if (!copy.clusters) return;
     GValue list = G_VALUE_INIT;
     gst_value_array_init(&list, Palette::kMaxClusters);
@@ -126,7 +126,7 @@ class RecolorElement final : public Filter {
     gpu::BufferPtr colors;
     int clusters = 0;
   };
-  std::array<Copy, gpu::kFramesInFlight> copies_;
+  gpu::FrameRing<Copy> copies_;
 };
 
 }  // namespace

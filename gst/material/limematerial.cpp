@@ -226,7 +226,7 @@ class LimeElement final : public Filter {
     };
     const State state{method_->news(), params.show, params.preview_size};
     const bool again = frame.repeated && held_ && held_->state == state;
-    past_[frame.number % past_.size()] = {number, again};
+    past_[frame.number] = {number, again};
     if (!again) {
       held_.reset();  // its planes may serve again
       held_ = {state, frame.draw ? picture(frame, params, input) : Picture{},
@@ -275,7 +275,7 @@ class LimeElement final : public Filter {
     uint64_t method = 0;
     bool kept = false;
   };
-  const Past& past(uint64_t number) const { return past_[number % past_.size()]; }
+  const Past& past(uint64_t number) const { return past_[number]; }
 
   /// As they are now, but for files: as at the start.
   Params params() const {
@@ -437,7 +437,7 @@ class LimeElement final : public Filter {
   std::optional<MaterialPreview> preview_;
   std::optional<PlanePool> planes_;
   std::optional<Held> held_;  // of the frame before
-  std::array<Past, gpu::kFramesInFlight> past_{};
+  gpu::FrameRing<Past> past_;
   std::optional<Material> told_;
 
   std::shared_ptr<gpu::Device> device_;

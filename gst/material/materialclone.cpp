@@ -197,12 +197,12 @@ class CloneElement final : public Filter {
     const PlanePtr& plane = frame.layers[Role::input];  // nobody else's: it goes no further
     insertion_->record(frame.commands, *plane, placed(frame, params), *sphere_);
     frame.picture = {plane};
-    told_[frame.number % told_.size()] = {*shown_, material_from_, light_.from(),
-                                          insertion_->drawn(), insertion_->shadows()};
+    told_[frame.number] = {*shown_, material_from_, light_.from(), insertion_->drawn(),
+                           insertion_->shadows()};
   }
 
   void describe(GstStructure* stats, uint64_t number) const override {
-    const Told& told = told_[number % told_.size()];
+    const Told& told = told_[number];
     const Surface& surface = told.surface;
     const auto real = [](float v) { return static_cast<gdouble>(v); };
     gst_structure_set(stats, "triangles", G_TYPE_UINT64,
@@ -286,7 +286,7 @@ class CloneElement final : public Filter {
   const char* material_from_ = "properties";
   std::optional<LitSphere> sphere_;
   std::optional<Insertion> insertion_;
-  std::array<Told, gpu::kFramesInFlight> told_;  // by the frame's number
+  gpu::FrameRing<Told> told_;  // by the frame's number
 };
 
 }  // namespace

@@ -2,22 +2,14 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(edit_compose);
-INVERSE_SHADER(edit_recombine);
+#include "kernels/edit_compose.spv.hpp"
+#include "kernels/edit_recombine.spv.hpp"
 
 namespace inverse {
 namespace {
 
-constexpr uint32_t kRows = 4;  // edit.glsl
-// MODE in compose.comp; the first three are Residual's.
-constexpr uint32_t kDifference = 3, kMask = 4;
-
-struct Push {
-  uint32_t size[2];
-  float strength;
-};
+using Mode = shaders::edit_compose;  // its first three are Residual's
+constexpr uint32_t kRows = Mode::kRows;
 
 }  // namespace
 
@@ -37,22 +29,22 @@ PlanePtr Compose::record(gpu::Commands& commands, const Layers& layers,
 
 PlanePtr Compose::record_difference(gpu::Commands& commands, const Layers& layers) {
   if (layers.material()) return recombine(commands, true, layers, 1);
-  return run(commands, kDifference, layers, Role::intrinsic, 1);
+  return run(commands, Mode::kDifference, layers, Role::intrinsic, 1);
 }
 
 PlanePtr Compose::record_mask(gpu::Commands& commands, const Layers& layers) {
-  return run(commands, kMask, layers, Role::mask, 1);
+  return run(commands, Mode::kMask, layers, Role::mask, 1);
 }
 
 PlanePtr Compose::recombine(gpu::Commands& commands, bool difference, const Layers& layers,
                             float strength) {
   PlanePtr picture = planes_.acquire();
-  gpu::KernelPtr& kernel = recombine_[difference];
-  if (!kernel) kernel = device_->kernel(shaders::edit_recombine, {difference ? 1U : 0U});
-  commands.dispatch(kernel,
-                    {layers[Role::input]->buffer, layers[Role::diffuse]->buffer,
-                     layers[Role::specular]->buffer, picture->buffer},
-                    Push{{layers.extent.width, layers.extent.height}, strength},
+  commands.dispatch(gpu::Program<shaders::edit_recombine>(device_, {.difference = difference}),
+                    {.frame = layers[Role::input]->buffer,
+                     .diffuse = layers[Role::diffuse]->buffer,
+                     .specular = layers[Role::specular]->buffer,
+                     .picture = picture->buffer},
+                    {.size = layers.extent, .strength = strength},
                     {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   return picture;
 }
@@ -60,16 +52,17 @@ PlanePtr Compose::recombine(gpu::Commands& commands, bool difference, const Laye
 PlanePtr Compose::run(gpu::Commands& commands, uint32_t mode, const Layers& layers, Role now,
                       float strength) {
   PlanePtr picture = planes_.acquire();
-  const bool light = layers.global() && mode != kMask;
+  const bool light = layers.global() && mode != Mode::kMask;
   const Role before = light ? Role::model_light : Role::model;
-  gpu::KernelPtr& kernel = kernels_[mode][light ? 1 : 0];
-  if (!kernel) kernel = device_->kernel(shaders::edit_compose, {mode, light ? 1U : 0U});
-  commands.dispatch(
-      kernel,
-      {layers[Role::input]->buffer, layers[Role::model]->buffer, layers[now]->buffer,
-       layers[before]->buffer, layers[light ? Role::light : Role::model]->buffer, picture->buffer},
-      Push{{layers.extent.width, layers.extent.height}, strength},
-      {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
+  commands.dispatch(gpu::Program<Mode>(device_, {.mode = mode, .light = light}),
+                    {.frame = layers[Role::input]->buffer,
+                     .model = layers[Role::model]->buffer,
+                     .intrinsic = layers[now]->buffer,
+                     .model_light = layers[before]->buffer,
+                     .light = layers[light ? Role::light : Role::model]->buffer,
+                     .picture = picture->buffer},
+                    {.size = layers.extent, .strength = strength},
+                    {layers.extent.width, (layers.extent.height - 1) / kRows + 1});
   return picture;
 }
 

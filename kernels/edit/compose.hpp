@@ -53,10 +53,6 @@ class Compose {
 
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
-  static constexpr uint32_t kModes = 5;
-  std::array<std::array<gpu::KernelPtr, 2>, kModes> kernels_;  // by MODE and LIGHT in
-  // compose.comp, made when first needed
-  std::array<gpu::KernelPtr, 2> recombine_;  // by DIFFERENCE in recombine.comp, likewise
 };
 
 }  // namespace inverse

@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 
+#include "kernels/edit_bases.spv.hpp"
+#include "kernels/edit_retint.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 
@@ -52,7 +54,7 @@ class LightEdit {
               const std::array<float, 3>& aim, float strength, const Plane* matte);
 
  private:
-  struct Push;
+  using Push = shaders::edit_bases::Push;
   struct Inputs {
     const Plane *selection = nullptr, *matte = nullptr;
     gpu::BufferPtr keys;
@@ -63,7 +65,6 @@ class LightEdit {
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_, bases_;
   gpu::BufferPtr change_;
-  std::array<gpu::KernelPtr, 5> choose_;  // by kBy in bases.comp, made when first needed
 };
 
 }  // namespace inverse

@@ -2,6 +2,10 @@
 #include <array>
 #include <optional>
 
+#include "kernels/edit_base_key.spv.hpp"
+#include "kernels/edit_recolor.spv.hpp"
+#include "kernels/edit_recolor_base.spv.hpp"
+#include "kernels/edit_recolor_cluster.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/palette/scene_palette.hpp"
@@ -76,8 +80,11 @@ class Recolor {
   std::shared_ptr<gpu::Device> device_;
   PlanePool planes_;
   gpu::BufferPtr nothing_, no_bases_, base_color_;
-  gpu::KernelPtr base_key_;
-  std::array<gpu::KernelPtr, 4> by_key_, by_cluster_, by_base_;  // by MATTE + 2 PUBLISH
+  gpu::Program<shaders::edit_base_key> base_key_;
+  // By MATTE + 2 PUBLISH.
+  std::array<gpu::Program<shaders::edit_recolor>, 4> by_key_;
+  std::array<gpu::Program<shaders::edit_recolor_cluster>, 4> by_cluster_;
+  std::array<gpu::Program<shaders::edit_recolor_base>, 4> by_base_;
   std::optional<ScenePalette> palette_;  // made when a cluster is first asked for
   std::optional<LightEdit> light_;       // made when light first has layers
 };

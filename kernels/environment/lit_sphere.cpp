@@ -6,9 +6,6 @@
 #include <numbers>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(environment_lit_sphere);
 
 namespace inverse {
 namespace {
@@ -89,7 +86,7 @@ struct LitSphere::Light {
 
 LitSphere::LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side)
     : table_{{side, side}, gpu::Buffer::create(device, gpu::Element::vec4, uint64_t{side} * side)},
-      kernel_(device->kernel(shaders::environment_lit_sphere)) {}
+      kernel_(device) {}
 
 void LitSphere::set_light(const PrefilteredLight& light) {
   const auto& device = table_.buffer->device();
@@ -111,23 +108,22 @@ void LitSphere::record(gpu::Commands& commands, const Surface& surface, const Vi
   const float gain = Surface::lobe_gain(s.shininess) * s.specular * state.view.intensity;
   const uint32_t side = table_.extent.width;
   const bool broad = s.shininess < kBroad;
-  const struct {
-    float diffuse[4], gloss, shininess, spread;
-    uint32_t side, cells, broad, samples, rows, levels;
-  } push{{s.diffuse[0] * state.view.intensity, s.diffuse[1] * state.view.intensity,
-          s.diffuse[2] * state.view.intensity, state.view.rotation},
-         gain,
-         s.shininess,
-         static_cast<float>(std::sqrt(kPi) / light_->rows),
-         side,
-         light_->cell_count,
-         gain > 0 && broad ? light_->cell_count : 0,
-         gain > 0 && !broad ? kSamples : 0,
-         light_->rows,
-         light_->levels};
   const auto samples = uploaded(table_.buffer->device(), lobe(double{s.shininess}, light_->rows));
-  commands.dispatch(kernel_, {light_->cells, light_->texels, samples, table_.buffer}, push,
-                    {side * side});
+  commands.dispatch(
+      kernel_,
+      {.cells = light_->cells, .light = light_->texels, .samples = samples, .table = table_.buffer},
+      {.diffuse = {s.diffuse[0] * state.view.intensity, s.diffuse[1] * state.view.intensity,
+                   s.diffuse[2] * state.view.intensity, state.view.rotation},
+       .gloss = gain,
+       .shininess = s.shininess,
+       .spread = static_cast<float>(std::sqrt(kPi) / light_->rows),
+       .side = side,
+       .cells = light_->cell_count,
+       .broad = gain > 0 && broad ? light_->cell_count : 0,
+       .samples = gain > 0 && !broad ? kSamples : 0,
+       .rows = light_->rows,
+       .levels = light_->levels},
+      {side * side});
   recorded_ = state;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "environment.hpp"
+#include "kernels/environment_lit_sphere.spv.hpp"
 #include "kernels/gpu/commands.hpp"
 #include "prefiltered_light.hpp"
 
@@ -67,7 +68,7 @@ class LitSphere {
     bool operator==(const State&) const = default;
   };
   Plane table_;
-  gpu::KernelPtr kernel_;
+  gpu::Program<shaders::environment_lit_sphere> kernel_;
   std::shared_ptr<const Light> light_;
   std::optional<State> recorded_;
   uint64_t version_ = 0;

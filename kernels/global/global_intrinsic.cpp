@@ -7,27 +7,6 @@
 
 #include "global_model.hpp"
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(global_scene_amount);
-INVERSE_SHADER(global_light_believe);
-INVERSE_SHADER(global_gather_blur);
-INVERSE_SHADER(global_light_direct);
-INVERSE_SHADER(global_gather_emit);
-INVERSE_SHADER(global_gather_fields);
-INVERSE_SHADER(global_light_fit);
-INVERSE_SHADER(global_grid_grid);
-INVERSE_SHADER(global_light_labels);
-INVERSE_SHADER(global_grid_look);
-INVERSE_SHADER(global_scene_modes);
-INVERSE_SHADER(global_gather_received);
-INVERSE_SHADER(global_light_shares);
-INVERSE_SHADER(global_scene_statistics);
-INVERSE_SHADER(global_gather_summary);
-INVERSE_SHADER(global_scene_tint);
-INVERSE_SHADER(global_light_untint);
-INVERSE_SHADER(global_scene_weigh);
-INVERSE_SHADER(global_grid_white);
 
 namespace inverse {
 
@@ -35,8 +14,7 @@ using namespace global_model;
 
 namespace {
 
-constexpr uint64_t kWorkWords = 4 * kBinCount + 1 + 1024;  // modes.comp
-constexpr uint32_t kMostPoints = 40;                       // along the longer side of the grid
+constexpr uint32_t kMostPoints = 40;  // along the longer side of the grid
 /// Frames for which light is held, or until how many tiles have changed in that time. After that it
 /// is looked at for some frames.
 constexpr uint32_t kHeld = 64, kLook = 4;
@@ -68,7 +46,7 @@ GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
   keep(params.spread, 0.05F, 10.0F);
   keep(params.trust, 0.0F, 100.0F);
   keep(params.full_trust, 0.01F, 10.0F);
-  keep(params.base_colors, 1, static_cast<int>(kSlots));
+  keep(params.base_colors, 1, Model::kSlots);
   keep(params.least_share, 0.0F, 0.5F);
   keep(params.same_color, 0.0F, 10.0F);
   keep(params.renew, 0.01F, 1.0F);
@@ -99,38 +77,37 @@ bool same_light(GlobalIntrinsic::Params a, const GlobalIntrinsic::Params& b) {
 GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent)
     : device_(std::move(device)),
       extent_(extent),
-      factor_(factor_for(extent)),
+      factor_(static_cast<int32_t>(factor_for(extent))),
       solve_(device_, extent),
       planes_(device_, extent),
       bases_(device_, {kMaxBases, 1}),
       lamps_(device_, {1, 1}) {
-  grid_ = reduced(extent_, factor_);
+  grid_ = reduced(extent_, factor_for(extent_));
   coarse_ = reduced(grid_, 2);
   const uint32_t lanes = device_->variant().lone_workgroup;
-  kernels_.tint = device_->kernel(shaders::global_scene_tint);
-  kernels_.white = device_->kernel(shaders::global_grid_white, {}, lanes);
-  kernels_.decide_and_start = device_->kernel(shaders::global_grid_look, {1, 1}, lanes);
-  kernels_.decide = device_->kernel(shaders::global_grid_look, {1, 0}, lanes);
-  kernels_.start = device_->kernel(shaders::global_grid_look, {0, 1}, lanes);
+  kernels_.tint = {device_};
+  kernels_.white = {device_, {}, lanes};
+  kernels_.decide_and_start = {device_, {}, lanes};
+  kernels_.decide = {device_, {.start = false}, lanes};
+  kernels_.start = {device_, {.decide = false}, lanes};
   // Where points are eight pixels apart, four aligned ones lie between the same.
-  kernels_.untint = {device_, shaders::global_light_untint, {factor_ >= 8 ? 1U : 0U}, 4, 16};
-  kernels_.summary = device_->kernel(shaders::global_gather_summary, {}, lanes);
-  kernels_.received = device_->kernel(shaders::global_gather_received);
-  kernels_.amount = device_->kernel(shaders::global_scene_amount);
-  kernels_.statistics = device_->kernel(shaders::global_scene_statistics, {}, lanes);
-  kernels_.fields = device_->kernel(shaders::global_gather_fields);
-  kernels_.believe = device_->kernel(shaders::global_light_believe);
-  kernels_.direct = {device_, shaders::global_light_direct, {}, 4, 16};
-  kernels_.weigh = device_->kernel(shaders::global_scene_weigh, {}, lanes);
-  kernels_.modes = device_->kernel(shaders::global_scene_modes, {}, lanes);
-  for (const uint32_t k : {0U, 1U}) {
-    kernels_.grid[k] = device_->kernel(shaders::global_grid_grid, {k});
-    kernels_.emit[k] = device_->kernel(shaders::global_gather_emit, {k});
-    kernels_.blur[k] = device_->kernel(shaders::global_gather_blur, {k});
+  kernels_.untint = {device_, {.wide = factor_ >= 8}, 4, 16};
+  kernels_.summary = {device_, {}, lanes};
+  kernels_.received = {device_};
+  kernels_.amount = {device_};
+  kernels_.statistics = {device_, {}, lanes};
+  kernels_.fields = {device_};
+  kernels_.believe = {device_};
+  kernels_.direct = {device_, {}, 4, 16};
+  kernels_.weigh = {device_, {}, lanes};
+  kernels_.modes = {device_, {}, lanes};
+  for (const bool k : {false, true}) {
+    kernels_.grid[k] = {device_, {.raw = k}};
+    kernels_.emit[k] = {device_, {.known = k}};
+    kernels_.blur[k] = {device_, {.down = k}};
   }
-  kernels_.plain_grid = device_->kernel(shaders::global_grid_grid, {0, 1});
-  for (const uint32_t pass : {0U, 1U, 2U})
-    kernels_.fit[pass] = device_->kernel(shaders::global_light_fit, {pass});
+  kernels_.plain_grid = {device_, {.plain = true}};
+  for (const uint32_t pass : {0U, 1U, 2U}) kernels_.fit[pass] = {device_, {.pass = pass}};
 
   using gpu::Buffer;
   using gpu::Element;
@@ -144,29 +121,23 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     *plane = buffer(Element::vec4, points);
   labels_ = buffer(Element::word, points);
   for (gpu::BufferPtr* plane : {&emitted_, &blurred_, &received_})
-    *plane = buffer(Element::vec4, coarse * kSlots);
-  means_ = buffer(Element::vec4, kSlots);
-  candidates_ = buffer(Element::word, kCandidates * (kBinCount + 2));
-  counts_ = buffer(Element::word, kBinCount);
-  histogram_ = buffer(Element::scalar, kBinCount);
-  heights_ = buffer(Element::scalar, uint64_t{2} * kBinCount);
-  work_ = buffer(Element::word, kWorkWords);
-  slots_ = buffer(Element::word, kBinCount);
-  sums_ = buffer(Element::vec4, gpu::partial_count(*kernels_.tint, line_of(points)));
-  scene_ = buffer(Element::vec4, kSceneSize);
+    *plane = buffer(Element::vec4, coarse * Model::kSlots);
+  means_ = buffer(Element::vec4, Model::kSlots);
+  candidates_ = buffer(Element::word, Model::kCandidates * (Model::kBinCount + 2));
+  counts_ = buffer(Element::word, Model::kBinCount);
+  histogram_ = buffer(Element::scalar, Model::kBinCount);
+  heights_ = buffer(Element::scalar, uint64_t{2} * Model::kBinCount);
+  work_ = buffer(Element::word,
+                 shaders::global_scene_modes::kListed + shaders::global_scene_modes::kMostListed);
+  slots_ = buffer(Element::word, Model::kBinCount);
+  sums_ = buffer(Element::vec4, gpu::partial_count(*kernels_.tint.kernel(), line_of(points)));
+  scene_ = buffer(Element::vec4, Model::SCENE_SIZE);
 }
 
 void GlobalIntrinsic::reset() {
   solve_.reset();
   frames_ = 0;
   gray_ = calm_ = 0;
-}
-
-GlobalIntrinsic::Place GlobalIntrinsic::place() const {
-  return {{extent_.width, extent_.height},
-          {grid_.width, grid_.height},
-          {coarse_.width, coarse_.height},
-          factor_};
 }
 
 GlobalIntrinsic::Tint GlobalIntrinsic::next_tint(const Params& params, const FrameInfo& info) {
@@ -178,7 +149,7 @@ GlobalIntrinsic::Tint GlobalIntrinsic::next_tint(const Params& params, const Fra
   };
   if (!params.adaptive || !same || frames_ == 0 || info.changed.empty()) return forget(0);
   // Chroma is interpolated: what changed shows a pixel further.
-  const auto& list = changed_[recorded_ % changed_.size()];
+  const auto& list = changed_[recorded_];
   concerned_ = spread_tiles(info.changed, list->columns());
   const auto share_of = [](const std::vector<uint8_t>& tiles) {
     return static_cast<float>(std::count(tiles.begin(), tiles.end(), 1)) /
@@ -224,29 +195,45 @@ PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
 }
 
 uint32_t GlobalIntrinsic::Report::slots() const {
-  const float* colors = found->map_as<float>() + 4 * size_t{kSceneColors};
+  const float* colors = found->map_as<float>() + 4 * size_t{Model::SCENE_COLORS};
   uint32_t slots = 0;
-  for (uint32_t k = 0; k < kSlots; ++k)
+  for (uint32_t k = 0; k < Model::kSlots; ++k)
     if (colors[4 * k + 2] > 0) slots = k + 1;
   return slots;
 }
 
 void GlobalIntrinsic::share_out(gpu::Commands& commands, Layers& layers, uint32_t count) {
   for (uint32_t n = 0; n < count; ++n) layers[indirect_role(n)] = planes_.acquire();
-  const auto share = [&](uint32_t n) { return layers[indirect_role(n < count ? n : 0)]->buffer; };
+  const auto share = [&](uint32_t n) -> gpu::Out {
+    if (n < count) return layers[indirect_role(n)]->buffer;
+    return gpu::aliased(layers[indirect_role(0)]->buffer);  // it is not written
+  };
   commands.dispatch(
-      device_->kernel(shaders::global_light_shares, {count}),
-      {layers[Role::input]->buffer, tints_, slots_, fields_, layers[Role::bases]->buffer,
-       layers[Role::light]->buffer, scene_, share(0), share(1), share(2), share(3)},
-      place(), pixels_of(extent_));
+      gpu::Program<shaders::global_light_shares>(device_, {.planes = static_cast<int32_t>(count)}),
+      {.frame = layers[Role::input]->buffer,
+       .tints = tints_,
+       .slots = slots_,
+       .fields = fields_,
+       .bases = layers[Role::bases]->buffer,
+       .light = layers[Role::light]->buffer,
+       .scene = scene_,
+       .share0 = share(0),
+       .share1 = share(1),
+       .share2 = share(2),
+       .share3 = share(3)},
+      sizes(), pixels_of(extent_));
   commands.stage("shares");
 }
 
 void GlobalIntrinsic::draw_labels(gpu::Commands& commands, const Plane& input,
                                   const Plane& target) {
-  commands.dispatch(device_->kernel(shaders::global_light_labels),
-                    {input.buffer, tints_, slots_, scene_, target.buffer}, place(),
-                    pixels_of(extent_));
+  commands.dispatch(gpu::Program<shaders::global_light_labels>(device_),
+                    {.frame = input.buffer,
+                     .tints = tints_,
+                     .slots = slots_,
+                     .scene = scene_,
+                     .picture = target.buffer},
+                    sizes(), pixels_of(extent_));
 }
 
 Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
@@ -267,10 +254,10 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     lamp = look(commands, input, params, plain);
     commands.stage("grid");
   }
-  Report& report = reports_[recorded_ % reports_.size()];
+  Report& report = reports_[recorded_];
   if (!report.found)
     report.found =
-        gpu::Buffer::create(device_, gpu::Element::vec4, kSceneSize, gpu::Memory::readback);
+        gpu::Buffer::create(device_, gpu::Element::vec4, Model::SCENE_SIZE, gpu::Memory::readback);
   Layers layers;
   if (plain) {
     // The frame before may have been of another tint.
@@ -300,15 +287,25 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
 void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
                                   const Params& params, const PlanePtr& plain,
                                   const PlanePtr& tau) {
-  const struct {
-    Place place;
-    float white_level, trust, trust_tint;
-  } push{place(), params.scale.white_level, kTrust, kTrustTint};
-  kernels_.untint.dispatch(commands,
-                           mode_ == Tint::held ? &*changed_[recorded_ % changed_.size()] : nullptr,
-                           {input->buffer, memory_, tints_, slots_, received_, fits_[0], fits_[2],
-                            scene_, plain->buffer, tau->buffer},
-                           push, fours_of(extent_));
+  kernels_.untint.dispatch(commands, mode_ == Tint::held ? &*changed_[recorded_] : nullptr,
+                           {.frame = input->buffer,
+                            .memory = memory_,
+                            .tints = tints_,
+                            .slots = slots_,
+                            .received = received_,
+                            .smooth_part = fits_[0],
+                            .coefficients = fits_[2],
+                            .scene = scene_,
+                            .plain = plain->buffer,
+                            .light = tau->buffer},
+                           {.size = extent_,
+                            .grid = grid_,
+                            .coarse = coarse_,
+                            .factor = factor_,
+                            .white_level = params.scale.white_level,
+                            .trust = kTrust,
+                            .trust_tint = kTrustTint},
+                           fours_of(extent_));
   commands.stage("untint");
 }
 
@@ -322,10 +319,14 @@ PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr&
     light = planes_.acquire();
     if (drawn_) commands.copy(kept_light_->buffer, light->buffer, light->buffer->bytes());
   }
-  kernels_.direct.dispatch(
-      commands, drawn_,
-      {plain->buffer, layers[Role::intrinsic]->buffer, scene_, tau->buffer, light->buffer, memory_},
-      std::array<uint32_t, 2>{extent_.width, extent_.height}, fours_of(extent_));
+  kernels_.direct.dispatch(commands, drawn_,
+                           {.frame = plain->buffer,
+                            .intrinsic = layers[Role::intrinsic]->buffer,
+                            .scene = scene_,
+                            .tau = gpu::aliased(tau->buffer),
+                            .light = light->buffer,
+                            .memory = memory_},
+                           {.size = extent_}, fours_of(extent_));
   commands.stage("direct");
   if (mode_ != Tint::anew) kept_light_ = light;
   return light;
@@ -345,16 +346,25 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
   if (planes > 0 && !bases) {
     bases = bases_.acquire();
     if (!fields_) {
-      fields_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * kSlots);
-      known_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * kSlots);
+      fields_ =
+          gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * 4 * Model::kSlots);
+      known_ = gpu::Buffer::create(device_, gpu::Element::vec4, coarse_.pixels() * Model::kSlots);
     }
     gather(commands, params, true);  // of the frame's own base colors
-    const struct {
-      Place place;
-      float near, own;
-    } push{place(), params.near, params.own};
-    commands.dispatch(kernels_.fields, {emitted_, means_, known_, scene_, fields_, bases->buffer},
-                      push, line_of(coarse_.pixels() * kSlots));
+    commands.dispatch(kernels_.fields,
+                      {.blurred = emitted_,
+                       .means = means_,
+                       .received = known_,
+                       .scene = scene_,
+                       .fields = fields_,
+                       .bases = bases->buffer},
+                      {.size = extent_,
+                       .grid = grid_,
+                       .coarse = coarse_,
+                       .factor = factor_,
+                       .near = params.near,
+                       .own = params.own},
+                      line_of(coarse_.pixels() * Model::kSlots));
     if (mode_ != Tint::anew) kept_bases_ = bases;
   }
 
@@ -378,12 +388,13 @@ GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
   const Report& of = report(frame);
   const float* found = of.found->map_as<float>();
   const auto slot = [&](uint32_t k) { return found + 4 * size_t{k}; };
-  Findings findings{solve_.findings(of.solve), slot(kSceneAmount)[0],
-                    slot(kSceneAmount)[1],     static_cast<uint32_t>(slot(kSceneAmount)[3]),
-                    slot(kSceneTint)[0],       slot(kSceneTime)[0] > 0,
-                    slot(kSceneTint)[3]};
-  for (uint32_t k = 0; k < kSlots; ++k) {
-    const float* color = slot(kSceneColors + k);
+  Findings findings{
+      solve_.findings(of.solve),    slot(Model::SCENE_AMOUNT)[0],
+      slot(Model::SCENE_AMOUNT)[1], static_cast<uint32_t>(slot(Model::SCENE_AMOUNT)[3]),
+      slot(Model::SCENE_TINT)[0],   slot(Model::SCENE_TIME)[0] > 0,
+      slot(Model::SCENE_TINT)[3]};
+  for (uint32_t k = 0; k < Model::kSlots; ++k) {
+    const float* color = slot(Model::SCENE_COLORS + k);
     if (!(color[2] > 0)) continue;
     // color_of in model.glsl
     const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];

@@ -5,6 +5,25 @@
 #include <string>
 #include <vector>
 
+#include "kernels/global_gather_blur.spv.hpp"
+#include "kernels/global_gather_emit.spv.hpp"
+#include "kernels/global_gather_fields.spv.hpp"
+#include "kernels/global_gather_received.spv.hpp"
+#include "kernels/global_gather_summary.spv.hpp"
+#include "kernels/global_grid_grid.spv.hpp"
+#include "kernels/global_grid_look.spv.hpp"
+#include "kernels/global_grid_white.spv.hpp"
+#include "kernels/global_light_believe.spv.hpp"
+#include "kernels/global_light_direct.spv.hpp"
+#include "kernels/global_light_fit.spv.hpp"
+#include "kernels/global_light_labels.spv.hpp"
+#include "kernels/global_light_shares.spv.hpp"
+#include "kernels/global_light_untint.spv.hpp"
+#include "kernels/global_scene_amount.spv.hpp"
+#include "kernels/global_scene_modes.spv.hpp"
+#include "kernels/global_scene_statistics.spv.hpp"
+#include "kernels/global_scene_tint.spv.hpp"
+#include "kernels/global_scene_weigh.spv.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 
@@ -107,15 +126,17 @@ class GlobalIntrinsic {
   Findings findings(uint64_t frame) const;
 
  private:
-  struct Place;  // what every kernel's push constants begin with
   struct Report {
     Stats stats;
     uint64_t solve = 0;      // its number there
     gpu::BufferPtr found;    // the scene's buffer
     uint32_t slots() const;  // up to the last base color
   };
-  const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
-  Place place() const;
+  const Report& report(uint64_t frame) const { return reports_[frame]; }
+  /// The push constants of shaders that need nothing but sizes.
+  shaders::global_gather_emit::Push sizes() const {
+    return {.size = extent_, .grid = grid_, .coarse = coarse_, .factor = factor_};
+  }
   /// Points of the grid, and whether the frame continues the one before.
   /// Returns the layer of the lamps' color where that is taken out.
   PlanePtr look(gpu::Commands& commands, const PlanePtr& frame, const Params& params, bool plain);
@@ -159,17 +180,30 @@ class GlobalIntrinsic {
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_, grid_, coarse_;
-  uint32_t factor_ = 1;
+  int32_t factor_ = 1;
   ScaledIntrinsic solve_;
   PlanePool planes_, bases_, lamps_;
   /// Named as their shaders.
   struct Kernels {
-    gpu::KernelPtr grid[2], plain_grid;  // in white light and in the lamps'; of colors alone
-    gpu::KernelPtr decide_and_start, decide, start;  // look.comp, whole and in two halves
-    gpu::KernelPtr white, emit[2], summary, blur[2], received;
-    gpu::KernelPtr amount, weigh, tint, statistics, modes, believe, fit[3];
-    TileKernel untint, direct;
-    gpu::KernelPtr fields;
+    using Grid = gpu::Program<shaders::global_grid_grid>;
+    using Look = gpu::Program<shaders::global_grid_look>;
+    Grid grid[2], plain_grid;              // in white light and in the lamps'; of colors alone
+    Look decide_and_start, decide, start;  // whole and in two halves
+    gpu::Program<shaders::global_grid_white> white;
+    gpu::Program<shaders::global_gather_emit> emit[2];
+    gpu::Program<shaders::global_gather_summary> summary;
+    gpu::Program<shaders::global_gather_blur> blur[2];
+    gpu::Program<shaders::global_gather_received> received;
+    gpu::Program<shaders::global_gather_fields> fields;
+    gpu::Program<shaders::global_scene_amount> amount;
+    gpu::Program<shaders::global_scene_weigh> weigh;
+    gpu::Program<shaders::global_scene_tint> tint;
+    gpu::Program<shaders::global_scene_statistics> statistics;
+    gpu::Program<shaders::global_scene_modes> modes;
+    gpu::Program<shaders::global_light_believe> believe;
+    gpu::Program<shaders::global_light_fit> fit[3];
+    TileProgram<shaders::global_light_untint> untint;
+    TileProgram<shaders::global_light_direct> direct;
   } kernels_;
   gpu::BufferPtr memory_;                                                        // pixels
   gpu::BufferPtr colors_, points_, before_, labels_, tints_, raw_, fits_[3];     // the grid
@@ -177,7 +211,7 @@ class GlobalIntrinsic {
   gpu::BufferPtr candidates_, counts_, histogram_, heights_, work_, slots_;      // chroma
   gpu::BufferPtr sums_, scene_;
   float reach_ = 0;  // that taps_ are of
-  std::array<Report, gpu::kFramesInFlight> reports_;
+  gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
   uint64_t frames_ = 0;  // since a reset
   bool balanced_ = false;
@@ -189,7 +223,7 @@ class GlobalIntrinsic {
   uint32_t calm_ = 0;               // frames in a row
   std::vector<uint8_t> concerned_;  // tiles that changed, and those beside them
   std::vector<uint8_t> seen_;       // tiles that changed since the scene was last looked at
-  std::array<std::optional<TileList>, gpu::kFramesInFlight> changed_;
+  gpu::FrameRing<std::optional<TileList>> changed_;
   Params params_;  // of the frame before
   PlanePtr kept_plain_, kept_tau_, kept_light_, kept_lamp_, kept_bases_;
   const TileList* drawn_ = nullptr;

@@ -25,71 +25,113 @@ constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the
 }  // namespace
 
 void GlobalIntrinsic::gather(gpu::Commands& commands, const Params& params, bool known) {
-  const Place here = place();
-  const gpu::Items coarse = line_of(coarse_.pixels()), all = line_of(coarse_.pixels() * kSlots);
-  commands.dispatch(kernels_.emit[known ? 1 : 0], {colors_, scene_, labels_, emitted_}, here,
-                    coarse);
-  commands.dispatch(kernels_.summary, {colors_, labels_, means_}, here, {});
-  const struct {
-    Place place;
-    uint32_t reach;
-  } blur{here, static_cast<uint32_t>(taps_->count() - 1)};
-  commands.dispatch(kernels_.blur[0], {emitted_, means_, taps_, blurred_}, blur, all);
-  commands.dispatch(kernels_.blur[1], {blurred_, means_, taps_, emitted_}, blur, all);
-  const struct {
-    Place place;
-    float near, own;
-  } received{here, params.near, params.own};
-  commands.dispatch(kernels_.received, {emitted_, means_, known ? known_ : received_}, received,
+  const auto here = sizes();
+  const gpu::Items coarse = line_of(coarse_.pixels()),
+                   all = line_of(coarse_.pixels() * Model::kSlots);
+  commands.dispatch(kernels_.emit[known ? 1 : 0],
+                    {.colors = colors_, .scene = scene_, .labels = labels_, .emitted = emitted_},
+                    here, coarse);
+  commands.dispatch(kernels_.summary, {.colors = colors_, .labels = labels_, .means = means_}, here,
+                    {});
+  const shaders::global_gather_blur::Push blur{.size = extent_,
+                                               .grid = grid_,
+                                               .coarse = coarse_,
+                                               .factor = factor_,
+                                               .reach = static_cast<int32_t>(taps_->count() - 1)};
+  commands.dispatch(kernels_.blur[0],
+                    {.emitted = emitted_, .means = means_, .taps = taps_, .blurred = blurred_},
+                    blur, all);
+  commands.dispatch(kernels_.blur[1],
+                    {.emitted = blurred_, .means = means_, .taps = taps_, .blurred = emitted_},
+                    blur, all);
+  commands.dispatch(kernels_.received,
+                    {.blurred = emitted_, .means = means_, .received = known ? known_ : received_},
+                    {.size = extent_,
+                     .grid = grid_,
+                     .coarse = coarse_,
+                     .factor = factor_,
+                     .near = params.near,
+                     .own = params.own},
                     all);
 }
 
 void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& params) {
-  const struct {
-    Place place;
-    float least, ratio, neutral;
-  } amount{place(), kLeastAmount, kAmountRatio, 1 / (2 * kNeutralWidth * kNeutralWidth)};
-  commands.dispatch(kernels_.amount, {colors_, points_, labels_, received_, candidates_}, amount,
+  commands.dispatch(kernels_.amount,
+                    {.colors = colors_,
+                     .points = points_,
+                     .labels = labels_,
+                     .received = received_,
+                     .counts = candidates_},
+                    {.size = extent_,
+                     .grid = grid_,
+                     .coarse = coarse_,
+                     .factor = factor_,
+                     .least = kLeastAmount,
+                     .ratio = kAmountRatio,
+                     .neutral = 1 / (2 * kNeutralWidth * kNeutralWidth)},
                     line_of(grid_.pixels()));
-  const struct {
-    float ln_least, ln_ratio, neutral, ln_typical, spread, trust, full_trust, manual, renew_color;
-  } weigh{std::log(kLeastAmount),   std::log(kAmountRatio), params.neutral,
-          std::log(params.typical), params.spread,          params.trust,
-          params.full_trust,        params.amount,          kRenewColor};
-  commands.dispatch(kernels_.weigh, {candidates_, scene_}, weigh, {});
+  commands.dispatch(kernels_.weigh, {.counts = candidates_, .scene = scene_},
+                    {.ln_least = std::log(kLeastAmount),
+                     .ln_ratio = std::log(kAmountRatio),
+                     .neutral = params.neutral,
+                     .ln_typical = std::log(params.typical),
+                     .spread = params.spread,
+                     .trust = params.trust,
+                     .full_trust = params.full_trust,
+                     .manual = params.amount,
+                     .renew_color = kRenewColor},
+                    {});
 }
 
 void GlobalIntrinsic::find_tint(gpu::Commands& commands, const Params& params) {
   commands.dispatch(kernels_.tint,
-                    {colors_, points_, labels_, received_, scene_, counts_, tints_, sums_}, place(),
-                    line_of(grid_.pixels()));
-  const struct {
-    int32_t count;
-    float gate, residual;
-  } statistics{static_cast<int32_t>(sums_->count()), kGate, params.residual};
-  commands.dispatch(kernels_.statistics, {sums_, scene_}, statistics, {});
+                    {.colors = colors_,
+                     .points = points_,
+                     .labels = labels_,
+                     .received = received_,
+                     .scene = scene_,
+                     .counts = counts_,
+                     .tints = tints_,
+                     .sums = sums_},
+                    sizes(), line_of(grid_.pixels()));
+  commands.dispatch(
+      kernels_.statistics, {.sums = sums_, .scene = scene_},
+      {.count = static_cast<int32_t>(sums_->count()), .gate = kGate, .residual = params.residual},
+      {});
 }
 
 void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params) {
-  const struct {
-    float smoothing, least_share, same, follow;
-    int32_t most, keep, forget;
-  } modes{params.smoothing, params.least_share, params.same_color,
-          kFollow,          params.base_colors, kKeep,
-          kForget};
-  commands.dispatch(kernels_.modes, {counts_, scene_, slots_, histogram_, heights_, work_}, modes,
+  commands.dispatch(kernels_.modes,
+                    {.counts = counts_,
+                     .scene = scene_,
+                     .slots = slots_,
+                     .histogram = histogram_,
+                     .heights = heights_,
+                     .work = work_},
+                    {.smoothing = params.smoothing,
+                     .least_share = params.least_share,
+                     .same = params.same_color,
+                     .follow = kFollow,
+                     .most = params.base_colors,
+                     .keep = kKeep,
+                     .forget = kForget},
                     {});
 }
 
 PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
                                bool plain) {
-  const struct {
-    Place place;
-    float white_level;
-  } grid{place(), params.scale.white_level};
   const auto make_grid = [&](size_t raw) {
     commands.dispatch(plain ? kernels_.plain_grid : kernels_.grid[raw],
-                      {frame->buffer, memory_, scene_, colors_, points_}, grid,
+                      {.frame = frame->buffer,
+                       .memory = memory_,
+                       .scene = scene_,
+                       .colors = colors_,
+                       .points = points_},
+                      {.size = extent_,
+                       .grid = grid_,
+                       .coarse = coarse_,
+                       .factor = factor_,
+                       .white_level = params.scale.white_level},
                       line_of(grid_.pixels()));
   };
   const auto count = static_cast<int32_t>(grid_.pixels());
@@ -99,16 +141,16 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
   if (forget) commands.fill(scene_);
   // How bright reflectance was is not known where it was not asked for.
   const bool blind = std::exchange(rested_, plain) && !plain;
-  const struct {
-    int32_t count;
-    float cut, renew;
-    uint32_t first;
-    float none, full;
-  } look{count,           params.cut,
-         params.renew,    forget || blind ? 1U : 0U,
-         params.no_color, params.amount > 0 ? 0 : params.full_color};
-  const auto look_at = [&](const gpu::KernelPtr& kernel) {
-    commands.dispatch(kernel, {colors_, points_, before_, scene_}, look, {});
+  const auto look_at = [&](const Kernels::Look& kernel) {
+    commands.dispatch(kernel,
+                      {.colors = colors_, .points = points_, .before = before_, .scene = scene_},
+                      {.count = count,
+                       .cut = params.cut,
+                       .renew = params.renew,
+                       .first = forget || blind,
+                       .none = params.no_color,
+                       .full = params.amount > 0 ? 0 : params.full_color},
+                      {});
   };
   if (!balances) {
     make_grid(0);
@@ -118,11 +160,8 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
   make_grid(1);
   look_at(kernels_.decide);
   PlanePtr lamp = lamps_.acquire();
-  const struct {
-    int32_t count;
-    float share;
-  } white{count, params.white_balance};
-  commands.dispatch(kernels_.white, {colors_, scene_, lamp->buffer}, white, {});
+  commands.dispatch(kernels_.white, {.colors = colors_, .scene = scene_, .lamp = lamp->buffer},
+                    {.count = count, .share = params.white_balance}, {});
   make_grid(0);
   look_at(kernels_.start);
   return lamp;
@@ -147,22 +186,23 @@ void GlobalIntrinsic::make_taps(const Params& params) {
 
 void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
   const gpu::Items points = line_of(grid_.pixels());
-  const struct {
-    int32_t count;
-    float trust, trust_tint;
-  } believe{static_cast<int32_t>(grid_.pixels()), kTrust, kTrustTint};
-  commands.dispatch(kernels_.believe, {points_, tints_, slots_, scene_, labels_, raw_}, believe,
-                    points);
-  const struct {
-    uint32_t grid[2];
-    int32_t radius;
-    float edge;
-  } fit{{grid_.width, grid_.height},
-        std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width)))),
-        kEdge};
+  commands.dispatch(
+      kernels_.believe,
+      {.points = points_,
+       .tints = tints_,
+       .slots = slots_,
+       .scene = scene_,
+       .labels = labels_,
+       .raw = raw_},
+      {.count = static_cast<int32_t>(grid_.pixels()), .trust = kTrust, .trust_tint = kTrustTint},
+      points);
+  const int32_t radius =
+      std::max(1, static_cast<int32_t>(std::lround(kWindow * static_cast<float>(grid_.width))));
   for (size_t pass = 0; pass < 3; ++pass)
-    commands.dispatch(kernels_.fit[pass], {raw_, pass == 0 ? raw_ : fits_[pass - 1], fits_[pass]},
-                      fit, points);
+    commands.dispatch(
+        kernels_.fit[pass],
+        {.raw = raw_, .before = pass == 0 ? raw_ : fits_[pass - 1], .after = fits_[pass]},
+        {.grid = grid_, .radius = radius, .edge = kEdge}, points);
 }
 
 void GlobalIntrinsic::find_scene(gpu::Commands& commands, const Params& params) {

@@ -4,9 +4,7 @@
 #include <iterator>
 #include <mutex>
 
-#include "shaders.hpp"
-
-INVERSE_SHADER(gpu_fill);
+#include "kernels/gpu_fill.spv.hpp"
 
 namespace inverse::gpu {
 namespace {
@@ -163,9 +161,9 @@ VkDescriptorSet Commands::descriptor_set(VkDescriptorSetLayout layout) {
   }
 }
 
-void Commands::prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+void Commands::prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
                        std::span<const std::byte> push) {
-  const auto& slots = kernel->slots();
+  const auto slots = kernel->slots();
   if (buffers.size() != slots.size() || buffers.size() > kSlotsPerSet)
     throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() + " has " +
                                          std::to_string(slots.size()) + " bindings and was given " +
@@ -176,20 +174,28 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffe
   VkBufferView views[kSlotsPerSet];
   VkWriteDescriptorSet writes[kSlotsPerSet];
   for (uint32_t i = 0; i < slots.size(); ++i) {
-    if (!buffers[i])
+    const BufferPtr& buffer = buffers[i].buffer;
+    if (!buffer)
       throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() +
                                            ": no buffer at binding " + std::to_string(i));
-    infos[i] = {buffers[i]->handle(), 0, VK_WHOLE_SIZE};
-    views[i] = buffers[i]->view();
+    for (uint32_t k = 0; k < i; ++k)
+      if (buffers[k].buffer == buffer && (slots[k].writes || slots[i].writes) &&
+          !buffers[k].aliased && !buffers[i].aliased)
+        throw Error(ErrorKind::internal, std::string("kernel ") + kernel->name() +
+                                             ": one buffer at bindings " + std::to_string(k) +
+                                             " and " + std::to_string(i) +
+                                             "; gpu::aliased says that it is meant");
+    infos[i] = {buffer->handle(), 0, VK_WHOLE_SIZE};
+    views[i] = buffer->view();
     writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     writes[i].dstSet = set;
     writes[i].dstBinding = i;
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = slots[i].type;
+    writes[i].descriptorType = descriptor_type(slots[i]);
     writes[i].pBufferInfo = &infos[i];
     writes[i].pTexelBufferView = &views[i];
-    touch(buffers[i]->handle(), slots[i].reads, slots[i].writes);
-    kept_.push_back(buffers[i]);
+    touch(buffer->handle(), slots[i].reads, slots[i].writes);
+    kept_.push_back(buffer);
   }
   vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(slots.size()), writes, 0,
                          nullptr);
@@ -204,8 +210,21 @@ void Commands::prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffe
   ++dispatches_;
 }
 
+namespace {
+std::vector<Binding> by_position(std::span<const BufferPtr> buffers) {
+  std::vector<Binding> bindings;
+  for (const BufferPtr& buffer : buffers) bindings.emplace_back(aliased(buffer));
+  return bindings;
+}
+}  // namespace
+
 void Commands::dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
                         std::span<const std::byte> push, Items items) {
+  run(kernel, by_position(buffers), push, items);
+}
+
+void Commands::run(const KernelPtr& kernel, std::span<const Binding> buffers,
+                   std::span<const std::byte> push, Items items) {
   if (!items.x || !items.y || !items.z) return;
   const uint32_t groups = (items.x - 1) / kernel->workgroup() + 1;
   const Limits& limits = device_->limits();
@@ -223,6 +242,12 @@ void Commands::dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buff
 void Commands::dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
                                  std::span<const std::byte> push, const BufferPtr& arguments,
                                  uint64_t offset) {
+  run_indirect(kernel, by_position(buffers), push, arguments, offset);
+}
+
+void Commands::run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,
+                            std::span<const std::byte> push, const BufferPtr& arguments,
+                            uint64_t offset) {
   touch(arguments->handle(), true, false);
   kept_.push_back(arguments);
   prepare(kernel, buffers, push);
@@ -270,10 +295,9 @@ BufferPtr Commands::resident(const BufferPtr& uploaded) {
 
 void Commands::fill(const BufferPtr& buffer, uint32_t word) {
   if (in_when_) {
-    const struct {
-      uint32_t count, word;
-    } push{static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t)), word};
-    dispatch(device_->kernel(shaders::gpu_fill), {buffer}, push, {push.count});
+    const auto count = static_cast<uint32_t>(buffer->bytes() / sizeof(uint32_t));
+    dispatch(Program<shaders::gpu_fill>(device_), {.words = buffer}, {.count = count, .word = word},
+             {count});
     return;
   }
   touch(buffer->handle(), false, true);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "buffer.hpp"
+#include "frame_ring.hpp"
 #include "kernel.hpp"
 
 namespace inverse::gpu {
@@ -44,8 +45,32 @@ class Commands {
   /// Starts recording; waits for the previous submit of this object and drops what it kept alive.
   void begin();
 
-  /// Runs `kernel` over `items` invocations. `buffers[i]` goes to binding i. `push` is copied into
-  /// the push constants.
+  /// Runs a kernel over `items` invocations, with buffers and push constants by the names that the
+  /// shader gives them: dispatch(total, {.sums = a, .total = b}, {.count = n}, {}). Push constants
+  /// may be those of another shader that declares the same ones.
+  template <typename Shader, typename Push = typename Shader::Push>
+  void dispatch(const Program<Shader>& program, const typename Shader::Buffers& buffers,
+                const Push& push, Items items) {
+    static_assert(Push::layout == Shader::Push::layout && sizeof(Push) <= Kernel::kPushBytes);
+    run(program.kernel(), buffers.all(), std::as_bytes(std::span(&push, 1)), items);
+  }
+  template <typename Shader>
+  void dispatch(const Program<Shader>& program, const typename Shader::Buffers& buffers,
+                Items items) {
+    static_assert(!requires { typename Shader::Push; });
+    run(program.kernel(), buffers.all(), {}, items);
+  }
+  /// As `dispatch`, with the number of workgroups (three uint32) read from `arguments` at `offset`
+  /// bytes on the device.
+  template <typename Shader, typename Push = typename Shader::Push>
+  void dispatch_indirect(const Program<Shader>& program, const typename Shader::Buffers& buffers,
+                         const Push& push, const BufferPtr& arguments, uint64_t offset = 0) {
+    static_assert(Push::layout == Shader::Push::layout && sizeof(Push) <= Kernel::kPushBytes);
+    run_indirect(program.kernel(), buffers.all(), std::as_bytes(std::span(&push, 1)), arguments,
+                 offset);
+  }
+
+  // By position, until all calls are by name. `buffers[i]` goes to binding i.
   void dispatch(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
                 std::span<const std::byte> push, Items items);
   template <typename Push>
@@ -58,8 +83,6 @@ class Commands {
   void dispatch(const KernelPtr& kernel, std::initializer_list<BufferPtr> buffers, Items items) {
     dispatch(kernel, std::span(buffers.begin(), buffers.size()), {}, items);
   }
-  /// As `dispatch`, with the number of workgroups (three uint32) read from `arguments` at `offset`
-  /// bytes on the device.
   void dispatch_indirect(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
                          std::span<const std::byte> push, const BufferPtr& arguments,
                          uint64_t offset = 0);
@@ -131,7 +154,11 @@ class Commands {
   void touch(VkBuffer buffer, bool reads, bool writes);
   void barrier_if_needed();
   void full_barrier();
-  void prepare(const KernelPtr& kernel, std::span<const BufferPtr> buffers,
+  void run(const KernelPtr& kernel, std::span<const Binding> buffers,
+           std::span<const std::byte> push, Items items);
+  void run_indirect(const KernelPtr& kernel, std::span<const Binding> buffers,
+                    std::span<const std::byte> push, const BufferPtr& arguments, uint64_t offset);
+  void prepare(const KernelPtr& kernel, std::span<const Binding> buffers,
                std::span<const std::byte> push);
   VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout);
   void image_layout(VkImage image, VkImageLayout from, VkImageLayout to);
@@ -156,8 +183,5 @@ class Commands {
   bool timed_out_ = false;
   bool stage_every_dispatch_ = false;
 };
-
-/// How many frames an element may have in flight: who keeps something for each needs so many.
-inline constexpr size_t kFramesInFlight = 3;
 
 }  // namespace inverse::gpu

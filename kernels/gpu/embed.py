@@ -1,13 +1,23 @@
 #!/usr/bin/env python3
-"""Compiles one .comp file into both variants of SPIR-V, validates them, and writes them as a C++ source.
+"""Compiles one .comp file into both variants of SPIR-V, validates them, and writes them as a C++ source, with a header by
+which C++ calls the shader: its buffers, push constants and specialization constants by name, and the constants of its GLSL.
 
-usage: embed.py INPUT.comp NAME OUTPUT.cpp DEPFILE INCLUDES GLSLANG SPIRV_VAL
+usage: embed.py INPUT.comp NAME OUTPUT.cpp OUTPUT.hpp DEPFILE INCLUDES GLSLANG SPIRV_VAL
 """
 import pathlib
+import re
 import struct
 import subprocess
 import sys
 import tempfile
+
+# SPIR-V specification 1.x, sections 2.3 and 3.
+OP_NAME, OP_MEMBER_NAME, OP_CONSTANT, OP_VARIABLE, OP_DECORATE, OP_MEMBER_DECORATE = 5, 6, 43, 59, 71, 72
+TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_STRUCT, TYPE_POINTER = 21, 22, 23, 28, 30, 32
+SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT = 48, 49, 50
+SPEC_ID, NON_WRITABLE, NON_READABLE, BINDING, OFFSET = 1, 24, 25, 33, 35
+UNIFORM_CONSTANT, PUSH_CONSTANT, STORAGE_BUFFER = 0, 9, 12
+WORKGROUP = 0  # the constant that Device::kernel gives
 
 
 def run(arguments):
@@ -16,26 +26,171 @@ def run(arguments):
         sys.exit(" ".join(map(str, arguments)) + "\n" + result.stdout)
 
 
+def text_of(words):
+    return struct.pack(f"<{len(words)}I", *words).split(b"\0")[0].decode()
+
+
+class Interface:
+    """What a shader declares: `buffers` as (name, texel, reads, writes) by binding, `push` as (name, type, offset) in order,
+    `constants` as (name, type, default) by id, but for the workgroup's."""
+
+    def __init__(self, words):
+        self.names, self.types, self.values, decorations, variables = {}, {}, {}, {}, []
+        at = 5
+        while at < len(words):
+            length, op = words[at] >> 16, words[at] & 0xffff
+            a = words[at + 1:at + length]
+            if op == OP_NAME:
+                self.names[a[0]] = text_of(a[1:])
+            elif op == OP_MEMBER_NAME:
+                self.names[a[0], a[1]] = text_of(a[2:])
+            elif op in (TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_ARRAY, TYPE_STRUCT, TYPE_POINTER):
+                self.types[a[0]] = (op, a[1:])
+            elif op in (OP_CONSTANT, SPEC_TRUE, SPEC_FALSE, SPEC_CONSTANT):
+                self.values[a[1]] = (op, a[0], a[2:])
+            elif op == OP_VARIABLE:
+                variables.append((a[1], self.types[a[0]][1][1], a[2]))
+            elif op == OP_DECORATE:
+                decorations.setdefault(a[0], {})[a[1]] = a[2:]
+            elif op == OP_MEMBER_DECORATE:
+                decorations.setdefault((a[0], a[1]), {})[a[2]] = a[3:]
+                decorations.setdefault(a[0], {}).setdefault(a[2], a[3:])
+            at += length
+        buffers, self.push = {}, []
+        for variable, block, storage in variables:
+            marks = {**decorations.get(block, {}), **decorations.get(variable, {})}
+            if storage == PUSH_CONSTANT:
+                self.push = [(self.names[block, i], self.type_name(member), decorations[block, i][OFFSET][0])
+                             for i, member in enumerate(self.types[block][1])]
+            elif storage == UNIFORM_CONSTANT:
+                buffers[marks[BINDING][0]] = (self.names[variable], True, True, False)
+            elif storage == STORAGE_BUFFER:
+                buffers[marks[BINDING][0]] = (self.names[block].removesuffix("_block"), False,
+                                              NON_READABLE not in marks, NON_WRITABLE not in marks)
+        if sorted(buffers) != list(range(len(buffers))):
+            sys.exit(f"bindings are not numbered from 0 on: {buffers}")
+        self.buffers = [buffers[i] for i in range(len(buffers))]
+        constants = {decorations[i][SPEC_ID][0]: i for i in self.values if SPEC_ID in decorations.get(i, {})}
+        constants.pop(WORKGROUP, None)
+        self.constants = [self.constant(i) for _, i in sorted(constants.items())]
+        self.constant_ids = sorted(constants)
+
+    def type_name(self, type_id):
+        op, a = self.types[type_id]
+        if op == TYPE_INT:
+            return "int32_t" if a[1] else "uint32_t"
+        if op == TYPE_FLOAT:
+            return "float"
+        if op == TYPE_VECTOR:
+            return f"gpu::Vector<{self.type_name(a[0])}, {a[1]}>"
+        if op == TYPE_ARRAY:
+            return f"std::array<{self.type_name(a[0])}, {self.values[a[1]][2][0]}>"
+        sys.exit(f"a push constant of an unknown type ({op})")
+
+    def constant(self, value):
+        op, type_id, literal = self.values[value]
+        name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", self.names[value].removeprefix("k")).lower()
+        if op != SPEC_CONSTANT:
+            return name, "bool", "true" if op == SPEC_TRUE else "false"
+        type_name = self.type_name(type_id)
+        default = struct.unpack("<" + {"int32_t": "i", "uint32_t": "I", "float": "f"}[type_name],
+                                struct.pack("<I", literal[0]))[0]
+        return name, type_name, repr(default) + ("F" if type_name == "float" else "")
+
+    def named(self):
+        """What is the same in both variants, whose inputs are of other types."""
+        return [(name, reads, writes) for name, _, reads, writes in self.buffers], self.push, self.constants
+
+
+def glsl_constants(files):
+    """The `#define`s and constants at file scope whose values are plain numbers, as (name, type, value)."""
+    told = {}  # name -> {(type, value as written)}
+    for file in files:
+        for line in pathlib.Path(file).read_text().splitlines():
+            line = line.split("//")[0].rstrip()
+            if define := re.fullmatch(r"#define (\w+) +(.+)", line):
+                told.setdefault(define[1], set()).add(("uint32_t", define[2]))
+            elif constant := re.fullmatch(r"const (u?int|float) (.+);", line):
+                kind = {"int": "int32_t", "uint": "uint32_t", "float": "float"}[constant[1]]
+                for item in constant[2].split(","):
+                    name, _, value = item.partition("=")
+                    told.setdefault(name.strip(), set()).add((kind, value))
+    known = {}
+    for _ in range(3):  # what others are made of comes first, wherever it stands
+        for name, written in told.items():
+            kind, value = next(iter(written))
+            value = re.sub(r"[A-Za-z_]\w*", lambda m: str(known.get(m[0], ("", m[0]))[1]), re.sub(r"\b(\d+)u\b", r"\1", value))
+            if len(written) == 1 and re.fullmatch(r"[-+*/() .\de]+" if kind == "float" else r"[-+*() \d]+", value):
+                value = eval(value)  # numbers and operators alone
+                known[name] = kind, float(value) if kind == "float" else value
+    return [(name, *known[name]) for name in told if name in known]
+
+
+def header(name, shader, constants):
+    lines = [f"extern const gpu::KernelSource {name}_source;", f"/// {name}: what the build reads from the shader.", f"struct {name} {{",
+             f"  static constexpr const gpu::KernelSource& source = {name}_source;"]
+    lines += [f"  static constexpr {kind} {constant} = {value}{'F' if kind == 'float' else ''};" for constant, kind, value in constants]
+    lines += ["  struct Buffers {", "    gpu::ByName by_name = gpu::ByName();"]
+    on_tiles = [constant for constant, _, _ in shader.constants][-2:] == ["tile_across", "tile_down"]
+    for buffer, _, reads, writes in shader.buffers:
+        kind = "InOut" if reads and writes else "In" if reads else "Out"
+        given = " = gpu::BufferPtr()" if on_tiles and buffer == "list" else ""  # TileProgram gives it
+        lines.append(f"    gpu::{kind} {buffer}{given};")
+    members = ", ".join(buffer for buffer, *_ in shader.buffers)
+    lines += [f"    std::array<gpu::Binding, {len(shader.buffers)}> all() const {{ return {{{members}}}; }}", "  };"]
+    if shader.push:
+        lines += ["  struct Push {", "    [[no_unique_address]] gpu::ByName by_name = gpu::ByName();"]
+        lines += [f"    {kind if '<' in kind else f'gpu::Required<{kind}>'} {member};" for member, kind, _ in shader.push]
+        layout = " ".join(f"{kind} {member} {offset}".replace("gpu::", "") for member, kind, offset in shader.push)
+        lines += [f'    static constexpr std::string_view layout = "{layout}";', "  };"]
+    lines.append("  struct Constants {")
+    lines += [f"    {kind} {constant} = {default};" for constant, kind, default in shader.constants]
+    values = ["0"] * max(shader.constant_ids, default=0)  # a shader may go without some
+    for i, (constant, *_) in zip(shader.constant_ids, shader.constants):
+        values[i - 1] = f"gpu::constant({constant})"
+    joined = ", ".join(values)
+    lines += [f"    std::vector<uint32_t> all() const {{ return {{{joined}}}; }}", "  };", "};"]
+    lines += [f"static_assert(offsetof({name}::Push, {member}) == {offset});" for member, _, offset in shader.push]
+    return lines
+
+
+def write_if_changed(path, lines):
+    """Leaves the file alone where nothing changed, so that what includes it is not compiled again."""
+    text = "\n".join(lines) + "\n"
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+
+
 def main():
-    source, name, output, depfile, includes, glslang, spirv_val = sys.argv[1:]
-    text = [f'// Generated from {pathlib.Path(source).name}.', '#include "kernels/gpu/kernel_source.hpp"', "namespace {"]
-    dependencies = set()
-    sizes = []
+    source, name, output, output_header, depfile, includes, glslang, spirv_val = sys.argv[1:]
+    origin = f"// Generated from {pathlib.Path(source).name}."
+    text = [origin, '#include "kernels/gpu/kernel_source.hpp"', "namespace {"]
+    dependencies, embedded, interfaces = {}, [], []
     with tempfile.TemporaryDirectory() as folder:
         for variant, defines in (("fast", []), ("portable", ["-DPORTABLE"])):
             spv = pathlib.Path(folder) / f"{variant}.spv"
             deps = pathlib.Path(folder) / f"{variant}.d"
             run([glslang, "-V", "--target-env", "vulkan1.1", f"-I{includes}", *defines, "--depfile", deps, "-o", spv, source])
             run([spirv_val, "--target-env", "vulkan1.1", spv])
-            dependencies.update(deps.read_text().split(":", 1)[1].split())
+            dependencies.update(dict.fromkeys(deps.read_text().split(":", 1)[1].split()))
             data = spv.read_bytes()
-            sizes.append(len(data) // 4)
             words = struct.unpack(f"<{len(data) // 4}I", data)
+            shader = Interface(words)
+            interfaces.append(shader)
             text.append(f"constexpr uint32_t {variant}[] = {{")
             text += [",".join(map(str, words[i:i + 16])) + "," for i in range(0, len(words), 16)]
             text.append("};")
-    text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name};",
-             f'const gpu::KernelSource {name}{{"{name}", {{fast, {sizes[0]}}}, {{portable, {sizes[1]}}}}};', "}"]
+            slots = ", ".join("{" + ", ".join(str(fact).lower() for fact in facts) + "}" for _, *facts in shader.buffers)
+            text.append(f"constexpr inverse::gpu::Slot {variant}_slots[] = {{{slots}}};")
+            embedded.append(f"{{{variant}, {variant}_slots}}")
+    if interfaces[0].named() != interfaces[1].named():
+        sys.exit(f"{source}: the variants differ in what they declare")
+    entry = f'{{"{name}", {", ".join(embedded)}}};'
+    text += ["}", "namespace inverse::shaders {", f"extern const gpu::KernelSource {name}_source, {name};",
+             f"const gpu::KernelSource {name}_source{entry}", f"const gpu::KernelSource {name}{entry}", "}"]
+    write_if_changed(pathlib.Path(output_header), [
+        origin, "#pragma once", "#include <cstddef>", '#include "kernels/gpu/binding.hpp"', "namespace inverse::shaders {",
+        *header(name, interfaces[0], glsl_constants(dependencies)), "}"])
     pathlib.Path(output).write_text("\n".join(text) + "\n")
     pathlib.Path(depfile).write_text(f"{output}: {' '.join(sorted(dependencies))}\n")
 

@@ -8,13 +8,12 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
                const std::vector<uint32_t>& constants, uint32_t workgroup)
     : device_(device), name_(source.name), workgroup_(workgroup) {
   const Spirv embedded = device_.variant().portable ? source.portable : source.fast;
-  const std::span spirv(embedded.words, embedded.count);
-  slots_ = reflect_slots(spirv, name_);
+  slots_ = embedded.slots;
   VkShaderModule module = VK_NULL_HANDLE;
   try {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (uint32_t i = 0; i < slots_.size(); ++i)
-      bindings.push_back({i, slots_[i].type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+      bindings.push_back({i, descriptor_type(slots_[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = static_cast<uint32_t>(bindings.size());
     set.pBindings = bindings.data();
@@ -27,8 +26,8 @@ Kernel::Kernel(const Device& device, const KernelSource& source,
     layout.pPushConstantRanges = &push;
     check(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &layout_), name_);
     VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    code.codeSize = spirv.size_bytes();
-    code.pCode = spirv.data();
+    code.codeSize = embedded.words.size_bytes();
+    code.pCode = embedded.words.data();
     check(vkCreateShaderModule(device_.handle(), &code, nullptr, &module), name_);
 
     std::vector<uint32_t> values{workgroup_};

@@ -2,31 +2,20 @@
 #include <vulkan/vulkan.h>
 
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "binding.hpp"
 #include "device.hpp"
-#include "kernel_source.hpp"
 
 namespace inverse::gpu {
 
-/// What a shader declares at one binding; read from the SPIR-V, so that C++ never repeats it.
-struct Slot {
-  VkDescriptorType type;
-  bool reads;
-  bool writes;
-};
-
-/// Reads the bindings of set 0 from SPIR-V; index = binding. Throws Error(internal) on gaps or
-/// unknown resources.
-std::vector<Slot> reflect_slots(std::span<const uint32_t> spirv, const char* name);
-
-/// A float as a specialization constant.
-inline uint32_t constant(float value) { return std::bit_cast<uint32_t>(value); }
+inline VkDescriptorType descriptor_type(const Slot& slot) {
+  return slot.texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
 
 /// A compute pipeline with its layout. Made and owned by Device::kernel.
 class Kernel {
@@ -39,7 +28,7 @@ class Kernel {
 
   const char* name() const { return name_; }
   uint32_t workgroup() const { return workgroup_; }
-  const std::vector<Slot>& slots() const { return slots_; }
+  std::span<const Slot> slots() const { return slots_; }
   /// True for the first caller only.
   bool first_use() { return !used_.exchange(true); }
   VkPipeline pipeline() const { return pipeline_; }
@@ -54,7 +43,7 @@ class Kernel {
   const Device& device_;
   const char* name_;
   uint32_t workgroup_;
-  std::vector<Slot> slots_;
+  std::span<const Slot> slots_;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
@@ -62,5 +51,21 @@ class Kernel {
 };
 
 using KernelPtr = std::shared_ptr<Kernel>;
+
+/// The kernel of a shader of which the build made `Shader` (embed.py), so that it is called by
+/// names: `Program<shaders::palette_merge>`.
+template <typename Shader>
+class Program {
+ public:
+  Program() = default;
+  /// As Device::kernel.
+  Program(const std::shared_ptr<Device>& device, const typename Shader::Constants& constants = {},
+          uint32_t workgroup = 0)
+      : kernel_(device->kernel(Shader::source, constants.all(), workgroup)) {}
+  const KernelPtr& kernel() const { return kernel_; }
+
+ private:
+  KernelPtr kernel_;
+};
 
 }  // namespace inverse::gpu

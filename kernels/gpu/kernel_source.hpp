@@ -1,17 +1,23 @@
 #pragma once
-#include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace inverse::gpu {
 
-/// SPIR-V words that live as long as the program.
-struct Spirv {
-  const uint32_t* words;
-  size_t count;
+/// What a shader declares at one binding; the build reads it from the SPIR-V, so that layouts and
+/// barriers follow the shader and are never written twice.
+struct Slot {
+  bool texel;  ///< a texel buffer, else a storage buffer
+  bool reads, writes;
 };
 
-/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable). Its
-/// header is small, as dozens of generated files include it.
+/// SPIR-V words and the shader's bindings, that live as long as the program.
+struct Spirv {
+  std::span<const uint32_t> words;
+  std::span<const Slot> slots;
+};
+
+/// A compiled shader as the build embeds it: SPIR-V for both variants (see Variant::portable).
 struct KernelSource {
   const char* name;
   Spirv fast;

@@ -1,5 +1,6 @@
 #pragma once
 #include "kernels/gpu/commands.hpp"
+#include "kernels/image_halve.spv.hpp"
 #include "plane.hpp"
 
 namespace inverse {
@@ -15,7 +16,7 @@ class Halve {
   void record(gpu::Commands& commands, const Plane& fine, const Plane& coarse) const;
 
  private:
-  gpu::KernelPtr kernel_;
+  gpu::Program<shaders::image_halve> kernel_;
 };
 
 }  // namespace inverse

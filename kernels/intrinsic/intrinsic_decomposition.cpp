@@ -1,19 +1,10 @@
 #include "intrinsic_decomposition.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <utility>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(intrinsic_energy_cell_terms);
-INVERSE_SHADER(intrinsic_energy_assemble);
-INVERSE_SHADER(intrinsic_output_layers);
-INVERSE_SHADER(intrinsic_energy_take_over);
-INVERSE_SHADER(solve_total);
 
 namespace inverse {
 namespace {
@@ -29,11 +20,12 @@ IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params par
   return params;
 }
 
-constexpr uint64_t kVec4 = 16;  // bytes
-// Where a report has what, in vec4, and how many.
-constexpr uint64_t kFoundChange = 0, kFoundVerdict = 1, kFoundScale = 2, kFoundEvaluated = 3,
-                   kFoundActive = 4, kFoundBusy = 5, kFoundStatistics = 6, kFoundKept = 8,
-                   kFoundBinding = 10, kFoundGates = 11, kFoundSize = 12;
+/// What a report reads back; what each holds, the shaders say that write it.
+struct Numbers {
+  std::array<float, 4> progress, verdict, scale, binding, gates;
+  std::array<std::array<float, 4>, 2> statistics, kept_statistics;
+  uint32_t active, evaluated, busy;
+};
 constexpr float kAllTiles = -1;  // the tolerance that lists all
 
 }  // namespace
@@ -49,15 +41,15 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       multigrid_(device_, extent),
       scale_(device_, guide_.cell_extent()),
       active_(device_, extent),
-      terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {0, 0}, 0, 0),
-      anchored_terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {1, 0}, 1, 4),
-      looking_terms_kernel_(device_, shaders::intrinsic_energy_cell_terms, {1, 1}, 0, 0),
-      assemble_(device_, shaders::intrinsic_energy_assemble, {0}, 0, 0),
-      anchored_assemble_(device_, shaders::intrinsic_energy_assemble, {1}, 4, 16),
-      layers_(device_, shaders::intrinsic_output_layers, {0}, 0, 0),
-      anchored_layers_(device_, shaders::intrinsic_output_layers, {1}, 4, 4),
-      take_over_(device_->kernel(shaders::intrinsic_energy_take_over)),
-      total_(device_->kernel(shaders::solve_total)) {
+      terms_kernel_(device_, {}, 0, 0),
+      anchored_terms_kernel_(device_, {.anchored = true}, 1, 4),
+      looking_terms_kernel_(device_, {.anchored = true, .look = true}, 0, 0),
+      assemble_(device_, {}, 0, 0),
+      anchored_assemble_(device_, {.anchored = true}, 4, 16),
+      layers_(device_, {}, 0, 0),
+      anchored_layers_(device_, {.anchored = true}, 4, 4),
+      take_over_(device_),
+      total_(device_) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
   };
@@ -79,33 +71,45 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
     cleared_ = true;
   }
   const Extent cells = guide_.cell_extent();
-  const struct {
-    uint32_t width, height;
-    float anchor, frames, motion, hold, light;
-  } push{cells.width,
-         cells.height,
-         stats_.holds ? params.anchor_weight : 0,
-         params.anchor_frames,
-         1 / params.anchor_motion,
-         params.hold,
-         1 / params.hold_light};
   (look             ? looking_terms_kernel_
    : stats_.history ? anchored_terms_kernel_
                     : terms_kernel_)
       .dispatch(commands, list(),
-                {value_, guide_.cells(), anchor_.mismatch(), anchor_.tiles(), anchor_.verdict(),
-                 anchor_.kept(), multigrid_.cell_means(), multigrid_.cell_correction(), terms_,
-                 start_, multigrid_.cell_force(), gate_sums_, active_.activity()},
-                push, line_of(quads_of(cells)));
+                {.value = value_,
+                 .cells = guide_.cells(),
+                 .mismatch = anchor_.mismatch(),
+                 .tiles = anchor_.tiles(),
+                 .verdict = anchor_.verdict(),
+                 .before = anchor_.kept(),
+                 .means = multigrid_.cell_means(),
+                 .correction = multigrid_.cell_correction(),
+                 .terms = terms_,
+                 .start = start_,
+                 .force = multigrid_.cell_force(),
+                 .sums = gate_sums_,
+                 .activity = active_.activity()},
+                {.size = cells,
+                 .anchor = stats_.holds ? params.anchor_weight : 0,
+                 .frames = params.anchor_frames,
+                 .motion = 1 / params.anchor_motion,
+                 .hold = params.hold,
+                 .light = 1 / params.hold_light},
+                line_of(quads_of(cells)));
   if (look)
-    commands.dispatch(total_, {gate_sums_, gate_total_}, static_cast<uint32_t>(gate_sums_->count()),
-                      {});
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
+    commands.dispatch(total_, {.sums = gate_sums_, .total = gate_total_},
+                      {.count = static_cast<uint32_t>(gate_sums_->count())}, {});
   (stats_.holds ? anchored_assemble_ : assemble_)
       .dispatch(commands, list(),
-                {flux_, start_, guide_.level0(), multigrid_.cell_force(), anchor_.memory(),
-                 multigrid_.field(), multigrid_.system(), multigrid_.field(), anchor_.now()},
-                size, line_of(quads_of(extent_)));
+                {.flux = flux_,
+                 .start = start_,
+                 .level0 = guide_.level0(),
+                 .force = multigrid_.cell_force(),
+                 .memory = anchor_.memory(),
+                 .last_shading = multigrid_.field(),
+                 .system = multigrid_.system(),
+                 .shading = gpu::aliased(multigrid_.field()),
+                 .now = anchor_.now()},
+                {.size = extent_}, line_of(quads_of(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
@@ -195,16 +199,22 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                                      : History::none,
                 params.scale, listed());
   const PlanePtr intrinsic = layers_plane(commands);
-  const struct {
-    uint32_t width, height;
-    float texture;
-  } push{extent_.width, extent_.height, 1 / params.anchor.hold_texture};
   (stats_.holds ? anchored_layers_ : layers_)
       .dispatch(commands, list(),
-                {input->buffer, guide_.cells(), guide_.wide(), scale_.value(), start_,
-                 anchor_.memory(), anchor_.now(), multigrid_.field(), anchor_.now(),
-                 multigrid_.field(), anchor_.kept(), intrinsic->buffer},
-                push, line_of(guide_.cell_extent().pixels()));
+                {.frame = input->buffer,
+                 .cells = guide_.cells(),
+                 .wide = guide_.wide(),
+                 .scale = scale_.value(),
+                 .start = start_,
+                 .before = anchor_.memory(),
+                 .now = anchor_.now(),
+                 .shading = multigrid_.field(),
+                 .memory = gpu::aliased(anchor_.now()),
+                 .held = gpu::aliased(multigrid_.field()),
+                 .kept = anchor_.kept(),
+                 .intrinsic = intrinsic->buffer},
+                {.size = extent_, .texture = 1 / params.anchor.hold_texture},
+                line_of(guide_.cell_extent().pixels()));
   if (!whole())
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
                             params.tile_tolerance);
@@ -238,14 +248,13 @@ std::optional<LeaveOut::Found> IntrinsicDecomposition::found_before() const {
   found.tiles_evaluated = findings.tiles_evaluated;
   found.binding = findings.binding;
   found.gate = findings.gate;
-  const float* numbers = done.found->map_as<float>();
-  const auto of = [&](uint64_t slot) { return &numbers[4 * slot]; };
-  found.tiles_busy = std::bit_cast<uint32_t>(*of(kFoundBusy));
+  const Numbers& numbers = *done.found->map_as<Numbers>();
+  found.tiles_busy = numbers.busy;
   // The statistics' first number is a mean, which may move four times as far.
-  found.drift = std::abs(*of(kFoundStatistics) - *of(kFoundKept)) * 0.25F;
-  for (size_t i = 4; i < 8; ++i)
-    found.drift =
-        std::max(std::abs(of(kFoundStatistics)[i] - of(kFoundKept)[i]), found.drift);  // NaN stays
+  found.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
+  for (size_t i = 0; i < 4; ++i)
+    found.drift = std::max(std::abs(numbers.statistics[1][i] - numbers.kept_statistics[1][i]),
+                           found.drift);  // NaN stays
   return found;
 }
 
@@ -260,71 +269,77 @@ void IntrinsicDecomposition::take_over(gpu::Commands& commands, const IntrinsicD
                                        PlanePtr intrinsic) {
   reset();
   scale_.take(commands, other.scale_);
-  commands.copy(other.anchor_.verdict(), anchor_.verdict(), kVec4);
+  commands.copy(other.anchor_.verdict(), anchor_.verdict(), anchor_.verdict()->bytes());
   continues_ = other.stats_.history;
   taken_ = std::move(intrinsic);
 }
 
 void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const PlanePtr& input) {
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(
-      take_over_,
-      {input->buffer, (*taken_)->buffer, guide_.cells(), guide_.wide(), scale_.value(),
-       guide_.level0(), anchor_.memory(), multigrid_.field(), anchor_.kept(),
-       multigrid_.cell_means(), multigrid_.cell_correction(), multigrid_.cell_force()},
-      size, line_of(quads_of(guide_.cell_extent())));
+  commands.dispatch(take_over_,
+                    {.frame = input->buffer,
+                     .intrinsic = (*taken_)->buffer,
+                     .cells = guide_.cells(),
+                     .wide = guide_.wide(),
+                     .scale = scale_.value(),
+                     .level0 = guide_.level0(),
+                     .memory = anchor_.memory(),
+                     .shading = multigrid_.field(),
+                     .kept = anchor_.kept(),
+                     .means = multigrid_.cell_means(),
+                     .correction = multigrid_.cell_correction(),
+                     .force = multigrid_.cell_force()},
+                    {.size = extent_}, line_of(quads_of(guide_.cell_extent())));
   commands.keep(*taken_);
   commands.stage("take-over");
 }
 
 void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
-  Report& report = reports_[recorded_++ % reports_.size()];
+  Report& report = reports_[recorded_++];
   report.stats = stats_;
   report.compared_edges = plan_.compares_edges && !listed();
   report.looked_at_bins = plan_.looks_at_bins;
   report.looked_at_gate = plan_.looks_at_gate;
   if (!report.found)
-    report.found =
-        gpu::Buffer::create(device_, gpu::Element::vec4, kFoundSize, gpu::Memory::readback);
-  constexpr uint64_t kWord = 4;
-  const auto copy = [&](const gpu::BufferPtr& from, uint64_t bytes, uint64_t slot) {
-    commands.copy(from, report.found, bytes, 0, slot * kVec4);
+    report.found = gpu::Buffer::create(device_, gpu::Element::word,
+                                       sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
+  const auto copy = [&](const gpu::BufferPtr& from, auto Numbers::*to) {
+    static constexpr Numbers numbers{};
+    const auto offset = reinterpret_cast<const std::byte*>(&(numbers.*to)) -
+                        reinterpret_cast<const std::byte*>(&numbers);
+    commands.copy(from, report.found, sizeof(numbers.*to), 0, static_cast<uint64_t>(offset));
   };
-  copy(multigrid_.progress(), kVec4, kFoundChange);
-  if (stats_.history) copy(anchor_.verdict(), kVec4, kFoundVerdict);
-  copy(scale_.value(), kVec4, kFoundScale);
-  if (listed()) copy(active_.list().words(), kWord, kFoundActive);
-  if (report.compared_edges) copy(prior_.evaluated(), kWord, kFoundEvaluated);
-  if (report.looked_at_bins) copy(bins_.binding(), kVec4, kFoundBinding);
-  if (report.looked_at_gate) copy(gate_total_, kVec4, kFoundGates);
+  copy(multigrid_.progress(), &Numbers::progress);
+  if (stats_.history) copy(anchor_.verdict(), &Numbers::verdict);
+  copy(scale_.value(), &Numbers::scale);
+  if (listed()) copy(active_.list().words(), &Numbers::active);
+  if (report.compared_edges) copy(prior_.evaluated(), &Numbers::evaluated);
+  if (report.looked_at_bins) copy(bins_.binding(), &Numbers::binding);
+  if (report.looked_at_gate) copy(gate_total_, &Numbers::gates);
   if (!whole()) {
-    copy(active_.busy(), kWord, kFoundBusy);
-    copy(guide_.statistics(), 2 * kVec4, kFoundStatistics);
-    copy(prior_.kept_statistics(), 2 * kVec4, kFoundKept);
+    copy(active_.busy(), &Numbers::busy);
+    copy(guide_.statistics(), &Numbers::statistics);
+    copy(prior_.kept_statistics(), &Numbers::kept_statistics);
   }
 }
 
 IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
   const Report& of = report(frame);
-  const float* found = of.found->map_as<float>();
+  const Numbers& numbers = *of.found->map_as<Numbers>();
   Findings findings;
-  findings.change = std::sqrt(found[0]);
-  findings.cycles = of.stats.stops ? static_cast<uint32_t>(found[2]) : of.stats.cycles;
+  findings.change = std::sqrt(numbers.progress[0]);
+  findings.cycles = of.stats.stops ? static_cast<uint32_t>(numbers.progress[2]) : of.stats.cycles;
   if (of.stats.history) {
-    findings.mismatch = found[4 * kFoundVerdict];
-    findings.cut = found[4 * kFoundVerdict + 1] == 0;
+    findings.mismatch = numbers.verdict[0];
+    findings.cut = numbers.verdict[1] == 0;
   }
-  findings.scale = found[4 * kFoundScale];
+  findings.scale = numbers.scale[0];
   if (of.looked_at_bins)
-    findings.binding =
-        std::sqrt(found[4 * kFoundBinding] / std::max(found[4 * kFoundBinding + 1], 1e-20F));
+    findings.binding = std::sqrt(numbers.binding[0] / std::max(numbers.binding[1], 1e-20F));
   if (of.looked_at_gate)
-    findings.gate =
-        std::sqrt(found[4 * kFoundGates] / static_cast<float>(guide_.cell_extent().pixels()));
-  const auto count = [&](uint64_t slot) { return std::bit_cast<uint32_t>(found[4 * slot]); };
-  findings.tiles_active = of.stats.listed ? count(kFoundActive) : of.stats.tiles;
+    findings.gate = std::sqrt(numbers.gates[0] / static_cast<float>(guide_.cell_extent().pixels()));
+  findings.tiles_active = of.stats.listed ? numbers.active : of.stats.tiles;
   findings.tiles_evaluated = of.stats.listed     ? findings.tiles_active
-                             : of.compared_edges ? count(kFoundEvaluated)
+                             : of.compared_edges ? numbers.evaluated
                                                  : of.stats.tiles;
   return findings;
 }

@@ -16,6 +16,11 @@
 #include "kernels/intrinsic/reuse/active_tiles.hpp"
 #include "kernels/intrinsic/reuse/leave_out.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
+#include "kernels/intrinsic_energy_assemble.spv.hpp"
+#include "kernels/intrinsic_energy_cell_terms.spv.hpp"
+#include "kernels/intrinsic_energy_take_over.spv.hpp"
+#include "kernels/intrinsic_output_layers.spv.hpp"
+#include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
 
@@ -80,9 +85,7 @@ class IntrinsicDecomposition {
                 const FrameInfo& info);
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
   /// one of the frame before; null: all.
-  const TileList* drawn() const {
-    return listed() ? &active_.drawn() : nullptr;
-  }
+  const TileList* drawn() const { return listed() ? &active_.drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
     history_ = false;
@@ -121,13 +124,13 @@ class IntrinsicDecomposition {
     Stats stats;
     bool compared_edges = false;  // tiles were compared with those that edges were decided on
     bool looked_at_bins = false, looked_at_gate = false;
-    gpu::BufferPtr found;  // slots of kFound…
+    gpu::BufferPtr found;  // Numbers
   };
   /// What the last frame that is sure to be done has found, if there is one.
   std::optional<LeaveOut::Found> found_before() const;
   /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
-  const Report& report(uint64_t frame) const { return reports_[frame % reports_.size()]; }
+  const Report& report(uint64_t frame) const { return reports_[frame]; }
   void record_report(gpu::Commands& commands);
   bool listed() const { return plan_.mode == LeaveOut::Mode::listed; }
   bool whole() const { return plan_.mode == LeaveOut::Mode::whole; }
@@ -146,11 +149,14 @@ class IntrinsicDecomposition {
   Multigrid multigrid_;
   OutputScale scale_;
   ActiveTiles active_;
-  TileKernel terms_kernel_, anchored_terms_kernel_, looking_terms_kernel_, assemble_,
-      anchored_assemble_, layers_, anchored_layers_;
-  gpu::KernelPtr take_over_, total_;
+  TileProgram<shaders::intrinsic_energy_cell_terms> terms_kernel_, anchored_terms_kernel_,
+      looking_terms_kernel_;
+  TileProgram<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
+  TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_;
+  gpu::Program<shaders::intrinsic_energy_take_over> take_over_;
+  gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
-  std::array<Report, gpu::kFramesInFlight> reports_;
+  gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
   bool history_ = false;
   bool continues_ = false;         // the frame before had one before it

@@ -105,7 +105,7 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
     fade_.start(commands, input, shown, intrinsic);
   else
     shown = fade_.record(commands, input, intrinsic);
-  Taken& taken = taken_[recorded_ % taken_.size()];
+  Taken& taken = taken_[recorded_];
   taken = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
            method(now).recorded() - 1,
            half_distance_};

@@ -100,7 +100,7 @@ class ScaledIntrinsic {
     uint64_t number = 0;
     float half_distance = 0;
   };
-  const Taken& taken(uint64_t frame) const { return taken_[frame % taken_.size()]; }
+  const Taken& taken(uint64_t frame) const { return taken_[frame]; }
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
   void set_up(size_t halvings);
   size_t choose(const Params& params, const FrameInfo& info);
@@ -121,7 +121,7 @@ class ScaledIntrinsic {
   std::array<bool, kResolutions> stays_{};                   // set up for good
   std::optional<LayerDistance> distance_;
   LayerFade fade_;
-  std::array<Taken, gpu::kFramesInFlight> taken_{};
+  gpu::FrameRing<Taken> taken_;
   uint64_t recorded_ = 0;
   size_t was_ = 0;            // halvings of the frame before
   unsigned plain_ = 0;        // frames in a row that were solved at full resolution, and shown so

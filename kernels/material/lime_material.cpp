@@ -126,7 +126,7 @@ void LimeMaterial::warm_up() {
 
 void LimeMaterial::record(gpu::Commands& commands, const Plane& frame, const Params& params,
                           bool still) {
-  Slot& slot = slots_[recorded_ % slots_.size()];
+  Slot& slot = slots_[recorded_];
   slot.params = params;
   slot.square = tracker_.square();
   slot.epoch = epoch_;

@@ -106,7 +106,7 @@ class LimeMaterial {
     Params params;
     uint64_t epoch = 0;
   };
-  const Slot& slot(uint64_t number) const { return slots_[number % slots_.size()]; }
+  const Slot& slot(uint64_t number) const { return slots_[number]; }
   bool finds_light(const Params& params) const;
   NetworkSchedule::Known known(const Params& params, bool still) const;
   void look(gpu::Commands& commands, const Plane& frame, Slot& slot);
@@ -119,7 +119,7 @@ class LimeMaterial {
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
   LimeNetworks networks_;
-  std::array<Slot, gpu::kFramesInFlight> slots_;
+  gpu::FrameRing<Slot> slots_;
 
   ObjectTracker tracker_;
   MaterialFusion fusion_;

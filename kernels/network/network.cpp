@@ -4,32 +4,20 @@
 #include <utility>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
+#include "kernels/network_activate.spv.hpp"
+#include "kernels/network_concat.spv.hpp"
+#include "kernels/network_convolve1.spv.hpp"
+#include "kernels/network_convolve3.spv.hpp"
+#include "kernels/network_convolve3_stride2.spv.hpp"
+#include "kernels/network_dense.spv.hpp"
+#include "kernels/network_global_mean.spv.hpp"
+#include "kernels/network_max_pool.spv.hpp"
+#include "kernels/network_softmax.spv.hpp"
+#include "kernels/network_upsample.spv.hpp"
 #include "pack.hpp"
-
-INVERSE_SHADER(network_activate);
-INVERSE_SHADER(network_concat);
-INVERSE_SHADER(network_convolve1);
-INVERSE_SHADER(network_convolve3);
-INVERSE_SHADER(network_convolve3_stride2);
-INVERSE_SHADER(network_dense);
-INVERSE_SHADER(network_global_mean);
-INVERSE_SHADER(network_max_pool);
-INVERSE_SHADER(network_softmax);
-INVERSE_SHADER(network_upsample);
 
 namespace inverse::network {
 namespace {
-
-constexpr uint32_t kRows = 8;         // convolve3.comp
-constexpr uint32_t kStridedRows = 4;  // convolve3_stride2.comp
-constexpr uint32_t kPixels = 8;       // convolve1.comp
-
-struct Size {
-  explicit Size(const Shape& s)
-      : width(static_cast<int32_t>(s.width)), height(static_cast<int32_t>(s.height)) {}
-  int32_t width, height;
-};
 
 int32_t area_of(const Shape& s) { return static_cast<int32_t>(s.height * s.width); }
 int32_t block_count(const Shape& s) { return static_cast<int32_t>(blocks_of(s.channels)); }
@@ -62,64 +50,72 @@ gpu::BufferPtr Network::weights_of(const Step& step, gpu::Commands& commands) {
   return weights;
 }
 
-template <typename Push>
-void Network::add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::BufferPtr> buffers,
-                  const Push& push, uint64_t items) {
-  static_assert(sizeof(Push) <= sizeof(Dispatch::push));
-  const uint64_t max_items = uint64_t{device_->limits().workgroups[0]} * kernel->workgroup();
+template <typename Shader>
+void Network::add(const Step& step, const gpu::Program<Shader>& program,
+                  const typename Shader::Buffers& buffers, const typename Shader::Push& push,
+                  uint64_t items) {
+  const char* name = graph_.nodes[step.node].name.c_str();
+  const uint64_t max_items =
+      uint64_t{device_->limits().workgroups[0]} * program.kernel()->workgroup();
   if (items > max_items)
-    throw Error(ErrorKind::limit, "network: node \"" + graph_.nodes[step.node].name + "\" needs " +
+    throw Error(ErrorKind::limit, "network: node \"" + std::string(name) + "\" needs " +
                                       std::to_string(items) + " invocations and the device has " +
                                       std::to_string(max_items) + "; use a smaller input");
-  Dispatch dispatch{graph_.nodes[step.node].name.c_str(),
-                    std::move(kernel),
-                    std::move(buffers),
-                    {},
-                    {static_cast<uint32_t>(items)}};
-  memcpy(dispatch.push.data(), &push, sizeof push);
-  dispatches_.push_back(std::move(dispatch));
+  dispatches_.push_back({name, [=](gpu::Commands& commands) {
+                           commands.dispatch(program, buffers, push,
+                                             {static_cast<uint32_t>(items)});
+                         }});
 }
 
 void Network::prepare_convolve1(const Step& step, gpu::Commands& commands) {
+  using Shader = shaders::network_convolve1;
   const Node& node = graph_.nodes[step.node];
   const Shape &in = plan_.shapes[step.sources[0].value], &out = plan_.shapes[made_by(step)];
-  const struct {
-    Size size, source;
-    int32_t source_blocks, blocks, stride;
-    float slope;
-  } push{Size(out), Size(in), block_count(in), block_count(out), static_cast<int32_t>(node.stride),
-         node.slope};
-  const uint64_t lanes = (uint64_t{out.height} * out.width + kPixels - 1) / kPixels;
-  const auto activation = static_cast<uint32_t>(node.activation);
-  add(step, device_->kernel(shaders::network_convolve1, {activation}),
-      {buffer_of(step.sources[0].value), weights_of(step, commands), buffer_of(made_by(step))},
-      push, lanes * blocks_of(out.channels));
+  const uint64_t lanes = (uint64_t{out.height} * out.width + Shader::PIXELS - 1) / Shader::PIXELS;
+  add<Shader>(step, {device_, {.activation = static_cast<uint32_t>(node.activation)}},
+              {.image = buffer_of(step.sources[0].value),
+               .weights = weights_of(step, commands),
+               .result = buffer_of(made_by(step))},
+              {.size = out,
+               .source = in,
+               .source_blocks = block_count(in),
+               .blocks = block_count(out),
+               .stride = static_cast<int32_t>(node.stride),
+               .slope = node.slope},
+              lanes * blocks_of(out.channels));
 }
 
 void Network::prepare_convolve3(const Step& step, gpu::Commands& commands) {
+  using Shader = shaders::network_convolve3;
+  using Strided = shaders::network_convolve3_stride2;
   const Node& node = graph_.nodes[step.node];
   const Source &first = step.sources[0], &second = step.sources.back();
-  const bool two = step.sources.size() == 2, strided = node.stride == 2;
+  const bool two = step.sources.size() == 2;
   const Shape &source = plan_.shapes[node.inputs[0]], &out = plan_.shapes[made_by(step)];
-  const struct {
-    Size size, source;
-    int32_t first_blocks, second_blocks, blocks;
-    float slope;
-  } push{Size(out),
-         Size(source),
-         block_count(plan_.shapes[first.value]),
-         two ? block_count(plan_.shapes[second.value]) : 0,
-         block_count(out),
-         node.slope};
-  const uint32_t rows = strided ? kStridedRows : kRows;
-  const uint64_t strips = (out.height + rows - 1) / rows;
   const auto activation = static_cast<uint32_t>(node.activation);
-  add(step,
-      strided ? device_->kernel(shaders::network_convolve3_stride2, {activation})
-              : device_->kernel(shaders::network_convolve3, {activation, first.upsampled, two}),
-      {buffer_of(first.value), buffer_of(second.value), weights_of(step, commands),
-       buffer_of(made_by(step))},
-      push, strips * out.width * blocks_of(out.channels));
+  const auto items = [&](uint32_t rows) {
+    return uint64_t{(out.height + rows - 1) / rows} * out.width * blocks_of(out.channels);
+  };
+  const auto convolve = [&]<typename S>(const gpu::Program<S>& program, uint32_t rows) {
+    add<S>(step, program,
+           {.first = buffer_of(first.value),
+            .second = buffer_of(second.value),
+            .weights = weights_of(step, commands),
+            .result = buffer_of(made_by(step))},
+           {.size = out,
+            .source = source,
+            .first_blocks = block_count(plan_.shapes[first.value]),
+            .second_blocks = two ? block_count(plan_.shapes[second.value]) : 0,
+            .blocks = block_count(out),
+            .slope = node.slope},
+           items(rows));
+  };
+  if (node.stride == 2)
+    convolve(gpu::Program<Strided>(device_, {.activation = activation}), Strided::ROWS);
+  else
+    convolve(gpu::Program<Shader>(
+                 device_, {.activation = activation, .upsampled = first.upsampled, .second = two}),
+             Shader::ROWS);
 }
 
 void Network::prepare(const Step& step, gpu::Commands& commands) {
@@ -130,66 +126,61 @@ void Network::prepare(const Step& step, gpu::Commands& commands) {
   const gpu::BufferPtr& second = buffer_of(step.sources.back().value);
   const auto activation = static_cast<uint32_t>(node.activation);
   const uint64_t result_elements = elements_of(out) - 1;
-  struct Resize {
-    Size size, source;
-    int32_t blocks;
-  };
+  const auto channels = static_cast<int32_t>(out.channels);
   switch (node.op) {
     case Op::convolution:
       node.kernel == 1 ? prepare_convolve1(step, commands) : prepare_convolve3(step, commands);
       return;
     case Op::dense: {
-      const struct {
-        int32_t elements, blocks;
-        float slope;
-      } push{static_cast<int32_t>(elements_of(in) - 1), block_count(out), node.slope};
-      const gpu::KernelPtr kernel = device_->kernel(shaders::network_dense, {activation});
-      add(step, kernel, {first, weights_of(step, commands), result}, push,
-          uint64_t{kernel->workgroup()} * blocks_of(out.channels));
+      const gpu::Program<shaders::network_dense> dense(device_, {.activation = activation});
+      add(step, dense, {.image = first, .weights = weights_of(step, commands), .result = result},
+          {.elements = static_cast<int32_t>(elements_of(in) - 1),
+           .blocks = block_count(out),
+           .slope = node.slope},
+          uint64_t{dense.kernel()->workgroup()} * blocks_of(out.channels));
       return;
     }
     case Op::max_pool:
-      add(step, device_->kernel(shaders::network_max_pool), {first, result},
-          Resize{Size(out), Size(in), block_count(out)}, result_elements);
+      add<shaders::network_max_pool>(step, {device_}, {.image = first, .result = result},
+                                     {.size = out, .source = in, .blocks = block_count(out)},
+                                     result_elements);
       return;
     case Op::upsample:
-      add(step, device_->kernel(shaders::network_upsample), {first, result},
-          Resize{Size(out), Size(in), block_count(out)}, result_elements);
+      add<shaders::network_upsample>(step, {device_}, {.image = first, .result = result},
+                                     {.size = out, .source = in, .blocks = block_count(out)},
+                                     result_elements);
       return;
-    case Op::concat: {
-      const int32_t push[3] = {area_of(out), static_cast<int32_t>(in.channels),
-                               static_cast<int32_t>(out.channels)};
-      add(step, device_->kernel(shaders::network_concat), {first, second, result}, push,
-          result_elements);
+    case Op::concat:
+      add<shaders::network_concat>(step, {device_},
+                                   {.first = first, .second = second, .result = result},
+                                   {.area = area_of(out),
+                                    .first_channels = static_cast<int32_t>(in.channels),
+                                    .channels = channels},
+                                   result_elements);
       return;
-    }
     case Op::global_mean: {
-      const gpu::KernelPtr kernel = device_->kernel(shaders::network_global_mean);
-      add(step, kernel, {first, result}, area_of(in),
-          uint64_t{kernel->workgroup()} * blocks_of(out.channels));
+      const gpu::Program<shaders::network_global_mean> mean(device_);
+      add(step, mean, {.image = first, .result = result}, {.area = area_of(in)},
+          uint64_t{mean.kernel()->workgroup()} * blocks_of(out.channels));
       return;
     }
-    case Op::softmax: {
-      const int32_t push[2] = {area_of(out), static_cast<int32_t>(out.channels)};
-      add(step, device_->kernel(shaders::network_softmax), {first, result}, push,
-          uint64_t{out.height} * out.width);
+    case Op::softmax:
+      add<shaders::network_softmax>(step, {device_}, {.image = first, .result = result},
+                                    {.area = area_of(out), .channels = channels},
+                                    uint64_t{out.height} * out.width);
       return;
-    }
-    case Op::activation: {
-      const struct {
-        int32_t elements;
-        float slope;
-      } push{static_cast<int32_t>(result_elements), node.slope};
-      add(step, device_->kernel(shaders::network_activate, {activation}), {first, result}, push,
+    case Op::activation:
+      add<shaders::network_activate>(
+          step, {device_, {.activation = activation}}, {.image = first, .result = result},
+          {.elements = static_cast<int32_t>(result_elements), .slope = node.slope},
           result_elements);
       return;
-    }
   }
 }
 
 void Network::record(gpu::Commands& commands, bool stages) const {
   for (const Dispatch& d : dispatches_) {
-    commands.dispatch(d.kernel, d.buffers, d.push, d.items);
+    d.record(commands);
     if (stages) commands.stage(d.name);
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
-#include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -45,10 +45,7 @@ class Network {
  private:
   struct Dispatch {
     const char* name;
-    gpu::KernelPtr kernel;
-    std::vector<gpu::BufferPtr> buffers;
-    std::array<std::byte, 48> push;
-    gpu::Items items;
+    std::function<void(gpu::Commands&)> record;
   };
 
   const gpu::BufferPtr& buffer_of(uint32_t value) const { return buffers_[plan_.buffer_of[value]]; }
@@ -61,9 +58,10 @@ class Network {
   void prepare_convolve1(const Step& step, gpu::Commands& commands);
   void prepare_convolve3(const Step& step, gpu::Commands& commands);
   /// One dispatch of `name`, `items` invocations.
-  template <typename Push>
-  void add(const Step& step, gpu::KernelPtr kernel, std::vector<gpu::BufferPtr> buffers,
-           const Push& push, uint64_t items);
+  template <typename Shader>
+  void add(const Step& step, const gpu::Program<Shader>& program,
+           const typename Shader::Buffers& buffers, const typename Shader::Push& push,
+           uint64_t items);
 
   std::shared_ptr<gpu::Device> device_;
   Graph graph_;

@@ -3,50 +3,28 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(palette_gauge_count);
-INVERSE_SHADER(palette_gauge);
-INVERSE_SHADER(palette_count);
-INVERSE_SHADER(palette_average);
-INVERSE_SHADER(palette_compact);
-INVERSE_SHADER(palette_seed);
-INVERSE_SHADER(palette_cluster);
-INVERSE_SHADER(palette_merge);
-INVERSE_SHADER(palette_assign);
-
 namespace inverse {
 namespace {
 
-constexpr uint32_t kBinCount = 30 * 30 * 30;
-constexpr uint32_t kGaugeBins = 2048;
+constexpr uint32_t kBinCount = shaders::palette_count::kBinCount;
 constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as a single workgroup
-
-/// As in palette.glsl.
-struct Push {
-  uint32_t width, height;
-  int32_t first, clusters, iterations;
-  uint32_t frame, seed;
-  float decay, fade, apart, tau_cc, tau_intensity, chroma_floor, gauge_quantile, gauge_value,
-      fraction_scale;
-};
 
 }  // namespace
 
 Palette::Palette(const std::shared_ptr<gpu::Device>& device)
-    : gauge_count_(device->kernel(shaders::palette_gauge_count)),
-      gauge_kernel_(device->kernel(shaders::palette_gauge, {}, kOneGroup)),
-      count_(device->kernel(shaders::palette_count)),
-      average_(device->kernel(shaders::palette_average)),
-      compact_(device->kernel(shaders::palette_compact, {}, kOneGroup)),
-      seed_(device->kernel(shaders::palette_seed, {}, kOneGroup)),
-      cluster_(device->kernel(shaders::palette_cluster, {}, kOneGroup)),
-      merge_(device->kernel(shaders::palette_merge)),
-      assign_(device->kernel(shaders::palette_assign)) {
+    : gauge_count_(device),
+      gauge_kernel_(device, {}, kOneGroup),
+      count_(device),
+      average_(device),
+      compact_(device, {}, kOneGroup),
+      seed_(device, {}, kOneGroup),
+      cluster_(device, {}, kOneGroup),
+      merge_(device),
+      assign_(device) {
   const auto buffer = [&](gpu::Element element, uint64_t count) {
     return gpu::Buffer::create(device, element, count);
   };
-  gauge_counts_ = buffer(gpu::Element::word, kGaugeBins);
+  gauge_counts_ = buffer(gpu::Element::word, shaders::palette_gauge::kGaugeBins);
   gauge_ = buffer(gpu::Element::scalar, 1);
   counts_ = buffer(gpu::Element::word, 4 * kBinCount);
   list_ = buffer(gpu::Element::vec4, kBinCount);
@@ -71,6 +49,24 @@ void Palette::set_params(const Params& params) {
   params_.gauge_value = std::max(params.gauge_value, 1e-3f);
 }
 
+Palette::Push Palette::push_for(Extent extent, float fraction_scale) const {
+  return {.size = extent,
+          .first = first_,
+          .clusters = params_.clusters,
+          .iterations = params_.iterations,
+          .frame = frame_,
+          .seed = params_.seed,
+          .decay = params_.decay,
+          .fade = params_.fade,
+          .apart = params_.apart,
+          .tau_cc = params_.tau_cc,
+          .tau_intensity = params_.tau_intensity,
+          .chroma_floor = params_.chroma_floor,
+          .gauge_quantile = params_.gauge_quantile,
+          .gauge_value = params_.gauge_value,
+          .fraction_scale = fraction_scale};
+}
+
 void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectance) {
   const Extent extent = log_reflectance.extent;
   const uint64_t scale =
@@ -89,36 +85,42 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
     cleared_ = true;
   }
   if (first_) frame_ = 0;
-  const Push push{extent.width,         extent.height,
-                  first_ ? 1 : 0,       params_.clusters,
-                  params_.iterations,   frame_++,
-                  params_.seed,         params_.decay,
-                  params_.fade,         params_.apart,
-                  params_.tau_cc,       params_.tau_intensity,
-                  params_.chroma_floor, params_.gauge_quantile,
-                  params_.gauge_value,  static_cast<float>(scale)};
+  const Push push = push_for(extent, static_cast<float>(scale));
+  ++frame_;
   const gpu::Items pixels{extent.width, extent.height};
   const gpu::Items one_group{kOneGroup};
-  commands.dispatch(gauge_count_, {log_reflectance.buffer, gauge_counts_}, push, pixels);
-  commands.dispatch(gauge_kernel_, {gauge_counts_, gauge_}, push, one_group);
-  commands.dispatch(count_, {log_reflectance.buffer, gauge_, counts_}, push, pixels);
+  commands.dispatch(gauge_count_, {.reflectance = log_reflectance.buffer, .counts = gauge_counts_},
+                    push, pixels);
+  commands.dispatch(gauge_kernel_, {.counts = gauge_counts_, .gauge = gauge_}, push, one_group);
+  commands.dispatch(count_,
+                    {.reflectance = log_reflectance.buffer, .gauge = gauge_, .counts = counts_},
+                    push, pixels);
   std::swap(histogram_[0], histogram_[1]);
-  commands.dispatch(average_, {counts_, histogram_[1], histogram_[0]}, push, {kBinCount});
-  commands.dispatch(compact_, {histogram_[0], list_, list_length_}, push, one_group);
-  commands.dispatch(seed_, {list_, list_length_, clusters_}, push, one_group);
-  commands.dispatch(cluster_, {list_, list_length_, clusters_, labels_}, push, one_group);
-  commands.dispatch(merge_, {clusters_, gauge_, palette_}, push, {1});
+  commands.dispatch(average_,
+                    {.counts = counts_, .before = histogram_[1], .histogram = histogram_[0]}, push,
+                    {kBinCount});
+  commands.dispatch(compact_,
+                    {.histogram = histogram_[0], .list = list_, .list_length = list_length_}, push,
+                    one_group);
+  commands.dispatch(seed_, {.list = list_, .list_length = list_length_, .clusters = clusters_},
+                    push, one_group);
+  commands.dispatch(
+      cluster_,
+      {.list = list_, .list_length = list_length_, .clusters = clusters_, .labels = labels_}, push,
+      one_group);
+  commands.dispatch(merge_, {.clusters = clusters_, .gauge = gauge_, .palette = palette_}, push,
+                    {1});
   first_ = false;
 }
 
 void Palette::record_assign(gpu::Commands& commands, const Plane& log_reflectance,
                             const Plane& clusters) const {
-  Push push{};
-  push.width = log_reflectance.extent.width;
-  push.height = log_reflectance.extent.height;
-  push.clusters = params_.clusters;
-  commands.dispatch(assign_, {log_reflectance.buffer, palette_, clusters.buffer}, push,
-                    {push.width, push.height});
+  const Extent extent = log_reflectance.extent;
+  commands.dispatch(assign_,
+                    {.reflectance = log_reflectance.buffer,
+                     .palette = palette_,
+                     .nearest_clusters = clusters.buffer},
+                    push_for(extent, 0), {extent.width, extent.height});
 }
 
 std::vector<Palette::Cluster> Palette::read(const float* colors, int count) {

@@ -5,6 +5,15 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/palette_assign.spv.hpp"
+#include "kernels/palette_average.spv.hpp"
+#include "kernels/palette_cluster.spv.hpp"
+#include "kernels/palette_compact.spv.hpp"
+#include "kernels/palette_count.spv.hpp"
+#include "kernels/palette_gauge.spv.hpp"
+#include "kernels/palette_gauge_count.spv.hpp"
+#include "kernels/palette_merge.spv.hpp"
+#include "kernels/palette_seed.spv.hpp"
 
 namespace inverse {
 
@@ -15,7 +24,7 @@ namespace inverse {
 /// index.
 class Palette {
  public:
-  static constexpr uint32_t kMaxClusters = 16;
+  static constexpr uint32_t kMaxClusters = shaders::palette_merge::kMaxClusters;
 
   struct Params {
     int clusters = 10;     ///< K, 1…16
@@ -68,8 +77,18 @@ class Palette {
   static std::vector<Cluster> read(const float* colors, int count);
 
  private:
-  gpu::KernelPtr gauge_count_, gauge_kernel_, count_, average_, compact_, seed_, cluster_, merge_,
-      assign_;
+  using Push = shaders::palette_count::Push;  // that of all
+  Push push_for(Extent extent, float fraction_scale) const;
+
+  gpu::Program<shaders::palette_gauge_count> gauge_count_;
+  gpu::Program<shaders::palette_gauge> gauge_kernel_;
+  gpu::Program<shaders::palette_count> count_;
+  gpu::Program<shaders::palette_average> average_;
+  gpu::Program<shaders::palette_compact> compact_;
+  gpu::Program<shaders::palette_seed> seed_;
+  gpu::Program<shaders::palette_cluster> cluster_;
+  gpu::Program<shaders::palette_merge> merge_;
+  gpu::Program<shaders::palette_assign> assign_;
   gpu::BufferPtr gauge_counts_, gauge_, counts_, list_, list_length_, clusters_, labels_, palette_;
   std::array<gpu::BufferPtr, 2> histogram_;
   Params params_;

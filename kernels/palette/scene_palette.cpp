@@ -2,20 +2,13 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(palette_pick);
-INVERSE_SHADER(palette_paint);
-
 namespace inverse {
 namespace {
 constexpr uint64_t kSample = 20'000;  // pixels
 }
 
 ScenePalette::ScenePalette(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : palette_(device),
-      pick_(device->kernel(shaders::palette_pick)),
-      paint_(device->kernel(shaders::palette_paint)) {
+    : palette_(device), pick_(device), paint_(device) {
   while (extent.pixels() / stride_ / stride_ > kSample) ++stride_;
   sample_.extent = {(extent.width - 1) / stride_ + 1, (extent.height - 1) / stride_ + 1};
   sample_.buffer = gpu::Buffer::create(device, gpu::Element::vec4, sample_.extent.pixels());
@@ -29,20 +22,17 @@ void ScenePalette::record_update(gpu::Commands& commands, const Plane& model, in
     palette_.set_params(params);
     palette_.reset();
   }
-  const uint32_t push[] = {sample_.extent.width, sample_.extent.height, stride_,
-                           model.extent.width};
-  commands.dispatch(pick_, {model.buffer, sample_.buffer}, push,
+  commands.dispatch(pick_, {.model = model.buffer, .picked = sample_.buffer},
+                    {.size = sample_.extent, .stride = stride_, .model_width = model.extent.width},
                     {sample_.extent.width, sample_.extent.height});
   palette_.record_update(commands, sample_);
 }
 
 void ScenePalette::record_paint(gpu::Commands& commands, const Plane& model,
                                 const Plane& target) const {
-  const struct {
-    uint32_t width, height;
-    int32_t clusters;
-  } push{model.extent.width, model.extent.height, palette_.params().clusters};
-  commands.dispatch(paint_, {model.buffer, palette_.colors(), target.buffer}, push,
+  commands.dispatch(paint_,
+                    {.model = model.buffer, .palette = palette_.colors(), .painted = target.buffer},
+                    {.size = model.extent, .clusters = palette_.params().clusters},
                     {model.extent.width, model.extent.height});
 }
 

@@ -1,4 +1,6 @@
 #pragma once
+#include "kernels/palette_paint.spv.hpp"
+#include "kernels/palette_pick.spv.hpp"
 #include "palette.hpp"
 
 namespace inverse {
@@ -22,7 +24,8 @@ class ScenePalette {
 
  private:
   Palette palette_;
-  gpu::KernelPtr pick_, paint_;
+  gpu::Program<shaders::palette_pick> pick_;
+  gpu::Program<shaders::palette_paint> paint_;
   Plane sample_;         // ln R of some pixels
   uint32_t stride_ = 1;  // between them
 };

@@ -6,10 +6,6 @@
 #include <numbers>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(raster_occlude);
-INVERSE_SHADER(raster_blend);
 
 namespace inverse {
 namespace {
@@ -72,8 +68,8 @@ Plane grid(const std::shared_ptr<gpu::Device>& device, uint32_t side) {
 Insertion::Insertion(std::shared_ptr<gpu::Device> device, Extent frame)
     : device_(std::move(device)),
       frame_(frame),
-      occlude_(device_->kernel(shaders::raster_occlude)),
-      blend_(device_->kernel(shaders::raster_blend)),
+      occlude_(device_),
+      blend_(device_),
       heights_(grid(device_, kHeights)),
       occlusion_(grid(device_, kOcclusion)) {}
 
@@ -129,9 +125,8 @@ void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   below.scale = kPerUnit;
   below.x = below.y = kHeights / 2.0F;
   rasterizer_->depth(commands, below, heights_);
-  const struct { float ground, soft; } push{ground_, params.softness};
-  commands.dispatch(occlude_, {heights_.buffer, occlusion_.buffer}, push,
-                    {kOcclusion * kOcclusion});
+  commands.dispatch(occlude_, {.heights = heights_.buffer, .occlusion = occlusion_.buffer},
+                    {.ground = ground_, .soft = params.softness}, {kOcclusion * kOcclusion});
   shadow_key_ = now;
   commands.stage("shadow");
 }
@@ -172,23 +167,21 @@ void Insertion::record(gpu::Commands& commands, const Plane& frame, const Params
   if (!window.empty()) draw(commands, view, window, light);
   const gpu::BufferPtr& picture = window.empty() ? occlusion_.buffer : picture_;
   const float yaw = params.yaw * kRadian;
-  const struct {
-    int32_t origin[2], size[2], window[2], window_size[2];
-    uint32_t stride;
-    float center[2], radius, ground, sine, turn[2], strength;
-  } push{{all.left, all.top},
-         {all.right - all.left, all.bottom - all.top},
-         {window.left, window.top},
-         {window.right - window.left, window.bottom - window.top},
-         frame_.width,
-         {view.x, view.y},
-         radius,
-         ground,
-         shaded ? sine : 1,
-         {std::cos(yaw), std::sin(yaw)},
-         shaded ? params.shadow : 0};
   commands.dispatch(
-      blend_, {picture, occlusion_.buffer, frame.buffer}, push,
+      blend_, {.picture = picture, .occlusion = occlusion_.buffer, .frame = frame.buffer},
+      {.origin = {all.left, all.top},
+       .size = {all.right - all.left, all.bottom - all.top},
+       .window = {window.left, window.top},
+       .window_size = {window.right - window.left, window.bottom - window.top},
+       .stride = frame_.width,
+       .center_x = view.x,
+       .center_y = view.y,
+       .radius = radius,
+       .ground = ground,
+       .sine = shaded ? sine : 1,
+       .turn_x = std::cos(yaw),
+       .turn_y = std::sin(yaw),
+       .strength = shaded ? params.shadow : 0},
       {static_cast<uint32_t>(all.right - all.left), static_cast<uint32_t>(all.bottom - all.top)});
   commands.stage("blend");
 }

@@ -4,14 +4,6 @@
 #include <bit>
 #include <cstring>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(raster_place);
-INVERSE_SHADER(raster_edges);
-INVERSE_SHADER(raster_bin);
-INVERSE_SHADER(raster_draw);
-INVERSE_SHADER(raster_depth);
-
 namespace inverse {
 namespace {
 
@@ -30,16 +22,12 @@ gpu::Items blocks(Extent extent) {
 
 }  // namespace
 
-struct Rasterizer::Push {
-  uint32_t size[2], tile, columns, words, group, side;
-};
-
 Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& mesh)
-    : place_(device->kernel(shaders::raster_place)),
-      edges_(device->kernel(shaders::raster_edges)),
-      bin_(device->kernel(shaders::raster_bin)),
-      draw_(device->kernel(shaders::raster_draw)),
-      depth_(device->kernel(shaders::raster_depth)),
+    : place_(device),
+      edges_(device),
+      bin_(device),
+      draw_(device),
+      depth_(device),
       corner_count_(static_cast<uint32_t>(mesh.positions.size())),
       triangles_(static_cast<uint32_t>(mesh.triangles())),
       group_(std::clamp(std::bit_ceil(divided(triangles_, kMaxGroups)), kMinGroup, kLargestGroup)),
@@ -68,7 +56,7 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
   commands.wait();
 }
 
-Rasterizer::Push Rasterizer::prepare(gpu::Commands& commands, const MeshView& view, Extent extent) {
+Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& view, Extent extent) {
   const uint32_t words = divided(groups_, 32);
   uint32_t tile = kBlock;
   const auto along = [&](uint32_t pixels) { return divided(pixels, tile); };
@@ -76,38 +64,51 @@ Rasterizer::Push Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
   const uint32_t tiles = along(extent.width) * along(extent.height);
   if (!bits_ || bits_->count() < uint64_t{tiles} * words)
     bits_ = gpu::Buffer::create(corners_->device(), gpu::Element::word, uint64_t{tiles} * words);
-  const struct {
-    float x[4], y[4], z[4], scale;
-    uint32_t count;
-  } placing{{view.turn[0][0], view.turn[0][1], view.turn[0][2], view.x},
-            {view.turn[1][0], view.turn[1][1], view.turn[1][2], view.y},
-            {view.turn[2][0], view.turn[2][1], view.turn[2][2], 0},
-            view.scale,
-            corner_count_};
-  commands.dispatch(place_, {corners_, placed_}, placing,
+  commands.dispatch(place_, {.corners = corners_, .placed = placed_},
+                    {.x = {view.turn[0][0], view.turn[0][1], view.turn[0][2], view.x},
+                     .y = {view.turn[1][0], view.turn[1][1], view.turn[1][2], view.y},
+                     .z = {view.turn[2][0], view.turn[2][1], view.turn[2][2], 0},
+                     .scale = view.scale,
+                     .count = corner_count_},
                     {std::min(corner_count_, 65536U), divided(corner_count_, 65536)});
-  const struct { uint32_t groups, size, triangles; } edging{groups_, group_, triangles_};
-  commands.dispatch(edges_, {placed_, indices_, records_, boxes_, bounds_}, edging, {groups_});
-  const struct {
-    uint32_t columns, tile, groups, words;
-  } binning{along(extent.width), tile, groups_, words};
-  commands.dispatch(bin_, {boxes_, bits_}, binning,
-                    {along(extent.width) * words, along(extent.height)});
-  return {{extent.width, extent.height}, tile, along(extent.width), words, group_, 0};
+  commands.dispatch(edges_,
+                    {.placed = placed_,
+                     .indices = indices_,
+                     .records = records_,
+                     .boxes = boxes_,
+                     .bounds = bounds_},
+                    {.groups = groups_, .size = group_, .triangles = triangles_}, {groups_});
+  commands.dispatch(
+      bin_, {.boxes = boxes_, .bits = bits_},
+      {.columns = along(extent.width), .tile = tile, .groups = groups_, .words = words},
+      {along(extent.width) * words, along(extent.height)});
+  return {.size = extent,
+          .tile = tile,
+          .columns = along(extent.width),
+          .words = words,
+          .group = group_,
+          .side = 0};
 }
 
 void Rasterizer::draw(gpu::Commands& commands, const MeshView& view, const Plane& table,
                       const Plane& picture) {
-  Push push = prepare(commands, view, picture.extent);
-  push.side = table.extent.width;
-  commands.dispatch(draw_, {records_, bits_, bounds_, placed_, table.buffer, picture.buffer}, push,
-                    blocks(picture.extent));
+  Grid grid = prepare(commands, view, picture.extent);
+  grid.side = table.extent.width;
+  commands.dispatch(draw_,
+                    {.records = records_,
+                     .bits = bits_,
+                     .bounds = bounds_,
+                     .placed = placed_,
+                     .LIT_TABLE = table.buffer,
+                     .picture = picture.buffer},
+                    grid, blocks(picture.extent));
 }
 
 void Rasterizer::depth(gpu::Commands& commands, const MeshView& view, const Plane& picture) {
-  const Push push = prepare(commands, view, picture.extent);
-  commands.dispatch(depth_, {records_, bits_, bounds_, picture.buffer}, push,
-                    blocks(picture.extent));
+  const Grid grid = prepare(commands, view, picture.extent);
+  commands.dispatch(
+      depth_, {.records = records_, .bits = bits_, .bounds = bounds_, .picture = picture.buffer},
+      grid, blocks(picture.extent));
 }
 
 }  // namespace inverse

@@ -4,6 +4,11 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/raster_bin.spv.hpp"
+#include "kernels/raster_depth.spv.hpp"
+#include "kernels/raster_draw.spv.hpp"
+#include "kernels/raster_edges.spv.hpp"
+#include "kernels/raster_place.spv.hpp"
 #include "mesh.hpp"
 
 namespace inverse {
@@ -35,10 +40,14 @@ class Rasterizer {
   void depth(gpu::Commands& commands, const MeshView& view, const Plane& picture);
 
  private:
-  struct Push;
-  Push prepare(gpu::Commands& commands, const MeshView& view, Extent extent);
+  using Grid = shaders::raster_draw::Push;  // of draw_ and depth_
+  Grid prepare(gpu::Commands& commands, const MeshView& view, Extent extent);
 
-  gpu::KernelPtr place_, edges_, bin_, draw_, depth_;
+  gpu::Program<shaders::raster_place> place_;
+  gpu::Program<shaders::raster_edges> edges_;
+  gpu::Program<shaders::raster_bin> bin_;
+  gpu::Program<shaders::raster_draw> draw_;
+  gpu::Program<shaders::raster_depth> depth_;
   uint32_t corner_count_, triangles_, group_, groups_;
   gpu::BufferPtr corners_, indices_, placed_, records_, boxes_, bounds_, bits_;
 };

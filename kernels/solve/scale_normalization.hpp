@@ -3,6 +3,8 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/solve_scale_track.spv.hpp"
+#include "kernels/solve_scale_update.spv.hpp"
 
 namespace inverse {
 
@@ -31,8 +33,8 @@ class ScaleNormalization {
   /// `cells`: the size of the planes that points are followed on.
   ScaleNormalization(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
-  /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log ratios
-  /// of its color, mean log reflectance in the solver's scale.
+  /// The plane that a solver writes before `record`: vec4 a cell, mean log intensity, two log
+  /// ratios of its color, mean log reflectance in the solver's scale.
   const gpu::BufferPtr& cells() const { return now_; }
   /// Records the scale of the frame whose cells were just written.
   void record(gpu::Commands& commands, const Frame& frame);
@@ -48,7 +50,8 @@ class ScaleNormalization {
   Extent cells_;
   uint32_t columns_, rows_;  // of points
   float spacing_;            // cells from point to point
-  gpu::KernelPtr track_, update_;
+  gpu::Program<shaders::solve_scale_track> track_;
+  gpu::Program<shaders::solve_scale_update> update_;
   gpu::BufferPtr before_, now_, scale_, points_, samples_;
   bool cleared_ = false;
   bool followed_ = false;  // `before_` is of the frame before

@@ -7,9 +7,6 @@
 
 #include "common/error.hpp"
 #include "half.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(virtual_stage_weigh);
 
 namespace inverse {
 namespace {
@@ -32,7 +29,7 @@ OlatStack::OlatStack(std::shared_ptr<gpu::Device> device, Extent extent, uint32_
     : device_(std::move(device)),
       extent_(extent),
       lights_(lights),
-      weigh_(device_->kernel(shaders::virtual_stage_weigh)),
+      weigh_(device_),
       planes_(device_, extent) {
   const uint64_t all = bytes(extent, lights), one = bytes(extent, 1);
   if (all > max_bytes)
@@ -113,8 +110,8 @@ PlanePtr OlatStack::record(gpu::Commands& commands, std::span<const LightColor> 
   bool add = false;
   for (size_t i = 0; i < chunks_.size(); ++i) {
     if (counts[i] == 0 && (add || i + 1 < chunks_.size())) continue;  // once at least: black
-    const struct { uint32_t pixels, first, count, add; } push{pixels, first, counts[i], add};
-    commands.dispatch(weigh_, {chunks_[i].images, table, plane->buffer}, push, {pixels});
+    commands.dispatch(weigh_, {.olats = chunks_[i].images, .colors = table, .total = plane->buffer},
+                      {.pixels = pixels, .first = first, .count = counts[i], .add = add}, {pixels});
     first += counts[i];
     add = true;
   }

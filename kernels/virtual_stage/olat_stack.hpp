@@ -5,6 +5,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/virtual_stage_weigh.spv.hpp"
 #include "stage/program/light_program.hpp"
 
 namespace inverse {
@@ -50,7 +51,7 @@ class OlatStack {
   Extent extent_;
   uint32_t lights_;
   std::vector<Chunk> chunks_;
-  gpu::KernelPtr weigh_;
+  gpu::Program<shaders::virtual_stage_weigh> weigh_;
   PlanePool planes_;
   std::list<Sum> sums_;  // the latest used first
   uint64_t made_ = 0, taken_again_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/virtual_stage_camera.spv.hpp"
 
 namespace inverse {
 
@@ -24,7 +25,7 @@ class VirtualCamera {
               const Plane& picture) const;
 
  private:
-  gpu::KernelPtr kernel_;
+  gpu::Program<shaders::virtual_stage_camera> kernel_;
 };
 
 }  // namespace inverse

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(virtual_stage_shade);
-INVERSE_SHADER(virtual_stage_surface);
+#include "kernels/virtual_stage_shade.spv.hpp"
+#include "kernels/virtual_stage_surface.spv.hpp"
 
 namespace inverse {
 namespace {
@@ -36,16 +34,22 @@ void record_head_surface(gpu::Commands& commands, const HeadSurface& surface, co
   const auto& device = commands.device();
   const HeadScene& head = virtual_head();
   const Extent extent = surface.position.extent;
-  const struct {
-    uint32_t width, height, primitives;
-    float turn, distance, height_of_view, center;
-    uint32_t first, count;
-  } push{extent.width, extent.height, head.count(), view.turn, view.distance,
-         view.height,  view.center,   first,        count};
-  commands.dispatch(device->kernel(shaders::virtual_stage_surface),
-                    {uploaded(device, head.primitives), uploaded(device, head.materials),
-                     surface.position.buffer, surface.normal.buffer, surface.albedo.buffer},
-                    push, {count});
+  commands.dispatch(gpu::Program<shaders::virtual_stage_surface>(device),
+                    {.scene = uploaded(device, head.primitives),
+                     .materials = uploaded(device, head.materials),
+                     .position = surface.position.buffer,
+                     .normal = surface.normal.buffer,
+                     .albedo = surface.albedo.buffer},
+                    {.width = extent.width,
+                     .height = extent.height,
+                     .primitives = head.count(),
+                     .turn = view.turn,
+                     .distance = view.distance,
+                     .height_of_view = view.height,
+                     .center = view.center,
+                     .first = first,
+                     .count = count},
+                    {count});
 }
 
 bool render_head(OlatStack& stack, std::span<const Direction> lights, const HeadView& view,
@@ -69,7 +73,7 @@ bool render_head(OlatStack& stack, std::span<const Direction> lights, const Head
     directions.push_back(
         {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]), 0});
   const auto scene = uploaded(device, head.primitives), table = uploaded(device, directions);
-  const auto kernel = device->kernel(shaders::virtual_stage_shade);
+  const gpu::Program<shaders::virtual_stage_shade> shade(device);
   const auto pixels = static_cast<uint32_t>(extent.pixels());
   const auto eye = view.eye();
   const auto at_once = static_cast<uint32_t>(
@@ -78,16 +82,25 @@ bool render_head(OlatStack& stack, std::span<const Direction> lights, const Head
     for (uint32_t first = 0; first < chunk.count; first += at_once) {
       if (go_on && !go_on()) return false;
       const uint32_t count = std::min(at_once, chunk.count - first);
-      const struct {
-        uint32_t width, height, side, first, count, target, primitives;
-        float eye[3];
-      } push{extent.width, extent.height, side,         chunk.first + first,
-             count,        first,         head.count(), {eye[0], eye[1], eye[2]}};
       commands.begin();
-      commands.dispatch(kernel,
-                        {scene, surface.position.buffer, surface.normal.buffer,
-                         surface.albedo.buffer, table, chunk.images},
-                        push, {pixels, count});
+      commands.dispatch(shade,
+                        {.scene = scene,
+                         .position = surface.position.buffer,
+                         .normal = surface.normal.buffer,
+                         .albedo = surface.albedo.buffer,
+                         .lights = table,
+                         .olats = chunk.images},
+                        {.width = extent.width,
+                         .height = extent.height,
+                         .side = side,
+                         .first = chunk.first + first,
+                         .count = count,
+                         .target = first,
+                         .primitives = head.count(),
+                         .eye_x = eye[0],
+                         .eye_y = eye[1],
+                         .eye_z = eye[2]},
+                        {pixels, count});
       commands.submit();
       commands.wait();
     }

@@ -4,38 +4,20 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(image_format_unpack_rgb);
-INVERSE_SHADER(image_format_unpack_yuv);
-INVERSE_SHADER(image_format_pack_rgb);
-INVERSE_SHADER(image_format_pack_yuv);
 
 namespace inverse {
 namespace {
 
-/// frame.glsl's push constants.
-struct Push {
-  uint32_t size[2];
-  uint32_t words, flags;
-  uint32_t offset[4], stride[4];
-  float codes[4], matrix[4], curve[4];
-  float power, ceiling, gain, largest;
-};
-constexpr uint32_t kFlagShading = 1, kFlagOpaque = 2;
-constexpr uint32_t kStripRows = 8;  // rows per invocation, in every kernel
+using Push = shaders::image_format_pack_rgb::Push;  // the same in all these kernels
+constexpr uint32_t kStripRows = 8;                  // rows per invocation, in every kernel
 constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
-Push layout_push(const FrameFormat& format) {
-  Push push{};
-  push.size[0] = format.extent.width;
-  push.size[1] = format.extent.height;
-  push.words = static_cast<uint32_t>(raw_words(format));
-  for (uint32_t p = 0; p < plane_count(format.format); ++p) {
-    push.offset[p] = format.offset[p] / 4;
-    push.stride[p] = format.stride[p] / 4;
-  }
-  return push;
+/// Words per plane.
+gpu::Vector<uint32_t, 4> words_of(const FrameFormat& format, const auto& bytes) {
+  std::array<uint32_t, 4> words{};
+  for (uint32_t p = 0; p < plane_count(format.format); ++p)
+    words[p] = static_cast<uint32_t>(bytes[p] / 4);
+  return words;
 }
 
 double largest_value(const CodeScale& codes) {
@@ -43,23 +25,29 @@ double largest_value(const CodeScale& codes) {
 }
 
 /// Specialization constants of the RGB and gray kernels.
-std::vector<uint32_t> rgb_constants(const FrameFormat& format) {
+template <typename Shader>
+typename Shader::Constants rgb_constants(const FrameFormat& format) {
   const bool bgr = format.format == PixelFormat::bgra || format.format == PixelFormat::bgrx ||
                    format.format == PixelFormat::bgr;
-  const uint32_t pixel = row_bytes(format.format, {1, 1}, 0);
-  return {!format.transfer.is_linear(), pixel, bgr, has_alpha(format.format)};
+  return {.curve = !format.transfer.is_linear(),
+          .pixel = row_bytes(format.format, {1, 1}, 0),
+          .bgr = bgr,
+          .alpha = has_alpha(format.format)};
 }
 
 /// Specialization constants of the Y'CbCr kernels (yuv.glsl).
-std::vector<uint32_t> yuv_constants(const FrameFormat& format) {
-  uint32_t layout = 0;
-  if (plane_count(format.format) == 3) layout = 1;
-  if (format.format == PixelFormat::yuy2) layout = 2;
-  if (format.format == PixelFormat::uyvy) layout = 3;
-  const bool deep = bit_depth(format.format) > 8;
-  const uint32_t shift = format.format == PixelFormat::p010_10le ? 6 : 0;
-  return {!format.transfer.is_linear(), layout, deep, shift, format.site.cosited_x,
-          format.site.cosited_y};
+template <typename Shader>
+typename Shader::Constants yuv_constants(const FrameFormat& format) {
+  uint32_t layout = Shader::kSemiPlanar;
+  if (plane_count(format.format) == 3) layout = Shader::kPlanar;
+  if (format.format == PixelFormat::yuy2) layout = Shader::kYuy2;
+  if (format.format == PixelFormat::uyvy) layout = Shader::kUyvy;
+  return {.curve = !format.transfer.is_linear(),
+          .layout = layout,
+          .deep = bit_depth(format.format) > 8,
+          .shift = format.format == PixelFormat::p010_10le ? 6U : 0U,
+          .cosited_x = format.site.cosited_x,
+          .cosited_y = format.site.cosited_y};
 }
 
 void check_layout(const FrameFormat& format) {
@@ -92,85 +80,87 @@ uint64_t raw_words(const FrameFormat& format) { return (frame_bytes(format) + 3)
 Unpack::Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  kernel_ =
-      is_yuv(format.format)
-          ? TileKernel(device, shaders::image_format_unpack_yuv, yuv_constants(format), 4, kStrips)
-          : TileKernel(device, shaders::image_format_unpack_rgb, rgb_constants(format), 4, kStrips);
+  using shaders::image_format_unpack_rgb, shaders::image_format_unpack_yuv;
+  if (is_yuv(format.format))
+    yuv_ = {device, yuv_constants<image_format_unpack_yuv>(format), 4, kStrips};
+  else
+    rgb_ = {device, rgb_constants<image_format_unpack_rgb>(format), 4, kStrips};
 }
 
 void Unpack::record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
                     const TileList* listed) const {
   check_planes(format_, raw, &linear);
-  Push push = layout_push(format_);
   const CodeScale luma = luma_codes(format_), chroma = chroma_codes(format_);
-  push.codes[0] = luma.offset;
-  push.codes[1] = 1 / luma.scale;
-  push.codes[2] = chroma.offset;
-  push.codes[3] = 1 / chroma.scale;
   const double kr = format_.matrix.kr, kb = format_.matrix.kb, kg = 1 - kr - kb;
-  push.matrix[0] = static_cast<float>(2 * (1 - kr));
-  push.matrix[1] = static_cast<float>(-2 * (1 - kb) * kb / kg);
-  push.matrix[2] = static_cast<float>(-2 * (1 - kr) * kr / kg);
-  push.matrix[3] = static_cast<float>(2 * (1 - kb));
   const Transfer& t = format_.transfer;
-  push.curve[0] = t.start;
-  push.curve[1] = t.slope;
-  push.curve[2] = t.scale;
-  push.curve[3] = t.offset;
-  push.power = t.power;
-  push.ceiling = static_cast<float>(largest_value(luma));
-  kernel_.dispatch(commands, listed, {raw, linear.buffer}, push,
-                   {blocks(format_.extent.width, 4), blocks(format_.extent.height, kStripRows)});
+  const Push push{
+      .size = format_.extent,
+      .words = static_cast<uint32_t>(raw_words(format_)),
+      .flags = 0,
+      .offset = words_of(format_, format_.offset),
+      .stride = words_of(format_, format_.stride),
+      .codes = {luma.offset, 1 / luma.scale, chroma.offset, 1 / chroma.scale},
+      .matrix = {static_cast<float>(2 * (1 - kr)), static_cast<float>(-2 * (1 - kb) * kb / kg),
+                 static_cast<float>(-2 * (1 - kr) * kr / kg), static_cast<float>(2 * (1 - kb))},
+      .curve = {t.start, t.slope, t.scale, t.offset},
+      .power = t.power,
+      .ceiling = static_cast<float>(largest_value(luma)),
+      .gain = 0,
+      .largest = 0};
+  const gpu::Items items{blocks(format_.extent.width, 4),
+                         blocks(format_.extent.height, kStripRows)};
+  if (is_yuv(format_.format))
+    yuv_.dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
+  else
+    rgb_.dispatch(commands, listed, {.raw = raw, .linear = linear.buffer}, push, items);
 }
 
 Pack::Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format)
     : format_(format) {
   check_layout(format);
-  kernel_ =
-      is_yuv(format.format)
-          ? TileKernel(device, shaders::image_format_pack_yuv, yuv_constants(format),
-                       TileList::kTile / drawn_at_once(format), kStrips)
-          : TileKernel(device, shaders::image_format_pack_rgb, rgb_constants(format), 4, kStrips);
+  using shaders::image_format_pack_rgb, shaders::image_format_pack_yuv;
+  if (is_yuv(format.format))
+    yuv_ = {device, yuv_constants<image_format_pack_yuv>(format),
+            TileList::kTile / drawn_at_once(format), kStrips};
+  else
+    rgb_ = {device, rgb_constants<image_format_pack_rgb>(format), 4, kStrips};
 }
 
 void Pack::record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
                   const TileList* listed) const {
   check_planes(format_, raw, &drawing.picture);
   check_planes(format_, raw, drawing.alpha);
-  Push push = layout_push(format_);
-  if (drawing.source == Drawing::Source::shading) push.flags |= kFlagShading;
-  if (!drawing.alpha) push.flags |= kFlagOpaque;
+  using Shader = shaders::image_format_pack_rgb;
+  const uint32_t shading = drawing.source == Drawing::Source::shading ? Shader::kFlagShading : 0;
+  const uint32_t opaque = drawing.alpha ? 0 : Shader::kFlagOpaque;
   const CodeScale luma = luma_codes(format_), chroma = chroma_codes(format_);
-  push.codes[0] = luma.offset;
-  push.codes[1] = luma.scale;
-  push.codes[2] = chroma.offset;
-  push.codes[3] = chroma.scale;
-  push.largest = luma.largest;
   const Matrix matrix = format_.matrix.is_identity() ? Matrix::bt709() : format_.matrix;
-  push.matrix[0] = matrix.kr;
-  push.matrix[1] = matrix.kb;
-  push.matrix[2] = 0.5f / (1 - matrix.kb);
-  push.matrix[3] = 0.5f / (1 - matrix.kr);
   const Transfer& t = format_.transfer;
-  push.curve[0] = static_cast<float>(t.linear_start());
-  push.curve[1] = 1 / t.slope;
-  push.curve[2] = 1 / t.scale;
-  push.curve[3] = -t.offset / t.scale;
-  push.power = 1 / t.power;
-  push.ceiling = static_cast<float>(t.decode(largest_value(luma)));
-  push.gain = drawing.gain;
-
+  const Push push{.size = format_.extent,
+                  .words = static_cast<uint32_t>(raw_words(format_)),
+                  .flags = shading | opaque,
+                  .offset = words_of(format_, format_.offset),
+                  .stride = words_of(format_, format_.stride),
+                  .codes = {luma.offset, luma.scale, chroma.offset, chroma.scale},
+                  .matrix = {matrix.kr, matrix.kb, 0.5f / (1 - matrix.kb), 0.5f / (1 - matrix.kr)},
+                  .curve = {static_cast<float>(t.linear_start()), 1 / t.slope, 1 / t.scale,
+                            -t.offset / t.scale},
+                  .power = 1 / t.power,
+                  .ceiling = static_cast<float>(t.decode(largest_value(luma))),
+                  .gain = drawing.gain,
+                  .largest = luma.largest};
   const Extent extent = format_.extent;
   const gpu::BufferPtr& picture = drawing.picture.buffer;
-  if (!is_yuv(format_.format)) {
-    kernel_.dispatch(commands, listed,
-                     {picture, drawing.alpha ? drawing.alpha->buffer : picture, raw}, push,
-                     {blocks(extent.width, 4), blocks(extent.height, kStripRows)});
-    return;
-  }
-  kernel_.dispatch(
-      commands, listed, {picture, raw}, push,
-      {blocks(extent.width, drawn_at_once(format_)), blocks(extent.height, kStripRows)});
+  if (is_yuv(format_.format))
+    yuv_.dispatch(
+        commands, listed, {.picture = picture, .raw = raw}, push,
+        {blocks(extent.width, drawn_at_once(format_)), blocks(extent.height, kStripRows)});
+  else
+    rgb_.dispatch(commands, listed,
+                  {.picture = picture,
+                   .alpha_plane = drawing.alpha ? drawing.alpha->buffer : picture,
+                   .raw = raw},
+                  push, {blocks(extent.width, 4), blocks(extent.height, kStripRows)});
 }
 
 }  // namespace inverse

@@ -4,6 +4,10 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/image_format_pack_rgb.spv.hpp"
+#include "kernels/image_format_pack_yuv.spv.hpp"
+#include "kernels/image_format_unpack_rgb.spv.hpp"
+#include "kernels/image_format_unpack_yuv.spv.hpp"
 #include "pixel_format.hpp"
 
 namespace inverse {
@@ -28,7 +32,8 @@ class Unpack {
 
  private:
   FrameFormat format_;
-  TileKernel kernel_;
+  TileProgram<shaders::image_format_unpack_yuv> yuv_;  // one of the two
+  TileProgram<shaders::image_format_unpack_rgb> rgb_;
 };
 
 /// What to draw from planes.
@@ -59,7 +64,8 @@ class Pack {
 
  private:
   FrameFormat format_;
-  TileKernel kernel_;
+  TileProgram<shaders::image_format_pack_yuv> yuv_;  // one of the two
+  TileProgram<shaders::image_format_pack_rgb> rgb_;
 };
 
 }  // namespace inverse

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(image_tiles_list_tiles);
-
 namespace inverse {
 namespace {
 
-// As in tiles.glsl.
-constexpr uint32_t kListArguments = 4, kListSizes = 7, kListTiles = 32;
+using List = shaders::image_tiles_list_tiles;
 
 std::vector<uint32_t> with(std::vector<uint32_t> constants, uint32_t across, uint32_t down) {
   constants.push_back(across);
@@ -25,23 +20,23 @@ TileList::TileList(const std::shared_ptr<gpu::Device>& device, Extent extent, gp
     : columns_(along(extent.width)),
       rows_(along(extent.height)),
       workgroup_(device->variant().workgroup),
-      list_(device->kernel(shaders::image_tiles_list_tiles, {}, device->variant().lone_workgroup)),
+      list_(device, {}, device->variant().lone_workgroup),
       flags_(gpu::Buffer::create(device, gpu::Element::word, tiles())),
-      words_(gpu::Buffer::create(device, gpu::Element::word, kListTiles + tiles(), memory)) {}
+      words_(gpu::Buffer::create(device, gpu::Element::word, List::LIST_TILES + tiles(), memory)) {}
 
 void TileList::record(gpu::Commands& commands) const {
-  const struct { uint32_t tiles, columns, workgroup; } push{tiles(), columns_, workgroup_};
-  commands.dispatch(list_, {flags_, words_}, push, {});
+  commands.dispatch(list_, {.flags = flags_, .list = words_},
+                    {.tiles = tiles(), .columns = columns_, .workgroup = workgroup_}, {});
 }
 
 void TileList::assign(std::span<const uint8_t> flags) const {
   auto* words = words_->map_as<uint32_t>();
   uint32_t count = 0;
   for (uint32_t i = 0; i < tiles(); ++i)
-    if (flags[i]) words[kListTiles + count++] = i / columns_ << 16U | i % columns_;
-  words[0] = count;
-  for (uint32_t size = 0; size < kListSizes; ++size) {
-    uint32_t* groups = words + kListArguments + 3 * size;
+    if (flags[i]) words[List::LIST_TILES + count++] = i / columns_ << 16U | i % columns_;
+  words[List::LIST_COUNT] = count;
+  for (uint32_t size = 0; size < List::LIST_SIZES; ++size) {
+    uint32_t* groups = words + List::LIST_ARGUMENTS + 3 * size;
     groups[0] = ((count << size) + workgroup_ - 1) / workgroup_;
     groups[1] = groups[2] = 1;
   }
@@ -49,7 +44,7 @@ void TileList::assign(std::span<const uint8_t> flags) const {
 
 uint64_t TileList::arguments(uint32_t items_a_tile) {
   return sizeof(uint32_t) *
-         (kListArguments + 3ULL * static_cast<uint32_t>(std::countr_zero(items_a_tile)));
+         (List::LIST_ARGUMENTS + 3ULL * static_cast<uint32_t>(std::countr_zero(items_a_tile)));
 }
 
 std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns) {

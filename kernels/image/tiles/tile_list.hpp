@@ -6,6 +6,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/image_tiles_list_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -42,14 +43,50 @@ class TileList {
 
  private:
   uint32_t columns_, rows_, workgroup_;
-  gpu::KernelPtr list_;
+  gpu::Program<shaders::image_tiles_list_tiles> list_;
   gpu::BufferPtr flags_, words_;
 };
 
 /// Dilates flags by one tile, also diagonally; `columns` tiles per row.
 std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns);
 
-/// A kernel that runs over a whole frame or over a list of tiles. The list is its last binding. Its
+/// A kernel that runs over a whole frame or over a list of tiles. A tile has `across` x `down`
+/// invocations; 0 if it only runs over whole frames.
+template <typename Shader>
+class TileProgram {
+ public:
+  TileProgram() = default;
+  TileProgram(const std::shared_ptr<gpu::Device>& device, typename Shader::Constants constants,
+              uint32_t across, uint32_t down)
+      : whole_(device, constants),
+        items_(across * down),
+        nothing_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
+    if (items_ == 0) return;
+    constants.tile_across = across;
+    constants.tile_down = down;
+    listed_ = {device, constants};
+  }
+
+  /// Records it over the tiles of `listed`, or over `whole` if that is null.
+  template <typename Push = typename Shader::Push>
+  void dispatch(gpu::Commands& commands, const TileList* listed, typename Shader::Buffers buffers,
+                const Push& push, gpu::Items whole) const {
+    buffers.list = listed ? listed->words() : nothing_;
+    if (listed)
+      commands.dispatch_indirect(listed_, buffers, push, listed->words(),
+                                 TileList::arguments(items_));
+    else
+      commands.dispatch(whole_, buffers, push, whole);
+  }
+  const gpu::KernelPtr& whole() const { return whole_.kernel(); }
+
+ private:
+  gpu::Program<Shader> whole_, listed_;
+  uint32_t items_ = 0;      // invocations per tile
+  gpu::BufferPtr nothing_;  // in the list's place
+};
+
+/// The same with positional buffers, until all calls are by name. The list is the last binding. The
 /// last two specialization constants are the invocations per tile across and down; 0 if it only
 /// runs over whole frames.
 class TileKernel {
@@ -75,7 +112,7 @@ class TileKernel {
 
  private:
   gpu::KernelPtr whole_, listed_;
-  uint32_t items_ = 0;      // invocations a tile
+  uint32_t items_ = 0;      // invocations per tile
   gpu::BufferPtr nothing_;  // in the list's place
 };
 

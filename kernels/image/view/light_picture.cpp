@@ -1,17 +1,9 @@
 #include "light_picture.hpp"
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(image_view_light_picture);
+#include "kernels/image_view_light_picture.spv.hpp"
 
 namespace inverse {
-namespace {
-
-constexpr uint32_t kRows = 4;  // light_picture.comp
-
-}  // namespace
-
 LightPicture::LightPicture(const std::shared_ptr<gpu::Device>& device) : device_(device) {}
 
 void LightPicture::record(gpu::Commands& commands, const Layers& layers, What what,
@@ -25,16 +17,18 @@ void LightPicture::record(gpu::Commands& commands, const Layers& layers, What wh
   }
   const PlanePtr& light = layers[Role::light];
   const Extent size = layers.extent;
-  const struct { uint32_t width, height, base; } push{size.width, size.height, base};
+  using Shader = shaders::image_view_light_picture;
   const bool layer = what == What::layer;
   const PlanePtr& lamp = layers[Role::lamp];
   commands.dispatch(
-      device_->kernel(shaders::image_view_light_picture,
-                      {static_cast<uint32_t>(what), lamp ? 1U : 0U}),
-      {layers[Role::intrinsic]->buffer, light->buffer, layer ? shares->buffer : light->buffer,
-       layer ? layers[Role::bases]->buffer : light->buffer, lamp ? lamp->buffer : light->buffer,
-       target.buffer},
-      push, {size.width, (size.height - 1) / kRows + 1});
+      gpu::Program<Shader>(device_, {.what = static_cast<uint32_t>(what), .lamp = lamp != nullptr}),
+      {.intrinsic = layers[Role::intrinsic]->buffer,
+       .light = light->buffer,
+       .share = layer ? shares->buffer : light->buffer,
+       .bases = layer ? layers[Role::bases]->buffer : light->buffer,
+       .lamp = lamp ? lamp->buffer : light->buffer,
+       .picture = target.buffer},
+      {.size = size, .base = base}, {size.width, (size.height - 1) / Shader::kRows + 1});
 }
 
 }  // namespace inverse

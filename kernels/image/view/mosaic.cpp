@@ -1,15 +1,11 @@
 #include "mosaic.hpp"
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
-
-INVERSE_SHADER(image_view_mosaic);
 
 namespace inverse {
 
-Mosaic::Mosaic(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::image_view_mosaic)) {}
+Mosaic::Mosaic(const std::shared_ptr<gpu::Device>& device) : kernel_(device) {}
 
 void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
                     const Plane& target) const {
@@ -24,18 +20,17 @@ void Mosaic::record(gpu::Commands& commands, const std::array<Tile, 4>& tiles,
   if (!any) throw Error(ErrorKind::internal, "a mosaic of nothing");
   for (uint32_t i = 0; i < 4; ++i) {
     const bool right = i % 2 == 1, bottom = i / 2 == 1;
-    struct {
-      uint32_t size[2], origin[2], tile[2], shading;
-      float gain;
-    } push{{size.width, size.height},
-           {right ? large.width : 0, bottom ? large.height : 0},
-           {right ? size.width - large.width : large.width,
-            bottom ? size.height - large.height : large.height},
-           tiles[i].source == Drawing::Source::shading,
-           tiles[i].picture ? tiles[i].gain : 0};
-    if (push.tile[0] == 0 || push.tile[1] == 0) continue;  // a frame one pixel wide or high
+    const Extent tile{right ? size.width - large.width : large.width,
+                      bottom ? size.height - large.height : large.height};
+    if (tile.pixels() == 0) continue;  // a frame one pixel wide or high
     const Plane& picture = tiles[i].picture ? *tiles[i].picture : *any;
-    commands.dispatch(kernel_, {picture.buffer, target.buffer}, push, {push.tile[0], push.tile[1]});
+    commands.dispatch(kernel_, {.picture = picture.buffer, .target = target.buffer},
+                      {.size = size,
+                       .origin = {right ? large.width : 0, bottom ? large.height : 0},
+                       .tile = tile,
+                       .shading = tiles[i].source == Drawing::Source::shading,
+                       .gain = tiles[i].picture ? tiles[i].gain : 0},
+                      {tile.width, tile.height});
   }
 }
 

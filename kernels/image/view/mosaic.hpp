@@ -5,6 +5,7 @@
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/format/convert.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/image_view_mosaic.spv.hpp"
 
 namespace inverse {
 
@@ -25,7 +26,7 @@ class Mosaic {
   static std::pair<int, int> shown_at(int x, int y, Extent target);
 
  private:
-  gpu::KernelPtr kernel_;
+  gpu::Program<shaders::image_view_mosaic> kernel_;
 };
 
 }  // namespace inverse

@@ -2,6 +2,11 @@
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_chroma_bin_means.spv.hpp"
+#include "kernels/intrinsic_chroma_bin_slice.spv.hpp"
+#include "kernels/intrinsic_chroma_bin_splat.spv.hpp"
+#include "kernels/intrinsic_chroma_force.spv.hpp"
+#include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
 
@@ -39,7 +44,11 @@ class ChromaBins {
   uint32_t tables_;
   float scale_ = 1;
   bool on_ = true;
-  gpu::KernelPtr weigh_, splat_, mean_, slice_, pull_, force_, looking_force_, total_;
+  gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
+  gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
+  gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, pull_;
+  gpu::Program<shaders::intrinsic_chroma_force> force_, looking_force_;
+  gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
   bool cleared_ = false;  // the sums' unused slots
 };

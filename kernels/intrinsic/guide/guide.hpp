@@ -3,6 +3,11 @@
 
 #include "kernels/image/quads.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/intrinsic_guide_cells.spv.hpp"
+#include "kernels/intrinsic_guide_frame.spv.hpp"
+#include "kernels/intrinsic_guide_guide.spv.hpp"
+#include "kernels/intrinsic_guide_statistics.spv.hpp"
+#include "kernels/intrinsic_guide_wide.spv.hpp"
 
 namespace inverse {
 
@@ -32,8 +37,11 @@ class Guide {
 
  private:
   Extent extent_, extent1_, extent2_, extent4_;
-  TileKernel guide_, cells_kernel_, wide_kernel_;
-  gpu::KernelPtr sum_, frame_;
+  TileProgram<shaders::intrinsic_guide_guide> guide_;
+  TileProgram<shaders::intrinsic_guide_cells> cells_kernel_;
+  TileProgram<shaders::intrinsic_guide_wide> wide_kernel_;
+  gpu::Program<shaders::intrinsic_guide_statistics> sum_;
+  gpu::Program<shaders::intrinsic_guide_frame> frame_;
   gpu::BufferPtr level0_, level1_, cells_, wide_, statistics_;
   gpu::BufferPtr sums_[3];
   bool cleared_ = false;  // the sums' unused slots

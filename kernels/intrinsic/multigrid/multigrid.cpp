@@ -1,60 +1,45 @@
 #include "multigrid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
-
-INVERSE_SHADER(intrinsic_multigrid_smooth);
-INVERSE_SHADER(intrinsic_multigrid_coarsen);
-INVERSE_SHADER(intrinsic_multigrid_restrict);
-INVERSE_SHADER(intrinsic_multigrid_coarse);
-INVERSE_SHADER(intrinsic_multigrid_extrapolate);
-INVERSE_SHADER(image_tiles_carry);
-INVERSE_SHADER(intrinsic_multigrid_settle);
 
 namespace inverse {
 namespace {
 
 constexpr uint64_t kTogether = 300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
-constexpr uint32_t kRhsSlot = 2;
-constexpr float kLeastMass = 1e-6F;  // keeps a frame of one pixel regular
-constexpr size_t kCells = 2;         // the cells' level
+constexpr float kLeastMass = 1e-6F;    // keeps a frame of one pixel regular
+constexpr size_t kCells = 2;           // the cells' level
 constexpr uint64_t kTileQuads = TileList::kTile / 4 * TileList::kTile;  // quads a tile
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
-struct SmoothPush {
-  uint32_t width, height, finest_width, finest_height, color;
-  float mass, around;
-};
-
 }  // namespace
 
 Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : smooth_{{device, shaders::intrinsic_multigrid_smooth, {3, 0, 4}, 2, 4},
-              {device, shaders::intrinsic_multigrid_smooth, {3, 0, 2}, 1, 2},
-              {device, shaders::intrinsic_multigrid_smooth, {4, 0, 0}, 0, 0}},
-      correct_{{device, shaders::intrinsic_multigrid_smooth, {3, 1, 4}, 2, 4},
-               {device, shaders::intrinsic_multigrid_smooth, {3, 1, 2}, 1, 2},
-               {device, shaders::intrinsic_multigrid_smooth, {4, 1, 0}, 0, 0}},
-      coarsen_{{device, shaders::intrinsic_multigrid_coarsen, {3, 3, 0}, 2, 8},
-               {device, shaders::intrinsic_multigrid_coarsen, {3, 4, 1}, 1, 4},
-               {device, shaders::intrinsic_multigrid_coarsen, {4, 4, 0}, 0, 0}},
-      restrict_{{device, shaders::intrinsic_multigrid_restrict, {3, 1}, 2, 8},
-                {device, shaders::intrinsic_multigrid_restrict, {3, 2}, 1, 4},
-                {device, shaders::intrinsic_multigrid_restrict, {4, 0}, 0, 0}},
-      extrapolate_(device, shaders::intrinsic_multigrid_extrapolate, {0}, 4, 16),
-      measure_(device, shaders::intrinsic_multigrid_extrapolate, {1}, 4, 16),
-      carry_(device, shaders::image_tiles_carry, {1}, 4, 16) {
+    : smooth_{{device, {.stride = kFineStride, .cell_pixels = 4}, 2, 4},
+              {device, {.stride = kFineStride, .cell_pixels = 2}, 1, 2},
+              {device, {.stride = kCoarseStride}, 0, 0}},
+      correct_{{device, {.stride = kFineStride, .correct = true, .cell_pixels = 4}, 2, 4},
+               {device, {.stride = kFineStride, .correct = true, .cell_pixels = 2}, 1, 2},
+               {device, {.stride = kCoarseStride, .correct = true}, 0, 0}},
+      coarsen_{
+          {device, {.stride = kFineStride, .coarse_stride = kFineStride}, 2, 8},
+          {device, {.stride = kFineStride, .coarse_stride = kCoarseStride, .terms = true}, 1, 4},
+          {device, {.stride = kCoarseStride, .coarse_stride = kCoarseStride}, 0, 0}},
+      restrict_{{device, {.stride = kFineStride, .means = 1}, 2, 8},
+                {device, {.stride = kFineStride, .means = 2}, 1, 4},
+                {device, {.stride = kCoarseStride}, 0, 0}},
+      extrapolate_(device, {}, 4, 16),
+      measure_(device, {.measure = true}, 4, 16),
+      carry_(device, {}, 4, 16) {
   const uint32_t lanes = device->variant().lone_workgroup;
-  coarse_setup_ = device->kernel(shaders::intrinsic_multigrid_coarse, {1}, lanes);
-  coarse_cycle_ = device->kernel(shaders::intrinsic_multigrid_coarse, {0}, lanes);
-  settle_ = device->kernel(shaders::intrinsic_multigrid_settle);
+  coarse_setup_ = {device, {.setup = true}, lanes};
+  coarse_cycle_ = {device, {}, lanes};
+  settle_ = {device};
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
@@ -86,11 +71,18 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
-    smooth_[std::min(i, kCells)].dispatch(
-        commands, listed, {level.system, level.field, level.field, cell_force_, level.field},
-        SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
-                   levels_[0].extent.height, color, level.mass, 0},
-        items);
+    smooth_[std::min(i, kCells)].dispatch(commands, listed,
+                                          {.system = level.system,
+                                           .now = level.field,
+                                           .coarse = level.field,
+                                           .force = cell_force_,
+                                           .improved = gpu::aliased(level.field)},
+                                          {.size = level.extent,
+                                           .finest = levels_[0].extent,
+                                           .color = color,
+                                           .mass = level.mass,
+                                           .around = 0},
+                                          items);
 }
 
 void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* listed) const {
@@ -98,49 +90,56 @@ void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* liste
   const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
                                    ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
-    correct_[std::min(i, kCells)].dispatch(
-        commands, listed,
-        {level.system, level.field, levels_[i + 1].field, cell_force_, level.field},
-        SmoothPush{level.extent.width, level.extent.height, levels_[0].extent.width,
-                   levels_[0].extent.height, color, level.mass, static_cast<float>(color)},
-        items);
+    correct_[std::min(i, kCells)].dispatch(commands, listed,
+                                           {.system = level.system,
+                                            .now = level.field,
+                                            .coarse = levels_[i + 1].field,
+                                            .force = cell_force_,
+                                            .improved = gpu::aliased(level.field)},
+                                           {.size = level.extent,
+                                            .finest = levels_[0].extent,
+                                            .color = color,
+                                            .mass = level.mass,
+                                            .around = static_cast<float>(color)},
+                                           items);
 }
 
 void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level &fine = levels_[i], &coarse = levels_[i + 1];
   const bool to_cells = i + 1 == kCells;
-  const struct {
-    uint32_t width, height, finest_width, finest_height;
-    float mass;
-    uint32_t stride, slot;
-  } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
-         levels_[0].extent.height, fine.mass,          to_cells ? 1 : stride_of(i + 1),
-         to_cells ? 0 : kRhsSlot};
   restrict_[std::min(i, kCells)].dispatch(
       commands, listed,
-      {fine.system, fine.field, half_means_, cell_force_, to_cells ? cell_far_ : coarse.system,
-       coarse.field, i == 0 ? half_means_ : cell_means_},
-      push, line_of(quads_of(coarse.extent)));
+      {.system = fine.system,
+       .now = fine.field,
+       .finer_means = gpu::aliased(half_means_),
+       .force = cell_force_,
+       .target = to_cells ? cell_far_ : coarse.system,
+       .coarse = coarse.field,
+       .means = i == 0 ? half_means_ : cell_means_},
+      {.size = fine.extent,
+       .finest = levels_[0].extent,
+       .mass = fine.mass,
+       .target_stride = to_cells ? 1 : stride_of(i + 1),
+       .target_slot = to_cells ? 0 : shaders::intrinsic_multigrid_restrict::SYSTEM_RHS},
+      line_of(quads_of(coarse.extent)));
 }
 
 void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
                                  const TileList* listed) const {
   for (size_t i = 0; i + 1 < levels_.size(); ++i) {
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
-    const struct {
-      uint32_t width, height, finest_width, finest_height;
-      float scale, mass;
-    } push{fine.extent.width,        fine.extent.height, levels_[0].extent.width,
-           levels_[0].extent.height, params.scale,       fine.mass};
-    coarsen_[std::min(i, kCells)].dispatch(commands, i < kCells ? listed : nullptr,
-                                           {fine.system, cell_force_, coarse.system}, push,
-                                           line_of(quads_of(coarse.extent)));
+    coarsen_[std::min(i, kCells)].dispatch(
+        commands, i < kCells ? listed : nullptr,
+        {.system = fine.system, .force = cell_force_, .coarse_system = coarse.system},
+        {.size = fine.extent,
+         .finest = levels_[0].extent,
+         .scale = params.scale,
+         .mass = fine.mass},
+        line_of(quads_of(coarse.extent)));
   }
-  const struct {
-    uint32_t width, height;
-    float scale;
-  } push{levels_.back().extent.width, levels_.back().extent.height, params.scale};
-  commands.dispatch(coarse_setup_, {levels_.back().system, levels_.back().field}, push, {});
+  const Level& last = levels_.back();
+  commands.dispatch(coarse_setup_, {.system = last.system, .field = last.field},
+                    {.size = last.extent, .scale = params.scale}, {});
 }
 
 void Multigrid::record_residual(gpu::Commands& commands, const TileList* listed) const {
@@ -152,11 +151,9 @@ void Multigrid::cell_cycle(gpu::Commands& commands, const Params& params) const 
     smooth(commands, i);
     restrict_to(commands, i);
   }
-  const struct {
-    uint32_t width, height;
-    float scale;
-  } push{levels_.back().extent.width, levels_.back().extent.height, params.scale};
-  commands.dispatch(coarse_cycle_, {levels_.back().system, levels_.back().field}, push, {});
+  const Level& last = levels_.back();
+  commands.dispatch(coarse_cycle_, {.system = last.system, .field = last.field},
+                    {.size = last.extent, .scale = params.scale}, {});
   for (size_t i = levels_.size() - 1; i-- > kCells;) correct(commands, i);
 }
 
@@ -171,32 +168,31 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   if (!cleared_ || (listed && progress.measured)) commands.fill(sums_);
   cleared_ = true;
   const Extent extent = levels_[0].extent;
-  const struct {
-    uint32_t quads, rows;
-    float w, c;
-  } push{quads_of(extent.width), extent.height, w, 2 / (2 - slowest)};
   (progress.measured ? measure_ : extrapolate_)
       .dispatch(commands, listed,
-                {field(), starts_[k % 2], starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
-                 field(), sums_},
-                push, line_of(quads_of(extent)));
+                {.now = field(),
+                 .start = starts_[k % 2],
+                 .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
+                 .next = gpu::aliased(field()),
+                 .sums = sums_},
+                {.quads = {quads_of(extent.width), extent.height}, .w = w, .c = 2 / (2 - slowest)},
+                line_of(quads_of(extent)));
   if (!progress.measured) return;
-  const struct {
-    uint32_t count;
-    float pixels, settled;
-    uint32_t first;
-  } settle{static_cast<uint32_t>(sums_->count()), static_cast<float>(levels_[0].extent.pixels()),
-           progress.settled * progress.settled, k == 0 ? 1U : 0U};
-  commands.dispatch(settle_, {sums_, progress_}, settle, {});
+  commands.dispatch(settle_, {.sums = sums_, .progress = progress_},
+                    {.count = static_cast<uint32_t>(sums_->count()),
+                     .pixels = static_cast<float>(extent.pixels()),
+                     .settled = progress.settled * progress.settled,
+                     .first = k == 0},
+                    {});
 }
 
 void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                              const Progress& progress, const std::function<void()>& before,
                              const std::function<void()>& after, const TileList* listed) {
   const bool from_start = params.slowest > 0 || progress.measured;
-  const std::array<uint32_t, 2> quads{quads_of(levels_[0].extent.width), levels_[0].extent.height};
   if (from_start && listed)
-    carry_.dispatch(commands, listed, {field(), starts_[k % 2]}, quads, {});
+    carry_.dispatch(commands, listed, {.from = field(), .to = starts_[k % 2]},
+                    {.quads = {quads_of(levels_[0].extent.width), levels_[0].extent.height}}, {});
   else if (from_start)
     commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {

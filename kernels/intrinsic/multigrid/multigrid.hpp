@@ -5,6 +5,13 @@
 
 #include "kernels/image/quads.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/image_tiles_carry.spv.hpp"
+#include "kernels/intrinsic_multigrid_coarse.spv.hpp"
+#include "kernels/intrinsic_multigrid_coarsen.spv.hpp"
+#include "kernels/intrinsic_multigrid_extrapolate.spv.hpp"
+#include "kernels/intrinsic_multigrid_restrict.spv.hpp"
+#include "kernels/intrinsic_multigrid_settle.spv.hpp"
+#include "kernels/intrinsic_multigrid_smooth.spv.hpp"
 
 namespace inverse {
 
@@ -35,9 +42,11 @@ class Multigrid {
         false;          ///< left out where the one before was measured and is the last one needed
     float settled = 0;  ///< rms change by a cycle, log units, that no further one need follow
   };
-  static constexpr uint64_t kFineStride = 3;   ///< vec4 a quad of the system on levels 0 and 1
-  static constexpr uint64_t kForceStride = 3;  ///< vec4 a quad of cells of `cell_force`
-  static constexpr uint64_t kTermsStride = 4;  ///< vec4 a quad of cells of `terms` (energy.glsl)
+  static constexpr uint64_t kFineStride = 3;  ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kForceStride =
+      shaders::intrinsic_multigrid_smooth::FORCE_STRIDE;  ///< vec4 a quad of cells of `cell_force`
+  static constexpr uint64_t kTermsStride =
+      shaders::intrinsic_multigrid_smooth::TERMS_STRIDE;  ///< vec4 a quad of cells of `terms`
 
   /// Throws Error(limit) where a level does not fit the device.
   Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent);
@@ -94,12 +103,14 @@ class Multigrid {
 
   std::vector<Level> levels_;  // the last one holds all that run in one dispatch
   uint32_t depth_ = 1;
-  TileKernel smooth_[3];  // on levels 0, 1, further down
-  TileKernel correct_[3];
-  TileKernel coarsen_[3];  // between levels 0-1, 1-2, further down
-  TileKernel restrict_[3];
-  TileKernel extrapolate_, measure_, carry_;
-  gpu::KernelPtr coarse_setup_, coarse_cycle_, settle_;
+  // On levels 0, 1, further down; and between levels 0-1, 1-2, further down.
+  TileProgram<shaders::intrinsic_multigrid_smooth> smooth_[3], correct_[3];
+  TileProgram<shaders::intrinsic_multigrid_coarsen> coarsen_[3];
+  TileProgram<shaders::intrinsic_multigrid_restrict> restrict_[3];
+  TileProgram<shaders::intrinsic_multigrid_extrapolate> extrapolate_, measure_;
+  TileProgram<shaders::image_tiles_carry> carry_;
+  gpu::Program<shaders::intrinsic_multigrid_coarse> coarse_setup_, coarse_cycle_;
+  gpu::Program<shaders::intrinsic_multigrid_settle> settle_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;

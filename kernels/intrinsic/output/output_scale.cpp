@@ -1,24 +1,18 @@
 #include "output_scale.hpp"
 
 #include <algorithm>
-#include <array>
-
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(intrinsic_output_count_brightness);
-INVERSE_SHADER(intrinsic_output_wanted_scale);
 
 namespace inverse {
 namespace {
-constexpr uint32_t kBrightnessBins = 512;  // brightness.glsl
-constexpr uint32_t kLanes = 8;             // of wanted_scale.comp, which works on one
+constexpr uint32_t kLanes = 8;  // of wanted_scale.comp, which works on one
 }  // namespace
 
 OutputScale::OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cells)
     : normalization_(device, cells),
-      count_(device->kernel(shaders::intrinsic_output_count_brightness)),
-      wanted_kernel_(device->kernel(shaders::intrinsic_output_wanted_scale, {}, kLanes)),
-      counts_(gpu::Buffer::create(device, gpu::Element::word, kBrightnessBins)),
+      count_(device),
+      wanted_kernel_(device, {}, kLanes),
+      counts_(gpu::Buffer::create(device, gpu::Element::word,
+                                  shaders::intrinsic_output_wanted_scale::kBrightnessBins)),
       wanted_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void OutputScale::take(gpu::Commands& commands, const OutputScale& other) {
@@ -30,13 +24,16 @@ void OutputScale::record(gpu::Commands& commands, const Guide& guide, const gpu:
                          bool frozen) {
   if (!cleared_) commands.fill(counts_);
   cleared_ = true;
-  const std::array<uint32_t, 2> size{guide.extent().width, guide.extent().height};
-  commands.dispatch(count_, {guide.cells(), shading, counts_, normalization_.cells()}, size,
-                    line_of(guide.cell_extent().pixels()));
-  commands.dispatch(wanted_kernel_, {counts_, wanted_}, std::clamp(params.quantile, 0.0F, 1.0F),
-                    {});
-  normalization_.record(commands, {wanted_, decision, history,
-                                   std::clamp(params.white_level, 0.05F, 1.0F), frozen});
+  commands.dispatch(count_,
+                    {.cells = guide.cells(),
+                     .shading = shading,
+                     .counts = counts_,
+                     .scale_cells = normalization_.cells()},
+                    {.size = guide.extent()}, line_of(guide.cell_extent().pixels()));
+  commands.dispatch(wanted_kernel_, {.counts = counts_, .wanted = wanted_},
+                    {.quantile = std::clamp(params.quantile, 0.0F, 1.0F)}, {});
+  normalization_.record(
+      commands, {wanted_, decision, history, std::clamp(params.white_level, 0.05F, 1.0F), frozen});
 }
 
 }  // namespace inverse

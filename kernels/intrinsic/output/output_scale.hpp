@@ -2,6 +2,8 @@
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_output_count_brightness.spv.hpp"
+#include "kernels/intrinsic_output_wanted_scale.spv.hpp"
 #include "kernels/solve/scale_normalization.hpp"
 
 namespace inverse {
@@ -33,7 +35,8 @@ class OutputScale {
 
  private:
   ScaleNormalization normalization_;
-  gpu::KernelPtr count_, wanted_kernel_;
+  gpu::Program<shaders::intrinsic_output_count_brightness> count_;
+  gpu::Program<shaders::intrinsic_output_wanted_scale> wanted_kernel_;
   gpu::BufferPtr counts_, wanted_;
   bool cleared_ = false;
 };

@@ -2,6 +2,11 @@
 #include <memory>
 
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_prior_cell_values.spv.hpp"
+#include "kernels/intrinsic_prior_change.spv.hpp"
+#include "kernels/intrinsic_prior_edges.spv.hpp"
+#include "kernels/intrinsic_prior_fold.spv.hpp"
+#include "kernels/intrinsic_prior_keep.spv.hpp"
 
 namespace inverse {
 
@@ -31,7 +36,8 @@ class EdgePrior {
     gpu::BufferPtr flux;    ///< two vec4 a quad: a (m_x - m_y) to the right and down
     gpu::BufferPtr value;   ///< three vec4 a quad of cells: v, V, g
   };
-  static constexpr uint64_t kFluxStride = 2, kValueStride = 3;
+  static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
+                            kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
   /// The largest g that it writes, for a chroma_weight of 1: e^3 a pixel, 16 pixels a cell.
   static constexpr float kMostChroma = 16 * 20.0856F;
 
@@ -64,9 +70,11 @@ class EdgePrior {
                      const Params& params, const TileList* listed) const;
   void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
 
-  gpu::KernelPtr fold_, change_;
-  TileKernel edges_[2];  // to the right, down
-  TileKernel values_, keep_;
+  gpu::Program<shaders::intrinsic_prior_fold> fold_;
+  gpu::Program<shaders::intrinsic_prior_change> change_;
+  TileProgram<shaders::intrinsic_prior_edges> edges_[2];  // to the right, down
+  TileProgram<shaders::intrinsic_prior_cell_values> values_;
+  TileProgram<shaders::intrinsic_prior_keep> keep_;
   TileList changes_;
   gpu::BufferPtr biases_, kept_, kept_statistics_;
   Params known_params_;

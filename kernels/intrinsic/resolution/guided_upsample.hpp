@@ -3,6 +3,9 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/intrinsic_resolution_upsample_fit.spv.hpp"
+#include "kernels/intrinsic_resolution_upsample_layers.spv.hpp"
+#include "kernels/intrinsic_resolution_upsample_sample.spv.hpp"
 
 namespace inverse {
 
@@ -18,7 +21,9 @@ class GuidedUpsample {
 
  private:
   Extent extent_;
-  gpu::KernelPtr sample_, fit_, layers_;
+  gpu::Program<shaders::intrinsic_resolution_upsample_sample> sample_;
+  gpu::Program<shaders::intrinsic_resolution_upsample_fit> fit_;
+  gpu::Program<shaders::intrinsic_resolution_upsample_layers> layers_;
   gpu::BufferPtr samples_, lines_;
 };
 

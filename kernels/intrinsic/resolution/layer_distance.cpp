@@ -4,11 +4,7 @@
 #include <cmath>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/quads.hpp"
-
-INVERSE_SHADER(intrinsic_resolution_compare);
-INVERSE_SHADER(solve_total);
 
 namespace inverse {
 namespace {
@@ -20,10 +16,10 @@ gpu::Items strips_of(Extent extent) {
 
 LayerDistance::LayerDistance(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
-      compare_(device->kernel(shaders::intrinsic_resolution_compare, {kRows})),
-      total_(device->kernel(shaders::solve_total)),
+      compare_(device, {.rows = kRows}),
+      total_(device),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                gpu::partial_count(*compare_, strips_of(extent)))),
+                                gpu::partial_count(*compare_.kernel(), strips_of(extent)))),
       sum_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   for (auto& found : found_)
     found = gpu::Buffer::create(device, gpu::Element::vec4, 1, gpu::Memory::readback);
@@ -33,14 +29,15 @@ void LayerDistance::record(gpu::Commands& commands, const gpu::BufferPtr& frame,
                            const gpu::BufferPtr& one, const gpu::BufferPtr& other, uint64_t slot) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
-  const std::array<uint32_t, 2> size{extent_.width, extent_.height};
-  commands.dispatch(compare_, {frame, one, other, sums_}, size, strips_of(extent_));
-  commands.dispatch(total_, {sums_, sum_}, static_cast<uint32_t>(sums_->count()), {});
-  commands.copy(sum_, found_[slot % found_.size()], sum_->bytes());
+  commands.dispatch(compare_, {.frame = frame, .one = one, .other = other, .sums = sums_},
+                    {.size = extent_}, strips_of(extent_));
+  commands.dispatch(total_, {.sums = sums_, .total = sum_},
+                    {.count = static_cast<uint32_t>(sums_->count())}, {});
+  commands.copy(sum_, found_[slot], sum_->bytes());
 }
 
 float LayerDistance::value(uint64_t slot) const {
-  const float* sum = found_[slot % found_.size()]->map_as<float>();
+  const float* sum = found_[slot]->map_as<float>();
   if (!(sum[0] > 0)) return 0;
   const float mean = sum[1] / sum[0];
   return std::sqrt(std::max(sum[2] / sum[0] - mean * mean, 0.0F));

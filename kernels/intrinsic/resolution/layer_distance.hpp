@@ -1,9 +1,10 @@
 #pragma once
-#include <array>
 #include <memory>
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/intrinsic_resolution_compare.spv.hpp"
+#include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
 
@@ -22,9 +23,10 @@ class LayerDistance {
 
  private:
   Extent extent_;
-  gpu::KernelPtr compare_, total_;
+  gpu::Program<shaders::intrinsic_resolution_compare> compare_;
+  gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr sums_, sum_;
-  std::array<gpu::BufferPtr, gpu::kFramesInFlight> found_;
+  gpu::FrameRing<gpu::BufferPtr> found_;
   bool cleared_ = false;  // the sums' unused slots
 };
 

@@ -1,27 +1,21 @@
 #include "layer_fade.hpp"
 
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/quads.hpp"
-
-INVERSE_SHADER(intrinsic_resolution_fade);
 
 namespace inverse {
 
 LayerFade::LayerFade(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : start_(device->kernel(shaders::intrinsic_resolution_fade, {1})),
-      fade_(device->kernel(shaders::intrinsic_resolution_fade, {0})),
-      planes_(device, extent) {}
+    : start_(device, {.start = true}), fade_(device), planes_(device, extent) {}
 
-void LayerFade::dispatch(gpu::Commands& commands, const gpu::KernelPtr& kernel,
-                         const PlanePtr& frame, const PlanePtr& now, const PlanePtr& shown,
-                         const PlanePtr& faded) const {
-  const struct {
-    uint32_t width, height;
-    float share;
-  } push{frame->extent.width, frame->extent.height, share_};
-  commands.dispatch(kernel,
-                    {frame->buffer, now->buffer, shown->buffer, between_->buffer, faded->buffer},
-                    push, line_of(frame->extent.pixels()));
+void LayerFade::dispatch(gpu::Commands& commands, const Fade& fade, const PlanePtr& frame,
+                         const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded) const {
+  commands.dispatch(fade,
+                    {.frame = frame->buffer,
+                     .intrinsic = now->buffer,
+                     .shown = shown->buffer,
+                     .between = gpu::aliased(between_->buffer),
+                     .faded = faded->buffer},
+                    {.size = frame->extent, .share = share_}, line_of(frame->extent.pixels()));
   commands.keep(between_);
 }
 

@@ -3,6 +3,7 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/intrinsic_resolution_fade.spv.hpp"
 
 namespace inverse {
 
@@ -26,10 +27,11 @@ class LayerFade {
   static constexpr unsigned kFrames = 20;
 
  private:
-  void dispatch(gpu::Commands& commands, const gpu::KernelPtr& kernel, const PlanePtr& frame,
+  using Fade = gpu::Program<shaders::intrinsic_resolution_fade>;
+  void dispatch(gpu::Commands& commands, const Fade& fade, const PlanePtr& frame,
                 const PlanePtr& now, const PlanePtr& shown, const PlanePtr& faded) const;
 
-  gpu::KernelPtr start_, fade_;
+  Fade start_, fade_;
   PlanePool planes_;
   PlanePtr between_;
   unsigned frames_ = 0;

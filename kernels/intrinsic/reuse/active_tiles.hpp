@@ -5,6 +5,9 @@
 
 #include "kernels/image/quads.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
+#include "kernels/intrinsic_reuse_active.spv.hpp"
+#include "kernels/intrinsic_reuse_activity.spv.hpp"
+#include "kernels/intrinsic_reuse_spread.spv.hpp"
 
 namespace inverse {
 
@@ -48,10 +51,11 @@ class ActiveTiles {
   TileList drawn_;
   size_t now_ = 0;
   bool listed_before_ = false;
-  gpu::KernelPtr active_, spread_;
-  TileKernel look_;
-  std::array<gpu::BufferPtr, gpu::kFramesInFlight> changed_;  // of frames in flight
-  size_t frame_ = 0;
+  gpu::Program<shaders::intrinsic_reuse_active> active_;
+  gpu::Program<shaders::intrinsic_reuse_spread> spread_;
+  TileProgram<shaders::intrinsic_reuse_activity> look_;
+  gpu::FrameRing<gpu::BufferPtr> changed_;
+  uint64_t frame_ = 0;
   gpu::BufferPtr activity_, busy_;
 };
 

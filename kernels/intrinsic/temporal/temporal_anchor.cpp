@@ -1,15 +1,7 @@
 #include "temporal_anchor.hpp"
 
-#include <array>
-
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
-
-INVERSE_SHADER(intrinsic_temporal_mismatch);
-INVERSE_SHADER(intrinsic_temporal_calm);
-INVERSE_SHADER(image_tiles_carry);
-INVERSE_SHADER(intrinsic_temporal_verdict);
 
 namespace inverse {
 namespace {
@@ -23,45 +15,49 @@ constexpr uint64_t tiles_of(Extent cells) {
 TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : extent_(extent),
       cells_(half_of(half_of(extent))),
-      compare_(device, shaders::intrinsic_temporal_mismatch, {}, 4, 4),
-      carry_(device, shaders::image_tiles_carry, {kMemoryStride}, 4, 16),
-      calm_(device->kernel(shaders::intrinsic_temporal_calm)),
-      decide_(device->kernel(shaders::intrinsic_temporal_verdict, {}, kSumLanes)),
+      compare_(device, {}, 4, 4),
+      carry_(device, {.stride = kMemoryStride}, 4, 16),
+      calm_(device),
+      decide_(device, {}, kSumLanes),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
       now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
       mismatch_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       tiles_(gpu::Buffer::create(device, gpu::Element::vec4, tiles_of(cells_))),
       sums_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                gpu::partial_count(*calm_, line_of(tiles_of(cells_))))),
+                                gpu::partial_count(*calm_.kernel(), line_of(tiles_of(cells_))))),
       verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
                             bool continues, const TileList* listed) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
-  const struct {
-    uint32_t width, height;
-    float detail, chroma, texture;
-  } push{extent_.width, extent_.height, 1 / params.anchor_detail, 1 / params.anchor_chroma,
-         1 / params.anchor_texture};
   compare_.dispatch(commands, listed,
-                    {guide.cells(), guide.wide(), guide.level0(), kept_, memory_, mismatch_}, push,
+                    {.cells = guide.cells(),
+                     .wide = guide.wide(),
+                     .level0 = guide.level0(),
+                     .before = kept_,
+                     .memory = memory_,
+                     .mismatch = mismatch_},
+                    {.size = extent_,
+                     .detail = 1 / params.anchor_detail,
+                     .chroma = 1 / params.anchor_chroma,
+                     .texture = 1 / params.anchor_texture},
                     line_of(cells_.pixels()));
-  const std::array<uint32_t, 2> size{cells_.width, cells_.height};
-  commands.dispatch(calm_, {mismatch_, tiles_, sums_}, size, line_of(tiles_of(cells_)));
-  const struct {
-    uint32_t count;
-    float cells, cut_fraction, continues;
-  } decide{static_cast<uint32_t>(sums_->count()), static_cast<float>(cells_.pixels()),
-           params.cut_fraction, continues ? 1.0F : 0.0F};
-  commands.dispatch(decide_, {sums_, verdict_}, decide, {});
+  commands.dispatch(calm_, {.mismatch = mismatch_, .tiles = tiles_, .sums = sums_},
+                    {.size = cells_}, line_of(tiles_of(cells_)));
+  commands.dispatch(decide_, {.sums = sums_, .verdict = verdict_},
+                    {.count = static_cast<uint32_t>(sums_->count()),
+                     .cells = static_cast<float>(cells_.pixels()),
+                     .cut_fraction = params.cut_fraction,
+                     .continues = continues ? 1.0F : 0.0F},
+                    {});
 }
 
 void TemporalAnchor::advance(gpu::Commands& commands, const TileList* listed) {
-  const std::array<uint32_t, 2> quads{quads_of(extent_.width), extent_.height};
   if (listed)
-    carry_.dispatch(commands, listed, {now_, memory_}, quads, {});
+    carry_.dispatch(commands, listed, {.from = now_, .to = memory_},
+                    {.quads = {quads_of(extent_.width), extent_.height}}, {});
   else
     memory_.swap(now_);
 }

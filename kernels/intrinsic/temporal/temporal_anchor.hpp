@@ -1,7 +1,11 @@
 #pragma once
 #include <memory>
 
+#include "kernels/image_tiles_carry.spv.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
+#include "kernels/intrinsic_temporal_calm.spv.hpp"
+#include "kernels/intrinsic_temporal_mismatch.spv.hpp"
+#include "kernels/intrinsic_temporal_verdict.spv.hpp"
 
 namespace inverse {
 
@@ -38,8 +42,10 @@ class TemporalAnchor {
     float cut_fraction = 0.3F;
     bool operator==(const Params&) const = default;
   };
-  static constexpr uint64_t kMemoryStride = 2;  ///< vec4 a quad of pixels (temporal.glsl)
-  static constexpr uint64_t kStartStride = 3;   ///< vec4 a quad of cells (temporal.glsl)
+  static constexpr uint64_t kMemoryStride =
+      shaders::intrinsic_temporal_mismatch::MEMORY_STRIDE;  ///< vec4 a quad of pixels
+  static constexpr uint64_t kStartStride =
+      shaders::intrinsic_temporal_mismatch::START_STRIDE;  ///< vec4 a quad of cells
 
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
@@ -70,8 +76,10 @@ class TemporalAnchor {
 
  private:
   Extent extent_, cells_;
-  TileKernel compare_, carry_;
-  gpu::KernelPtr calm_, decide_;
+  TileProgram<shaders::intrinsic_temporal_mismatch> compare_;
+  TileProgram<shaders::image_tiles_carry> carry_;
+  gpu::Program<shaders::intrinsic_temporal_calm> calm_;
+  gpu::Program<shaders::intrinsic_temporal_verdict> decide_;
   gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, verdict_;
   bool cleared_ = false;
 };

@@ -2,6 +2,11 @@
 #include <memory>
 
 #include "kernels/gpu/commands.hpp"
+#include "kernels/material_layers_guided_colors.spv.hpp"
+#include "kernels/material_layers_guided_lines.spv.hpp"
+#include "kernels/material_layers_guided_mean.spv.hpp"
+#include "kernels/material_layers_guided_planes.spv.hpp"
+#include "kernels/material_layers_guided_points.spv.hpp"
 
 namespace inverse {
 
@@ -24,21 +29,23 @@ class GuidedLayers {
                        const gpu::BufferPtr& codes);
 
   /// side x side points: probability = rgb · sqrt(linear RGB) + w.
-  const gpu::BufferPtr& mask() const { return mask_.result; }
+  const gpu::BufferPtr& mask() const { return mask_; }
   /// side x side points: layer = x · smallest channel + y, in linear light; x in 0…1.
-  const gpu::BufferPtr& specular() const { return specular_.result; }
+  const gpu::BufferPtr& specular() const { return specular_; }
 
  private:
-  struct Filter {
-    gpu::KernelPtr points, fit, mean;
-    gpu::BufferPtr result;
-  };
-  void record(gpu::Commands& commands, const Filter& filter, const gpu::BufferPtr& guide,
-              const gpu::BufferPtr& layer);
+  int32_t side() const { return static_cast<int32_t>(side_); }
+  int32_t count() const { return side() * side(); }
+  gpu::Items each() const { return {side_ * side_}; }
 
   uint32_t side_;
-  Filter mask_, specular_;
-  gpu::BufferPtr points_, fits_;
+  gpu::Program<shaders::material_layers_guided_colors> mask_points_;
+  gpu::Program<shaders::material_layers_guided_planes> mask_fit_;
+  gpu::Program<shaders::material_layers_guided_mean> mask_mean_;
+  gpu::Program<shaders::material_layers_guided_points> specular_points_;
+  gpu::Program<shaders::material_layers_guided_lines> specular_fit_;
+  gpu::Program<shaders::material_layers_guided_mean> specular_mean_;
+  gpu::BufferPtr mask_, specular_, points_, fits_;
 };
 
 }  // namespace inverse

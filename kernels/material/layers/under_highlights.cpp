@@ -1,17 +1,9 @@
 #include "under_highlights.hpp"
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(material_layers_under_points);
-INVERSE_SHADER(material_layers_under_pull);
-INVERSE_SHADER(material_layers_under_push);
-
 namespace inverse {
 
 UnderHighlights::UnderHighlights(const std::shared_ptr<gpu::Device>& device, uint32_t side)
-    : points_(device->kernel(shaders::material_layers_under_points)),
-      pull_(device->kernel(shaders::material_layers_under_pull)),
-      push_(device->kernel(shaders::material_layers_under_push)) {
+    : points_(device), pull_(device), push_(device) {
   const auto make = [&device](uint32_t points) {
     return gpu::Buffer::create(device, gpu::Element::vec4, points);
   };
@@ -28,14 +20,16 @@ void UnderHighlights::record(gpu::Commands& commands, const gpu::BufferPtr& mask
   const auto points = [](const Level& level) { return gpu::Items{level.side * level.side}; };
   const auto side = [](const Level& level) { return static_cast<int32_t>(level.side); };
   const Level& first = levels_.front();
-  commands.dispatch(points_, {masked, codes, first.known}, side(first) * side(first),
-                    points(first));
+  commands.dispatch(points_, {.masked = masked, .codes = codes, .result = first.known},
+                    {.count = side(first) * side(first)}, points(first));
   for (size_t n = 1; n < levels_.size(); ++n)
-    commands.dispatch(pull_, {levels_[n - 1].known, levels_[n].known}, side(levels_[n - 1]),
-                      points(levels_[n]));
+    commands.dispatch(pull_, {.fine = levels_[n - 1].known, .coarse = levels_[n].known},
+                      {.side = side(levels_[n - 1])}, points(levels_[n]));
   for (size_t n = levels_.size() - 1; n-- > 0;)
-    commands.dispatch(push_, {levels_[n].known, levels_[n + 1].whole, levels_[n].whole},
-                      side(levels_[n]), points(levels_[n]));
+    commands.dispatch(
+        push_,
+        {.fine = levels_[n].known, .coarse = levels_[n + 1].whole, .whole = levels_[n].whole},
+        {.side = side(levels_[n])}, points(levels_[n]));
 }
 
 }  // namespace inverse

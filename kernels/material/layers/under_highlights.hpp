@@ -3,6 +3,9 @@
 #include <vector>
 
 #include "kernels/gpu/commands.hpp"
+#include "kernels/material_layers_under_points.spv.hpp"
+#include "kernels/material_layers_under_pull.spv.hpp"
+#include "kernels/material_layers_under_push.spv.hpp"
 
 namespace inverse {
 
@@ -25,7 +28,9 @@ class UnderHighlights {
     uint32_t side;
     gpu::BufferPtr known, whole;  // rgb, w = whether; rgb
   };
-  gpu::KernelPtr points_, pull_, push_;
+  gpu::Program<shaders::material_layers_under_points> points_;
+  gpu::Program<shaders::material_layers_under_pull> pull_;
+  gpu::Program<shaders::material_layers_under_push> push_;
   std::vector<Level> levels_;  // the last one is a single point
 };
 

@@ -3,30 +3,16 @@
 #include <span>
 #include <utility>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(material_networks_crop);
-INVERSE_SHADER(material_networks_drop_foreign);
-INVERSE_SHADER(material_layers_layers);
-INVERSE_SHADER(material_networks_to_exponent);
-INVERSE_SHADER(material_networks_to_mirror_and_albedo);
-INVERSE_SHADER(material_networks_to_specular);
-
 namespace inverse {
 namespace {
 
-struct Place {
-  Place(Extent extent, const Square& square, uint32_t points)
-      : width(static_cast<int32_t>(extent.width)),
-        height(static_cast<int32_t>(extent.height)),
-        x(square.x),
-        y(square.y),
-        pixels(square.size / static_cast<float>(points)),
-        side(static_cast<int32_t>(points)) {}
-  int32_t width, height;
-  float x, y, pixels;
-  int32_t side;
-};
+using Place = shaders::material_networks_crop::Push;  // and of layers.comp
+Place place(Extent extent, const Square& square, uint32_t points) {
+  return {.size = extent,
+          .corner = {square.x, square.y},
+          .pixels = square.size / static_cast<float>(points),
+          .side = static_cast<int32_t>(points)};
+}
 
 network::Network make(const std::shared_ptr<gpu::Device>& device, network::Graph& graph,
                       uint32_t side) {
@@ -45,15 +31,14 @@ LimeNetworks::LimeNetworks(const std::shared_ptr<gpu::Device>& device, Extent ex
       mirror_(make(device, models.mirror, side_)),
       albedo_(make(device, models.albedo, side_)),
       exponent_(make(device, models.exponent, side_)),
-      crop_(device->kernel(shaders::material_networks_crop)),
-      drop_foreign_(device->kernel(shaders::material_networks_drop_foreign)),
-      to_specular_(device->kernel(shaders::material_networks_to_specular)),
-      to_mirror_and_albedo_(device->kernel(shaders::material_networks_to_mirror_and_albedo)),
-      to_exponent_(device->kernel(shaders::material_networks_to_exponent)),
+      crop_(device),
+      drop_foreign_(device),
+      to_specular_(device),
+      to_mirror_and_albedo_(device),
+      to_exponent_(device),
       guided_(device, side_),
       under_(device, side_),
-      layers_{device->kernel(shaders::material_layers_layers, {0}),
-              device->kernel(shaders::material_layers_layers, {1})},
+      layers_{{{device, {.found = false}}, {device, {.found = true}}}},
       planes_(device, extent) {}
 
 uint64_t LimeNetworks::bytes() const {
@@ -64,32 +49,41 @@ uint64_t LimeNetworks::bytes() const {
 }
 
 void LimeNetworks::record_mask(gpu::Commands& commands, const Plane& frame, const Square& square) {
-  commands.dispatch(crop_, {frame.buffer, picture()}, Place(extent_, square, side_),
-                    {side_ * side_});
+  commands.dispatch(crop_, {.frame = frame.buffer, .image = picture()},
+                    place(extent_, square, side_), {side_ * side_});
   segmentation_.record(commands);
   new_mask_ = true;
   commands.stage("segmentation");
 }
 
 void LimeNetworks::record_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign) {
-  commands.dispatch(drop_foreign_, {probability(), foreign}, static_cast<int32_t>(side_ * side_),
-                    {side_ * side_});
+  commands.dispatch(drop_foreign_, {.probability = probability(), .foreign = foreign},
+                    {.count = static_cast<int32_t>(side_ * side_)}, {side_ * side_});
 }
 
 void LimeNetworks::record_material(gpu::Commands& commands) {
   const auto points = static_cast<int32_t>(side_ * side_);
   const gpu::Items items{side_ * side_};
-  commands.dispatch(to_specular_, {picture(), probability(), specular_.input(0)}, points, items);
+  commands.dispatch(
+      to_specular_,
+      {.image = picture(), .probability = probability(), .result = specular_.input(0)},
+      {.count = points}, items);
   specular_.record(commands);
   commands.stage("specular");
   commands.dispatch(to_mirror_and_albedo_,
-                    {specular_.input(0), specular_.output(0), mirror_.input(0), albedo_.input(0)},
-                    points, items);
+                    {.masked = specular_.input(0),
+                     .specular = specular_.output(0),
+                     .mirror_in = mirror_.input(0),
+                     .albedo_in = albedo_.input(0)},
+                    {.count = points}, items);
   mirror_.record(commands);
   commands.stage("mirror");
   commands.dispatch(to_exponent_,
-                    {specular_.input(0), mirror_.input(0), mirror_.output(0), codes()}, points,
-                    items);
+                    {.masked = specular_.input(0),
+                     .specular = mirror_.input(0),
+                     .mirror = mirror_.output(0),
+                     .result = codes()},
+                    {.count = points}, items);
   under_.record(commands, specular_.input(0), codes());
   commands.stage("under-highlights");
   albedo_.record(commands);
@@ -116,9 +110,14 @@ LimeNetworks::Layers LimeNetworks::draw(gpu::Commands& commands, const Plane& fr
                                         const Square& square, bool known) {
   Layers layers{planes_.acquire(), planes_.acquire()};
   commands.dispatch(layers_[known],
-                    {frame.buffer, guided_.mask(), codes(), guided_.specular(), under_.diffuse(),
-                     layers.diffuse->buffer, layers.gloss->buffer},
-                    Place(extent_, square, side_), {extent_.width, extent_.height});
+                    {.frame = frame.buffer,
+                     .planes = guided_.mask(),
+                     .codes = codes(),
+                     .lines = guided_.specular(),
+                     .under = under_.diffuse(),
+                     .diffuse = layers.diffuse->buffer,
+                     .gloss = layers.gloss->buffer},
+                    place(extent_, square, side_), {extent_.width, extent_.height});
   commands.stage("layers");
   return layers;
 }

@@ -8,6 +8,12 @@
 #include "kernels/material/layers/guided_layers.hpp"
 #include "kernels/material/layers/under_highlights.hpp"
 #include "kernels/material/object/object_tracker.hpp"
+#include "kernels/material_layers_layers.spv.hpp"
+#include "kernels/material_networks_crop.spv.hpp"
+#include "kernels/material_networks_drop_foreign.spv.hpp"
+#include "kernels/material_networks_to_exponent.spv.hpp"
+#include "kernels/material_networks_to_mirror_and_albedo.spv.hpp"
+#include "kernels/material_networks_to_specular.spv.hpp"
 #include "kernels/network/network.hpp"
 #include "lime_models.hpp"
 
@@ -61,10 +67,15 @@ class LimeNetworks {
   Extent extent_;
   uint32_t side_;
   network::Network segmentation_, specular_, mirror_, albedo_, exponent_;
-  gpu::KernelPtr crop_, drop_foreign_, to_specular_, to_mirror_and_albedo_, to_exponent_;
+  gpu::Program<shaders::material_networks_crop> crop_;
+  gpu::Program<shaders::material_networks_drop_foreign> drop_foreign_;
+  gpu::Program<shaders::material_networks_to_specular> to_specular_;
+  gpu::Program<shaders::material_networks_to_mirror_and_albedo> to_mirror_and_albedo_;
+  gpu::Program<shaders::material_networks_to_exponent> to_exponent_;
   GuidedLayers guided_;
   UnderHighlights under_;
-  std::array<gpu::KernelPtr, 2> layers_;  // without and with an object
+  std::array<gpu::Program<shaders::material_layers_layers>, 2>
+      layers_;  // without and with an object
   PlanePool planes_;
   bool new_mask_ = false, new_codes_ = false;  // since guided_ took them
 };

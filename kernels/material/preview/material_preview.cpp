@@ -2,10 +2,6 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(material_preview_preview);
-
 namespace inverse {
 namespace {
 
@@ -16,7 +12,7 @@ constexpr float kSmallest = 2.0F;  // pixels across
 }  // namespace
 
 MaterialPreview::MaterialPreview(const std::shared_ptr<gpu::Device>& device)
-    : kernel_(device->kernel(shaders::material_preview_preview)), sphere_(device) {}
+    : kernel_(device), sphere_(device) {}
 
 void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const Material& material,
                              const std::shared_ptr<const Environment>& light, float size,
@@ -34,16 +30,14 @@ void MaterialPreview::record(gpu::Commands& commands, const Plane& frame, const 
   const auto height = static_cast<float>(frame.extent.height);
   const float diameter = std::max(size * std::min(width, height), kSmallest);
   const float off = diameter * (0.5F + kMargin * (1 - size));
-  const struct {
-    uint32_t size[2];
-    float middle[2], radius;
-    uint32_t side;
-  } push{{frame.extent.width, frame.extent.height},
-         {width - off, height - off},
-         diameter / 2,
-         sphere_.table().extent.width};
-  commands.dispatch(kernel_, {frame.buffer, sphere_.table().buffer, picture.buffer}, push,
-                    {frame.extent.width, (frame.extent.height - 1) / kRows + 1});
+  commands.dispatch(
+      kernel_,
+      {.frame = frame.buffer, .LIT_TABLE = sphere_.table().buffer, .picture = picture.buffer},
+      {.size = frame.extent,
+       .middle = {width - off, height - off},
+       .radius = diameter / 2,
+       .side = sphere_.table().extent.width},
+      {frame.extent.width, (frame.extent.height - 1) / kRows + 1});
   commands.stage("preview");
 }
 

@@ -5,6 +5,7 @@
 #include "kernels/environment/lit_sphere.hpp"
 #include "kernels/image/plane.hpp"
 #include "kernels/material/estimate/material.hpp"
+#include "kernels/material_preview_preview.spv.hpp"
 
 namespace inverse {
 
@@ -20,7 +21,7 @@ class MaterialPreview {
               const std::shared_ptr<const Environment>& light, float size, const Plane& picture);
 
  private:
-  gpu::KernelPtr kernel_;
+  gpu::Program<shaders::material_preview_preview> kernel_;
   LitSphere sphere_;
   // Parameters of the drawn sphere. Invisible changes do not redraw it.
   std::optional<Surface> surface_;

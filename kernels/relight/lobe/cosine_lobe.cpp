@@ -2,15 +2,6 @@
 
 #include <cstring>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(relight_lobe_directions);
-INVERSE_SHADER(relight_lobe_light_table);
-INVERSE_SHADER(relight_lobe_lobes);
-INVERSE_SHADER(relight_lobe_relight);
-INVERSE_SHADER(relight_lobe_relight_sum);
-INVERSE_SHADER(relight_lobe_respond);
-
 namespace inverse {
 namespace {
 
@@ -53,12 +44,12 @@ CosineLobe::CosineLobe(const std::shared_ptr<gpu::Device>& device, Extent extent
       extent_(extent),
       moments_(std::move(moments)),
       stage_lights_(static_cast<uint32_t>(lights.size())),
-      find_(device->kernel(shaders::relight_lobe_lobes)),
-      table_kernel_(device->kernel(shaders::relight_lobe_light_table)),
-      relight_(device->kernel(shaders::relight_lobe_relight)),
-      sum_(device->kernel(shaders::relight_lobe_relight_sum)),
-      respond_(device->kernel(shaders::relight_lobe_respond)),
-      directions_(device->kernel(shaders::relight_lobe_directions)),
+      find_(device),
+      table_kernel_(device),
+      relight_(device),
+      sum_(device),
+      respond_(device),
+      directions_(device),
       grid_(gpu::Buffer::create(device, gpu::Element::vec4, moments_->table().size(),
                                 gpu::Memory::upload)),
       gains_(gpu::Buffer::create(device, gpu::Element::vec4, kEntries)),
@@ -72,11 +63,8 @@ CosineLobe::CosineLobe(const std::shared_ptr<gpu::Device>& device, Extent extent
 }
 
 void CosineLobe::make_gains(gpu::Commands& commands) {
-  const struct {
-    int lights;
-    uint32_t gains;
-  } push{static_cast<int>(stage_lights_), 1};
-  commands.dispatch(table_kernel_, {stage_, stage_, gains_}, push, {kSide * kSide});
+  commands.dispatch(table_kernel_, {.lights = stage_, .gain = stage_, .table = gains_},
+                    {.lights = static_cast<int32_t>(stage_lights_), .gains = 1}, {kSide * kSide});
   has_gains_ = true;
 }
 
@@ -84,74 +72,72 @@ void CosineLobe::record_lobes(gpu::Commands& commands, const GradientPair& pair,
                               const Params& params) {
   if (!has_gains_) make_gains(commands);
   const float noise = params.noise >= 1e-6F ? params.noise : 1e-6F;
-  const struct {
-    uint32_t width, height, stride, second;
-    int grid;
-    float noise2, exponent;
-  } push{extent_.width,
-         extent_.height,
-         pair.a.extent.width,
-         pair.second,
-         static_cast<int>(LobeMoments::kGrid),
-         noise * noise,
-         static_cast<float>(moments_->largest_exponent())};
-  commands.dispatch(find_, {pair.a.buffer, pair.b.buffer, grid_, full_->buffer, lobes_->buffer},
-                    push, {extent_.width, extent_.height});
+  commands.dispatch(find_,
+                    {.a = pair.a.buffer,
+                     .b = pair.b.buffer,
+                     .moments = grid_,
+                     .full = full_->buffer,
+                     .lobes = lobes_->buffer},
+                    {.size = extent_,
+                     .stride = pair.a.extent.width,
+                     .second = pair.second,
+                     .grid = LobeMoments::kGrid,
+                     .noise2 = noise * noise,
+                     .exponent = static_cast<float>(moments_->largest_exponent())},
+                    {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_lights(gpu::Commands& commands, std::span<const WeightedLight> lights) {
   if (!has_gains_) make_gains(commands);
-  const struct {
-    int lights;
-    uint32_t gains;
-  } push{static_cast<int>(lights.size()), 0};
-  commands.dispatch(table_kernel_, {uploaded(device_, lights), gains_, table_}, push,
-                    {kSide * kSide});
+  commands.dispatch(table_kernel_,
+                    {.lights = uploaded(device_, lights), .gain = gains_, .table = table_},
+                    {.lights = static_cast<int32_t>(lights.size()), .gains = 0}, {kSide * kSide});
   even_ = even_light(lights, stage_lights_);
 }
 
 void CosineLobe::record_relit(gpu::Commands& commands, const Plane& target) const {
-  const struct {
-    float even[4];
-    uint32_t width, height;
-  } push{{even_[0], even_[1], even_[2], 0}, extent_.width, extent_.height};
-  commands.dispatch(relight_, {full_->buffer, lobes_->buffer, table_, target.buffer}, push,
+  commands.dispatch(relight_,
+                    {.full = full_->buffer,
+                     .lobes = lobes_->buffer,
+                     .lobe_values = table_,
+                     .picture = target.buffer},
+                    {.even = {even_[0], even_[1], even_[2], 0}, .size = extent_},
                     {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
                             const Plane& target) const {
   const Rgb even = even_light(lights, stage_lights_);
-  const struct {
-    float even[4];
-    uint32_t width, height;
-    int lights;
-  } push{{even[0], even[1], even[2], 0},
-         extent_.width,
-         extent_.height,
-         static_cast<int>(lights.size())};
-  commands.dispatch(
-      sum_, {full_->buffer, lobes_->buffer, gains_, uploaded(device_, lights), target.buffer}, push,
-      {extent_.width, extent_.height});
+  commands.dispatch(sum_,
+                    {.full = full_->buffer,
+                     .lobes = lobes_->buffer,
+                     .lobe_values = gains_,
+                     .lights = uploaded(device_, lights),
+                     .picture = target.buffer},
+                    {.even = {even[0], even[1], even[2], 0},
+                     .size = extent_,
+                     .lights = static_cast<int32_t>(lights.size())},
+                    {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_directions(gpu::Commands& commands, const Params& params,
                                    const Plane& target) const {
-  const struct {
-    uint32_t width, height;
-    float least;
-  } push{extent_.width, extent_.height, params.noise};
-  commands.dispatch(directions_, {full_->buffer, lobes_->buffer, target.buffer}, push,
-                    {extent_.width, extent_.height});
+  commands.dispatch(directions_,
+                    {.full = full_->buffer, .lobes = lobes_->buffer, .picture = target.buffer},
+                    {.size = extent_, .least = params.noise}, {extent_.width, extent_.height});
 }
 
 void CosineLobe::record_responses(gpu::Commands& commands, const gpu::BufferPtr& samples,
                                   const gpu::BufferPtr& responses) const {
-  const struct {
-    uint32_t samples, lights;
-  } push{static_cast<uint32_t>(samples->count()), stage_lights_};
-  commands.dispatch(respond_, {full_->buffer, lobes_->buffer, gains_, stage_, samples, responses},
-                    push, {push.samples * push.lights});
+  const auto count = static_cast<uint32_t>(samples->count());
+  commands.dispatch(respond_,
+                    {.full = full_->buffer,
+                     .lobes = lobes_->buffer,
+                     .lobe_values = gains_,
+                     .lights = stage_,
+                     .samples = samples,
+                     .response = responses},
+                    {.samples = count, .lights = stage_lights_}, {count * stage_lights_});
 }
 
 }  // namespace inverse

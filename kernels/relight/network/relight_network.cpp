@@ -2,12 +2,6 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(relight_network_encode);
-INVERSE_SHADER(relight_network_head_respond);
-INVERSE_SHADER(relight_network_head_sum);
-
 namespace inverse {
 namespace {
 
@@ -55,19 +49,21 @@ RelightNetwork::RelightNetwork(const std::shared_ptr<gpu::Device>& device, Exten
       padded_(inverse::padded(extent)),
       head_(without_features(models)),
       network_(device, models.features, std::array{input_shape(padded_)}),
-      encode_(device->kernel(shaders::relight_network_encode)),
-      sum_(device->kernel(shaders::relight_network_head_sum)),
-      respond_(device->kernel(shaders::relight_network_head_respond)),
+      encode_(device),
+      sum_(device),
+      respond_(device),
       weights_(uploaded_weights(device, models)),
       difference_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())) {}
 
 void RelightNetwork::record_features(gpu::Commands& commands, const GradientPair& pair) {
-  const struct {
-    uint32_t width, height, padded_width, padded_height, stride, second;
-  } push{extent_.width,  extent_.height,      padded_.width,
-         padded_.height, pair.a.extent.width, pair.second};
-  commands.dispatch(encode_, {pair.a.buffer, pair.b.buffer, network_.input(0), difference_}, push,
-                    {padded_.width, padded_.height});
+  commands.dispatch(
+      encode_,
+      {.a = pair.a.buffer,
+       .b = pair.b.buffer,
+       .image = network_.input(0),
+       .difference = difference_},
+      {.size = extent_, .padded = padded_, .stride = pair.a.extent.width, .second = pair.second},
+      {padded_.width, padded_.height});
   network_.record(commands);
 }
 
@@ -96,20 +92,20 @@ void RelightNetwork::record_sum(gpu::Commands& commands, const Plane& full,
                                 float noise) const {
   const gpu::BufferPtr list = uploaded(lights, share);
   const auto four = [](const Rgb& v, float w) { return std::array{v[0], v[1], v[2], w}; };
-  const struct {
-    std::array<float, 4> even;
-    std::array<std::array<float, 4>, 3> along;
-    uint32_t width, height, padded_width, padded_height;
-    int lights;
-  } push{four(measured.even, std::max(noise * noise, 1e-12F)),
-         {four(measured.along[0], 0), four(measured.along[1], 0), four(measured.along[2], 0)},
-         extent_.width,
-         extent_.height,
-         padded_.width,
-         padded_.height,
-         static_cast<int>(list->count() / kLightSize)};
-  commands.dispatch(sum_, {full.buffer, features(), weights_, list, difference_, target.buffer},
-                    push, {extent_.width, extent_.height});
+  commands.dispatch(sum_,
+                    {.full = full.buffer,
+                     .features = features(),
+                     .head_weights = weights_,
+                     .lights = list,
+                     .difference = difference_,
+                     .picture = target.buffer},
+                    {.even = four(measured.even, std::max(noise * noise, 1e-12F)),
+                     .along = {four(measured.along[0], 0), four(measured.along[1], 0),
+                               four(measured.along[2], 0)},
+                     .size = extent_,
+                     .padded = padded_,
+                     .lights = static_cast<int32_t>(list->count() / kLightSize)},
+                    {extent_.width, extent_.height});
 }
 
 void RelightNetwork::record_responses(gpu::Commands& commands, const Plane& full,
@@ -119,18 +115,21 @@ void RelightNetwork::record_responses(gpu::Commands& commands, const Plane& full
   std::vector<WeightedLight> all;
   for (const Direction& w : lights) all.push_back({w, {1, 1, 1}});
   const gpu::BufferPtr list = uploaded(all, share);
-  const auto count = static_cast<uint32_t>(lights.size());
-  const struct {
-    uint32_t width, height, padded_width, padded_height, lights, fours, samples;
-  } push{extent_.width,
-         extent_.height,
-         padded_.width,
-         padded_.height,
-         count,
-         static_cast<uint32_t>(list->count() / kLightSize / kAtOnce),
-         static_cast<uint32_t>(samples->count())};
-  commands.dispatch(respond_, {full.buffer, features(), weights_, list, samples, responses}, push,
-                    {push.samples * push.fours});
+  const auto fours = static_cast<uint32_t>(list->count() / kLightSize / kAtOnce);
+  const auto count = static_cast<uint32_t>(samples->count());
+  commands.dispatch(respond_,
+                    {.full = full.buffer,
+                     .features = features(),
+                     .head_weights = weights_,
+                     .lights = list,
+                     .samples = samples,
+                     .response = responses},
+                    {.size = extent_,
+                     .padded = padded_,
+                     .lights = static_cast<uint32_t>(lights.size()),
+                     .fours = fours,
+                     .samples = count},
+                    {count * fours});
 }
 
 }  // namespace inverse

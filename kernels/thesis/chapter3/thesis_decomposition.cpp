@@ -4,29 +4,8 @@
 #include <cstring>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/image/pyramid.hpp"
 #include "kernels/thesis/shared/sample_frames.hpp"
-#include "push.hpp"
-
-INVERSE_SHADER(thesis_chapter3_sanitize);
-INVERSE_SHADER(thesis_chapter3_scale_cells);
-INVERSE_SHADER(thesis_chapter3_downsample);
-INVERSE_SHADER(thesis_chapter3_setup);
-INVERSE_SHADER(thesis_chapter3_start);
-INVERSE_SHADER(thesis_chapter3_prolong);
-INVERSE_SHADER(thesis_chapter3_pack);
-INVERSE_SHADER(thesis_chapter3_sample);
-INVERSE_SHADER(thesis_chapter3_sample_past);
-INVERSE_SHADER(thesis_chapter3_reweight);
-INVERSE_SHADER(thesis_chapter3_direction);
-INVERSE_SHADER(thesis_chapter3_update);
-INVERSE_SHADER(thesis_chapter3_scalars);
-INVERSE_SHADER(thesis_chapter3_schwarz);
-INVERSE_SHADER(thesis_chapter3_energy);
-INVERSE_SHADER(thesis_chapter3_energy_pulls);
-INVERSE_SHADER(thesis_chapter3_total);
-INVERSE_SHADER(thesis_chapter3_layers);
 
 namespace inverse {
 namespace {
@@ -82,21 +61,21 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
       palette_(device),
       scale_(device, cells_of(extent)),
       pool_(device, extent),
-      sanitize_(device->kernel(shaders::thesis_chapter3_sanitize)),
-      downsample_(device->kernel(shaders::thesis_chapter3_downsample)),
-      setup_(device->kernel(shaders::thesis_chapter3_setup)),
-      start_(device->kernel(shaders::thesis_chapter3_start)),
-      prolong_(device->kernel(shaders::thesis_chapter3_prolong)),
-      pack_(device->kernel(shaders::thesis_chapter3_pack)),
-      reweight_(device->kernel(shaders::thesis_chapter3_reweight)),
-      direction_(device->kernel(shaders::thesis_chapter3_direction)),
-      update_(device->kernel(shaders::thesis_chapter3_update)),
-      scalars_kernel_(device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup)),
-      schwarz_(device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup)),
-      energy_(device->kernel(shaders::thesis_chapter3_energy)),
-      total_(device->kernel(shaders::thesis_chapter3_total, {}, kOneGroup)),
-      layers_(device->kernel(shaders::thesis_chapter3_layers)),
-      scale_cells_(device->kernel(shaders::thesis_chapter3_scale_cells)),
+      sanitize_(device),
+      downsample_(device),
+      setup_(device),
+      start_(device),
+      prolong_(device),
+      pack_(device),
+      reweight_(device),
+      direction_(device),
+      update_(device),
+      scalars_kernel_(device, {}, kOneGroup),
+      schwarz_(device, {}, kBlockGroup),
+      energy_(device),
+      total_(device, {}, kOneGroup),
+      layers_(device),
+      scale_cells_(device),
       wanted_scale_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {
   const auto plane = [&] {
     return gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels());
@@ -106,7 +85,7 @@ ThesisDecomposition::ThesisDecomposition(const std::shared_ptr<gpu::Device>& dev
     *buffer = plane();
   }
   partials_ = gpu::Buffer::create(device, gpu::Element::vec4,
-                                  gpu::partial_count(*direction_, strips_of(extent)));
+                                  gpu::partial_count(*direction_.kernel(), strips_of(extent)));
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, kScalars);
   set_params({});
 }
@@ -161,10 +140,9 @@ void ThesisDecomposition::build_levels() {
     for (uint64_t first = 0; first < slots; first += per_buffer) {
       level.frames.push_back(plane(per_buffer));
     }
-    const std::vector<uint32_t> constants = {static_cast<uint32_t>(level.slots)};
-    level.sample = device_->kernel(shaders::thesis_chapter3_sample, constants);
-    level.sample_past = device_->kernel(shaders::thesis_chapter3_sample_past, constants);
-    level.energy_pulls = device_->kernel(shaders::thesis_chapter3_energy_pulls, constants);
+    level.sample = {device_, {.slots = level.slots}};
+    level.sample_past = {device_, {.slots = level.slots}};
+    level.energy_pulls = {device_, {.slots = level.slots}};
     levels_.push_back(std::move(level));
   }
 }
@@ -177,7 +155,7 @@ void ThesisDecomposition::build_readback() {
   if ((params_.energy || params_.trace) && !energy_partials_) {
     for (auto* buffer : {&energy_partials_, &energy_pull_partials_}) {
       *buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
-                                    gpu::partial_count(*energy_, pixels_of(extent_)));
+                                    gpu::partial_count(*energy_.kernel(), pixels_of(extent_)));
     }
     cleared_ = false;
   }
@@ -196,36 +174,39 @@ void ThesisDecomposition::reset() {
   stored_keyframes_ = 0;
 }
 
-ThesisPush ThesisDecomposition::push_for(size_t level) const {
+ThesisDecomposition::Push ThesisDecomposition::push_for(size_t level) const {
   const Params& p = params_;
-  ThesisPush push{};
-  push.size[0] = static_cast<int32_t>(levels_[level].extent.width);
-  push.size[1] = static_cast<int32_t>(levels_[level].extent.height);
-  push.samples = p.w_non_local > 0 ? p.samples : 0;
-  push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
-  push.ring_capacity = std::max(p.keyframes, 1);
-  push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
-  push.stream = static_cast<uint32_t>(level);
-  push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
-  push.w_data = p.w_data;
-  push.w_intensity = p.w_intensity;
-  push.w_reflectance = p.w_reflectance;
-  push.w_shading = p.w_shading;
-  push.w_chromaticity = p.w_chromaticity;
-  push.w_non_local = p.w_non_local;
-  push.w_clustering = p.w_clustering;
-  push.w_cs = p.w_cs;
-  push.alpha_cs = p.alpha_cs;
-  push.alpha_clustering = p.alpha_clustering;
+  const int ring_capacity = std::max(p.keyframes, 1);
   const float threshold = p.tau_cc * 1365.0f;
-  push.sample_threshold = threshold * threshold;
-  push.log_floor = p.log_floor;
-  push.chroma_floor = p.chroma_floor;
-  push.p = p.p;
-  push.epsilon2 = p.epsilon * p.epsilon;
-  push.settled = p.settled;
-  push.irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f;
-  return push;
+  return {.size = levels_[level].extent,
+          .other_size = {0, 0},
+          .shift = {0, 0},
+          .count = 0,
+          .mode = 0,
+          .samples = p.w_non_local > 0 ? p.samples : 0,
+          .frames = 1 + std::min(stored_keyframes_, p.keyframes),
+          .ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % ring_capacity : 0,
+          .ring_capacity = ring_capacity,
+          .slot = 0,
+          .stream = static_cast<uint32_t>(level),
+          .seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u),
+          .w_data = p.w_data,
+          .w_intensity = p.w_intensity,
+          .w_reflectance = p.w_reflectance,
+          .w_shading = p.w_shading,
+          .w_chromaticity = p.w_chromaticity,
+          .w_non_local = p.w_non_local,
+          .w_clustering = p.w_clustering,
+          .w_cs = p.w_cs,
+          .alpha_cs = p.alpha_cs,
+          .alpha_clustering = p.alpha_clustering,
+          .sample_threshold = threshold * threshold,
+          .log_floor = p.log_floor,
+          .chroma_floor = p.chroma_floor,
+          .p = p.p,
+          .epsilon2 = p.epsilon * p.epsilon,
+          .irls_factor = p.irls == Params::Irls::consistent ? 0.5f * p.p : 1.0f,
+          .settled = p.settled};
 }
 
 std::vector<gpu::BufferPtr> ThesisDecomposition::frame_buffers(size_t level) const {
@@ -236,9 +217,12 @@ std::vector<gpu::BufferPtr> ThesisDecomposition::frame_buffers(size_t level) con
 
 void ThesisDecomposition::pack(gpu::Commands& commands, size_t level, int slot) {
   const Level& at = levels_[level];
-  ThesisPush push = push_for(level);
+  Push push = push_for(level);
   push.slot = slot % at.slots;
-  commands.dispatch(pack_, {at.image, at.solution, at.frames[static_cast<size_t>(slot / at.slots)]},
+  commands.dispatch(pack_,
+                    {.image = at.image,
+                     .solution = at.solution,
+                     .frames = at.frames[static_cast<size_t>(slot / at.slots)]},
                     push, pixels_of(at.extent));
 }
 
@@ -250,42 +234,69 @@ Plane ThesisDecomposition::sample_frame(int level) const {
 void ThesisDecomposition::evaluate(gpu::Commands& commands, size_t level, int step,
                                    bool clustered) {
   const Level& at = levels_[level];
-  ThesisPush push = push_for(level);
+  Push push = push_for(level);
   push.mode = clustered ? 1 : 0;
-  commands.dispatch(energy_, {at.image, at.solution, links_, energy_partials_}, push,
-                    pixels_of(at.extent));
-  std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
-  buffers.insert(buffers.end(), {at.image, clusters_, at.solution, energy_pull_partials_});
-  commands.dispatch(at.energy_pulls, buffers, std::as_bytes(std::span(&push, 1)),
-                    pixels_of(at.extent));
-  push.count = static_cast<int32_t>(gpu::partial_count(*energy_, pixels_of(at.extent)));
+  commands.dispatch(
+      energy_,
+      {.image = at.image, .solution = at.solution, .links = links_, .partials = energy_partials_},
+      push, pixels_of(at.extent));
+  const std::vector<gpu::BufferPtr> frames = frame_buffers(level);
+  commands.dispatch(at.energy_pulls,
+                    {.frames0 = frames[0],
+                     .frames1 = frames[1],
+                     .frames2 = frames[2],
+                     .frames3 = frames[3],
+                     .frames4 = frames[4],
+                     .frames5 = frames[5],
+                     .image = at.image,
+                     .clusters = clusters_,
+                     .solution = at.solution,
+                     .partials = energy_pull_partials_},
+                    push, pixels_of(at.extent));
+  push.count = static_cast<int32_t>(gpu::partial_count(*energy_.kernel(), pixels_of(at.extent)));
   push.slot = static_cast<int32_t>(current_->energy.size());
-  commands.dispatch(total_, {energy_partials_, energy_pull_partials_, trace_}, push, {kOneGroup});
+  commands.dispatch(total_,
+                    {.local = energy_partials_, .pulls = energy_pull_partials_, .trace = trace_},
+                    push, {kOneGroup});
   current_->energy.push_back({static_cast<int>(level), step, 0, 0, 0, 0});
 }
 
 void ThesisDecomposition::conjugate_gradients(gpu::Commands& commands, size_t level, int step) {
   const Level& at = levels_[level];
-  ThesisPush push = push_for(level);
+  Push push = push_for(level);
   const gpu::Items strips = strips_of(at.extent);
-  push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
+  push.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips));
   const auto reduce = [&](int mode) {
     push.mode = mode;
-    commands.dispatch(scalars_kernel_, {partials_, scalars_}, push, {kOneGroup});
+    commands.dispatch(scalars_kernel_, {.partials = partials_, .scalars = scalars_}, push,
+                      {kOneGroup});
   };
   push.slot = step;
   reduce(0);
   const auto iterate = [&](int k) {
     const auto& previous = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
-    commands.dispatch(
-        direction_,
-        {preconditioned_, previous, edges_, nodes_, scalars_, direction, products_, partials_},
-        push, strips);
+    commands.dispatch(direction_,
+                      {.preconditioned = preconditioned_,
+                       .previous = previous,
+                       .edges = edges_,
+                       .nodes = nodes_,
+                       .scalars = scalars_,
+                       .directions = direction,
+                       .products = products_,
+                       .partials = partials_},
+                      push, strips);
     reduce(1);
     commands.dispatch(update_,
-                      {at.solution, preconditioned_, direction, products_, nodes_, scalars_,
-                       at.solution, preconditioned_, partials_},
+                      {.solution = gpu::aliased(at.solution),
+                       .preconditioned = gpu::aliased(preconditioned_),
+                       .directions = direction,
+                       .products = products_,
+                       .nodes = nodes_,
+                       .scalars = scalars_,
+                       .solution_out = at.solution,
+                       .preconditioned_out = preconditioned_,
+                       .partials = partials_},
                       push, strips);
     reduce(2);
   };
@@ -303,34 +314,44 @@ void ThesisDecomposition::schwarz(gpu::Commands& commands, size_t level, int ste
   if (!at.spare) {
     at.spare = gpu::Buffer::create(device_, gpu::Element::vec4, at.extent.pixels());
   }
-  ThesisPush push = push_for(level);
+  Push push = push_for(level);
   push.count = params_.pcg_iterations;
-  push.shift[0] = halton(step, 2);
-  push.shift[1] = halton(step, 3);
+  push.shift = {halton(step, 2), halton(step, 3)};
   const auto blocks = [](int32_t size, int32_t shift) {
     return static_cast<uint32_t>((size + shift - 1) / kBlock + 1);
   };
   commands.dispatch(
-      schwarz_, {at.solution, preconditioned_, edges_, nodes_, at.spare}, push,
+      schwarz_,
+      {.solution = at.solution,
+       .preconditioned = preconditioned_,
+       .edges = edges_,
+       .nodes = nodes_,
+       .result = at.spare},
+      push,
       {blocks(push.size[0], push.shift[0]) * kBlockGroup, blocks(push.size[1], push.shift[1])});
   std::swap(at.solution, at.spare);
 }
 
 void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clustered) {
-  ThesisPush push = push_for(level);
+  Push push = push_for(level);
   const gpu::Items pixels = pixels_of(levels_[level].extent);
-  const auto pull = [&](const gpu::KernelPtr& kernel, const gpu::BufferPtr& in,
-                        const gpu::BufferPtr& out) {
-    std::vector<gpu::BufferPtr> buffers = frame_buffers(level);
-    buffers.insert(buffers.end(), {levels_[level].image, in, out});
-    commands.dispatch(kernel, buffers, std::as_bytes(std::span(&push, 1)), pixels);
-  };
-  commands.dispatch(setup_, {levels_[level].image, links_}, push, pixels);
+  const std::vector<gpu::BufferPtr> frames = frame_buffers(level);
+  commands.dispatch(setup_, {.image = levels_[level].image, .links = links_}, push, pixels);
   push.mode = clustered ? 1 : 0;
   if (push.frames == 1) push.samples = 0;  // nothing but clusters
   const bool pulls = clustered || push_for(level).samples > 0;
   if (pulls)
-    pull(levels_[level].sample_past, clusters_, constant_pulls_);
+    commands.dispatch(levels_[level].sample_past,
+                      {.frames0 = frames[0],
+                       .frames1 = frames[1],
+                       .frames2 = frames[2],
+                       .frames3 = frames[3],
+                       .frames4 = frames[4],
+                       .frames5 = frames[5],
+                       .image = levels_[level].image,
+                       .clusters = clusters_,
+                       .pulls = constant_pulls_},
+                      push, pixels);
   else  // of this frame's levels all come to nothing
     commands.fill(pulls_);
   push.samples = push_for(level).samples;
@@ -341,10 +362,27 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
     if (pulls || evaluated) pack(commands, level, 0);
     if (evaluated) evaluate(commands, level, step - 1, clustered);
     if (last) break;
-    if (pulls) pull(levels_[level].sample, constant_pulls_, pulls_);
+    if (pulls)
+      commands.dispatch(levels_[level].sample,
+                        {.frames0 = frames[0],
+                         .frames1 = frames[1],
+                         .frames2 = frames[2],
+                         .frames3 = frames[3],
+                         .frames4 = frames[4],
+                         .frames5 = frames[5],
+                         .image = levels_[level].image,
+                         .constant_pulls = constant_pulls_,
+                         .pulls = pulls_},
+                        push, pixels);
     commands.dispatch(reweight_,
-                      {levels_[level].solution, links_, pulls_, levels_[level].image, edges_,
-                       nodes_, preconditioned_, partials_},
+                      {.solution = levels_[level].solution,
+                       .links = links_,
+                       .pulls = pulls_,
+                       .image = levels_[level].image,
+                       .edges = edges_,
+                       .nodes = nodes_,
+                       .preconditioned = preconditioned_,
+                       .partials = partials_},
                       push, strips_of(levels_[level].extent));
     if (params_.solver == Params::Solver::pcg) {
       conjugate_gradients(commands, level, step);
@@ -355,7 +393,6 @@ void ThesisDecomposition::solve(gpu::Commands& commands, size_t level, bool clus
 }
 
 uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame, Layers& layers) {
-  static_assert(sizeof(ThesisPush) <= gpu::Kernel::kPushBytes);
   if (frame.extent != extent_) {
     throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
   }
@@ -368,7 +405,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   }
   commands.fill(scalars_);  // counts the frame's iterations
   const uint64_t number = recorded_++;
-  Readback& readback = readback_[number % readback_.size()];
+  Readback& readback = readback_[number];
   readback.stats = {};
   current_ = &readback.stats;
   current_->levels = levels();
@@ -385,26 +422,27 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   }
   if (params_.w_clustering <= 0) current_->skipped.emplace_back("clusters: their weight is 0");
 
-  commands.dispatch(sanitize_, {frame.buffer, levels_[0].image}, push_for(0), pixels_of(extent_));
+  commands.dispatch(sanitize_, {.frame = frame.buffer, .image = levels_[0].image}, push_for(0),
+                    pixels_of(extent_));
   for (size_t n = 1; n < levels_.size(); ++n) {
-    ThesisPush push = push_for(n);
-    push.other_size[0] = static_cast<int32_t>(levels_[n - 1].extent.width);
-    push.other_size[1] = static_cast<int32_t>(levels_[n - 1].extent.height);
-    commands.dispatch(downsample_, {levels_[n - 1].image, levels_[n].image}, push,
+    Push push = push_for(n);
+    push.other_size = levels_[n - 1].extent;
+    commands.dispatch(downsample_, {.fine = levels_[n - 1].image, .coarse = levels_[n].image}, push,
                       pixels_of(levels_[n].extent));
   }
   commands.stage("pyramid");
 
   for (size_t n = levels_.size(); n-- > 0;) {
     const Level& at = levels_[n];
-    ThesisPush push = push_for(n);
+    Push push = push_for(n);
     if (n + 1 == levels_.size()) {
-      commands.dispatch(start_, {at.image, at.solution}, push, pixels_of(at.extent));
+      commands.dispatch(start_, {.image = at.image, .solution = at.solution}, push,
+                        pixels_of(at.extent));
     } else {
       const Level& coarse = levels_[n + 1];
-      push.other_size[0] = static_cast<int32_t>(coarse.extent.width);
-      push.other_size[1] = static_cast<int32_t>(coarse.extent.height);
-      commands.dispatch(prolong_, {coarse.solution, at.solution}, push, pixels_of(at.extent));
+      push.other_size = coarse.extent;
+      commands.dispatch(prolong_, {.coarse = coarse.solution, .solution = at.solution}, push,
+                        pixels_of(at.extent));
     }
     const bool clustered = n == 0 && current_->clustered;
     if (clustered) {
@@ -427,16 +465,20 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
 
   const Extent cells = cells_of(extent_);
   commands.dispatch(scale_cells_,
-                    {levels_[0].solution, palette_.gauge(), scale_.cells(), wanted_scale_},
-                    std::array<uint32_t, 2>{extent_.width, extent_.height}, pixels_of(cells));
+                    {.solution = levels_[0].solution,
+                     .palette_scale = palette_.gauge(),
+                     .cells = scale_.cells(),
+                     .wanted = wanted_scale_},
+                    {.size = extent_}, pixels_of(cells));
   using History = ScaleNormalization::History;
   scale_.record(commands, {.wanted = wanted_scale_,
                            .history = since_reset_ > 0 ? History::taken : History::none});
   ++since_reset_;
 
   const PlanePtr plane = pool_.acquire();
-  commands.dispatch(layers_, {levels_[0].solution, scale_.value(), plane->buffer}, push_for(0),
-                    pixels_of(extent_));
+  commands.dispatch(
+      layers_, {.solution = levels_[0].solution, .scale = scale_.value(), .layers = plane->buffer},
+      push_for(0), pixels_of(extent_));
   layers.extent = extent_;
   layers[Role::intrinsic] = plane;
   layers[Role::model] = plane;
@@ -457,7 +499,7 @@ ThesisDecomposition::Stats ThesisDecomposition::stats(uint64_t frame) const {
   if (frame >= recorded_ || frame + readback_.size() < recorded_) {
     throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
   }
-  const Readback& readback = readback_[frame % readback_.size()];
+  const Readback& readback = readback_[frame];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   stats.scale = values[0];

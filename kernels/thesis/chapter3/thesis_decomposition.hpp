@@ -9,11 +9,27 @@
 #include "kernels/image/plane.hpp"
 #include "kernels/palette/palette.hpp"
 #include "kernels/solve/scale_normalization.hpp"
+#include "kernels/thesis_chapter3_direction.spv.hpp"
+#include "kernels/thesis_chapter3_downsample.spv.hpp"
+#include "kernels/thesis_chapter3_energy.spv.hpp"
+#include "kernels/thesis_chapter3_energy_pulls.spv.hpp"
+#include "kernels/thesis_chapter3_layers.spv.hpp"
+#include "kernels/thesis_chapter3_pack.spv.hpp"
+#include "kernels/thesis_chapter3_prolong.spv.hpp"
+#include "kernels/thesis_chapter3_reweight.spv.hpp"
+#include "kernels/thesis_chapter3_sample.spv.hpp"
+#include "kernels/thesis_chapter3_sample_past.spv.hpp"
+#include "kernels/thesis_chapter3_sanitize.spv.hpp"
+#include "kernels/thesis_chapter3_scalars.spv.hpp"
+#include "kernels/thesis_chapter3_scale_cells.spv.hpp"
+#include "kernels/thesis_chapter3_schwarz.spv.hpp"
+#include "kernels/thesis_chapter3_setup.spv.hpp"
+#include "kernels/thesis_chapter3_start.spv.hpp"
+#include "kernels/thesis_chapter3_total.spv.hpp"
+#include "kernels/thesis_chapter3_update.spv.hpp"
 #include "thesis_params.hpp"
 
 namespace inverse {
-
-struct ThesisPush;
 
 /// The intrinsic video decomposition of the thesis, chapter 3, for frames of one size. The energy
 /// and the systems are in energy.glsl. Keeps keyframes and the palette from frame to frame.
@@ -58,7 +74,8 @@ class ThesisDecomposition {
 
   /// Decomposes `frame` (linear RGB, full scale 1, any values; w is ignored) into
   /// layers[Role::intrinsic] = (R.rgb, S), and the same plane as Role::model. The first frame's R
-  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale. Returns the frame's number for `stats`.
+  /// is scaled so that its 99.5 % quantile is near 0.95; what stays in view keeps that scale.
+  /// Returns the frame's number for `stats`.
   uint64_t record(gpu::Commands& commands, const Plane& frame, Layers& layers);
 
   /// Forgets keyframes and palette: at a flush, a discontinuity or a scene cut.
@@ -83,7 +100,9 @@ class ThesisDecomposition {
     gpu::BufferPtr image, solution, spare;
     std::vector<gpu::BufferPtr> frames;  ///< sample frames, `slots` to a buffer
     int slots = 0;
-    gpu::KernelPtr sample, sample_past, energy_pulls;
+    gpu::Program<shaders::thesis_chapter3_sample> sample;
+    gpu::Program<shaders::thesis_chapter3_sample_past> sample_past;
+    gpu::Program<shaders::thesis_chapter3_energy_pulls> energy_pulls;
   };
   struct Readback {
     gpu::BufferPtr buffer;
@@ -92,7 +111,8 @@ class ThesisDecomposition {
 
   void build_levels();
   void build_readback();
-  ThesisPush push_for(size_t level) const;
+  using Push = shaders::thesis_chapter3_setup::Push;  // that of all but one
+  Push push_for(size_t level) const;
   void pack(gpu::Commands& commands, size_t level, int slot);
   void solve(gpu::Commands& commands, size_t level, bool clustered);
   void conjugate_gradients(gpu::Commands& commands, size_t level, int step);
@@ -106,8 +126,21 @@ class ThesisDecomposition {
   Palette palette_;
   ScaleNormalization scale_;
   PlanePool pool_;
-  gpu::KernelPtr sanitize_, downsample_, setup_, start_, prolong_, pack_, reweight_, direction_,
-      update_, scalars_kernel_, schwarz_, energy_, total_, layers_, scale_cells_;
+  gpu::Program<shaders::thesis_chapter3_sanitize> sanitize_;
+  gpu::Program<shaders::thesis_chapter3_downsample> downsample_;
+  gpu::Program<shaders::thesis_chapter3_setup> setup_;
+  gpu::Program<shaders::thesis_chapter3_start> start_;
+  gpu::Program<shaders::thesis_chapter3_prolong> prolong_;
+  gpu::Program<shaders::thesis_chapter3_pack> pack_;
+  gpu::Program<shaders::thesis_chapter3_reweight> reweight_;
+  gpu::Program<shaders::thesis_chapter3_direction> direction_;
+  gpu::Program<shaders::thesis_chapter3_update> update_;
+  gpu::Program<shaders::thesis_chapter3_scalars> scalars_kernel_;
+  gpu::Program<shaders::thesis_chapter3_schwarz> schwarz_;
+  gpu::Program<shaders::thesis_chapter3_energy> energy_;
+  gpu::Program<shaders::thesis_chapter3_total> total_;
+  gpu::Program<shaders::thesis_chapter3_layers> layers_;
+  gpu::Program<shaders::thesis_chapter3_scale_cells> scale_cells_;
   // Shared by all levels, of the finest level's size.
   gpu::BufferPtr links_, pulls_, constant_pulls_, edges_, nodes_, preconditioned_, products_,
       clusters_, wanted_scale_;
@@ -115,7 +148,7 @@ class ThesisDecomposition {
   gpu::BufferPtr partials_, scalars_, energy_partials_, energy_pull_partials_, trace_;
   std::vector<Level> levels_;
   Plane solution_;
-  std::array<Readback, gpu::kFramesInFlight> readback_;
+  gpu::FrameRing<Readback> readback_;
   Stats* current_ = nullptr;  // of the frame being recorded
   bool cleared_ = false;
   uint64_t recorded_ = 0;     // frames since construction

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "global_thesis_push.hpp"
+#include "global_thesis_programs.hpp"
 #include "kernels/gpu/reduce.hpp"
 #include "kernels/thesis/chapter5/colors/refinement.hpp"
 #include "kernels/thesis/shared/sample_frames.hpp"
@@ -18,6 +18,8 @@ namespace {
 constexpr float kFade = 0.3f;
 constexpr uint64_t kScalars = 3;  // as in scalars.comp
 constexpr uint64_t kSearch = 4;   // as in search.comp
+constexpr auto kCells = static_cast<uint32_t>(shaders::thesis_chapter5_setup_cells::kAcross *
+                                              shaders::thesis_chapter5_setup_cells::kAcross);
 
 }  // namespace
 
@@ -173,49 +175,51 @@ void GlobalThesis::hold_fields(int groups) {
   // The tallest dispatch of those that sum up.
   partials_ = gpu::Buffer::create(
       device_, gpu::Element::vec4,
-      gpu::partial_count(*at.reweight, {extent_.width, extent_.height + planes}));
+      gpu::partial_count(*at.reweight.kernel(), {extent_.width, extent_.height + planes}));
   held_groups_ = groups;
   has_state_ = false;
 }
 
 GlobalThesis::Push GlobalThesis::push_for() const {
   const Params& p = params_;
-  Push push{};
-  push.size[0] = static_cast<int32_t>(extent_.width);
-  push.size[1] = static_cast<int32_t>(extent_.height);
-  push.samples = p.lambda_r_consistency > 0 ? p.samples : 0;
-  push.frames = 1 + std::min(stored_keyframes_, p.keyframes);
-  push.ring_capacity = std::max(p.keyframes, 1);
-  push.ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % push.ring_capacity : 0;
-  push.seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u);
-  push.centers = colors_.slots();
-  push.layers = colors_.layers();
-  push.lambda_data = p.lambda_data;
-  push.lambda_clustering = p.lambda_clustering;
-  push.lambda_r_sparsity = p.lambda_r_sparsity;
-  push.lambda_r_consistency = p.lambda_r_consistency;
-  push.lambda_monochrome = p.lambda_monochrome;
-  push.lambda_i_sparsity = p.lambda_i_sparsity;
-  push.lambda_smoothness = p.lambda_smoothness;
-  push.lambda_non_negativity = p.lambda_non_negativity;
-  push.p = p.p;
   const bool consistent = p.irls == Params::Irls::consistent;
-  push.irls_r = consistent ? 0.5f * p.p : 1.0f;
-  push.irls_light = consistent ? 0.5f : 1.0f;
-  push.alpha_sr = p.alpha_sr;
-  push.w_intensity = p.w_intensity;
+  const int ring = std::max(p.keyframes, 1);
   const float threshold = p.tau_cc * 1365.0f;
-  push.sample_threshold = threshold * threshold;
-  push.epsilon = p.epsilon;
-  push.epsilon_r = p.epsilon_r;
-  push.log_floor = p.log_floor;
-  push.chroma_floor = p.chroma_floor;
-  push.indirect_start = p.indirect_start;
-  return push;
+  return {.size = extent_,
+          .count = 0,
+          .mode = 0,
+          .samples = p.lambda_r_consistency > 0 ? p.samples : 0,
+          .frames = 1 + std::min(stored_keyframes_, p.keyframes),
+          .ring_start = stored_keyframes_ > p.keyframes ? stored_keyframes_ % ring : 0,
+          .ring_capacity = ring,
+          .slot = 0,
+          .stream = 0,
+          .seed = p.seed + (p.resample ? since_reset_ * 0x9E3779B9u : 0u),
+          .centers = colors_.slots(),
+          .layers = colors_.layers(),
+          .lambda_data = p.lambda_data,
+          .lambda_clustering = p.lambda_clustering,
+          .lambda_r_sparsity = p.lambda_r_sparsity,
+          .lambda_r_consistency = p.lambda_r_consistency,
+          .lambda_monochrome = p.lambda_monochrome,
+          .lambda_i_sparsity = p.lambda_i_sparsity,
+          .lambda_smoothness = p.lambda_smoothness,
+          .lambda_non_negativity = p.lambda_non_negativity,
+          .p = p.p,
+          .irls_r = consistent ? 0.5f * p.p : 1.0f,
+          .irls_light = consistent ? 0.5f : 1.0f,
+          .alpha_sr = p.alpha_sr,
+          .w_intensity = p.w_intensity,
+          .sample_threshold = threshold * threshold,
+          .epsilon = p.epsilon,
+          .epsilon_r = p.epsilon_r,
+          .log_floor = p.log_floor,
+          .chroma_floor = p.chroma_floor,
+          .indirect_start = p.indirect_start};
 }
 
 GlobalThesis::Readback& GlobalThesis::next_readback(uint64_t number) {
-  Readback& readback = readback_[number % readback_.size()];
+  Readback& readback = readback_[number];
   if (readback.refining && !readback.collected) system_pending_ = false;  // nobody asked for it
   clear(readback, epoch_);
   return readback;
@@ -242,8 +246,9 @@ void GlobalThesis::look(gpu::Commands& commands, uint64_t number) {
   Push push = push_for();
   push.slot = static_cast<int32_t>(number % 2);
   push.count = static_cast<int32_t>(kCells);
-  commands.dispatch(kernels(0).cells, {chroma_, image_, cells_}, push, {kCells});
-  commands.dispatch(kernels(0).change, {cells_, change_}, push, {kOneGroup});
+  commands.dispatch(kernels(0).cells, {.chroma = chroma_, .image = image_, .cells = cells_}, push,
+                    {kCells});
+  commands.dispatch(kernels(0).change, {.cells = cells_, .change = change_}, push, {kOneGroup});
   commands.copy(change_, current_->buffer, 16, 0, 16 * kChangeAt);
   current_->compared = std::exchange(looked_, true);
 }
@@ -253,7 +258,8 @@ void GlobalThesis::prepare(gpu::Commands& commands, const Plane& frame) {
   if (frame.extent != extent_) {
     throw Error(ErrorKind::internal, "the decomposition was made for another frame size");
   }
-  commands.dispatch(kernels(0).sanitize, {frame.buffer, image_, chroma_}, push_for(),
+  commands.dispatch(kernels(0).sanitize,
+                    {.frame = frame.buffer, .image = image_, .chroma = chroma_}, push_for(),
                     {extent_.width, extent_.height});
   if (!colors_.given()) palette_.record_update(commands, {extent_, chroma_});
   commands.copy(palette_.colors(), current_->buffer, 16 * kColors, 0, 16 * kColorsAt);
@@ -274,7 +280,6 @@ void GlobalThesis::collect_colors() {
 
 uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layers& layers,
                               const Hints& hints) {
-  static_assert(sizeof(Push) <= gpu::Kernel::kPushBytes);
   const gpu::Items pixels{extent_.width, extent_.height};
   groups_ = (colors_.layers() + 3) / 4;
   const bool fresh = groups_ > held_groups_;
@@ -299,24 +304,42 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   look(commands, number);
   commands.stage("clusters");
   Push push = push_for();
-  commands.dispatch(at_->setup, {image_, current_->table, features_}, push, pixels);
+  commands.dispatch(at_->setup, {.image = image_, .table = current_->table, .features = features_},
+                    push, pixels);
   if (hints.regions) hints.regions->record(commands, {extent_, features_});
   const gpu::BufferPtr regions = hints.regions         ? hints.regions->plane().buffer
                                  : hints.fixed_regions ? hints.fixed_regions->buffer
                                                        : nullptr;
   push.mode = regions ? 1 : 0;
-  commands.dispatch(at_->aim, {current_->table, features_, regions ? regions : features_, targets_},
+  commands.dispatch(at_->aim,
+                    {.table = current_->table,
+                     .features = features_,
+                     .regions = regions ? regions : features_,
+                     .targets = targets_},
                     push, pixels);
   if (!stats.warm) {
     commands.dispatch(at_->start,
-                      {current_->table, image_, targets_, features_, states_[current_state_]},
+                      {.table = current_->table,
+                       .image = image_,
+                       .targets = targets_,
+                       .features = features_,
+                       .state = states_[current_state_]},
                       push_for(), pixels);
   }
   push = push_for();
   if (push.frames == 1) push.samples = 0;  // nothing but clusters
-  std::vector<gpu::BufferPtr> buffers = frame_buffers();
-  buffers.insert(buffers.end(), {features_, targets_, constant_pulls_});
-  commands.dispatch(at_->sample_past, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  const auto frames = frame_buffers();
+  commands.dispatch(at_->sample_past,
+                    {.frames0 = frames[0],
+                     .frames1 = frames[1],
+                     .frames2 = frames[2],
+                     .frames3 = frames[3],
+                     .frames4 = frames[4],
+                     .frames5 = frames[5],
+                     .features = features_,
+                     .targets = targets_,
+                     .pulls = constant_pulls_},
+                    push, pixels);
   commands.stage("setup");
 
   if (params_.line_search) begin_search(commands);
@@ -345,9 +368,11 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
   if (regions && hints.scored_region > 0) {
     if (!score_) score_ = gpu::Buffer::create(device_, gpu::Element::vec4, 1);
     push.slot = hints.scored_region;
-    commands.dispatch(at_->score, {solution(), regions, partials_}, push, pixels);
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score, pixels));
-    commands.dispatch(at_->outer_total, {partials_, score_}, push, {kOneGroup});
+    commands.dispatch(at_->score, {.state = solution(), .regions = regions, .partials = partials_},
+                      push, pixels);
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->score.kernel(), pixels));
+    commands.dispatch(at_->outer_total, {.partials = partials_, .entries = score_}, push,
+                      {kOneGroup});
     commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
     current_->scored = true;
   }
@@ -361,7 +386,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
 
 void GlobalThesis::collect(uint64_t frame) {
   if (frame >= recorded_ || frame + readback_.size() < recorded_) return;
-  Readback& readback = readback_[frame % readback_.size()];
+  Readback& readback = readback_[frame];
   if (readback.collected) return;
   readback.collected = true;
   if (readback.refining) system_pending_ = false;
@@ -392,7 +417,7 @@ GlobalThesis::Stats GlobalThesis::stats(uint64_t frame) const {
   if (frame >= recorded_ || frame + readback_.size() < recorded_) {
     throw Error(ErrorKind::internal, "statistics are kept for the last three frames only");
   }
-  const Readback& readback = readback_[frame % readback_.size()];
+  const Readback& readback = readback_[frame];
   const auto* values = readback.buffer->map_as<float>();
   Stats stats = readback.stats;
   if (readback.compared) stats.change = values[4 * kChangeAt];

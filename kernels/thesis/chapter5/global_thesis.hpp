@@ -11,10 +11,9 @@
 #include "kernels/palette/palette.hpp"
 #include "kernels/thesis/chapter5/colors/base_colors.hpp"
 #include "kernels/thesis/chapter5/regions/marked_regions.hpp"
+#include "kernels/thesis_chapter5_setup_setup.spv.hpp"
 
 namespace inverse {
-
-struct GlobalThesisPush;
 
 /// The global intrinsic video decomposition of the thesis, chapter 5, for frames of one size: into
 /// reflectance, direct light and one layer of indirect light for each base color. The energy and
@@ -142,7 +141,8 @@ class GlobalThesis {
   static uint64_t bytes_per_pixel(int layers, int keyframes);
 
  private:
-  using Push = GlobalThesisPush;
+  /// Of all kernels (energy.glsl).
+  using Push = shaders::thesis_chapter5_setup_setup::Push;
   struct Kernels;
   struct Readback {
     gpu::BufferPtr buffer, table;
@@ -159,7 +159,7 @@ class GlobalThesis {
   void hold_frames(int slots_per_buffer);
   void hold_fields(int groups);
   Push push_for() const;
-  std::vector<gpu::BufferPtr> frame_buffers() const;
+  std::array<gpu::BufferPtr, 6> frame_buffers() const;
   static void clear(Readback& readback, uint32_t epoch);
   Readback& next_readback(uint64_t number);
   void forget_frames();
@@ -198,7 +198,7 @@ class GlobalThesis {
   gpu::BufferPtr trace_, residuals_, reflectances_, outer_partials_, system_, score_;
   std::vector<gpu::BufferPtr> frames_;  // sample frames, slots_ to a buffer
   int slots_ = 0;
-  std::array<Readback, gpu::kFramesInFlight> readback_;
+  gpu::FrameRing<Readback> readback_;
   Readback colors_readback_;     // of record_colors
   Readback* current_ = nullptr;  // of the frame being recorded
   uint64_t recorded_ = 0;        // frames since construction

@@ -2,46 +2,57 @@
 // solution.
 #include <algorithm>
 
-#include "global_thesis_push.hpp"
+#include "global_thesis_programs.hpp"
 #include "kernels/gpu/reduce.hpp"
 
 namespace inverse {
 using namespace global_thesis;
 namespace {
 
-constexpr uint32_t kStrip = 8;          // pixels an invocation
+constexpr auto kStrip = static_cast<uint32_t>(shaders::thesis_chapter5_solve_product::kStrip);
 constexpr uint32_t kOuterLanes = 2048;  // invocations that the pixels of an outer product share
 
 }  // namespace
 
-std::vector<gpu::BufferPtr> GlobalThesis::frame_buffers() const {
-  std::vector<gpu::BufferPtr> buffers = frames_;
-  buffers.resize(6, buffers.front());
+/// As the shaders bind them; those that there are not are never read.
+std::array<gpu::BufferPtr, 6> GlobalThesis::frame_buffers() const {
+  std::array<gpu::BufferPtr, 6> buffers;
+  buffers.fill(frames_.front());
+  std::copy(frames_.begin(), frames_.end(), buffers.begin());
   return buffers;
 }
 
 void GlobalThesis::pack(gpu::Commands& commands, int slot) {
   Push push = push_for();
   push.slot = slot % slots_;
-  commands.dispatch(at_->pack, {solution(), features_, frames_[static_cast<size_t>(slot / slots_)]},
+  commands.dispatch(at_->pack,
+                    {.state = solution(),
+                     .features = features_,
+                     .frames = frames_[static_cast<size_t>(slot / slots_)]},
                     push, {extent_.width, extent_.height});
 }
 
 void GlobalThesis::hold_energies(gpu::Commands& commands) {
   if (energy_partials_[0]) return;
   for (auto& buffer : energy_partials_) {
-    buffer = gpu::Buffer::create(device_, gpu::Element::vec4,
-                                 gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
+    buffer = gpu::Buffer::create(
+        device_, gpu::Element::vec4,
+        gpu::partial_count(*at_->energy.kernel(), {extent_.width, extent_.height}));
     commands.fill(buffer);
   }
 }
 
 /// Partial sums of the energy of x without samples.
 void GlobalThesis::sum_energy(gpu::Commands& commands, const gpu::BufferPtr& x) {
-  commands.dispatch(
-      at_->energy,
-      {current_->table, x, image_, targets_, features_, energy_partials_[0], energy_partials_[1]},
-      push_for(), {extent_.width, extent_.height});
+  commands.dispatch(at_->energy,
+                    {.table = current_->table,
+                     .state = x,
+                     .image = image_,
+                     .targets = targets_,
+                     .features = features_,
+                     .first_partials = energy_partials_[0],
+                     .second_partials = energy_partials_[1]},
+                    push_for(), {extent_.width, extent_.height});
 }
 
 void GlobalThesis::evaluate(gpu::Commands& commands, int step) {
@@ -49,15 +60,27 @@ void GlobalThesis::evaluate(gpu::Commands& commands, int step) {
   hold_energies(commands);
   Push push = push_for();
   sum_energy(commands, solution());
-  std::vector<gpu::BufferPtr> buffers = frame_buffers();
-  buffers.insert(buffers.end(), {features_, solution(), energy_partials_[2]});
-  commands.dispatch(at_->energy_pulls, buffers, std::as_bytes(std::span(&push, 1)), pixels);
+  const auto frames = frame_buffers();
+  commands.dispatch(at_->energy_pulls,
+                    {.frames0 = frames[0],
+                     .frames1 = frames[1],
+                     .frames2 = frames[2],
+                     .frames3 = frames[3],
+                     .frames4 = frames[4],
+                     .frames5 = frames[5],
+                     .features = features_,
+                     .state = solution(),
+                     .partials = energy_partials_[2]},
+                    push, pixels);
   std::vector<Energy>& trace = current_->stats.energy;
-  push.count = static_cast<int32_t>(gpu::partial_count(*at_->energy, pixels));
+  push.count = static_cast<int32_t>(gpu::partial_count(*at_->energy.kernel(), pixels));
   push.slot = static_cast<int32_t>(trace.size());
   commands.dispatch(at_->total,
-                    {energy_partials_[0], energy_partials_[2], energy_partials_[1], trace_}, push,
-                    {kOneGroup});
+                    {.first = energy_partials_[0],
+                     .pulls = energy_partials_[2],
+                     .second = energy_partials_[1],
+                     .trace = trace_},
+                    push, {kOneGroup});
   trace.push_back({step, 0, 0, 0, 0, 0, 0, 0, 0});
 }
 
@@ -65,9 +88,13 @@ void GlobalThesis::begin_search(gpu::Commands& commands) {
   hold_energies(commands);
   sum_energy(commands, solution());
   Push push = push_for();
-  push.count =
-      static_cast<int32_t>(gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
-  commands.dispatch(at_->search, {energy_partials_[0], energy_partials_[1], search_, shorten_},
+  push.count = static_cast<int32_t>(
+      gpu::partial_count(*at_->energy.kernel(), {extent_.width, extent_.height}));
+  commands.dispatch(at_->search,
+                    {.first = energy_partials_[0],
+                     .second = energy_partials_[1],
+                     .search = search_,
+                     .shorten = shorten_},
                     push, {kOneGroup});
 }
 
@@ -77,21 +104,25 @@ void GlobalThesis::search(gpu::Commands& commands) {
   const gpu::BufferPtr& next = states_[1 - current_state_];
   const gpu::Items field{extent_.width, extent_.height, static_cast<uint32_t>(groups_) + 1};
   Push push = push_for();
-  push.count =
-      static_cast<int32_t>(gpu::partial_count(*at_->energy, {extent_.width, extent_.height}));
+  push.count = static_cast<int32_t>(
+      gpu::partial_count(*at_->energy.kernel(), {extent_.width, extent_.height}));
   const auto judge = [&](int mode) {
     sum_energy(commands, next);
     push.mode = mode;
-    commands.dispatch(at_->search, {energy_partials_[0], energy_partials_[1], search_, shorten_},
+    commands.dispatch(at_->search,
+                      {.first = energy_partials_[0],
+                       .second = energy_partials_[1],
+                       .search = search_,
+                       .shorten = shorten_},
                       push, {kOneGroup});
   };
   judge(1);
   commands.when(shorten_, 0, [&] {
-    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
     judge(2);
-    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
     judge(3);
-    commands.dispatch(at_->shorten, {from, search_, next}, push, field);
+    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
   });
 }
 
@@ -100,40 +131,77 @@ void GlobalThesis::step(gpu::Commands& commands) {
   const gpu::BufferPtr& from = states_[current_state_];
   const gpu::BufferPtr& next = states_[1 - current_state_];
   Push push = push_for();
-  std::vector<gpu::BufferPtr> buffers = frame_buffers();
-  buffers.insert(buffers.end(), {features_, constant_pulls_, pulls_});
-  commands.dispatch(at_->sample, buffers, std::as_bytes(std::span(&push, 1)), pixels);
-  commands.dispatch(at_->reweight,
-                    {current_->table, from, image_, features_, pulls_, nodes_, diagonals_,
-                     preconditioned_, next, partials_},
+  const auto frames = frame_buffers();
+  commands.dispatch(at_->sample,
+                    {.frames0 = frames[0],
+                     .frames1 = frames[1],
+                     .frames2 = frames[2],
+                     .frames3 = frames[3],
+                     .frames4 = frames[4],
+                     .frames5 = frames[5],
+                     .features = features_,
+                     .constant_pulls = constant_pulls_,
+                     .pulls = pulls_},
                     push, pixels);
-  push.count = static_cast<int32_t>(gpu::partial_count(*at_->reweight, pixels));
-  commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
+  commands.dispatch(at_->reweight,
+                    {.table = current_->table,
+                     .state = from,
+                     .image = image_,
+                     .features = features_,
+                     .pulls = pulls_,
+                     .nodes = nodes_,
+                     .diagonals = diagonals_,
+                     .preconditioned = preconditioned_,
+                     .next = next,
+                     .partials = partials_},
+                    push, pixels);
+  push.count = static_cast<int32_t>(gpu::partial_count(*at_->reweight.kernel(), pixels));
+  commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push, {kOneGroup});
 
   const auto planes = static_cast<uint32_t>(groups_) + 1;
   const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1, planes};
   const gpu::Items tall{extent_.width, (extent_.height * planes - 1) / kStrip + 1};
   for (int k = 0; k < params_.pcg_iterations; ++k) {
-    commands.dispatch(
-        at_->mix,
-        {current_->table, preconditioned_, directions_, nodes_, scalars_, directions_, forces_},
-        push, pixels);
-    commands.dispatch(
-        at_->product,
-        {current_->table, directions_, from, forces_, diagonals_, products_, partials_}, push,
-        strips);
+    commands.dispatch(at_->mix,
+                      {.table = current_->table,
+                       .preconditioned = preconditioned_,
+                       .previous = directions_,
+                       .nodes = nodes_,
+                       .scalars = scalars_,
+                       .directions = gpu::aliased(directions_),
+                       .forces = forces_},
+                      push, pixels);
+    commands.dispatch(at_->product,
+                      {.table = current_->table,
+                       .directions = directions_,
+                       .state = from,
+                       .forces = forces_,
+                       .diagonals = diagonals_,
+                       .products = products_,
+                       .partials = partials_},
+                      push, strips);
     push.mode = 1;
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->product, strips));
-    commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->product.kernel(), strips));
+    commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push,
+                      {kOneGroup});
     commands.dispatch(at_->update,
-                      {next, preconditioned_, directions_, products_, diagonals_, scalars_, next,
-                       preconditioned_, partials_},
+                      {.next = next,
+                       .preconditioned = preconditioned_,
+                       .directions = directions_,
+                       .products = products_,
+                       .diagonals = diagonals_,
+                       .scalars = scalars_,
+                       .next_out = gpu::aliased(next),
+                       .preconditioned_out = gpu::aliased(preconditioned_),
+                       .partials = partials_},
                       push, tall);
     push.mode = 2;
-    push.count = static_cast<int32_t>(gpu::partial_count(*at_->update, tall));
-    commands.dispatch(at_->scalars, {partials_, scalars_}, push, {kOneGroup});
+    push.count = static_cast<int32_t>(gpu::partial_count(*at_->update.kernel(), tall));
+    commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push,
+                      {kOneGroup});
   }
-  commands.dispatch(at_->settle, {from, next, next}, push, {extent_.width, extent_.height, planes});
+  commands.dispatch(at_->settle, {.state = from, .next = next, .next_out = gpu::aliased(next)},
+                    push, {extent_.width, extent_.height, planes});
   if (params_.line_search) search(commands);
   current_state_ = 1 - current_state_;
 }
@@ -143,7 +211,7 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
   const gpu::Items pixels{extent_.width, extent_.height};
   const auto layers = static_cast<uint32_t>(colors_.layers());
   const gpu::Items items{kOuterLanes, layers, layers + 1};
-  const uint64_t partials = gpu::partial_count(*at_->outer, items);
+  const uint64_t partials = gpu::partial_count(*at_->outer.kernel(), items);
   if (!residuals_) {
     for (auto* buffer : {&residuals_, &reflectances_})
       *buffer = gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels());
@@ -156,15 +224,25 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
   if (!system_ || system_->count() < entries)
     system_ = gpu::Buffer::create(device_, gpu::Element::vec4, entries);
   Push push = push_for();
-  commands.dispatch(at_->residual, {current_->table, solution(), image_, residuals_, reflectances_},
+  commands.dispatch(at_->residual,
+                    {.table = current_->table,
+                     .state = solution(),
+                     .image = image_,
+                     .residuals = residuals_,
+                     .reflectances = reflectances_},
                     push, pixels);
-  const uint32_t workgroup = at_->outer->workgroup();
+  const uint32_t workgroup = at_->outer.kernel()->workgroup();
   push.count =
       static_cast<int32_t>((kOuterLanes - 1) / workgroup + 1) * static_cast<int32_t>(workgroup);
-  commands.dispatch(at_->outer, {solution(), residuals_, reflectances_, outer_partials_}, push,
-                    items);
+  commands.dispatch(at_->outer,
+                    {.state = solution(),
+                     .residuals = residuals_,
+                     .reflectances = reflectances_,
+                     .partials = outer_partials_},
+                    push, items);
   push.count = static_cast<int32_t>(partials / entries);
-  commands.dispatch(at_->outer_total, {outer_partials_, system_}, push, {kOneGroup * entries});
+  commands.dispatch(at_->outer_total, {.partials = outer_partials_, .entries = system_}, push,
+                    {kOneGroup * entries});
   commands.copy(system_, current_->buffer, 16 * static_cast<uint64_t>(entries), 0, 16 * kSystemAt);
   colors_.fix();
   current_->refining = true;
@@ -184,7 +262,11 @@ void GlobalThesis::write_layers(gpu::Commands& commands, Layers& layers) {
   layers[Role::intrinsic] = layers[Role::model] = intrinsic;
   layers[Role::light] = layers[Role::model_light] = light;
   Push push = push_for();
-  commands.dispatch(at_->layers, {current_->table, solution(), intrinsic->buffer, light->buffer},
+  commands.dispatch(at_->layers,
+                    {.table = current_->table,
+                     .state = solution(),
+                     .intrinsic = intrinsic->buffer,
+                     .light = light->buffer},
                     push, pixels);
   for (uint32_t n = 0; n < kIndirectPlanes; ++n) {
     PlanePtr& plane = layers[indirect_role(n)];
@@ -192,7 +274,10 @@ void GlobalThesis::write_layers(gpu::Commands& commands, Layers& layers) {
     if (static_cast<int>(n) >= groups_) continue;
     plane = pool_.acquire();
     push.slot = static_cast<int32_t>(n) + 1;
-    commands.dispatch(at_->indirect, {solution(), intrinsic->buffer, plane->buffer}, push, pixels);
+    commands.dispatch(
+        at_->indirect,
+        {.state = solution(), .intrinsic = intrinsic->buffer, .indirect = plane->buffer}, push,
+        pixels);
   }
   const PlanePtr bases = bases_pool_.acquire();
   commands.copy(current_->table, bases->buffer, 16 * kMaxBases, 16 * 2 * BaseColors::kMaxColors);

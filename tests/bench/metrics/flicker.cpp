@@ -91,6 +91,28 @@ double flicker_along(const std::vector<Image>& reflectance, const std::vector<Tr
   return deviations.empty() ? 0.0 : total / double(deviations.size());
 }
 
+double common_drift(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
+                    std::size_t span) {
+  constexpr std::size_t kMinPoints = 15;
+  double total = 0, count = 0;
+  for (std::size_t k = 0; k + span < reflectance.size(); ++k) {
+    std::vector<double> changes;
+    for (const Track& track : tracks) {
+      if (track.size() <= k + span) continue;
+      const auto &from = track[k], &to = track[k + span];
+      if (std::isnan(from[0] + from[1] + to[0] + to[1])) continue;
+      changes.push_back(sample(reflectance[k + span], to[0], to[1]) -
+                        sample(reflectance[k], from[0], from[1]));
+    }
+    if (changes.size() < kMinPoints) continue;
+    const auto middle = changes.begin() + std::ptrdiff_t(changes.size() / 2);
+    std::nth_element(changes.begin(), middle, changes.end());
+    total += std::abs(*middle);
+    count += 1;
+  }
+  return count > 0 ? total / count : 0.0;
+}
+
 double jitter(const std::vector<Image>& reflectance, const Image& mask) {
   if (reflectance.size() < 2) return 0.0;
   std::vector<double> before = log_values(reflectance[0], mask, true), squares(before.size(), 0.0);

@@ -92,6 +92,12 @@ using Track = std::vector<std::array<double, 2>>;
 double flicker_along(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
                      bool remove_gauge);
 
+/// Change of the scale of what stays in view: mean over frames k of |median over points seen in
+/// both of ln R(k + span) - ln R(k)|. Frames that share fewer than 15 points do not count; 0 if
+/// none do.
+double common_drift(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
+                    std::size_t span);
+
 /// As flicker without the gauge, of changes from frame to frame: the root mean square of successive
 /// differences over the square root of 2, which is the standard deviation where frames are
 /// independent. Slow drift, which nobody sees, hardly counts.

@@ -266,6 +266,9 @@ TEST(Flicker, FollowsMotion) {
   // k ln 1.1 for k = 0 … 4 has the standard deviation √2 ln 1.1.
   EXPECT_NEAR(flicker_along(frames, tracks, false), std::sqrt(2) * std::log(1.1), kNear);
   EXPECT_GT(flicker(frames, true), 0.01);
+  EXPECT_NEAR(common_drift(frames, tracks, 3), 3 * std::log(1.1), kNear);
+  EXPECT_EQ(common_drift(frames, tracks, 5), 0);
+  EXPECT_EQ(common_drift(frames, {tracks.front()}, 3), 0);
   const double nowhere = std::nan("");
   tracks.push_back({{1, 1}, {nowhere, 0}, {0, nowhere}, {nowhere, nowhere}, {nowhere, nowhere}});
   EXPECT_NEAR(flicker_along(frames, tracks, true), 0, kNear);

@@ -47,6 +47,16 @@ def light_of(results):
                       for key, of in groups.items() if len(of) == len(scenes)]}
 
 
+def drift_of(rows):
+    """Of each method and motion: own pictures or photographs, how many, mean, worst, how many within .02 above the input's, mean of the input's."""
+    groups = {}
+    for r in rows:
+        groups.setdefault((r["method"], r["motion"], "own stills" if r["picture"].startswith("own-") else "photographs"), []).append(r)
+    return [{"method": method, "motion": motion, "pictures": pictures, "count": len(of), "mean": summary.mean(r["drift"] for r in of),
+             "worst": max(r["drift"] for r in of), "within": sum(r["drift"] <= r["input"] + 0.02 for r in of),
+             "input": summary.mean(r["input"] for r in of)} for (method, motion, pictures), of in sorted(groups.items())]
+
+
 def figures(results):
     """What the page and its plots need of the results of a --full run."""
     rows, own = results["rows"], results["summary"]["own"]
@@ -70,6 +80,7 @@ def figures(results):
         "intervals": results["summary"]["intervals"], "light": light_of(results),
         "elements": [{k: e[k] for k in ("element", "width", "height", "wall_ms", "processor_ms", "first_frame_ms", "device_bytes_per_pixel")}
                      for e in results["elements"] if (e["width"], e["height"]) in SIZES],
+        "drift": drift_of(results.get("drift") or []),
         "through_elements": [e for e in results.get("through_elements") or [] if e["setting"] == "on"]})
 
 
@@ -124,6 +135,12 @@ def skipped(f):
     return table(["element", "scene", "size", "ms without → with", "processor time (95 % bound)"], rows)
 
 
+def drift(f):
+    return table(["method", "camera", "pictures", "mean", "worst", "within .02 of the input", "input, mean"],
+                 [[e["method"], e["motion"], e["pictures"], figure(e["mean"]), figure(e["worst"]), f"{e['within']} of {e['count']}", figure(e["input"])]
+                  for e in f["drift"]])
+
+
 def sizes(f):
     rows = {}
     for e in f["elements"]:
@@ -169,6 +186,10 @@ By LMSE of these few stills `low` would do. The default buys steadiness (flicker
 
 *Flicker, real objects and hard shadows against time; gray band: front of `intrinsicdecomp`'s levels. †: training sets.*
 
+## Brightness over time
+A camera zooms (1 to 1.9) and pans over still pictures, 120 frames (`drift-bench`). Common drift: |median over surface points of the change of ln R over 60 frames|, mean over the frames.
+
+{drift(f)}
 ## Everybody
 {tables.everybody(f['own'], f['methods'])}
 Means over the own stills; run time is that of the method alone, from linear pixels to layers in memory. Errors are means of reflectance and shading and invariant to scale; smaller is

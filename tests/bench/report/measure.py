@@ -75,6 +75,13 @@ def split_videos(folder, videos):
                 path.rename(videos / path.name)
 
 
+def stills(pictures):
+    """Those that are no video."""
+    for path in pictures:
+        if path.suffix != ".f32" or b" video=1" not in path.open("rb").readline():
+            yield path
+
+
 class Parts:
     """What is measured, one program run after another. With `resume` what an earlier, interrupted run of the same programs
     with the same options has finished is not run again. A part that fails is noted, and the others go on."""
@@ -199,6 +206,8 @@ def run(build, work, data, full, progress, only, resume=False):
     results["adaptivity"] = summary.adaptivity(rows)
     results["rows"] = [summary.condensed(r) for r in rows]
 
+    pictures = [*sorted(own.glob("*.f32")), *(sorted((data / "real_pairs").glob("*.png")) if full else [])]
+    results["drift"] = parts.measure("drift", programs / "drift-bench", [*stills(pictures), "--json"], timeless=True)
     found = measure_elements(parts, programs, environment, full)
     results["elements"], results["by_colors"] = found["elements"], found["by_colors"]
     results["through_elements"] = summary.against_off(found["still"])
@@ -217,8 +226,8 @@ def weights(full):
     """How long parts take relative to each other, by how their names begin: seconds on two idle cores."""
     short = {"data": 1, "bench-methods scenes-own": 28, "bench-peers scenes-own": 5, "bench-methods scenes-given": 11,
              "bench-peers scenes-given": 5, "elements intrinsicdecomp": 4, "elements globalintrinsic": 2,
-             "elements intrinsicdecompthesis": 2, "adaptive": 4, "extremes": 8, "plots and page": 6}
-    long = {**short, "data": 5, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
+             "elements intrinsicdecompthesis": 2, "drift": 90, "adaptive": 4, "extremes": 8, "plots and page": 6}
+    long = {**short, "data": 5, "drift": 600, "bench-methods scenes-own": 330, "bench-methods scenes-own 1": 8, "bench-peers scenes-own": 12,
             "bench-peers scenes-own 1": 2, "bench-methods scenes-given": 360, "bench-peers scenes-given": 45,
             "bench-methods scenes-videos": 200, "bench-peers scenes-videos": 3, "elements intrinsicdecomp": 30,
             "elements globalintrinsic": 45, "elements intrinsicdecomp quality=low": 13, "elements intrinsicdecompthesis": 90,
@@ -234,7 +243,7 @@ def expected(full):
         for folder in ["own", "given", "videos"] if full and number == 0 else ["own", "given"] if number == 0 else ["own"]:
             parts += [f"{program} scenes-{folder} {number}" for program in ("bench-methods", "bench-peers")]
     parts += [name for some in element_parts(full).values() for name, _, _ in some]
-    return weights(full), parts + ["extremes", "plots and page"]
+    return weights(full), parts + ["drift", "extremes", "plots and page"]
 
 
 def compact(value):

@@ -314,6 +314,16 @@ class Training(unittest.TestCase):
         self.assertEqual(tables.given_video({"set": "room", "scene": "noise"}), "room †, noise")
 
 
+class Drift(unittest.TestCase):
+    def test_pictures_count_once_a_method_and_motion(self):
+        def row(picture, drift):
+            return {"picture": picture, "motion": "pan", "method": "m", "drift": drift, "input": 0.01}
+        own, photographs = brief.drift_of([row("own-a", 0.02), row("own-b", 0.04), row("c", 0.5)])
+        self.assertEqual((own["count"], own["within"], own["worst"]), (2, 1, 0.04))
+        self.assertAlmostEqual(own["mean"], 0.03)
+        self.assertEqual((photographs["pictures"], photographs["within"]), ("photographs", 0))
+
+
 class Brief(unittest.TestCase):
     FOLDER = pathlib.Path(__file__).resolve().parents[3] / "docs/report"
 

@@ -1,21 +1,21 @@
 #include "global_thesis_problem.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <random>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
-#include "kernels/thesis/chapter5/global_thesis_push.hpp"
+#include "kernels/image/layers.hpp"
+#include "kernels/thesis_chapter5_solve_mix.spv.hpp"
+#include "kernels/thesis_chapter5_solve_product.spv.hpp"
+#include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
+#include "kernels/thesis_chapter5_solve_scalars.spv.hpp"
+#include "kernels/thesis_chapter5_solve_update.spv.hpp"
 #include "tests/reference/thesis/global_thesis_energy.hpp"
 #include "thesis_problem.hpp"
-
-INVERSE_SHADER(thesis_chapter5_solve_reweight);
-INVERSE_SHADER(thesis_chapter5_solve_mix);
-INVERSE_SHADER(thesis_chapter5_solve_product);
-INVERSE_SHADER(thesis_chapter5_solve_update);
-INVERSE_SHADER(thesis_chapter5_solve_scalars);
 
 namespace inverse::extremes {
 namespace {
@@ -25,7 +25,7 @@ using reference::GlobalThesisScene;
 using Params = reference::GlobalThesisParams;
 
 constexpr int kWidth = 7, kHeight = 5;  // 280 unknowns
-constexpr uint32_t kGroups = 1;         // planes of four layers
+constexpr int32_t kGroups = 1;          // planes of four layers
 constexpr size_t kLayers = 4 * kGroups;
 constexpr int kRuns = 4, kIterations = 280;
 constexpr uint32_t kStrip = 8, kOneGroup = 128;
@@ -39,12 +39,14 @@ struct Step {
 
 double single(double value) { return static_cast<double>(static_cast<float>(value)); }
 
-GlobalThesisPush push_of(const Step& step) {
+using Push = shaders::thesis_chapter5_solve_reweight::Push;
+
+Push push_of(const Step& step) {
   const Params& p = step.params;
-  GlobalThesisPush push{};
-  push.size[0] = kWidth, push.size[1] = kHeight;
+  auto push = std::bit_cast<Push>(std::array<std::byte, sizeof(Push)>{});
+  push.size = {kWidth, kHeight};
   push.layers = kLayers;
-  const auto set = [](float& to, double from) { to = static_cast<float>(from); };
+  const auto set = [](auto& to, double from) { to = static_cast<float>(from); };
   set(push.lambda_data, p.lambda_data), set(push.lambda_clustering, p.lambda_clustering);
   set(push.lambda_r_sparsity, p.lambda_r_sparsity);
   set(push.lambda_monochrome, p.lambda_monochrome);
@@ -69,17 +71,16 @@ Pixels planes_of(const GlobalField& x) {
 std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
   const auto& device = lab.device();
   const uint64_t n = uint64_t{kWidth} * kHeight, field = (kGroups + 1) * n;
-  // As GlobalThesis builds them; the first constant is of kernels that draw samples.
-  const uint32_t unit = step.params.p == 1 ? 1 : 0;
-  const auto layered = [&](const gpu::KernelSource& source) {
-    return device->kernel(source, {6, kGroups, unit});
-  };
-  const gpu::KernelPtr reweight = layered(shaders::thesis_chapter5_solve_reweight),
-                       mix = layered(shaders::thesis_chapter5_solve_mix),
-                       product = layered(shaders::thesis_chapter5_solve_product),
-                       update = layered(shaders::thesis_chapter5_solve_update),
-                       scalars =
-                           device->kernel(shaders::thesis_chapter5_solve_scalars, {}, kOneGroup);
+  const bool unit = step.params.p == 1;
+  const gpu::Program<shaders::thesis_chapter5_solve_reweight> reweight(
+      device, {.groups = kGroups, .unit_exponent = unit});
+  const gpu::Program<shaders::thesis_chapter5_solve_mix> mix(
+      device, {.groups = kGroups, .unit_exponent = unit});
+  const gpu::Program<shaders::thesis_chapter5_solve_product> product(
+      device, {.groups = kGroups, .unit_exponent = unit});
+  const gpu::Program<shaders::thesis_chapter5_solve_update> update(
+      device, {.groups = kGroups, .unit_exponent = unit});
+  const gpu::Program<shaders::thesis_chapter5_solve_scalars> scalars(device, {}, kOneGroup);
   Pixels image, pulls, features, table(4 * 3 * kMaxBases, 0.0F);
   for (size_t i = 0; i < n; ++i) {
     const reference::Vec4& target = step.scene.targets.data[i];
@@ -106,8 +107,8 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
              next = lab.buffer(field), directions = lab.buffer(field), products = lab.buffer(field);
   const gpu::Items pixels{kWidth, kHeight}, strips{kWidth, (kHeight - 1) / kStrip + 1, kGroups + 1},
       tall{kWidth, (kHeight * (kGroups + 1) - 1) / kStrip + 1};
-  const auto partials_of = [](const gpu::KernelPtr& kernel, gpu::Items items) {
-    return static_cast<int32_t>(gpu::partial_count(*kernel, items));
+  const auto partials_of = [](const auto& program, gpu::Items items) {
+    return static_cast<int32_t>(gpu::partial_count(*program.kernel(), items));
   };
   const int32_t after_reweight = partials_of(reweight, pixels),
                 after_product = partials_of(product, strips),
@@ -115,16 +116,24 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
   const auto partials =
       lab.buffer(static_cast<uint64_t>(std::max({after_reweight, after_product, after_update})));
   const auto numbers = gpu::Buffer::create(device, gpu::Element::scalar, 3);
-  GlobalThesisPush push = push_of(step);
+  Push push = push_of(step);
   const auto reduce = [&](gpu::Commands& commands, int mode, int32_t count) {
     push.mode = mode, push.count = count;
-    commands.dispatch(scalars, {partials, numbers}, push, {kOneGroup});
+    commands.dispatch(scalars, {.partials = partials, .scalars = numbers}, push, {kOneGroup});
   };
   lab.run([&](gpu::Commands& commands) {
     for (const auto& buffer : {partials, numbers, directions}) commands.fill(buffer);
     commands.dispatch(reweight,
-                      {table_buffer, state, image_buffer, features_buffer, pulls_buffer, nodes,
-                       diagonals, preconditioned, next, partials},
+                      {.table = table_buffer,
+                       .state = state,
+                       .image = image_buffer,
+                       .features = features_buffer,
+                       .pulls = pulls_buffer,
+                       .nodes = nodes,
+                       .diagonals = diagonals,
+                       .preconditioned = preconditioned,
+                       .next = next,
+                       .partials = partials},
                       push, pixels);
     reduce(commands, 0, after_reweight);
     commands.fill(next);  // the change alone: beside x it would lose digits
@@ -132,16 +141,35 @@ std::vector<double> solve_on_device(const Lab& lab, const Step& step) {
   for (int run = 0; run < kRuns; ++run)
     lab.run([&](gpu::Commands& commands) {
       for (int k = 0; k < kIterations; ++k) {
-        commands.dispatch(
-            mix, {table_buffer, preconditioned, directions, nodes, numbers, directions, forces},
-            push, pixels);
+        commands.dispatch(mix,
+                          {.table = table_buffer,
+                           .preconditioned = preconditioned,
+                           .previous = directions,
+                           .nodes = nodes,
+                           .scalars = numbers,
+                           .directions = gpu::aliased(directions),
+                           .forces = forces},
+                          push, pixels);
         commands.dispatch(product,
-                          {table_buffer, directions, state, forces, diagonals, products, partials},
+                          {.table = table_buffer,
+                           .directions = directions,
+                           .state = state,
+                           .forces = forces,
+                           .diagonals = diagonals,
+                           .products = products,
+                           .partials = partials},
                           push, strips);
         reduce(commands, 1, after_product);
         commands.dispatch(update,
-                          {next, preconditioned, directions, products, diagonals, numbers, next,
-                           preconditioned, partials},
+                          {.next = next,
+                           .preconditioned = preconditioned,
+                           .directions = directions,
+                           .products = products,
+                           .diagonals = diagonals,
+                           .scalars = numbers,
+                           .next_out = gpu::aliased(next),
+                           .preconditioned_out = gpu::aliased(preconditioned),
+                           .partials = partials},
                           push, tall);
         reduce(commands, 2, after_update);
       }

@@ -3,16 +3,7 @@
 #include <cmath>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/gpu/shaders.hpp"
-#include "kernels/thesis/chapter3/push.hpp"
 #include "tests/reference/thesis/intrinsic_thesis.hpp"
-
-INVERSE_SHADER(thesis_chapter3_setup);
-INVERSE_SHADER(thesis_chapter3_reweight);
-INVERSE_SHADER(thesis_chapter3_direction);
-INVERSE_SHADER(thesis_chapter3_update);
-INVERSE_SHADER(thesis_chapter3_scalars);
-INVERSE_SHADER(thesis_chapter3_schwarz);
 
 namespace inverse::extremes {
 namespace {
@@ -34,12 +25,12 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
       extent_{static_cast<uint32_t>(image.width), static_cast<uint32_t>(image.height)},
       params_(params) {
   const auto& device = lab.device();
-  setup_ = device->kernel(shaders::thesis_chapter3_setup);
-  reweight_ = device->kernel(shaders::thesis_chapter3_reweight);
-  direction_ = device->kernel(shaders::thesis_chapter3_direction);
-  update_ = device->kernel(shaders::thesis_chapter3_update);
-  scalars_kernel_ = device->kernel(shaders::thesis_chapter3_scalars, {}, kOneGroup);
-  schwarz_ = device->kernel(shaders::thesis_chapter3_schwarz, {}, kBlockGroup);
+  setup_ = {device};
+  reweight_ = {device};
+  direction_ = {device};
+  update_ = {device};
+  scalars_kernel_ = {device, {}, kOneGroup};
+  schwarz_ = {device, {}, kBlockGroup};
   const uint64_t n = extent_.pixels();
   for (auto* buffer : {&links_, &edges_, &nodes_, &preconditioned_, &products_, &solution_, &spare_,
                        &directions_[0], &directions_[1]})
@@ -47,7 +38,7 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
   image_ = lab.upload(pixels_of(image));
   pulls_ = lab.upload(Pixels(4 * n, 0.0F));
   partials_ = lab.buffer(
-      gpu::partial_count(*direction_, {extent_.width, (extent_.height - 1) / kStrip + 1}));
+      gpu::partial_count(*direction_.kernel(), {extent_.width, (extent_.height - 1) / kStrip + 1}));
   scalars_ = gpu::Buffer::create(device, gpu::Element::scalar, 3);
   lab.run([&](gpu::Commands& commands) {
     commands.fill(partials_);
@@ -56,30 +47,45 @@ ThesisLab::ThesisLab(const Lab& lab, const reference::Plane& image,
   });
 }
 
-ThesisPush ThesisLab::push() const {
-  ThesisPush push{};
-  push.size[0] = static_cast<int32_t>(extent_.width);
-  push.size[1] = static_cast<int32_t>(extent_.height);
-  push.w_data = static_cast<float>(params_.w_data);
-  push.w_intensity = static_cast<float>(params_.w_intensity);
-  push.w_reflectance = static_cast<float>(params_.w_reflectance);
-  push.w_shading = static_cast<float>(params_.w_shading);
-  push.w_chromaticity = static_cast<float>(params_.w_chromaticity);
-  push.w_cs = static_cast<float>(params_.w_cs);
-  push.alpha_cs = static_cast<float>(params_.alpha_cs);
-  push.log_floor = static_cast<float>(params_.log_floor);
-  push.chroma_floor = static_cast<float>(params_.chroma_floor);
+ThesisLab::Push ThesisLab::push() const {
+  const auto number = [](double value) { return static_cast<float>(value); };
   // A frozen system comes with its weights: p = 2 leaves them alone.
   const double p = frozen_ ? 2 : params_.p;
-  push.p = static_cast<float>(p);
-  push.epsilon2 = frozen_ ? 1.0F : static_cast<float>(params_.epsilon * params_.epsilon);
-  push.irls_factor = static_cast<float>(params_.consistent_irls ? p / 2 : 1);
-  return push;
+  return {.size = extent_,
+          .other_size = {0, 0},
+          .shift = {0, 0},
+          .count = 0,
+          .mode = 0,
+          .samples = 0,
+          .frames = 0,
+          .ring_start = 0,
+          .ring_capacity = 0,
+          .slot = 0,
+          .stream = 0,
+          .seed = 0,
+          .w_data = number(params_.w_data),
+          .w_intensity = number(params_.w_intensity),
+          .w_reflectance = number(params_.w_reflectance),
+          .w_shading = number(params_.w_shading),
+          .w_chromaticity = number(params_.w_chromaticity),
+          .w_non_local = 0,
+          .w_clustering = 0,
+          .w_cs = number(params_.w_cs),
+          .alpha_cs = number(params_.alpha_cs),
+          .alpha_clustering = 0,
+          .sample_threshold = 0,
+          .log_floor = number(params_.log_floor),
+          .chroma_floor = number(params_.chroma_floor),
+          .p = number(p),
+          .epsilon2 = frozen_ ? 1.0F : number(params_.epsilon * params_.epsilon),
+          .irls_factor = number(params_.consistent_irls ? p / 2 : 1),
+          .settled = 0};
 }
 
 void ThesisLab::set_up() const {
   lab_.run([&](gpu::Commands& commands) {
-    commands.dispatch(setup_, {image_, links_}, push(), {extent_.width, extent_.height});
+    commands.dispatch(setup_, {.image = image_, .links = links_}, push(),
+                      {extent_.width, extent_.height});
   });
 }
 
@@ -106,25 +112,39 @@ reference::Plane ThesisLab::solution() const {
 }
 
 void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) const {
-  ThesisPush push = this->push();
+  Push push = this->push();
   const gpu::Items strips{extent_.width, (extent_.height - 1) / kStrip + 1};
-  push.count = static_cast<int32_t>(gpu::partial_count(*direction_, strips));
+  push.count = static_cast<int32_t>(gpu::partial_count(*direction_.kernel(), strips));
   const auto reduce = [&](int mode) {
     push.mode = mode;
-    commands.dispatch(scalars_kernel_, {partials_, scalars_}, push, {kOneGroup});
+    commands.dispatch(scalars_kernel_, {.partials = partials_, .scalars = scalars_}, push,
+                      {kOneGroup});
   };
   reduce(0);
   for (int k = 0; k < iterations; ++k) {
     const auto& before = directions_[static_cast<size_t>(k + 1) % 2];
     const auto& direction = directions_[static_cast<size_t>(k) % 2];
-    commands.dispatch(
-        direction_,
-        {preconditioned_, before, edges_, nodes_, scalars_, direction, products_, partials_}, push,
-        strips);
+    commands.dispatch(direction_,
+                      {.preconditioned = preconditioned_,
+                       .previous = before,
+                       .edges = edges_,
+                       .nodes = nodes_,
+                       .scalars = scalars_,
+                       .directions = direction,
+                       .products = products_,
+                       .partials = partials_},
+                      push, strips);
     reduce(1);
     commands.dispatch(update_,
-                      {solution_, preconditioned_, direction, products_, nodes_, scalars_,
-                       solution_, preconditioned_, partials_},
+                      {.solution = gpu::aliased(solution_),
+                       .preconditioned = gpu::aliased(preconditioned_),
+                       .directions = direction,
+                       .products = products_,
+                       .nodes = nodes_,
+                       .scalars = scalars_,
+                       .solution_out = solution_,
+                       .preconditioned_out = preconditioned_,
+                       .partials = partials_},
                       push, strips);
     reduce(2);
   }
@@ -132,23 +152,35 @@ void ThesisLab::conjugate_gradients(gpu::Commands& commands, int iterations) con
 
 void ThesisLab::step(bool schwarz, int iterations, int step) {
   lab_.run([&](gpu::Commands& commands) {
-    ThesisPush push = this->push();
-    commands.dispatch(
-        reweight_, {solution_, links_, pulls_, image_, edges_, nodes_, preconditioned_, partials_},
-        push, {extent_.width, (extent_.height - 1) / kStrip + 1});
+    Push push = this->push();
+    commands.dispatch(reweight_,
+                      {.solution = solution_,
+                       .links = links_,
+                       .pulls = pulls_,
+                       .image = image_,
+                       .edges = edges_,
+                       .nodes = nodes_,
+                       .preconditioned = preconditioned_,
+                       .partials = partials_},
+                      push, {extent_.width, (extent_.height - 1) / kStrip + 1});
     if (!schwarz) {
       conjugate_gradients(commands, iterations);
       return;
     }
     const auto shift = reference::schwarz_shift(step);
     push.count = iterations;
-    std::copy(shift.begin(), shift.end(), push.shift);
+    push.shift = shift;
     const auto blocks = [](uint32_t size, int shifted) {
       return (size + static_cast<uint32_t>(shifted) - 1) / kBlock + 1;
     };
     commands.dispatch(
-        schwarz_, {solution_, preconditioned_, edges_, nodes_, spare_}, push,
-        {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
+        schwarz_,
+        {.solution = solution_,
+         .preconditioned = preconditioned_,
+         .edges = edges_,
+         .nodes = nodes_,
+         .result = spare_},
+        push, {blocks(extent_.width, shift[0]) * kBlockGroup, blocks(extent_.height, shift[1])});
     std::swap(solution_, spare_);
   });
 }

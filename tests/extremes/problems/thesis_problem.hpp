@@ -3,13 +3,15 @@
 #pragma once
 #include <vector>
 
+#include "kernels/thesis_chapter3_direction.spv.hpp"
+#include "kernels/thesis_chapter3_reweight.spv.hpp"
+#include "kernels/thesis_chapter3_scalars.spv.hpp"
+#include "kernels/thesis_chapter3_schwarz.spv.hpp"
+#include "kernels/thesis_chapter3_setup.spv.hpp"
+#include "kernels/thesis_chapter3_update.spv.hpp"
 #include "tests/extremes/support/lab.hpp"
 #include "tests/extremes/support/problem.hpp"
 #include "tests/reference/thesis/intrinsic_thesis_energy.hpp"
-
-namespace inverse {
-struct ThesisPush;
-}
 
 namespace inverse::extremes {
 
@@ -33,14 +35,20 @@ class ThesisLab {
   void step(bool schwarz, int iterations, int step);
 
  private:
-  ThesisPush push() const;
+  using Push = shaders::thesis_chapter3_setup::Push;
+  Push push() const;
   void conjugate_gradients(gpu::Commands& commands, int iterations) const;
 
   const Lab& lab_;
   Extent extent_;
   reference::ThesisParams params_;
   bool frozen_ = false;
-  gpu::KernelPtr setup_, reweight_, direction_, update_, scalars_kernel_, schwarz_;
+  gpu::Program<shaders::thesis_chapter3_setup> setup_;
+  gpu::Program<shaders::thesis_chapter3_reweight> reweight_;
+  gpu::Program<shaders::thesis_chapter3_direction> direction_;
+  gpu::Program<shaders::thesis_chapter3_update> update_;
+  gpu::Program<shaders::thesis_chapter3_scalars> scalars_kernel_;
+  gpu::Program<shaders::thesis_chapter3_schwarz> schwarz_;
   gpu::BufferPtr image_, links_, pulls_, edges_, nodes_, preconditioned_, products_;
   gpu::BufferPtr solution_, spare_, directions_[2], partials_, scalars_;
 };

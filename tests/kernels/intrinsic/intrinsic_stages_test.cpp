@@ -255,10 +255,10 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
       History history;
       float same;  // the decision: 1 where the frame continues the one before
       bool dark;
-    } frames[] = {{History::none, 0, false},   {History::decided, 1, false},
+    } frames[] = {{History::none, 0, false},    {History::decided, 1, false},
                   {History::decided, 1, true},  {History::decided, 1, false},
                   {History::decided, 0, false}, {History::taken, 0, false},
-                  {History::none, 0, true},    {History::decided, 1, false}};
+                  {History::none, 0, true},     {History::decided, 1, false}};
     unsigned seed = 20;
     for (const auto& frame : frames) {
       std::mt19937 random(++seed);
@@ -281,8 +281,8 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
         scale.record(commands, guide, field, judged, frame.history, params);
       });
       const auto rgb = rgb_of(pixels);
-      const bool carries = frame.history == History::taken ||
-                           (frame.history == History::decided && frame.same > 0);
+      const bool carries =
+          frame.history == History::taken || (frame.history == History::decided && frame.same > 0);
       const double want =
           expected.update(reference::make_guide(rgb.data(), static_cast<int>(extent.width),
                                                 static_cast<int>(extent.height)),

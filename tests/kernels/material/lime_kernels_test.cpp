@@ -7,29 +7,23 @@
 #include <tuple>
 #include <utility>
 
-#include "kernels/gpu/shaders.hpp"
 #include "kernels/material/layers/guided_layers.hpp"
 #include "kernels/material/layers/under_highlights.hpp"
+#include "kernels/material_layers_layers.spv.hpp"
+#include "kernels/material_networks_crop.spv.hpp"
+#include "kernels/material_networks_drop_foreign.spv.hpp"
+#include "kernels/material_networks_to_exponent.spv.hpp"
+#include "kernels/material_networks_to_mirror_and_albedo.spv.hpp"
+#include "kernels/material_networks_to_specular.spv.hpp"
+#include "kernels/material_preview_preview.spv.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/material/lime.hpp"
 #include "tests/srgb.hpp"
 
-INVERSE_SHADER(material_networks_crop);
-INVERSE_SHADER(material_layers_layers);
-INVERSE_SHADER(material_networks_to_specular);
-INVERSE_SHADER(material_networks_drop_foreign);
-INVERSE_SHADER(material_networks_to_exponent);
-INVERSE_SHADER(material_preview_preview);
-INVERSE_SHADER(material_networks_to_mirror_and_albedo);
-
 namespace inverse::testing {
 namespace {
 
-struct Push {
-  int32_t width, height;
-  float x, y, pixels;
-  int32_t side;
-};
+using Push = shaders::material_networks_crop::Push;  // and of layers.comp
 
 /// Frames and squares of them: inside, reaching over the border, of less than a pixel a point, and
 /// of so many that not each is looked at.
@@ -37,17 +31,20 @@ struct Case {
   Extent extent;
   Push place;
 };
+Push push(Extent extent, float x, float y, float pixels) {
+  return {.size = extent, .corner = {x, y}, .pixels = pixels, .side = 32};
+}
 const std::vector<Case> kCases = {
-    {{64, 48}, {64, 48, 8, 4, 1, 32}},        {{64, 48}, {64, 48, -20.25F, -9.5F, 3.7F, 32}},
-    {{17, 5}, {17, 5, 2.5F, -6, .4F, 32}},    {{349, 287}, {349, 287, 11.3F, 7.7F, 8.9F, 32}},
-    {{1, 1}, {1, 1, 0, 0, 1.F / 32, 32}},     {{700, 700}, {700, 700, 0, 0, 21.875F, 32}},
-    {{40, 30}, {40, 30, 500, 500, 1.5F, 32}},  // nothing of it is in the frame
+    {{64, 48}, push({64, 48}, 8, 4, 1)},        {{64, 48}, push({64, 48}, -20.25F, -9.5F, 3.7F)},
+    {{17, 5}, push({17, 5}, 2.5F, -6, .4F)},    {{349, 287}, push({349, 287}, 11.3F, 7.7F, 8.9F)},
+    {{1, 1}, push({1, 1}, 0, 0, 1.F / 32)},     {{700, 700}, push({700, 700}, 0, 0, 21.875F)},
+    {{40, 30}, push({40, 30}, 500, 500, 1.5F)},  // nothing of it is in the frame
 };
 
 class LimeKernels : public GpuTest {
  protected:
   reference::LimeSquare square(const Push& push) {
-    return {double{push.x}, double{push.y}, double{push.pixels}, push.side};
+    return {double{push.corner[0]}, double{push.corner[1]}, double{push.pixels}, push.side};
   }
   /// Points behind one zero, as networks have them.
   gpu::BufferPtr points(const Pixels& pixels) {
@@ -83,8 +80,8 @@ TEST_F(LimeKernels, SquareOfTheFrame) {
       const Pixels frame = extreme ? with_extremes(plain, seed) : plain;
       const gpu::BufferPtr out = empty(1 + 32 * 32);
       run([&](gpu::Commands& commands) {
-        commands.dispatch(device->kernel(shaders::material_networks_crop),
-                          {plane(extent, frame).buffer, out}, place, {32 * 32});
+        commands.dispatch(gpu::Program<shaders::material_networks_crop>(device),
+                          {.frame = plane(extent, frame).buffer, .image = out}, place, {32 * 32});
       });
       expect_near(download_points(out),
                   reference::lime_crop(to_reference(extent, frame), square(place)), 2e-4,
@@ -100,9 +97,11 @@ TEST_F(LimeKernels, ForeignPointsAreOfNoObject) {
   for (uint32_t& word : foreign) word = random() % 3 ? 0 : random();
   const gpu::BufferPtr given = points(probability);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_networks_drop_foreign),
-                      {given, upload(gpu::Element::word, foreign.data(), foreign.size())},
-                      static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
+    commands.dispatch(gpu::Program<shaders::material_networks_drop_foreign>(device),
+                      {.probability = given,
+                       .foreign = upload(gpu::Element::word, foreign.data(), foreign.size())},
+                      {.count = static_cast<int32_t>(side.pixels())},
+                      {static_cast<uint32_t>(side.pixels())});
   });
   const Pixels got = download_points(given);
   const auto expected = reference::lime_drop_foreign(to_reference(side, probability), foreign);
@@ -117,9 +116,10 @@ TEST_F(LimeKernels, PictureOfTheObject) {
   const Pixels image = random_pixels(side, 3), probability = random_pixels(side, 4);
   const gpu::BufferPtr out = empty(1 + side.pixels());
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_networks_to_specular),
-                      {points(image), points(probability), out},
-                      static_cast<int32_t>(side.pixels()), {static_cast<uint32_t>(side.pixels())});
+    commands.dispatch(gpu::Program<shaders::material_networks_to_specular>(device),
+                      {.image = points(image), .probability = points(probability), .result = out},
+                      {.count = static_cast<int32_t>(side.pixels())},
+                      {static_cast<uint32_t>(side.pixels())});
   });
   expect_near(
       download_points(out),
@@ -146,12 +146,18 @@ TEST_F(LimeKernels, WhatTheSecondAndTheThirdNetworkHandOn) {
   const gpu::BufferPtr mirror_in = empty(1 + count), albedo_in = empty(1 + count),
                        exponent_in = empty(1 + count);
   run([&](gpu::Commands& commands) {
-    commands.dispatch(device->kernel(shaders::material_networks_to_mirror_and_albedo),
-                      {points(masked), points(specular), mirror_in, albedo_in},
-                      static_cast<int32_t>(count), {count});
-    commands.dispatch(device->kernel(shaders::material_networks_to_exponent),
-                      {points(masked), mirror_in, points(mirror), exponent_in},
-                      static_cast<int32_t>(count), {count});
+    commands.dispatch(gpu::Program<shaders::material_networks_to_mirror_and_albedo>(device),
+                      {.masked = points(masked),
+                       .specular = points(specular),
+                       .mirror_in = mirror_in,
+                       .albedo_in = albedo_in},
+                      {.count = static_cast<int32_t>(count)}, {count});
+    commands.dispatch(gpu::Program<shaders::material_networks_to_exponent>(device),
+                      {.masked = points(masked),
+                       .specular = mirror_in,
+                       .mirror = points(mirror),
+                       .result = exponent_in},
+                      {.count = static_cast<int32_t>(count)}, {count});
   });
   const auto expected = reference::lime_to_mirror_and_albedo(to_reference(side, masked),
                                                              to_reference(side, specular));
@@ -178,20 +184,18 @@ TEST_F(LimeKernels, SphereBeforeTheFrame) {
       // Within the frame, and of which the frame shows a part.
       for (const auto& [x, y, radius] :
            {std::tuple{.5F, .5F, .45F}, {.95F, .8F, .3F}, {-.1F, .3F, 2.5F}, {.4F, .4F, .02F}}) {
-        const struct {
-          uint32_t size[2];
-          float middle[2], radius;
-          uint32_t side;
-        } push{{extent.width, extent.height},
-               {x * static_cast<float>(extent.width), y * static_cast<float>(extent.height)},
-               radius * shorter,
-               kTable};
+        const shaders::material_preview_preview::Push push{
+            .size = extent,
+            .middle = {x * static_cast<float>(extent.width), y * static_cast<float>(extent.height)},
+            .radius = radius * shorter,
+            .side = kTable};
         const gpu::BufferPtr out = empty(extent.pixels());
         run([&](gpu::Commands& commands) {
-          commands.dispatch(
-              device->kernel(shaders::material_preview_preview),
-              {plane(extent, frame).buffer, plane({kTable, kTable}, table).buffer, out}, push,
-              {extent.width, (extent.height + 3) / 4});
+          commands.dispatch(gpu::Program<shaders::material_preview_preview>(device),
+                            {.frame = plane(extent, frame).buffer,
+                             .LIT_TABLE = plane({kTable, kTable}, table).buffer,
+                             .picture = out},
+                            push, {extent.width, (extent.height + 3) / 4});
         });
         const auto expected = reference::lime_preview(
             to_reference(extent, frame), to_reference({kTable, kTable}, table),
@@ -331,11 +335,16 @@ TEST_F(LimeKernels, LayersHaveTheEdgesOfTheFrame) {
     run([&](gpu::Commands& commands) {
       guided.record_mask(commands, points(means), points(mask));
       guided.record_specular(commands, points(means), points(codes));
-      commands.dispatch(
-          device->kernel(shaders::material_layers_layers, {1}),
-          {plane(frame, light).buffer, guided.mask(), points(codes), guided.specular(),
-           plane({kSide, kSide}, Pixels(means.size(), 0)).buffer, diffuse, gloss},
-          Push{kFrame, kFrame, 0, 0, kPixels, kSide}, {kFrame, kFrame});
+      commands.dispatch(gpu::Program<shaders::material_layers_layers>(device),
+                        {.frame = plane(frame, light).buffer,
+                         .planes = guided.mask(),
+                         .codes = points(codes),
+                         .lines = guided.specular(),
+                         .under = plane({kSide, kSide}, Pixels(means.size(), 0)).buffer,
+                         .diffuse = diffuse,
+                         .gloss = gloss},
+                        {.size = frame, .corner = {0, 0}, .pixels = kPixels, .side = kSide},
+                        {kFrame, kFrame});
     });
     const Pixels found = download(is_object ? diffuse : gloss);
     // A sixth of the step at most, as slopes are a little small; between points it would be a
@@ -363,9 +372,14 @@ TEST_F(LimeKernels, LayersOfTheFrame) {
       // Without an object there is light alone, whatever the rest holds.
       for (const bool found : {true, false}) {
         run([&](gpu::Commands& commands) {
-          commands.dispatch(device->kernel(shaders::material_layers_layers, {found}),
-                            {plane(extent, frame).buffer, plane(side, planes).buffer, points(codes),
-                             plane(side, lines).buffer, plane(side, under).buffer, diffuse, gloss},
+          commands.dispatch(gpu::Program<shaders::material_layers_layers>(device, {.found = found}),
+                            {.frame = plane(extent, frame).buffer,
+                             .planes = plane(side, planes).buffer,
+                             .codes = points(codes),
+                             .lines = plane(side, lines).buffer,
+                             .under = plane(side, under).buffer,
+                             .diffuse = diffuse,
+                             .gloss = gloss},
                             place, {extent.width, extent.height});
         });
         const auto expected = reference::lime_layers(

@@ -4,12 +4,10 @@
 #include <limits>
 #include <numbers>
 
-#include "kernels/gpu/shaders.hpp"
+#include "kernels/raster_blend.spv.hpp"
+#include "kernels/raster_occlude.spv.hpp"
 #include "tests/kernels/gpu_fixture.hpp"
 #include "tests/reference/raster/raster.hpp"
-
-INVERSE_SHADER(raster_blend);
-INVERSE_SHADER(raster_occlude);
 
 namespace inverse::testing {
 namespace {
@@ -193,10 +191,10 @@ TEST_F(InsertionTest, HiddenLightAgreesWithReference) {
           heights[i + 1] = std::max(heights[i + 1], 0.0F);
         }
         const gpu::BufferPtr occlusion = plane({reference::kGround, reference::kGround}).buffer;
-        const struct { float ground, soft; } push{ground, soft};
         run([&](gpu::Commands& commands) {
-          commands.dispatch(device->kernel(shaders::raster_occlude),
-                            {plane(kHeights, heights).buffer, occlusion}, push, {kPoints});
+          commands.dispatch(gpu::Program<shaders::raster_occlude>(device),
+                            {.heights = plane(kHeights, heights).buffer, .occlusion = occlusion},
+                            {.ground = ground, .soft = soft}, {kPoints});
         });
         expect_near(
             download(occlusion),
@@ -231,24 +229,24 @@ TEST_F(InsertionTest, ObjectsOverShadowsAgreeWithReference) {
     Pixels before = random_pixels(kFrame, ++seed, 0, 2);
     for (size_t i = 3; i < before.size(); i += 4) before[i] = std::min(before[i], 1.0F);
     const Plane frame = plane(kFrame, before);
-    const struct {
-      int32_t origin[2], size[2], window[2], window_size[2];
-      uint32_t stride;
-      float center[2], radius, ground, sine, turn[2], strength;
-    } push{{0, 0},
-           {kFrame.width, kFrame.height},
-           {kLeft, kTop},
-           {kWindow.width, kWindow.height},
-           kFrame.width,
-           {static_cast<float>(view.x), static_cast<float>(view.y)},
-           static_cast<float>(view.radius),
-           static_cast<float>(view.ground),
-           static_cast<float>(view.sine),
-           {static_cast<float>(std::cos(view.yaw)), static_cast<float>(std::sin(view.yaw))},
-           static_cast<float>(view.strength)};
+    const shaders::raster_blend::Push push{.origin = {0, 0},
+                                           .size = kFrame,
+                                           .window = {kLeft, kTop},
+                                           .window_size = kWindow,
+                                           .stride = kFrame.width,
+                                           .center_x = static_cast<float>(view.x),
+                                           .center_y = static_cast<float>(view.y),
+                                           .radius = static_cast<float>(view.radius),
+                                           .ground = static_cast<float>(view.ground),
+                                           .sine = static_cast<float>(view.sine),
+                                           .turn_x = static_cast<float>(std::cos(view.yaw)),
+                                           .turn_y = static_cast<float>(std::sin(view.yaw)),
+                                           .strength = static_cast<float>(view.strength)};
     run([&](gpu::Commands& commands) {
-      commands.dispatch(device->kernel(shaders::raster_blend),
-                        {plane(kWindow, object).buffer, plane(kGrid, stored).buffer, frame.buffer},
+      commands.dispatch(gpu::Program<shaders::raster_blend>(device),
+                        {.picture = plane(kWindow, object).buffer,
+                         .occlusion = plane(kGrid, stored).buffer,
+                         .frame = frame.buffer},
                         push, {kFrame.width, kFrame.height});
     });
     reference::Plane expected(static_cast<int>(kFrame.width), static_cast<int>(kFrame.height));

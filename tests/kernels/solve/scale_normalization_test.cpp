@@ -57,8 +57,8 @@ class ScaleNormalizationTest : public GpuTest {
     const auto decided = upload(gpu::Element::vec4, decision, 1);
     run([&](gpu::Commands& commands) {
       commands.copy(uploaded, scale.cells(), uploaded->bytes());
-      scale.record(commands, {asked_for, decided, ScaleNormalization::History::decided,
-                              white_level, frozen});
+      scale.record(commands,
+                   {asked_for, decided, ScaleNormalization::History::decided, white_level, frozen});
     });
     return download(scale.value())[0];
   }
@@ -94,18 +94,29 @@ TEST_F(ScaleNormalizationTest, WhatStaysInViewKeepsItsReflectance) {
   const struct {
     const char* name;
     std::function<View(int)> view;
-  } shots[] = {{"still", [](int k) { return View{0, 0, 0, 0.005 * k}; }},
-               {"pan", [](int k) { return View{0.6 * k, 0.2 * k, 0, 0.005 * k}; }},
-               {"shake", [](int k) { return View{2 * std::sin(k), std::cos(2 * k), 0, -0.005 * k}; }},
-               {"fade", [](int k) { return View{0.3 * k, 0, -0.02 * k, 0.005 * k}; }}};
+  } shots[] = {{"still",
+                [](int k) {
+                  return View{0, 0, 0, 0.005 * k};
+                }},
+               {"pan",
+                [](int k) {
+                  return View{0.6 * k, 0.2 * k, 0, 0.005 * k};
+                }},
+               {"shake",
+                [](int k) {
+                  return View{2 * std::sin(k), std::cos(2 * k), 0, -0.005 * k};
+                }},
+               {"fade", [](int k) {
+                  return View{0.3 * k, 0, -0.02 * k, 0.005 * k};
+                }}};
   for (const auto& shot : shots) {
     ScaleNormalization scale(device, extent);
     double first = 0, worst = 0;
     for (int k = 0; k < 60; ++k) {
       const View view = shot.view(k);
-      const double brightness =
-          static_cast<double>(record(scale, cells_of(extent, view), {-0.1 - 0.01 * k, false}, k > 0)) +
-          view.solver_scale;
+      const double brightness = static_cast<double>(record(scale, cells_of(extent, view),
+                                                           {-0.1 - 0.01 * k, false}, k > 0)) +
+                                view.solver_scale;
       if (k == 0) first = brightness;
       worst = std::max(worst, std::abs(brightness - first));
     }
@@ -149,8 +160,7 @@ TEST_F(ScaleNormalizationTest, BadNumbersDoNotStay) {
   for (ScaleCell& cell : bad)
     for (double& v : cell) v = std::numeric_limits<double>::quiet_NaN();
   record(scale, good, {-0.5, false}, false);
-  for (int k = 0; k < 3; ++k)
-    EXPECT_TRUE(std::isfinite(record(scale, bad, {-0.5, false}, true)));
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(record(scale, bad, {-0.5, false}, true)));
   for (int k = 0; k < 3; ++k)
     EXPECT_NEAR(record(scale, good, {-0.5, false}, true), std::log(0.9F) - 0.5F, 1e-3F);
 }

@@ -1,12 +1,12 @@
 // The thesis' global decomposition at its limits: light that spans decades, and more layers than
 // the device can bind.
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "global_thesis_fixture.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(thesis_chapter5_solve_shorten);
+#include "kernels/thesis_chapter5_solve_shorten.spv.hpp"
 
 namespace inverse::testing {
 
@@ -88,17 +88,17 @@ TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
   const Pixels from = random_pixels(extent, 1);
   Pixels to = random_pixels(extent, 2);
   for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? nan : infinite;
-  struct {  // as in energy.glsl
-    int32_t size[2] = {70, 3};
-    int32_t others[30] = {};
-  } push;
+  using Shader = shaders::thesis_chapter5_solve_shorten;
+  auto push = std::bit_cast<Shader::Push>(std::array<std::byte, sizeof(Shader::Push)>{});
+  push.size = extent;
   for (const float factor : {0.0f, 0.25f, 1.0f}) {
     const Plane state = plane(extent, from), next = plane(extent, to);
     const float search[4] = {0, factor, 0, 0};
     const gpu::BufferPtr said = upload(gpu::Element::scalar, search, 4);
     run([&](gpu::Commands& commands) {
-      commands.dispatch(device->kernel(shaders::thesis_chapter5_solve_shorten),
-                        {state.buffer, said, next.buffer}, push, {extent.width, extent.height});
+      commands.dispatch(gpu::Program<Shader>(device),
+                        {.state = state.buffer, .search = said, .next = next.buffer}, push,
+                        {extent.width, extent.height});
     });
     const Pixels got = download(next.buffer);
     for (size_t n = 0; n < got.size(); ++n) {

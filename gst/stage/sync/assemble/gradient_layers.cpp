@@ -13,7 +13,7 @@ GradientLayers::GradientLayers(const GstVideoInfo& info, const std::shared_ptr<g
 }
 
 GstBuffer* GradientLayers::make(GstBuffer* a, GstBuffer* b) {
-  Slot& slot = slots_[next_++ % slots_.size()];
+  Slot& slot = slots_[next_++];
   slot.commands->begin();  // waits until the slot's bytes are not read any more
   const PlanePtr plane_a = planes_.acquire(), plane_b = planes_.acquire();
   input_.record(*slot.commands, a, slot.a, *plane_a);

@@ -23,7 +23,7 @@ class GradientLayers {
   };
   FrameInput input_;
   PlanePool planes_;
-  std::array<Slot, gpu::kFramesInFlight> slots_;
+  gpu::FrameRing<Slot> slots_;
   size_t next_ = 0;
 };
 

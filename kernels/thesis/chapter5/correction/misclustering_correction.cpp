@@ -2,23 +2,8 @@
 
 #include <algorithm>
 
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(thesis_chapter5_correction_regions_reduce);
-INVERSE_SHADER(thesis_chapter5_correction_regions_try);
-
 namespace inverse {
 namespace {
-
-// As in regions_reduce.comp and regions_try.comp.
-struct ReducePush {
-  int32_t size[2], fine_size[2];
-  int32_t factor;
-};
-struct TryPush {
-  int32_t size[2];
-  int32_t number, color;
-};
 
 bool has(const std::vector<std::pair<int, uint64_t>>& list, const MarkedRegions::Region& region) {
   return std::find(list.begin(), list.end(), std::pair{region.number, region.since}) != list.end();
@@ -28,11 +13,7 @@ bool has(const std::vector<std::pair<int, uint64_t>>& list, const MarkedRegions:
 
 MisclusteringCorrection::MisclusteringCorrection(const std::shared_ptr<gpu::Device>& device,
                                                  Extent extent)
-    : device_(device),
-      extent_(extent),
-      halve_(device),
-      reduce_(device->kernel(shaders::thesis_chapter5_correction_regions_reduce)),
-      try_(device->kernel(shaders::thesis_chapter5_correction_regions_try)) {}
+    : device_(device), extent_(extent), halve_(device), reduce_(device), try_(device) {}
 
 /// Made when a region first needs it.
 MisclusteringCorrection::Level& MisclusteringCorrection::level(size_t index) {
@@ -74,11 +55,8 @@ void MisclusteringCorrection::begin(gpu::Commands& commands, const GlobalThesis&
       image = to.image;
     }
     if (job.level == 0) commands.copy(image.buffer, at.image.buffer, at.image.buffer->bytes());
-    const ReducePush push{
-        {static_cast<int32_t>(at.extent.width), static_cast<int32_t>(at.extent.height)},
-        {static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height)},
-        1 << job.level};
-    commands.dispatch(reduce_, {regions.plane().buffer, at.regions.buffer}, push,
+    commands.dispatch(reduce_, {.fine = regions.plane().buffer, .coarse = at.regions.buffer},
+                      {.size = at.extent, .fine_size = extent_, .factor = 1 << job.level},
                       {at.extent.width, at.extent.height});
     GlobalThesis::Params params = method.params();
     params.keyframes = 0;
@@ -98,7 +76,7 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
   if (method.extent() != extent_)
     throw Error(ErrorKind::internal, "the correction was made for another frame size");
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   // Nobody collected that frame: once more.
   if (frame.pending && job_ && frame.job == jobs_) job_->candidates.push_back(frame.candidate);
   frame.pending = false;
@@ -108,11 +86,8 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
   Level& at = level(job_->level);
   const int candidate = job_->candidates.back();
   job_->candidates.pop_back();
-  const TryPush push{
-      {static_cast<int32_t>(at.extent.width), static_cast<int32_t>(at.extent.height)},
-      job_->region.number,
-      candidate};
-  commands.dispatch(try_, {at.regions.buffer, at.trial.buffer}, push,
+  commands.dispatch(try_, {.regions = at.regions.buffer, .trial = at.trial.buffer},
+                    {.size = at.extent, .number = job_->region.number, .color = candidate},
                     {at.extent.width, at.extent.height});
   Layers layers;
   GlobalThesis::Hints hints;
@@ -126,7 +101,7 @@ uint64_t MisclusteringCorrection::record(gpu::Commands& commands, const GlobalTh
 std::optional<MisclusteringCorrection::Result> MisclusteringCorrection::collect(
     uint64_t number, MarkedRegions& regions) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return {};
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (!frame.pending) return {};
   frame.pending = false;
   if (!job_ || frame.job != jobs_) return {};

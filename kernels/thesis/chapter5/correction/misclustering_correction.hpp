@@ -8,6 +8,8 @@
 #include "kernels/image/pyramid.hpp"
 #include "kernels/thesis/chapter5/global_thesis.hpp"
 #include "kernels/thesis/chapter5/regions/marked_regions.hpp"
+#include "kernels/thesis_chapter5_correction_regions_reduce.spv.hpp"
+#include "kernels/thesis_chapter5_correction_regions_try.spv.hpp"
 
 namespace inverse {
 
@@ -77,14 +79,15 @@ class MisclusteringCorrection {
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
   Halve halve_;
-  gpu::KernelPtr reduce_, try_;
+  gpu::Program<shaders::thesis_chapter5_correction_regions_reduce> reduce_;
+  gpu::Program<shaders::thesis_chapter5_correction_regions_try> try_;
   std::array<Level, kMaxHalvings + 1> levels_;
   std::optional<Job> job_;
   uint32_t jobs_ = 0;
   std::vector<RegionName> hopeless_;  ///< regions without candidates
   std::vector<int> told_hopeless_;    ///< those not asked for yet
   std::vector<RegionName> thin_;      ///< not to be seen in a smaller frame
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   uint64_t recorded_ = 0;
 };
 

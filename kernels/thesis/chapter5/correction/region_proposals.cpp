@@ -4,18 +4,9 @@
 #include <utility>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(thesis_chapter5_correction_survey);
 
 namespace inverse {
 namespace {
-
-// As in survey.comp.
-struct Push {
-  int32_t size[2], fine_size[2];
-  int32_t factor;
-};
 
 const MarkedRegions::Region* find(const MarkedRegions& regions, int number) {
   for (const MarkedRegions::Region& region : regions.regions())
@@ -27,10 +18,7 @@ const MarkedRegions::Region* find(const MarkedRegions& regions, int number) {
 
 RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Extent extent,
                                  size_t most)
-    : device_(device),
-      extent_(extent),
-      most_(most),
-      survey_(device->kernel(shaders::thesis_chapter5_correction_survey)) {
+    : device_(device), extent_(extent), most_(most), survey_(device) {
   const auto part = [&](uint32_t size) { return (size - 1) / static_cast<uint32_t>(factor_) + 1; };
   do {
     small_ = {part(extent.width), part(extent.height)};
@@ -59,7 +47,7 @@ uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& me
   if (method.extent() != extent_)
     throw Error(ErrorKind::internal, "the proposals were made for another frame size");
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   frame.pending = false;
   change(mode, regions);
   if (mode == Mode::off) {
@@ -82,12 +70,13 @@ uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& me
   frame.given.fill(-1);
   for (const MarkedRegions::Region& region : regions.regions())
     frame.given.at(static_cast<size_t>(region.number)) = region.color;
-  const Push push{{static_cast<int32_t>(small_.width), static_cast<int32_t>(small_.height)},
-                  {static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height)},
-                  factor_};
   commands.dispatch(survey_,
-                    {method.image().buffer, method.features(), regions.plane().buffer, pixels_},
-                    push, {small_.width, small_.height});
+                    {.image = method.image().buffer,
+                     .features = method.features(),
+                     .regions = regions.plane().buffer,
+                     .survey = pixels_},
+                    {.size = small_, .fine_size = extent_, .factor = factor_},
+                    {small_.width, small_.height});
   commands.copy(pixels_, frame.pixels, pixels_->bytes());
   commands.stage("proposals");
   return number;
@@ -96,7 +85,7 @@ uint64_t RegionProposals::record(gpu::Commands& commands, const GlobalThesis& me
 std::vector<RegionProposals::Proposal> RegionProposals::collect(uint64_t number,
                                                                 MarkedRegions& regions) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return {};
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (!frame.pending) return {};
   frame.pending = false;
   if (frame.epoch != epoch_) return {};

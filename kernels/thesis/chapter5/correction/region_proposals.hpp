@@ -6,6 +6,7 @@
 
 #include "kernels/thesis/chapter5/global_thesis.hpp"
 #include "kernels/thesis/chapter5/regions/marked_regions.hpp"
+#include "kernels/thesis_chapter5_correction_survey.spv.hpp"
 #include "misclustering_survey.hpp"
 
 namespace inverse {
@@ -84,9 +85,9 @@ class RegionProposals {
   Extent extent_, small_;
   size_t most_;
   int factor_ = 1;
-  gpu::KernelPtr survey_;
+  gpu::Program<shaders::thesis_chapter5_correction_survey> survey_;
   gpu::BufferPtr pixels_;
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   std::vector<Seen> seen_;
   uint64_t recorded_ = 0, due_ = 0;
   uint32_t epoch_ = 0;     // resets

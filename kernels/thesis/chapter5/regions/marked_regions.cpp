@@ -4,20 +4,16 @@
 #include <cstring>
 
 #include "common/error.hpp"
-#include "kernels/gpu/shaders.hpp"
-
-INVERSE_SHADER(thesis_chapter5_regions_components_start);
-INVERSE_SHADER(thesis_chapter5_regions_components_join);
-INVERSE_SHADER(thesis_chapter5_regions_regions_probe);
-INVERSE_SHADER(thesis_chapter5_regions_regions_click);
-INVERSE_SHADER(thesis_chapter5_regions_regions_mark);
 
 namespace inverse {
 namespace {
 
 constexpr uint32_t kFewPixels = 32;  // as a few may well become many
-// As in regions.glsl.
-constexpr uint64_t kNumbers = MarkedRegions::kMaxRegions + 1;
+// The layout of orders and counts is in regions.glsl.
+using Shader = shaders::thesis_chapter5_regions_regions_probe;
+constexpr uint64_t kNumbers = Shader::kMaxRegions;
+static_assert(kNumbers == MarkedRegions::kMaxRegions + 1 &&
+              Shader::kMaxClicks == MarkedRegions::kMaxClicks);
 constexpr uint64_t kCounts = 2 * kNumbers;
 constexpr uint64_t kClicksAt = 2 * kNumbers;
 constexpr uint64_t kOrders = kClicksAt + 4 * MarkedRegions::kMaxClicks;
@@ -33,21 +29,16 @@ uint32_t claim(const MarkedRegions::Region& region, bool goes_on) {
          static_cast<uint32_t>(kNumbers) * static_cast<uint32_t>(rank);
 }
 
-struct Push {
-  int32_t size[2];
-  int32_t clicks;
-};
-
 }  // namespace
 
 MarkedRegions::MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent)
     : device_(device),
       extent_(extent),
-      start_(device->kernel(shaders::thesis_chapter5_regions_components_start)),
-      join_(device->kernel(shaders::thesis_chapter5_regions_components_join)),
-      probe_(device->kernel(shaders::thesis_chapter5_regions_regions_probe)),
-      click_(device->kernel(shaders::thesis_chapter5_regions_regions_click)),
-      mark_(device->kernel(shaders::thesis_chapter5_regions_regions_mark)),
+      start_(device),
+      join_(device),
+      probe_(device),
+      click_(device),
+      mark_(device),
       roots_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       claims_(gpu::Buffer::create(device, gpu::Element::word, extent.pixels())),
       plane_(gpu::Buffer::create(device, gpu::Element::vec4, extent.pixels())),
@@ -118,14 +109,14 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   if (features.extent != extent_)
     throw Error(ErrorKind::internal, "the regions were made for another frame size");
   const gpu::Items pixels{extent_.width, extent_.height};
-  Push push{{static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height)}, 0};
+  Shader::Push push{.size = extent_, .clicks = 0};
   if (clear_) {
     commands.fill(plane_);
     commands.fill(clusters_);
     clear_ = false;
   }
   const uint64_t number = recorded_++;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   frame.epoch = epoch_;
   frame.collected = false;
   auto* orders = frame.orders->map_as<uint32_t>();
@@ -149,26 +140,43 @@ void MarkedRegions::record(gpu::Commands& commands, const Plane& features) {
   }
   waiting_.clear();
 
-  commands.dispatch(start_, {roots_}, push, pixels);
-  commands.dispatch(join_, {features.buffer, roots_}, push, pixels);
+  commands.dispatch(start_, {.roots = roots_}, push, pixels);
+  commands.dispatch(join_, {.features = features.buffer, .roots = roots_}, push, pixels);
   commands.fill(claims_);
   commands.fill(counts_);
   commands.dispatch(probe_,
-                    {features.buffer, plane_, clusters_, roots_, claims_, frame.orders, counts_},
+                    {.features = features.buffer,
+                     .regions = plane_,
+                     .clusters = clusters_,
+                     .roots = roots_,
+                     .claims = claims_,
+                     .orders = frame.orders,
+                     .counts = counts_},
                     push, pixels);
   if (clicks > 0) {
     push.clicks = static_cast<int32_t>(clicks);
-    commands.dispatch(click_, {features.buffer, frame.orders, clusters_, roots_, claims_}, push,
-                      {kMaxClicks});
+    commands.dispatch(click_,
+                      {.features = features.buffer,
+                       .orders = frame.orders,
+                       .clusters = clusters_,
+                       .roots = roots_,
+                       .claims = claims_},
+                      push, {kMaxClicks});
   }
-  commands.dispatch(mark_, {claims_, frame.orders, roots_, plane_, counts_}, push, pixels);
+  commands.dispatch(mark_,
+                    {.claims = claims_,
+                     .orders = frame.orders,
+                     .roots = roots_,
+                     .regions = plane_,
+                     .counts = counts_},
+                    push, pixels);
   commands.copy(clusters_, frame.clusters, kNumbers * sizeof(uint32_t));
   commands.copy(counts_, frame.counts, kCounts * sizeof(uint32_t));
 }
 
 void MarkedRegions::collect(uint64_t number) {
   if (number >= recorded_ || number + frames_.size() < recorded_) return;
-  Frame& frame = frames_[number % frames_.size()];
+  Frame& frame = frames_[number];
   if (frame.collected) return;
   frame.collected = true;
   if (frame.epoch != epoch_) return;

@@ -6,6 +6,11 @@
 
 #include "kernels/gpu/commands.hpp"
 #include "kernels/image/plane.hpp"
+#include "kernels/thesis_chapter5_regions_components_join.spv.hpp"
+#include "kernels/thesis_chapter5_regions_components_start.spv.hpp"
+#include "kernels/thesis_chapter5_regions_regions_click.spv.hpp"
+#include "kernels/thesis_chapter5_regions_regions_mark.spv.hpp"
+#include "kernels/thesis_chapter5_regions_regions_probe.spv.hpp"
 
 namespace inverse {
 
@@ -101,9 +106,13 @@ class MarkedRegions {
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
-  gpu::KernelPtr start_, join_, probe_, click_, mark_;
+  gpu::Program<shaders::thesis_chapter5_regions_components_start> start_;
+  gpu::Program<shaders::thesis_chapter5_regions_components_join> join_;
+  gpu::Program<shaders::thesis_chapter5_regions_regions_probe> probe_;
+  gpu::Program<shaders::thesis_chapter5_regions_regions_click> click_;
+  gpu::Program<shaders::thesis_chapter5_regions_regions_mark> mark_;
   gpu::BufferPtr roots_, claims_, plane_, clusters_, counts_;
-  std::array<Frame, gpu::kFramesInFlight> frames_;
+  gpu::FrameRing<Frame> frames_;
   std::vector<Region> regions_;  // by number
   std::vector<Click> waiting_;   // for the next frame
   std::vector<Lost> lost_;       // not asked for yet

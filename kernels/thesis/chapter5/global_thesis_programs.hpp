@@ -1,0 +1,74 @@
+// What both halves of GlobalThesis share: programs, sizes.
+#pragma once
+#include "global_thesis.hpp"
+#include "kernels/thesis_chapter5_colors_outer.spv.hpp"
+#include "kernels/thesis_chapter5_colors_outer_total.spv.hpp"
+#include "kernels/thesis_chapter5_colors_residual.spv.hpp"
+#include "kernels/thesis_chapter5_energy_energy.spv.hpp"
+#include "kernels/thesis_chapter5_energy_energy_pulls.spv.hpp"
+#include "kernels/thesis_chapter5_energy_total.spv.hpp"
+#include "kernels/thesis_chapter5_output_indirect.spv.hpp"
+#include "kernels/thesis_chapter5_output_layers.spv.hpp"
+#include "kernels/thesis_chapter5_regions_score.spv.hpp"
+#include "kernels/thesis_chapter5_samples_pack.spv.hpp"
+#include "kernels/thesis_chapter5_samples_sample.spv.hpp"
+#include "kernels/thesis_chapter5_samples_sample_past.spv.hpp"
+#include "kernels/thesis_chapter5_setup_aim.spv.hpp"
+#include "kernels/thesis_chapter5_setup_cells.spv.hpp"
+#include "kernels/thesis_chapter5_setup_change.spv.hpp"
+#include "kernels/thesis_chapter5_setup_sanitize.spv.hpp"
+#include "kernels/thesis_chapter5_setup_setup.spv.hpp"
+#include "kernels/thesis_chapter5_setup_start.spv.hpp"
+#include "kernels/thesis_chapter5_solve_mix.spv.hpp"
+#include "kernels/thesis_chapter5_solve_product.spv.hpp"
+#include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
+#include "kernels/thesis_chapter5_solve_scalars.spv.hpp"
+#include "kernels/thesis_chapter5_solve_search.spv.hpp"
+#include "kernels/thesis_chapter5_solve_settle.spv.hpp"
+#include "kernels/thesis_chapter5_solve_shorten.spv.hpp"
+#include "kernels/thesis_chapter5_solve_update.spv.hpp"
+
+namespace inverse {
+
+/// Built for a number of planes of indirect layers.
+struct GlobalThesis::Kernels {
+  gpu::Program<shaders::thesis_chapter5_setup_sanitize> sanitize;
+  gpu::Program<shaders::thesis_chapter5_setup_setup> setup;
+  gpu::Program<shaders::thesis_chapter5_setup_aim> aim;
+  gpu::Program<shaders::thesis_chapter5_setup_start> start;
+  gpu::Program<shaders::thesis_chapter5_samples_pack> pack;
+  gpu::Program<shaders::thesis_chapter5_samples_sample> sample;
+  gpu::Program<shaders::thesis_chapter5_samples_sample_past> sample_past;
+  gpu::Program<shaders::thesis_chapter5_solve_reweight> reweight;
+  gpu::Program<shaders::thesis_chapter5_solve_mix> mix;
+  gpu::Program<shaders::thesis_chapter5_solve_product> product;
+  gpu::Program<shaders::thesis_chapter5_solve_update> update;
+  gpu::Program<shaders::thesis_chapter5_solve_settle> settle;
+  gpu::Program<shaders::thesis_chapter5_solve_scalars> scalars;
+  gpu::Program<shaders::thesis_chapter5_energy_energy> energy;
+  gpu::Program<shaders::thesis_chapter5_energy_energy_pulls> energy_pulls;
+  gpu::Program<shaders::thesis_chapter5_energy_total> total;
+  gpu::Program<shaders::thesis_chapter5_output_layers> layers;
+  gpu::Program<shaders::thesis_chapter5_output_indirect> indirect;
+  gpu::Program<shaders::thesis_chapter5_colors_residual> residual;
+  gpu::Program<shaders::thesis_chapter5_colors_outer> outer;
+  gpu::Program<shaders::thesis_chapter5_colors_outer_total> outer_total;
+  gpu::Program<shaders::thesis_chapter5_regions_score> score;
+  gpu::Program<shaders::thesis_chapter5_setup_cells> cells;
+  gpu::Program<shaders::thesis_chapter5_setup_change> change;
+  gpu::Program<shaders::thesis_chapter5_solve_search> search;
+  gpu::Program<shaders::thesis_chapter5_solve_shorten> shorten;
+};
+
+namespace global_thesis {
+
+constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as one workgroup
+// Layout of a readback buffer, in vec4.
+constexpr uint64_t kMaxLayers = Palette::kMaxClusters;
+constexpr uint64_t kColors = 2 * Palette::kMaxClusters;
+constexpr uint64_t kColorsAt = 0, kSystemAt = kColors,
+                   kScoreAt = kSystemAt + kMaxLayers * (kMaxLayers + 1), kChangeAt = kScoreAt + 1,
+                   kSearchAt = kScoreAt + 2, kTraceAt = kScoreAt + 3;
+
+}  // namespace global_thesis
+}  // namespace inverse
