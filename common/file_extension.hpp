@@ -6,7 +6,7 @@
 
 namespace inverse {
 
-/// A file's extension in small letters, without the dot.
+/// A file's extension in lower case, without the dot.
 inline std::string extension_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   if (!extension.empty()) extension.erase(0, 1);

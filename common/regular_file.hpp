@@ -4,8 +4,8 @@
 
 namespace inverse {
 
-/// Why a path is no file that can be read at once, to be put behind its name; empty where it is
-/// one. Opening a pipe would wait for somebody who writes into it.
+/// Why a path is not a regular, readable file, as the end of a message that starts with the path;
+/// empty if it is one. Opening a pipe would block until a writer opens it.
 inline std::string why_no_file(const std::string& path) {
   std::error_code status;
   if (std::filesystem::is_regular_file(path, status)) return {};

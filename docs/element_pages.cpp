@@ -1,6 +1,5 @@
-// Writes one Markdown page for each element of the plugin, from what the element says of itself
-// (the same tables that gst-inspect-1.0 shows), with the hand-written
-// docs/reference/elements/intro/<element>.md on top.
+// Writes one Markdown page per element of the plugin, from the element's own description (as shown
+// by gst-inspect-1.0), after the hand-written docs/reference/elements/intro/<element>.md.
 //
 // usage: element-pages OUTPUT_FOLDER INTRO_FOLDER
 #include <gst/gst.h>
@@ -33,7 +32,7 @@ std::string plain(T value) {
   return text.str();
 }
 
-/// "0…1 (0.5)": the values that a property takes, and its default.
+/// "0…1 (0.5)": range and default of a property.
 template <typename Spec>
 std::string range(const Spec* spec) {
   return plain(spec->minimum) + "…" + plain(spec->maximum) + " (" + plain(spec->default_value) +
@@ -68,7 +67,7 @@ std::string values_of(GParamSpec* spec) {
   return g_type_name(spec->value_type);
 }
 
-/// When a property may be set; each of these has a table.
+/// When a property can be set; each case has a table.
 std::string when(GParamFlags flags) {
   if (!(flags & G_PARAM_WRITABLE)) return "Read only";
   if (flags & GST_PARAM_MUTABLE_PLAYING) return "At any time";
@@ -87,7 +86,7 @@ std::string formats_of(const GstStructure* structure) {
   return formats.substr(first, formats.find_last_not_of(' ') + 1 - first);
 }
 
-/// A list's words in alphabetical order: two lists of the same words are one.
+/// A list's words in alphabetical order, so that lists of the same words are equal.
 std::multiset<std::string> sorted_words(const std::string& list) {
   std::istringstream words(list + ",");
   std::multiset<std::string> sorted;
@@ -99,7 +98,7 @@ void write_page(GstElementFactory* factory, std::ostream& page, const std::strin
   page << "# " << GST_OBJECT_NAME(factory) << "\n\n"
        << gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_DESCRIPTION) << ".\n\n"
        << intro << "\n## Pads\n\n";
-  // The registry keeps templates in an order of its own: what comes in first, then by name.
+  // The order of templates in the registry is arbitrary: sort by direction, then by name.
   std::vector<GstStaticPadTemplate*> pads;
   for (const GList* item = gst_element_factory_get_static_pad_templates(factory); item;
        item = item->next)

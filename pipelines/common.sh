@@ -1,7 +1,7 @@
 # Sourced by the scripts beside it.
 #
-# SOURCE and SINK in the environment take the place of a script's first and last elements, so that
-# every line runs without its camera or its window:
+# SOURCE and SINK in the environment replace a script's first and last elements, so that every
+# pipeline runs without a camera or a window:
 #   SOURCE="videotestsrc is-live=true num-buffers=90" SINK=fakesink pipelines/webcam
 set -euo pipefail
 set -f   # caps hold brackets and stars: no file names here
@@ -9,7 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 
-# Says what stands at the head of the script.
+# Prints the head comment of the script.
 usage() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$0"; exit "${1:-0}"; }
 case "${1:-}" in -h | --help) usage ;; esac
 
@@ -20,20 +20,20 @@ if ! gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp 2>/dev/nul
   gst-inspect-1.0 --exists --atleast-version=0.0.0 intrinsicdecomp || fail "the plugin inverse is not built: ./dev shell builds it"
 fi
 
-# A window. sync=false: a frame from a camera is shown as soon as it is there.
+# A window. sync=false shows a camera's frames on arrival.
 window() {
   [ -n "${SINK:-}${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] ||
     fail "there is no display for a window; SINK=… names another sink, for example SINK=\"$encoder ! matroskamux ! filesink location=out.mkv\""
   echo "${SINK:-videoconvert ! autovideosink ${1:-}}"
 }
 
-# Between a camera and us: whatever waited while we worked is old.
+# After a camera: drop frames that became old during processing.
 newest="queue leaky=downstream max-size-buffers=1"
 
-# To a file: VP8, which every browser and player opens, fast enough to keep step on two cores.
+# To a file: VP8, supported by all browsers and players, fast enough for real time on two cores.
 encoder="videoconvert ! vp8enc deadline=1 cpu-used=8 threads=4 end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60"
 
-# Compressed sound that Matroska takes as it is; of other sound, the samples.
+# Compressed sound that Matroska accepts; other sound is stored as samples.
 sound="audio/mpeg,mpegversion=1;audio/mpeg,mpegversion={2,4},stream-format=raw;audio/x-vorbis;audio/x-opus;audio/x-flac,framed=true;audio/x-ac3;audio/x-eac3;audio/x-dts;audio/x-alaw;audio/x-mulaw;audio/x-tta;audio/x-raw"
 
 # The URI of a file, or the URI itself.

@@ -2,10 +2,10 @@
 
 namespace inverse {
 
-/// The warning where gradients come from a camera without color.
+/// Warning if gradients come from a gray camera.
 inline constexpr const char* kGrayGradients =
-    "the gradients come as gray video, which does not hold what red, green and blue light tell of "
-    "directions: use a color camera (of a Bayer sensor, bayer2rgb), or take a frame for each color "
-    "of the gradients and join them";
+    "the gradients are gray video, which lacks the directions that red, green and blue light "
+    "encode: use a color camera (for a Bayer sensor, bayer2rgb), or take one frame per color of "
+    "the gradients and join them";
 
 }  // namespace inverse

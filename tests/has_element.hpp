@@ -3,7 +3,7 @@
 
 namespace inverse::testing {
 
-/// Whether there is such an element: some are built only where their libraries are.
+/// Whether an element exists: some are built only if their libraries are installed.
 inline bool has_element(const char* name) {
   GstElementFactory* factory = gst_element_factory_find(name);
   if (factory) gst_object_unref(factory);

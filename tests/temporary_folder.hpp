@@ -9,7 +9,7 @@
 
 namespace inverse::testing {
 
-/// An empty folder of one test's own; removed with this object, and all that is in it.
+/// An empty folder for one test; removed with this object, including its content.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "inverse-XXXXXX").string()) {
@@ -23,7 +23,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   const std::string& path() const { return path_; }
-  /// The path of what is called `name` in it.
+  /// The path of `name` in it.
   std::string operator/(std::string_view name) const { return path_ + "/" + std::string(name); }
   /// Writes a file; returns its path.
   std::string write(std::string_view name, std::string_view bytes) const {

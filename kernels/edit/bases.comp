@@ -34,8 +34,8 @@ layout(push_constant) uniform Push {
   int index;
 } push;
 
-const float kLeast = 1e-6;
-const float kMostAgain = 0.75;  // of p
+const float kTiny = 1e-6;
+const float kMaxBounced = 0.75;  // of p
 
 vec3 chroma(vec3 v) { return (v + 1e-3) / (mean3(v) + 1e-3); }
 
@@ -84,15 +84,15 @@ void main() {
   float again = 1.0;
   if (by_surface) {
     arriving = workgroup_sum(arriving);
-    again = 1.0 / (1.0 - clamp(1.0 - arriving.y / (arriving.x + kLeast), 0.0, kMostAgain));
+    again = 1.0 / (1.0 - clamp(1.0 - arriving.y / (arriving.x + kTiny), 0.0, kMaxBounced));
   }
   if (gl_LocalInvocationID.x > 0u) return;
   for (int k = 0; k < kMaxBases; ++k) {
     vec4 b = finite(FETCH(bases, k));
     float w = 0.0, s = mean3(b.rgb);
     if (by_surface) {
-      w = held[k / 4][k % 4] / (all[k / 4][k % 4] + kLeast);
-      s = dot(b.rgb, key) / max(dot(key, key), kLeast);
+      w = held[k / 4][k % 4] / (all[k / 4][k % 4] + kTiny);
+      s = dot(b.rgb, key) / max(dot(key, key), kTiny);
     } else if (kBy == kByKey) {
       vec3 off = chroma(b.rgb) - chroma(key);
       w = falling((sqrt(dot(off, off)) - push.key.w) * push.fall_off);

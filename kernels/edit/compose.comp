@@ -3,8 +3,8 @@
 #include "gpu/common.glsl"
 #include "edit.glsl"
 
-// Puts a frame together again from its layers: old = R S L as the decomposer made them, new = R' S' L' as they are now; L,
-// the color of light, is 1 where the frame has no light of its own.
+// Recombines a frame from its layers: old = R S L of the decomposer, new = R' S' L' after edits. L, the color of light,
+// is 1 if the frame has no light layers.
 layout(constant_id = 1) const uint MODE = 0u;
 layout(constant_id = 2) const bool LIGHT = false;
 const uint kAdd = 0u;         // input + new − old: keeps what the model does not explain

@@ -6,43 +6,39 @@
 
 namespace inverse {
 
-/// What becomes of the light that the model does not explain, input − R S.
+/// How to treat the residual of the model, input − R S.
 ///
-/// Decomposers with one unknown a pixel leave next to none; others leave highlights, colored light
-/// and noise. `add` is right for highlights: what mirrors off a surface does not care for its
-/// paint, so a red car painted blue keeps white glints. It also leaves the noise of a bright
-/// surface on the dark one that takes its place, and what the model overestimated can turn black
-/// there; `ratio` scales noise and texture with the edit and keeps them in proportion, but tints
-/// highlights and, for dark surfaces that become bright, multiplies noise.
+/// Decomposers with one unknown per pixel leave nearly none; others leave highlights, colored light
+/// and noise. `add` is right for highlights, which do not depend on the paint: a red car painted
+/// blue keeps white glints. But it keeps the noise of a bright surface on the dark one that
+/// replaces it, and overestimated values can turn black. `ratio` scales noise and texture with the
+/// edit, but tints highlights and amplifies noise on dark surfaces that become bright.
 enum class Residual : uint8_t {
   add,    ///< input + R' S' − R S
   ratio,  ///< input · (R' S' + ε) / (R S + ε), ε = 0.002 of full scale
   none,   ///< R' S': the model alone
 };
 
-/// How to put a frame together again.
+/// How to recombine the layers of a frame.
 struct ComposeParams {
   Residual residual = Residual::add;
-  /// 0: the input as it came, 1: the edit.
+  /// 0: the input, 1: the edit.
   float strength = 1.0f;
 };
 
-/// Makes pictures out of layers; R S stands for R S L where light has a color L of its own
-/// (Layers::global), and for diffuse + specular where the frame was taken apart into these
-/// (Layers::material), which leave no residual. All are linear RGB, finite and not negative, with
-/// the input's alpha in w.
+/// Recombines layers into images. R S stands for R S L if the light has a color L of its own
+/// (Layers::global), and for diffuse + specular in frames of these layers (Layers::material), which
+/// have no residual. All are linear RGB, finite and not negative, with the input's alpha in w.
 class Compose {
  public:
   Compose(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// The frame with its edits. Where nothing was edited (Layers::edited, or strength is 0), this is
-  /// the input's plane itself and nothing is recorded, unless the residual is to be left out. Needs
-  /// input, model and intrinsic, or input, diffuse and specular, of which nobody says whether they
-  /// were edited.
+  /// The edited frame. Without an edit (Layers::edited is false, or strength is 0) it returns the
+  /// input plane and records nothing, unless the residual is `none`. Needs input, model and
+  /// intrinsic; or input, diffuse and specular, which always count as edited.
   PlanePtr record(gpu::Commands& commands, const Layers& layers, const ComposeParams& params);
 
-  /// What the edits changed: R' S' − R S, halved, on middle gray (linear 0.214); brighter is more
-  /// light.
+  /// The change made by the edits: (R' S' − R S) / 2 added to middle gray (linear 0.214).
   PlanePtr record_difference(gpu::Commands& commands, const Layers& layers);
 
   /// The mask layer as gray. Needs Role::mask, and model and intrinsic.

@@ -1,11 +1,11 @@
-// What the editing kernels share.
+// Shared by the editing kernels.
 #include "image/finite.glsl"
 
 const uint kRows = 4u;         // pixels an invocation, one above the other
 const uint kSampleSide = 64u;  // a sample of a frame is at most this wide and high
 
-// Light, 1 = full scale, below which chromaticity is noise: about the first two codes of 8-bit video. Colors fade to
-// gray there.
+// Linear light, 1 = full scale, below which chromaticity is noise: about two codes of 8-bit video. Colors fade to gray
+// there.
 const float kLightFloor = 5e-4;
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }

@@ -8,7 +8,7 @@
 
 namespace inverse {
 
-/// Changes base colors of bounced light and, with them, the color of light everywhere:
+/// Changes base colors of indirect light and thereby the color of light everywhere:
 ///
 ///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
 ///   b_k), 0)

@@ -15,7 +15,8 @@ std::string size_of(Extent extent) {
   return std::to_string(extent.width) + "x" + std::to_string(extent.height);
 }
 
-/// 1 well inside of a box of these half sides (radian) around a direction, 0 outside, soft between.
+/// 1 well inside of a box of these half sizes (radian) around a direction, 0 outside, smooth
+/// between.
 double soft_box(double azimuth, double elevation, double at_azimuth, double at_elevation,
                 double half_width, double half_height) {
   const double across = std::remainder(azimuth - at_azimuth, 2 * kPi) * std::cos(elevation);
@@ -55,16 +56,16 @@ Environment::Environment(Extent extent, std::vector<float> rgb, const std::strin
 
 Environment Environment::bounded(Extent extent, std::vector<float> rgb, size_t& changed,
                                  const std::string& name) {
-  // What overflowed where it was stored in half floats was more than they hold.
-  constexpr float kHalfMost = 65504;
+  // Infinity stands for a value beyond the range of half floats.
+  constexpr float kMaxHalf = 65504;
   changed = 0;
   const auto sound = [](float value) { return value >= 0 && value <= kMaxRadiance; };
-  float most = 0;
+  float max = 0;
   for (const float value : rgb)
-    if (sound(value)) most = std::max(most, value);
+    if (sound(value)) max = std::max(max, value);
   for (float& value : rgb) {
     if (sound(value)) continue;
-    value = std::isinf(value) && value > 0 ? std::max(most, kHalfMost)
+    value = std::isinf(value) && value > 0 ? std::max(max, kMaxHalf)
                                            : (value > 0 ? kMaxRadiance : 0);  // NaN: 0
     ++changed;
   }

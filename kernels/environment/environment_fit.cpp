@@ -12,15 +12,15 @@ using Matrix = Eigen::Matrix<double, EnvironmentFit::kTerms, EnvironmentFit::kTe
 using Vector = Eigen::Matrix<double, EnvironmentFit::kTerms, 1>;
 
 constexpr double kPi = std::numbers::pi;
-/// Of what a white diffuse surface gives back of L_lm.
+/// Reflection of L_lm by a white diffuse surface.
 constexpr double kGain[] = {1, 2. / 3, 2. / 3, 2. / 3, 1. / 4, 1. / 4, 1. / 4, 1. / 4, 1. / 4};
-/// Variance of L_lm over the square of L_00: means over 27 maps of rooms, studios and streets.
+/// Variance of L_lm relative to L_00²: means over 27 maps of rooms, studios and streets.
 constexpr double kVariance[] = {1, .27, .27, .27, .18, .18, .18, .18, .18};
-/// Independent errors in a view: those of neighboring points are alike.
+/// Number of independent errors in a view; errors of neighboring points are correlated.
 constexpr double kIndependent = 30;
-/// Variance of L_00 about that of the mirror image, of the three colors about gray: shares of it.
+/// Relative variance of L_00 about that of the mirror image, and of the three colors about gray.
 constexpr double kLevelVariance = 100, kColorVariance = .1;
-/// Weight of a texel from which on it needs no neighbors.
+/// Weight above which a texel is not filled from its neighbors.
 constexpr float kCertain = 0.05F;
 constexpr double kBlack = 1e-4;     // light, linear, that is none
 constexpr float kBrightest = 1e6F;  // radiance
@@ -35,13 +35,13 @@ bool finite(const EnvironmentFit::Point& p) {
   return true;
 }
 
-/// Points at the outline are mixed with what is behind them, and their normals are the least sure.
+/// Points at the outline contain background, and their normals are the least accurate.
 float trust(float facing) {
   const float t = std::clamp((facing - 0.05F) / 0.25F, 0.0F, 1.0F);
   return t * t * (3 - 2 * t);
 }
 
-/// Rows that are poles are one texel above; columns go around.
+/// Rows beyond a pole are mirrored by half a turn; columns wrap around.
 size_t wrapped(int column, int row, int width, int height) {
   if (row < 0 || row >= height) column += width / 2;
   row = row < 0 ? -1 - row : row >= height ? 2 * height - 1 - row : row;
@@ -159,7 +159,7 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
       for (size_t c = 0; c < 3; ++c) level[c] += weight * p.diffuse[c];
       all += weight;
     }
-    // The direction that the point reflects the camera's to, in texels; four share it.
+    // The texel of the direction whose reflection the point shows; the nearest four share it.
     const float rx = 2 * z * x, ry = std::clamp(2 * z * y, -1.0F, 1.0F), rz = 2 * z * z - 1;
     const auto pi = static_cast<float>(kPi);
     const float column = (std::atan2(rx, rz) / (2 * pi) + 0.5F) * kWidth - 0.5F;
@@ -174,7 +174,7 @@ void EnvironmentFit::add(std::span<const Point> points, const Params& params) {
       mirror_sum[at] += z * across * down * std::max(p.mirror, 0.0F);
     }
   }
-  if (used < kFewest) return;
+  if (used < kMinPoints) return;
   ++count_;
   averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const double share = 1.0 / static_cast<double>(averaged_);
@@ -217,7 +217,7 @@ EnvironmentFit::Terms EnvironmentFit::project(std::span<const float> map, size_t
 std::optional<Environment> EnvironmentFit::light(std::array<float, 3> diffuse, float specular,
                                                  const Params& params) const {
   if (!count_) return std::nullopt;
-  // The mirror image as light, as far as the object reflects any.
+  // The mirror image as light, as far as the object reflects light.
   const double alpha = std::max(0.0, static_cast<double>(specular));
   const double glossy = alpha * alpha / (alpha * alpha + params.glossy * params.glossy);
   std::vector<float> mirror = filled_mirror();
@@ -235,12 +235,12 @@ std::optional<Environment> EnvironmentFit::light(std::array<float, 3> diffuse, f
     mean += albedo[c] * level_[c] * per_point;
     gray += albedo[c] * per_point * Eigen::Map<const Vector>(seen_[c].data());
   }
-  // The level of light: what the prior's variances are shares of.
+  // The mean light, to which the prior's variances refer.
   const bool dark = square < 3 * kDark * kDark;
   const double level = dark ? glossy * of_mirror[0] : mean / square / harmonics(0, 0, 1)[0];
   if (!(level > kBlack)) return std::nullopt;
 
-  // In one color: (Σ m² A + Λ) L = Σ m b + Λ L_mirror, Λ by variance; noise is of the mean.
+  // Gray solution: (Σ m² A + Λ) L = Σ m b + Λ L_mirror, Λ by variance; noise refers to the mean.
   const double image = std::max(mean / std::max(std::sqrt(3 * square), 1e-3), 0.02);
   const double points = std::max(weight_, 1e-3);
   const double independent = kIndependent * points / (points + 200);
@@ -257,7 +257,7 @@ std::optional<Environment> EnvironmentFit::light(std::array<float, 3> diffuse, f
   const Eigen::LDLT<Matrix> factors(normal_equations);
   const Vector low_gray = factors.solve(gray + precision * prior);
 
-  // Colors apart from that.
+  // Deviation of the colors from gray.
   std::array<Terms, 3> low{};
   for (size_t c = 0; c < 3; ++c) {
     const double m = albedo[c];
@@ -276,7 +276,7 @@ std::optional<Environment> EnvironmentFit::light(std::array<float, 3> diffuse, f
   const double white = std::max(mean3(tint), 1e-9);
   for (double& t : tint) t = std::clamp(t / white, 0.0, 3.0);
 
-  // Low and high added, light not below 0: what that adds to the low frequencies is taken away
+  // Sum of low and high frequencies, clamped at 0; the clamping's low frequencies are subtracted
   // again.
   std::vector<float> rgb(3 * texels_.size());
   std::array<Terms, 3> added = low;

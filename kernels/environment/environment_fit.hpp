@@ -10,51 +10,50 @@
 
 namespace inverse {
 
-/// The light around an object, from what it shows of it (thesis 6.8, Live Material Cloning): low
-/// frequencies as spherical harmonics of order 2 from its diffuse layer, high ones from its mirror
-/// image, added; over time the mean of Eq. 6.5.
+/// Estimates the light around an object from its images (thesis 6.8, Live Material Cloning): low
+/// frequencies as spherical harmonics of order 2 from its diffuse layer, plus high frequencies from
+/// its mirror image; over time the mean of Eq. 6.5.
 ///
-/// Low frequencies: diffuse light is m_d D(n), D(n) = Σ A_l/π L_lm Y_lm(n), A_l/π = 1, 2/3, 1/4.
-/// The normals that a camera sees are half of all, and on these the nine functions are nearly
-/// dependent; of an object that is flat there is one normal. So the coefficients are the most
-/// probable ones, with a prior: that of room and outdoor maps about the light that the mirror image
-/// has, in one color; colors apart from that where a channel's albedo lets them be seen. What no
-/// normal tells is as the prior has it.
+/// Low frequencies: diffuse light is m_d D(n), D(n) = Σ A_l/π L_lm Y_lm(n), A_l/π = 1, 2/3, 1/4. A
+/// camera sees half of all normals, on which the nine functions are nearly dependent; a flat object
+/// shows one normal. So the coefficients maximize the posterior. The prior is fitted to indoor and
+/// outdoor maps, about the gray light of the mirror image. Colors deviate from gray as far as each
+/// channel's albedo shows them. Undetermined coefficients follow the prior.
 ///
-/// High frequencies: the mirror image alpha M(n), M = E(2 (n·v) n − v) / π, drawn into the map and
-/// filled smoothly where no normal reflects to, less its own low frequencies.
+/// High frequencies: the mirror image alpha M(n), M = E(2 (n·v) n − v) / π, drawn into the map,
+/// filled smoothly where no normal reflects to, minus its own low frequencies.
 class EnvironmentFit {
  public:
   static constexpr uint32_t kWidth = 64, kHeight = 32;  ///< of the map
   static constexpr size_t kTerms = 9;                   ///< Y_lm, l = 0, 1, 2
 
   struct Params {
-    uint32_t memory = 100;  ///< views that the mean remembers
-    float noise = 0.3F;  ///< root mean square error of the diffuse layer and what the normals make
-                         ///< of it, of its mean
-    float glossy = 0.06F;  ///< specular albedo at which the mirror image counts half
+    uint32_t memory = 100;  ///< maximum number of views in the mean
+    float noise = 0.3F;     ///< rms difference between the diffuse layer and the model, relative to
+                            ///< its mean
+    float glossy = 0.06F;   ///< specular albedo at which the mirror image has half weight
   };
-  /// What is seen of the object at one point. A normal of z = 0 is none.
+  /// One point of the object. A normal with z = 0 is missing.
   struct Point {
     Normal normal{};
     std::array<float, 3> diffuse{};  ///< linear light without the specular layer
-    bool clipped = false;            ///< the camera was at its end: `diffuse` says nothing
+    bool clipped = false;            ///< the camera clipped: `diffuse` is ignored
     float mirror = 0;                ///< alpha M, gray
   };
 
   EnvironmentFit();
 
-  /// Takes what a frame shows. Points that are no numbers are left out, and frames of fewer than
-  /// kFewest points.
+  /// Adds the points of a frame. Ignores points that are not finite, and frames with fewer than
+  /// kMinPoints points.
   void add(std::span<const Point> points, const Params& params);
   void reset();
-  /// What was taken so far counts as so many views at most.
+  /// Limits the weight of earlier views to this number of views.
   void shorten(uint64_t views);
   uint64_t count() const { return count_; }
-  static constexpr size_t kFewest = 24;
+  static constexpr size_t kMinPoints = 24;
 
-  /// The light, for an object of these albedos; nothing where nothing was seen, or where the object
-  /// is black and dull.
+  /// The light, given the object's albedos; empty before any view, and if the object is black
+  /// without gloss.
   std::optional<Environment> light(std::array<float, 3> diffuse, float specular,
                                    const Params& params) const;
 

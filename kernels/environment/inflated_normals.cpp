@@ -10,8 +10,8 @@ namespace {
 constexpr uint32_t kCoarsest = 8;  // points along a side
 constexpr int kSweeps = 16;        // a level: 1 degree from where more would lead
 
-/// One resolution of ∇²u = −4. A neighbor outside of the mask mirrors u with the other sign, so
-/// that u is 0 halfway to it; one outside of the window mirrors u, so that it goes on.
+/// One resolution of ∇²u = −4. A neighbor outside of the mask has −u, so that u is 0 midway to it;
+/// one outside of the window has u, so that the surface continues.
 class Level {
  public:
   Level(std::vector<uint8_t> mask, uint32_t side, const GridWindow& window, float spacing)
@@ -22,7 +22,8 @@ class Level {
     u_.assign(mask_.size(), 0.0F);
   }
 
-  /// The same object on half as many points: those of which half or more are of it.
+  /// The same object on half as many points per side: those with half or more of their points in
+  /// the mask.
   Level coarser(float spacing) const {
     const uint32_t half = side_ / 2;
     std::vector<uint8_t> mask(size_t{half} * half);
@@ -39,7 +40,7 @@ class Level {
             spacing};
   }
 
-  /// Between the four nearest points of it, which mirror as neighbors do in `solve`.
+  /// Interpolates between the nearest four points, with the borders of `solve`.
   void start_from(const Level& coarse) {
     for (uint32_t row = 0; row < side_; ++row)
       for (uint32_t column = 0; column < side_; ++column) {
@@ -56,7 +57,7 @@ class Level {
       }
   }
 
-  /// Successive over-relaxation, with the factor that is best for a square as large as the object.
+  /// Successive over-relaxation with the optimal factor for a square of the object's size.
   void solve() {
     struct Point {
       uint32_t at;
@@ -112,7 +113,7 @@ class Level {
           const auto [x, y] = neighbor(column, row, n);
           u[n] = !window_has(x, y) ? u_[at] : mask_[index(x, y)] ? u_[index(x, y)] : -u_[at];
         }
-        // Of the height √u, times 2 √u.
+        // Gradient of the height √u, times 2 √u.
         const float x = (u[0] - u[1]) / 2, y = (u[3] - u[2]) / 2;
         const float z = 2 * std::sqrt(std::max(u_[at], 0.0F));
         const float length = std::sqrt(x * x + y * y + z * z);
@@ -131,7 +132,7 @@ class Level {
     return column >= window_.left && column < window_.right && row >= window_.top &&
            row < window_.bottom && column < side_ && row < side_;
   }
-  /// Left, right, up, down; ~0 wraps to what no window has.
+  /// Left, right, up, down; ~0 wraps to a position outside of every window.
   static std::pair<uint32_t, uint32_t> neighbor(uint32_t column, uint32_t row, int n) {
     constexpr int kStep[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     return {column + static_cast<uint32_t>(kStep[n][0]), row + static_cast<uint32_t>(kStep[n][1])};
@@ -144,7 +145,7 @@ class Level {
   std::vector<float> u_;
 };
 
-/// From coarse to fine, each starting from the one before.
+/// From coarse to fine, each initialized from the coarser one.
 Level solved(Level level, uint32_t side, float spacing) {
   if (side % 2 == 0 && side / 2 >= kCoarsest)
     level.start_from(solved(level.coarser(2 * spacing), side / 2, 2 * spacing));

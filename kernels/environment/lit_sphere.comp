@@ -3,10 +3,10 @@
 #include "gpu/common.glsl"
 #include "lit_sphere.glsl"
 
-// What a surface looks like for each normal n of a table (thesis Eq. 6.1-6.3, k = 1/pi, viewer v = +z, far away):
-//   D(n) = 1/pi ∫_{w·n>0} (w·n) E(w) dw           a sum over cells of the light
+// Radiance of a surface for each normal n of a table (thesis Eq. 6.1-6.3, k = 1/pi, viewer v = +z, far away):
+// D(n) = 1/pi ∫_{w·n>0} (w·n) E(w) dw           a sum over cells of the light
 //   S(n) = 1/pi ∫_{w·n>0} (h·n)^s E(w) dw         h halfway between w and v
-// The latter for broad lobes as a sum over the same cells, for others as
+// S of broad lobes is a sum over the same cells, of others
 //        = 8/(s+1) · mean of (v·h) E(reflect(v,h)) over h drawn from (s+1)/(2 pi) (h·n)^s, as dw = 4 (v·h) dh
 PLANE_IN(0, cells);    // flux and mean direction by turns
 PLANE_IN(1, light);    // levels of the map, one after the other
@@ -47,7 +47,7 @@ vec3 radiance(vec3 w, float level) {
   return mix(bilinear(lower, angle), bilinear(lower + 1u, angle), l - float(lower));
 }
 
-// From the viewer's axes to those of the light, and the viewer in the latter.
+// Rotates from the viewer's axes to those of the light.
 vec3 turned(vec3 a) {
   float c = cos(push.diffuse.w), s = sin(push.diffuse.w);
   return vec3(c * a.x - s * a.z, a.y, s * a.x + c * a.z);
@@ -64,7 +64,7 @@ vec3 broad(vec3 n) {
   vec3 axis = turned(n), viewer = turned(vec3(0.0, 0.0, 1.0)), sum = vec3(0.0);
   for (uint i = 0u; i < push.broad; ++i) {
     vec3 w = FETCH(cells, int(2u * i + 1u)).xyz;
-    // Light from all over a cell, whose mean direction is the shorter the wider it is, rises above the horizon bit by bit.
+    // The light of a cell, whose mean direction is shorter the wider the cell is, rises above the horizon gradually.
     float narrow = max(dot(w, w), 1e-12), radius = sqrt(max(1.5 * (1.0 - narrow), 1e-6));
     w *= inversesqrt(narrow);
     vec3 h = w + viewer;
@@ -76,7 +76,7 @@ vec3 broad(vec3 n) {
 }
 
 vec3 glossy(vec3 n) {
-  // A frame around n without a seam on this half of the sphere (Duff et al. 2017).
+  // A frame around n without a discontinuity on this hemisphere (Duff et al. 2017).
   float a = -1.0 / (1.0 + n.z), b = n.x * n.y * a;
   vec3 tangent = vec3(1.0 + n.x * n.x * a, b, -n.x), bitangent = vec3(b, 1.0 + n.y * n.y * a, -n.y);
   vec3 sum = vec3(0.0);
@@ -86,7 +86,7 @@ vec3 glossy(vec3 n) {
     float facing = h.z;
     float near = max(facing, 1e-4);
     vec3 w = 2.0 * facing * h - vec3(0.0, 0.0, 1.0);
-    // A sample stands for an area of the sphere, which may reach across the horizon.
+    // A sample represents an area of the sphere, which may cross the horizon.
     float radius = exp2(s.w) * push.spread * sqrt(near);
     float seen = clamp(0.5 + 0.5 * dot(w, n) / radius, 0.0, 1.0);
     float weight = facing > 0.0 ? facing * seen : 0.0;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kSamples = 128;
-// Lobes of smaller exponents are much wider than the cells of the light, also where half vectors
-// move fast: for light from behind.
+// Lobes of smaller exponents are much wider than the cells of the light, even where half vectors
+// change fast, for light from behind.
 constexpr float kBroad = 40;
-// Samples reach so many times as far as they are apart: less shows single samples of a small
-// bright lamp, more blurs.
+// Filter radius of a sample, in distances between samples: a smaller one shows single samples of a
+// small bright lamp, a larger one blurs.
 constexpr double kOverlap = 1.2;
 
 gpu::BufferPtr uploaded(const std::shared_ptr<gpu::Device>& device,
@@ -37,8 +37,8 @@ Surface bounded(Surface s) {
   return s;
 }
 
-/// Half vectors around +z, drawn evenly from (s+1)/(2 pi) cos^s, and the level that suits each for
-/// v·h = 1.
+/// Half vectors around +z, distributed as (s+1)/(2 pi) cos^s, and the filter level of each for v·h
+/// = 1.
 std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
   std::vector<PrefilteredLight::Vec4> samples(kSamples);
   const double texel = kPi / rows, golden = kPi * (3 - std::sqrt(5.0));
@@ -58,7 +58,7 @@ std::vector<PrefilteredLight::Vec4> lobe(double shininess, uint32_t rows) {
 
 bool alike(const Surface& a, const Surface& b) {
   constexpr float kRatio = 1.01F;
-  // A ratio, as exposure and the lobe's gain may make much of little; of what is nearly black less
+  // Relative, because exposure and lobe gain may amplify small differences; for dark values, less
   // than half a code value.
   const auto near = [](float p, float q) {
     return std::fabs(p - q) <= 1e-4F + 0.005F * std::max(p, q);

@@ -1,6 +1,6 @@
-// The normals of a lit sphere's table, and how to look into it (lit_sphere.hpp).
+// Normals of a lit sphere's table and lookup (lit_sphere.hpp).
 //
-// Half the sphere, z towards the viewer, goes to the unit disc so that equal areas stay equal (Lambert): p = n.xy / sqrt(1 + n.z).
+// Maps the hemisphere z > 0 to the unit disc with equal areas (Lambert): p = n.xy / sqrt(1 + n.z).
 
 vec3 lit_normal(vec2 p) {
   float r2 = dot(p, p);
@@ -9,8 +9,8 @@ vec3 lit_normal(vec2 p) {
 }
 
 #ifdef LIT_TABLE
-// Linear RGB for a normal of length 1, from a table that the kernel has bound by the name LIT_TABLE (and defined that as
-// itself: names are pasted). Normals that face away count as on the rim.
+// Linear RGB for a unit normal, from a table that the kernel has bound by the name LIT_TABLE (and defined as itself,
+// because names are pasted). Normals that face away use the rim.
 vec3 lit_sphere(vec3 n, uint side) {
   float flat2 = dot(n.xy, n.xy);
   vec2 p = n.z > 0.0 ? n.xy * inversesqrt(1.0 + n.z) : n.xy * inversesqrt(max(flat2, 1e-12));

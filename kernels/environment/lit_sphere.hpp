@@ -10,38 +10,37 @@
 
 namespace inverse {
 
-/// What a surface gives back of light: diffuse * D + specular * lobe_gain(shininess) * S (thesis
-/// Eq. 6.2).
+/// Reflection of a surface: diffuse * D + specular * lobe_gain(shininess) * S (thesis Eq. 6.2).
 struct Surface {
   std::array<float, 3> diffuse{0.5F, 0.5F, 0.5F};  ///< albedo, linear RGB
   float specular = 0;                              ///< albedo, white
   float shininess = 2;                             ///< exponent, 1 to 1024
   bool operator==(const Surface&) const = default;
 
-  /// Keeps sharp lobes visible: 1 for wide ones.
+  /// Gain that keeps sharp lobes visible; 1 for wide ones.
   static float lobe_gain(float shininess) { return shininess > 8 ? (shininess + 8) / 16 : 1; }
 };
 
-/// Whether two surfaces look the same, to half a hundredth of their albedos and what an exponent
-/// can tell: who draws one need not be told of the other.
+/// Whether two surfaces look the same: albedos within 0.005, and indistinguishable exponents. Then
+/// drawings need no update.
 bool alike(const Surface& a, const Surface& b);
-/// Whether two maps differ by less than a hundredth of what light there is.
+/// Whether two maps differ by less than 1 % of their light.
 bool alike(const Environment& a, const Environment& b);
 
-/// How a material looks under a light, by the normal alone: the viewer is far away, so that nothing
-/// else matters (a lit sphere). A table over the normals that face the camera holds linear RGB
-/// md D(n) + ms S(n); kernels look into it through lit_sphere.glsl.
+/// Shading of a material by the normal alone (a lit sphere); the viewer is far away. A table over
+/// the normals that face the camera holds linear RGB md D(n) + ms S(n); kernels look it up through
+/// lit_sphere.glsl.
 ///
-/// D is a sum over 512 cells of the map, exact where a cell is seen whole or not at all, and so is
-/// S of wide lobes. Of narrower ones it takes samples around the normal, (h·n)^s over half vectors,
-/// from levels of the map that are as blurred as the samples are far apart.
+/// D, and S of wide lobes, are sums over 512 cells of the map, exact if a cell is entirely above or
+/// below the horizon. S of narrower lobes uses samples around the normal, (h·n)^s over half
+/// vectors, from levels of the map as blurred as the samples are far apart.
 class LitSphere {
  public:
-  /// `side`: of the table. Normals are 2.3 / side apart, the same everywhere.
+  /// `side`: of the table. Normals are 2.3 / side apart everywhere.
   explicit LitSphere(const std::shared_ptr<gpu::Device>& device, uint32_t side = 160);
 
-  /// Takes this light from the next `record` on. Costs some milliseconds of the caller's, of large
-  /// maps seconds; nearly nothing where the light was made ready before.
+  /// Uses this light from the next `record` on. Takes some milliseconds on the host, seconds for
+  /// large maps, nearly nothing if the light was prepared before.
   void set_light(const Environment& environment) { set_light(PrefilteredLight(environment)); }
   void set_light(const PrefilteredLight& light);
 
@@ -50,16 +49,15 @@ class LitSphere {
     float rotation = 0;   ///< of the light about y in radian: what came from +z then comes from +x
     bool operator==(const View&) const = default;
   };
-  /// Records what is to do where surface, view or light are not those of the call before: nothing
-  /// where they are. What is not finite or out of range is bounded. Throws Error(internal) without
-  /// a light.
+  /// Records the update of the table if surface, view or light changed since the last call. Clamps
+  /// values that are not finite or out of range. Throws Error(internal) without a light.
   void record(gpu::Commands& commands, const Surface& surface, const View& view);
-  /// What was recorded may not have been computed: the next `record` records all.
+  /// Invalidates the table: recorded work may not have run. The next `record` updates it.
   void forget() { recorded_.reset(); }
-  /// The table of the last `record`: side x side, rows from the top (y up). One buffer, written
-  /// again with each change, in the order of submits.
+  /// The table of the last `record`: side x side, rows from the top (y up). One buffer, rewritten
+  /// with each change, in the order of submits.
   const Plane& table() const { return table_; }
-  /// How often the table changed: who keeps what was drawn from it compares.
+  /// Number of changes of the table: compare it to reuse what was drawn from it.
   uint64_t version() const { return version_; }
 
  private:

@@ -9,7 +9,7 @@
 #include "common/error.hpp"
 #include "common/regular_file.hpp"
 
-// Of stb_image, the part that takes images apart, private to this file.
+// stb_image's decoder, private to this file.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_MAX_DIMENSIONS 8192
@@ -23,7 +23,7 @@
 namespace inverse {
 namespace {
 
-constexpr float kShortest = 0.5F, kLongest = 1.3F;  // of what counts as a normal
+constexpr float kMinLength = 0.5F, kMaxLength = 1.3F;  // of what counts as a normal
 constexpr float kNear = 0.1F;  // of a length to 1, as 8 bits and scaled edges leave it
 
 Normal normalized(const Normal& n) {
@@ -58,7 +58,7 @@ NormalMap NormalMap::load(const std::string& path, std::string& warning) {
     Normal n{};
     for (size_t c = 0; c < 3; ++c) n[c] = 2 * static_cast<float>(code[c]) / 65535 - 1;
     const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (!(code[3] >= 32768 && n[2] > 0 && length > kShortest && length < kLongest)) continue;
+    if (!(code[3] >= 32768 && n[2] > 0 && length > kMinLength && length < kMaxLength)) continue;
     normals[i] = normalized(n);
     ++taken;
     good += std::fabs(length - 1) < kNear;

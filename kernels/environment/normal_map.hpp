@@ -7,18 +7,18 @@
 
 namespace inverse {
 
-/// Normals of what a frame shows, from an image of at most 8192 x 8192 pixels.
+/// Normals for the content of a frame, from an image of at most 8192 x 8192 pixels.
 class NormalMap {
  public:
-  /// Reads a PNG of 8 or 16 bits a channel: RGB = xyz from −1 (code 0) to 1 (largest code), x
-  /// right, y up, z to the camera. Where z is not above 0, the length is far from 1 or alpha is
-  /// below a half, there is no normal. Throws Error(file), saying why. Where most lengths are not
-  /// near 1, `warning` says so; it is empty otherwise.
+  /// Reads a PNG of 8 or 16 bits per channel: RGB = xyz from −1 (code 0) to 1 (largest code), x
+  /// right, y up, z to the camera. There is no normal if z ≤ 0, the length is far from 1, or alpha
+  /// is below a half. Throws Error(file) with the cause. `warning` is set if most lengths are not
+  /// near 1, else empty.
   static NormalMap load(const std::string& path, std::string& warning);
   NormalMap(Extent extent, std::vector<Normal> normals);
 
-  /// The normal at a place of the frame, 0…1 from the left and from the top, between the four
-  /// nearest; z = 0 where there is none.
+  /// The normal at a position of the frame, 0…1 from the left and from the top, interpolated
+  /// between the nearest four; z = 0 if there is none.
   Normal at(float x, float y) const;
 
  private:

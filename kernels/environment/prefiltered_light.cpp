@@ -13,7 +13,7 @@ using Rgb = std::array<double, 3>;
 
 double luminance(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-/// Share of a kernel of radius 1 at this distance.
+/// Weight of a kernel of radius 1 at this distance.
 double kernel(double distance) {
   const double t = 1 - distance * distance;
   return t > 0 ? t * t : 0;
@@ -27,10 +27,10 @@ std::vector<PrefilteredLight::Vec4> make_cells(const Environment& map) {
   };
   std::vector<Cell> cells(size_t{kRows} * kColumns);
   const Extent extent = map.extent();
-  // Pixels of coarse maps count as the areas that they are, not as points.
+  // Pixels of coarse maps count as areas, not as points.
   const uint32_t split = std::max(1U, 128 / extent.height);
   const uint32_t rows = extent.height * split, columns = extent.width * split;
-  // Sines and cosines of all columns once: maps have up to 134 million pixels.
+  // Sines and cosines of all columns, computed once: maps have up to 134 million pixels.
   std::vector<Rgb> around(columns);
   for (uint32_t column = 0; column < columns; ++column)
     around[column] = map.direction((column + 0.5) / split, extent.height / 2.0);
@@ -71,7 +71,7 @@ struct Level {
   uint32_t columns() const { return 2 * rows; }
 };
 
-/// A map at another size: means over the solid angle of each pixel.
+/// Resamples a map: means over the solid angle of each pixel.
 Level resampled(const Environment& map, uint32_t rows) {
   Level level{rows, std::vector<Rgb>(size_t{2} * rows * rows)};
   const Extent from = map.extent();
@@ -107,8 +107,8 @@ Level resampled(const Environment& map, uint32_t rows) {
   return level;
 }
 
-/// Half the rows, blurred by a kernel on the sphere whose radius is one and a half times the
-/// distance of the new ones: a small lamp counts the same wherever it lies between them.
+/// Half the rows, blurred by a kernel on the sphere whose radius is 1.5 times the distance of the
+/// new rows: a small lamp has the same weight at every position.
 Level halved(const Level& fine) {
   Level coarse{fine.rows / 2, std::vector<Rgb>(fine.texels.size() / 4)};
   const double spacing = kPi / fine.rows, radius = 3 * spacing;
@@ -120,7 +120,7 @@ Level halved(const Level& fine) {
     for (uint32_t y = 0; y < fine.rows; ++y) {
       const double at = (y + 0.5) * spacing;
       if (std::fabs(at - polar) >= radius) continue;
-      // By the distance in columns, which is a half more than a whole number.
+      // By the distance in columns, which is a whole number plus a half.
       int reach = 0;
       for (int d = 0; d < columns / 2; ++d) {
         const double cosine = std::cos(at) * std::cos(polar) +

@@ -1,4 +1,4 @@
-// Environment maps in Radiance files, through stb.
+// Environment maps in Radiance files, read with stb.
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 #include "common/regular_file.hpp"
 #include "environment.hpp"
 
-// Private to this file: an application may bring an stb of its own.
+// Private to this file, because an application may link its own stb.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wsign-compare"
@@ -44,14 +44,14 @@ namespace {
   throw Error(ErrorKind::output, "environment map " + path + " cannot be written: " + why);
 }
 
-/// Where a file is to be written.
+/// Target of a write.
 struct Target {
-  std::filesystem::path path;  ///< of the file itself, where the name is that of a link to one
-  bool there;                  ///< an earlier file is
-  bool in_place;               ///< over what is there, and not beside it first
+  std::filesystem::path path;  ///< the file itself if the name is a symbolic link
+  bool there;                  ///< an earlier file exists
+  bool in_place;  ///< overwrite the earlier file, instead of writing a new one beside it first
 };
 
-/// Throws where nothing can be written under this name.
+/// Throws if nothing can be written under this name.
 Target target_of(const std::string& path) {
   namespace fs = std::filesystem;
   constexpr std::array kOthers{"exr", "png", "jpg", "jpeg", "tif", "tiff", "pfm"};
@@ -74,8 +74,8 @@ Target target_of(const std::string& path) {
   return {target, false, false};
 }
 
-/// A file as stb reads it. Where bytes are missing at its end, stb would wait for them forever, or
-/// take them for zeros: it gets others, that end lines and runs, and this notes it.
+/// Reader for stb. stb would loop forever on missing bytes at the end of a file, or read them as
+/// zeros; this returns bytes that end lines and runs, and sets beyond_end.
 struct Reader {
   static constexpr int kPixel = 4;
 
@@ -86,7 +86,7 @@ struct Reader {
     auto& reader = *static_cast<Reader*>(self);
     reader.file.read(to, bytes);
     const auto got = static_cast<int>(reader.file.gcount());
-    // A buffer may end early; a pixel (4 bytes) has to be whole.
+    // A buffer may end early, but pixels (4 bytes) have to be complete.
     if (got == bytes || (got > 0 && bytes > kPixel)) return got;
     reader.beyond_end = true;
     memset(to + got, '\n', static_cast<size_t>(bytes - got));
@@ -101,7 +101,7 @@ struct Reader {
   }
 };
 
-/// Multiplies by the numbers that a line holds behind its key, one or three; keys may come again.
+/// Multiplies by the one or three numbers of a header line; keys may repeat.
 void multiply(std::array<float, 3>& factors, std::string_view line) {
   const size_t key = line.find('=');
   std::array<float, 3> by{};
@@ -117,7 +117,7 @@ void multiply(std::array<float, 3>& factors, std::string_view line) {
   for (size_t c = 0; c < 3; ++c) factors[c] *= by[count == 3 ? c : 0];
 }
 
-/// What a file's header says that the radiance of red, green and blue was multiplied by.
+/// The factors that a file's header declares for red, green and blue.
 std::array<float, 3> exposure_of(const std::string& path) {
   std::array<float, 3> factors{1, 1, 1};
   std::ifstream file(path, std::ios::binary);
@@ -135,7 +135,7 @@ struct Panorama {
   std::vector<float> rgb;
 };
 
-/// The pixels of a file, as the camera sees them.
+/// The pixels of a file in camera axes.
 Panorama read(const std::string& path) {
   const std::string name = "environment map " + path;
   if (const std::string why = why_no_file(path); !why.empty()) fail(path, why);
@@ -159,7 +159,7 @@ Panorama read(const std::string& path) {
   const Extent extent{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   Environment::check_size(extent, name);
   std::error_code status;
-  // A header may promise anything: at the least, a pair of bytes stands for 127 of a row's.
+  // The size in the header may be wrong: a row needs at least two bytes per 127 values.
   if (std::filesystem::file_size(path, status) <
       static_cast<uint64_t>(height) * 8 * (static_cast<uint64_t>(width) / 127))
     fail(path, "ends too early; it was not copied or written whole");

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// One pyramid level: each coarse pixel is the mean of the 2x2 fine pixels under it that exist.
+// One pyramid level: each coarse pixel is the mean of the existing ones of its 2x2 fine pixels.
 PLANE_IN(0, fine);
 PLANE_OUT(1, coarse);
 layout(push_constant) uniform Push { uvec2 fine_size; } push;

@@ -15,23 +15,22 @@ struct Extent {
   uint64_t pixels() const { return static_cast<uint64_t>(width) * height; }
 };
 
-/// An image on the device: width × height vec4, row by row from the top, no padding. What the four
-/// numbers mean is the business of who made it (see Layers). Reference-counted through PlanePtr:
-/// who finds itself the only holder may write in place.
+/// An image on the device: width × height vec4, row by row from the top, no padding. Layers::Role
+/// defines the content. Reference-counted through PlanePtr: the sole owner may write in place.
 struct Plane {
   Extent extent;
   gpu::BufferPtr buffer;
 };
 using PlanePtr = std::shared_ptr<Plane>;
 
-/// Makes planes of one size and takes them back for reuse when their last holder lets go.
-/// Thread-safe; planes may outlive the pool. Reuse is safe on one device: work that still reads a
-/// plane was submitted before work that overwrites it.
+/// Creates planes of one size and reuses them when their last owner releases them. Thread-safe;
+/// planes may outlive the pool. Reuse is safe on one device, because pending reads of a plane were
+/// submitted before the writes that follow.
 class PlanePool {
  public:
   PlanePool(std::shared_ptr<gpu::Device> device, Extent extent);
-  /// A plane with undefined contents. Throws Error(limit) where a plane of this size does not fit
-  /// the device, naming the limit, and Error(out_of_memory).
+  /// A plane with undefined contents. Throws Error(limit) with the limit if a plane of this size
+  /// exceeds the device's, and Error(out_of_memory).
   PlanePtr acquire();
   Extent extent() const { return extent_; }
 

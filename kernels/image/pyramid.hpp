@@ -8,7 +8,7 @@ namespace inverse {
 /// Size of the next coarser pyramid level: half, rounded up.
 constexpr Extent half_of(Extent fine) { return {(fine.width + 1) / 2, (fine.height + 1) / 2}; }
 
-/// Halves a plane: each coarse pixel is the mean of the up to four fine pixels under it.
+/// Halves a plane: each coarse pixel is the mean of its up to four fine pixels.
 class Halve {
  public:
   explicit Halve(const std::shared_ptr<gpu::Device>& device);

@@ -1,7 +1,6 @@
-// Counter-based random numbers: the same on every device, bit by bit.
+// Counter-based random numbers, identical on every device.
 
-/// Three counters to three well mixed words. pcg3d: Jarzynski and Olano, Hash Functions for GPU Rendering,
-/// JCGT 9(3), 2020.
+/// Hashes three counters to three words. pcg3d: Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
 uvec3 pcg3d(uvec3 v) {
   v = v * 1664525u + 1013904223u;
   v.x += v.y * v.z;

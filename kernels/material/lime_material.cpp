@@ -7,7 +7,7 @@
 namespace inverse {
 namespace {
 
-/// Whether most of an object's points were left out, for another one's sake.
+/// Whether most of an object's points were masked out because of another object.
 bool mostly(std::span<const uint8_t> object, std::span<const uint8_t> left_out) {
   if (left_out.empty()) return false;
   size_t points = 0, among = 0;
@@ -23,7 +23,7 @@ gpu::BufferPtr readback(const gpu::BufferPtr& like) {
                              gpu::Memory::readback);
 }
 
-/// Of what is read back, the numbers of all points: behind one vec4.
+/// Values of all points in a readback buffer, after its first vec4.
 std::span<const float> points(const gpu::BufferPtr& copy) {
   return std::span<const float>(copy->map_as<float>(), size_t{4} * copy->count()).subspan(4);
 }
@@ -56,7 +56,7 @@ void LimeMaterial::reset() {
   ++news_;
 }
 
-/// It is asked for, and normals can be known.
+/// Whether the light is requested and normals are available.
 bool LimeMaterial::finds_light(const Params& params) const {
   return params.light_asked && (normal_map_ || params.light.inflate);
 }
@@ -80,7 +80,7 @@ NetworkSchedule::Known LimeMaterial::known(const Params& params, bool still) con
 void LimeMaterial::look(gpu::Commands& commands, const Plane& frame, Slot& slot) {
   networks_.record_mask(commands, frame, slot.square);
   commands.copy(networks_.probability(), slot.probability, slot.probability->bytes());
-  // Layers and material are the followed object's alone.
+  // Layers and material belong to the tracked object alone.
   slot.left_out = tracker_.foreign(slot.square, networks_.side());
   if (slot.left_out.empty()) return;
   if (!slot.foreign)
@@ -173,8 +173,8 @@ void LimeMaterial::done(uint64_t number) {
     compare(slot);
   else if (slot.plan.estimates)
     change_.reset();  // the layers are of another picture than the one that is kept
-  // What was taken for another object when the frame was recorded is the one that is followed now,
-  // where the one before has gone: the networks did not see it.
+  // Points that were masked out as another object when the frame was recorded may now be the
+  // tracked object, after the first one left: the networks did not process it.
   const bool seen = tracker_.found() && !tracker_.misled() && !tracker_.mask().empty() &&
                     !mostly(tracker_.mask(), slot.left_out);
   if (seen && slot.plan.rests && tracker_.rests()) light_.rest(tracker_.box());

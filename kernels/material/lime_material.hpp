@@ -16,43 +16,43 @@
 
 namespace inverse {
 
-/// Live material estimation (thesis chapter 6): the mask of the object in front of the camera, its
-/// specular and mirror layers, and its diffuse and specular albedo and shininess.
+/// Live material estimation (thesis chapter 6): mask of the object in front of the camera, its
+/// specular and mirror layers, and its diffuse albedo, specular albedo and shininess.
 ///
-/// What a frame's mask says is known when the frame is done on the device (`done`), so that the
-/// square that is looked at, and the material, follow by as many frames as are in flight. Where the
-/// last frame that is done had no object, SegmentationNet runs alone; so it does where an object
-/// rests and its material is known, but for one frame in `recheck`; and where the picture rests as
-/// well, not even that. Where layers or the light are asked for an object whose picture changes
-/// does not rest.
+/// A frame's mask is known when the device has finished the frame (`done`), so the analyzed square
+/// and the material lag by the number of frames in flight. Without an object in the last finished
+/// frame, only SegmentationNet runs. The same holds while an object rests and its material is
+/// known, except for one frame in `recheck`; if the image is unchanged as well, no network runs. If
+/// layers or the light are requested, an object whose image changes does not count as resting.
 class LimeMaterial {
  public:
   struct Params {
     MaterialFusion::Params fusion;
     uint32_t recheck =
         8;  ///< a resting object with a steady material is looked at every so many frames
-    float steady = 0.02F;       ///< MaterialFusion::steady's limit, below which a material is known
-    bool adaptive = true;       ///< whether anything is left out at all
-    bool layers_asked = false;  ///< whether layers go out with the frame, drawn for it or before
-    bool light_asked = false;   ///< whether anybody wants to know the light
+    float steady = 0.02F;       ///< limit of MaterialFusion::steady below which a material is known
+    bool adaptive = true;       ///< false: skip nothing
+    bool layers_asked = false;  ///< layers are output with the frame
+    bool light_asked = false;   ///< the light is requested
     ObjectLight::Params light;
   };
-  /// What ran for a frame, and what it found; for `stats`.
+  /// Networks that ran for a frame and their results; for `stats`.
   struct Report {
     bool segmented = false, estimated = false;
-    uint64_t segmentations = 0, estimates = 0;  ///< so far
-    const char* skipped = "";                   ///< what was left out, and why
+    uint64_t segmentations = 0, estimates = 0;  ///< total
+    const char* skipped = "";                   ///< skipped work and the reason
   };
   /// What is known of the object now.
   struct Object {
     bool found = false;
-    Material material;      ///< all zero until there is an estimate
+    Material material;      ///< zero before the first estimate
     Material latest;        ///< the last estimate alone
-    uint64_t averaged = 0;  ///< estimates in the material; none with the frame in which it is found
+    uint64_t averaged = 0;  ///< estimates in the material; 0 for the frame in which the object is
+                            ///< found
     float spread = 0;
-    float share = 0;  ///< of the square that was looked at
+    float share = 0;  ///< of the analyzed square
     ObjectTracker::Box box;
-    /// Whether its material is.
+    /// Whether the object's material is known.
     bool known() const { return found && averaged > 0; }
   };
 
@@ -60,39 +60,38 @@ class LimeMaterial {
   LimeMaterial(const std::shared_ptr<gpu::Device>& device, Extent extent, LimeModels models);
 
   using Layers = LimeNetworks::Layers;
-  /// Records the networks that a frame needs. `still`: within `square()` it is, pixel by pixel, the
-  /// one before.
+  /// Records the networks that a frame needs. `still`: its pixels within `square()` are unchanged.
   void record(gpu::Commands& commands, const Plane& frame, const Params& params, bool still);
-  /// Records drawing the layers of the frame that was recorded last.
+  /// Records drawing the layers of the last recorded frame.
   Layers record_layers(gpu::Commands& commands, const Plane& frame);
-  /// A frame, by its place in the calls of `record` from 0, is done on the device. In order, each
-  /// once.
+  /// Reports that the device has finished a frame, by its index in the calls of `record` from 0.
+  /// Call it once per frame, in order.
   void done(uint64_t number);
-  /// Forgets the object, its material and all earlier frames; frames in flight are not looked at.
+  /// Discards the object, its material and all earlier frames; frames in flight are ignored.
   void reset();
 
-  /// Normals of the frames to come, for the light; null: none are known.
+  /// Normals of the following frames, for the light; null: none.
   void set_normal_map(std::shared_ptr<const NormalMap> map) { normal_map_ = std::move(map); }
-  /// The light, by the last frame that is done and told of it; null while it is not known, or not
-  /// asked for. It stays when the object goes, until another one tells of it.
+  /// The light according to the last finished frame that updated it; null if unknown or not
+  /// requested. It stays when the object leaves, until another object updates it.
   const std::shared_ptr<const Environment>& light() const { return light_.light(); }
-  /// Views of the object that are in the light.
+  /// Number of views of the object in the light.
   uint64_t light_views() const { return light_.views(); }
 
-  /// Runs everything once on a black frame, so that no kernel is built while frames come.
+  /// Runs everything once on a black frame, so that no pipeline is compiled while frames arrive.
   void warm_up();
 
   uint64_t recorded() const { return recorded_; }
-  /// The square that the next frame is looked at in.
+  /// The square that the next frame is analyzed in.
   const Square& square() const { return tracker_.square(); }
   const Object& object() const { return object_; }
   const Report& report(uint64_t number) const { return slot(number).report; }
-  /// Bytes of device memory that the networks take.
+  /// Bytes of device memory of the networks.
   uint64_t network_bytes() const { return networks_.bytes(); }
-  /// Whether normals were looked for where the object is, for its light, and there are none.
+  /// Whether normals for the object's light were looked up and are missing.
   bool lacks_normals() const { return light_.lacks_normals(); }
-  /// Another number where layers, object or light may be others than they were, but for what is
-  /// another in the frame itself.
+  /// Changes whenever layers, object or light may have changed for a reason other than the frame's
+  /// content.
   uint64_t news() const { return news_; }
 
  private:

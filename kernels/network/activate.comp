@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// An activation that could not be part of the node before.
+// An activation that could not be fused into the node before.
 PLANE_IN(0, image);
 PLANE_OUT(1, result);
 layout(push_constant) uniform Push {

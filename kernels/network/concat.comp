@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// The channels of one image, then those of another: one block of one pixel an invocation.
+// Concatenates the channels of two images: one block of one pixel per invocation.
 PLANE_IN(0, first);
 PLANE_IN(1, second);
 PLANE_OUT(2, result);

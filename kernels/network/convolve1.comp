@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// A 1 x 1 convolution with bias and activation: PIXELS pixels of one block of channels an invocation. Weights as for 3 x 3,
-// with one tap.
+// A 1 x 1 convolution with bias and activation: PIXELS pixels of one block of channels per invocation. Weights as for 3
+// x 3, with one tap.
 #define PIXELS 8
 PLANE_IN(0, image);
 PLANE_IN(1, weights);

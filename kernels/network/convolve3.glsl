@@ -1,8 +1,8 @@
-// A 3 x 3 convolution with zeros around the image, bias and activation. An invocation makes ROWS pixels, one below the other,
-// of one block of channels; a step takes one column of pixels of one block of its input: kernel-rules, 16.
+// A 3 x 3 convolution with zero padding, bias and activation. An invocation computes ROWS pixels, one below the other,
+// of one block of channels; a step reads one column of pixels of one input block: kernel-rules, 16.
 //
-// Weights: [block] of bias, then [block][block of the input][column][row][channel of the input], a vec4 each of the four
-// channels of the result.
+// Weights: [block] of bias, then [block][input block][column][row][input channel], each a vec4 of the four channels of
+// the result.
 #define ENTERING (STRIDE * (ROWS - 1) + 3)  // rows of the input that ROWS of the result see
 
 #if STRIDE == 1  // plan.cpp fuses nothing into the others
@@ -20,8 +20,8 @@ layout(push_constant) uniform Push {
   float slope;
 } push;
 
-// Adds what the column gives for the weights of one row. Rows are written out below: a compiler that leaves a loop around them
-// rolled keeps the arrays in memory, at ten times the cost.
+// Adds the contribution of a column for the weights of one row. The rows are unrolled by hand: a compiler that keeps
+// the loop stores the arrays in memory, at ten times the cost.
 #define ADD_ROW(row)                                                                                                     \
   {                                                                                                                      \
     vec4 r = FETCH(weights, weight), g = FETCH(weights, weight + 1), b = FETCH(weights, weight + 2),                     \
@@ -43,8 +43,8 @@ layout(push_constant) uniform Push {
     }                                                                                                                    \
   }
 
-// A column of the first source at twice its size. Even rows lie a quarter below the middle between two of its pixels, odd
-// ones a quarter above.
+// A column of the first source at twice its size. Even rows are a quarter below the middle between two of its pixels,
+// odd ones a quarter above.
 #define READ_UPSAMPLED(across, top, start)                                                                               \
   {                                                                                                                      \
     ivec2 small = push.source / 2;                                                                                       \

@@ -3,9 +3,9 @@
 #include "value.glsl"
 #include "gpu/workgroup_sum.glsl"
 
-// Four numbers of a dense node: of everything in the image, with bias and activation; one workgroup a block. The elements of a
-// value are read in the order in which they lie, and the weights were laid out for that: [block] of bias, then
-// [block][channel][element], so that neighboring invocations read neighbors.
+// Four outputs of a dense node with bias and activation; one workgroup per block. Elements are read in memory order,
+// and weights are stored to match: [block] of bias, then [block][channel][element], so that neighboring invocations
+// read neighboring words.
 PLANE_IN(0, image);
 PLANE_IN(1, weights);
 PLANE_OUT(2, result);

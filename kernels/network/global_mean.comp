@@ -3,7 +3,7 @@
 #include "value.glsl"
 #include "gpu/workgroup_sum.glsl"
 
-// The mean of every channel; one workgroup a block.
+// The mean of every channel; one workgroup per block.
 PLANE_IN(0, image);
 PLANE_OUT(1, result);
 layout(push_constant) uniform Push { int area; } push;

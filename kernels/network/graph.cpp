@@ -8,10 +8,10 @@
 namespace inverse::network {
 namespace {
 
-constexpr size_t kMostNodes = 4096;
-constexpr size_t kMostPorts = 64;  // inputs of a graph, and outputs
-constexpr uint32_t kMostChannels = 1 << 16;
-constexpr uint32_t kMostSide = 1 << 14;
+constexpr size_t kMaxNodes = 4096;
+constexpr size_t kMaxPorts = 64;  // inputs of a graph, and outputs
+constexpr uint32_t kMaxChannels = 1 << 16;
+constexpr uint32_t kMaxSide = 1 << 14;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
   throw Error(ErrorKind::unsupported, "network: " + what + ": " + why);
@@ -24,16 +24,16 @@ std::string text(const Shape& s) {
 
 std::string named(const Node& node) { return "node \"" + node.name + "\""; }
 
-/// `from`: behind the weights of the nodes before it. No number is two nodes', so that a file
-/// cannot ask for more weights than it holds.
+/// `from`: end of the weights of the nodes before. Weights are not shared between nodes, so that a
+/// file cannot declare more weights than it contains.
 void validate_weights(const Graph& graph, const Node& node, uint64_t from) {
-  if (node.channels < 1 || node.channels > kMostChannels)
+  if (node.channels < 1 || node.channels > kMaxChannels)
     refuse(named(node), std::to_string(node.channels) + " channels");
   if (node.fan_in < 1) refuse(named(node), "no input channels");
   const uint64_t count = node.weight_count() + node.channels;
   if (node.weights > graph.weights.size() || count > graph.weights.size() - node.weights)
-    refuse(named(node), "its weights lie outside of the " + std::to_string(graph.weights.size()) +
-                            " that there are");
+    refuse(named(node), "its weights are outside of the graph's " +
+                            std::to_string(graph.weights.size()));
   if (node.weights < from)
     refuse(named(node), "its weights do not lie behind those of the nodes before it");
   const auto first = graph.weights.begin() + static_cast<ptrdiff_t>(node.weights);
@@ -68,7 +68,7 @@ void validate_node(const Graph& graph, uint32_t index, uint64_t& weights_from) {
   weights_from = node.weights + node.weight_count() + node.channels;
 }
 
-/// Where the channels of an image are not those that a node was made for.
+/// Checks that an image has the number of channels that a node requires.
 void expect_channels(const Node& node, uint64_t got) {
   if (got != node.fan_in)
     refuse(named(node),
@@ -111,14 +111,14 @@ Shape shape_of(const Node& node, std::span<const Shape> values) {
 }  // namespace
 
 void validate(const Graph& graph) {
-  if (graph.inputs.empty() || graph.inputs.size() > kMostPorts)
+  if (graph.inputs.empty() || graph.inputs.size() > kMaxPorts)
     refuse("graph", std::to_string(graph.inputs.size()) + " inputs");
-  if (graph.outputs.empty() || graph.outputs.size() > kMostPorts)
+  if (graph.outputs.empty() || graph.outputs.size() > kMaxPorts)
     refuse("graph", std::to_string(graph.outputs.size()) + " outputs");
-  if (graph.nodes.empty() || graph.nodes.size() > kMostNodes)
+  if (graph.nodes.empty() || graph.nodes.size() > kMaxNodes)
     refuse("graph", std::to_string(graph.nodes.size()) + " nodes");
   for (const Input& input : graph.inputs)
-    if (input.channels < 1 || input.channels > kMostChannels)
+    if (input.channels < 1 || input.channels > kMaxChannels)
       refuse("input \"" + input.name + "\"", std::to_string(input.channels) + " channels");
   uint64_t weights_from = 0;
   for (uint32_t i = 0; i < graph.nodes.size(); ++i) validate_node(graph, i, weights_from);
@@ -137,14 +137,14 @@ std::vector<Shape> shapes_of(const Graph& graph, std::span<const Shape> inputs) 
       refuse("input \"" + graph.inputs[i].name + "\"",
              "it has " + std::to_string(graph.inputs[i].channels) + " channels and gets " +
                  text(inputs[i]));
-    if (inputs[i].height > kMostSide || inputs[i].width > kMostSide)
+    if (inputs[i].height > kMaxSide || inputs[i].width > kMaxSide)
       refuse("input \"" + graph.inputs[i].name + "\"", text(inputs[i]) + " is too large");
     shapes.push_back(inputs[i]);
   }
   for (const Node& node : graph.nodes) {
     shapes.push_back(shape_of(node, shapes));
     const Shape& s = shapes.back();
-    if (s.channels > kMostChannels || s.height > kMostSide || s.width > kMostSide)
+    if (s.channels > kMaxChannels || s.height > kMaxSide || s.width > kMaxSide)
       refuse(named(node), text(s) + " is too large");
   }
   return shapes;

@@ -6,17 +6,16 @@
 
 namespace inverse::network {
 
-/// What a node does with its inputs. Images have channels, height and width; a vector is an image
-/// of one pixel.
+/// Operation of a node. Images have channels, height and width; a vector is an image of one pixel.
 enum class Op : uint32_t {
   convolution,  ///< 3 x 3 (zeros around the image) or 1 x 1, stride 1 or 2
-  max_pool,     ///< 2 x 2, stride 2; an odd last row or column is left out
+  max_pool,  ///< 2 x 2, stride 2; an odd last row or column is dropped
   upsample,     ///< bilinear, twice as large; pixel centers at halves, clamped at the border
-  concat,       ///< the channels of the first input, then those of the second
-  dense,        ///< of all of the input, channel by channel, row by row
-  global_mean,  ///< of every channel: a vector
+  concat,  ///< channels of the first input, then of the second
+  dense,  ///< over the whole input, channel by channel, row by row
+  global_mean,  ///< mean of every channel: a vector
   softmax,      ///< over the channels, at every pixel
-  activation,   ///< nothing but `Node::activation`
+  activation,  ///< `Node::activation` only
 };
 constexpr uint32_t kOps = 8;
 
@@ -27,14 +26,14 @@ constexpr uint32_t kActivations = 4;
 struct Node {
   std::string name;  ///< for messages
   Op op = Op::activation;
-  std::vector<uint32_t> inputs;  ///< values, all before its own: two for concat, one for others
+  std::vector<uint32_t> inputs;  ///< values before its own: two for concat, one for others
   Activation activation = Activation::none;  ///< of convolution, dense and activation
   float slope = 0;                           ///< of leaky_relu below zero
   uint32_t kernel = 1;                       ///< convolution: 1 or 3
   uint32_t stride = 1;                       ///< convolution: 1 or 2
   uint32_t fan_in = 0;    ///< convolution: channels of its input; dense: channels x height x width
   uint32_t channels = 0;  ///< of the result: convolution, dense
-  /// Where its weights begin in Graph::weights, [channels][fan_in][kernel][kernel]; then
+  /// Offset of its weights in Graph::weights, [channels][fan_in][kernel][kernel], followed by
   /// [channels] of bias.
   uint64_t weights = 0;
 
@@ -52,7 +51,7 @@ struct Shape {
 struct Input {
   std::string name;
   uint32_t channels = 0;
-  uint32_t height = 0, width = 0;  ///< that the network was made for, where that is known
+  uint32_t height = 0, width = 0;  ///< size that the network was trained for, if known
 };
 
 struct Output {
@@ -60,9 +59,8 @@ struct Output {
   uint32_t value = 0;
 };
 
-/// A network, plainly: nodes in an order in which they can run, and their weights. Values are the
-/// inputs, then one result a node. Networks have no size of their own but what their dense nodes
-/// fix.
+/// A network: nodes in execution order, and their weights. Values are the inputs, then one result
+/// per node. The size of the inputs is free unless dense nodes fix it.
 struct Graph {
   std::vector<Input> inputs;
   std::vector<Node> nodes;
@@ -72,16 +70,15 @@ struct Graph {
   uint32_t values() const { return static_cast<uint32_t>(inputs.size() + nodes.size()); }
 };
 
-/// Sanity of a graph of any origin: indices, counts, ranges, finite weights, which lie one node's
-/// behind the other's. Throws
-/// Error(unsupported) naming the node, input or output, and what is wrong.
+/// Validates a graph of any origin: indices, counts, ranges, finite weights stored in node order.
+/// Throws Error(unsupported) naming the node, input or output, and the fault.
 void validate(const Graph& graph);
 
-/// The shapes of all values for inputs of these sizes. Throws Error(unsupported) where they do not
-/// fit each other, naming the node and both shapes.
+/// The shapes of all values for inputs of these sizes. Throws Error(unsupported) if they do not
+/// match, naming the node and both shapes.
 std::vector<Shape> shapes_of(const Graph& graph, std::span<const Shape> inputs);
 
-/// Multiplications and additions of a node (a multiply-add counts two), for these shapes.
+/// Floating-point operations of a node for these shapes; a multiply-add counts two.
 uint64_t operations_of(const Graph& graph, uint32_t node, std::span<const Shape> shapes);
 
 }  // namespace inverse::network

@@ -64,10 +64,10 @@ class Reader {
     memcpy(&v, take(sizeof v).data(), sizeof v);
     return v;
   }
-  /// How many of something follow, each of at least `least` bytes.
-  size_t count(size_t least) {
+  /// Reads the number of following items, each of at least `min_bytes` bytes.
+  size_t count(size_t min_bytes) {
     const auto n = value<uint32_t>();
-    if (n > left_.size() / least) refuse("it ends in the middle");
+    if (n > left_.size() / min_bytes) refuse("it ends in the middle");
     return n;
   }
   std::string text() {
@@ -113,7 +113,7 @@ Node read_node(Reader& in) {
   return node;
 }
 
-/// What the header promises of the bytes behind it.
+/// Checks the bytes against the header.
 std::span<const std::byte> body_of(std::span<const std::byte> bytes, const std::string& name) {
   Reader file(bytes, name);
   if (bytes.size() < sizeof(Header)) file.refuse("it is too short to be a network");

@@ -8,8 +8,8 @@
 
 namespace inverse::network {
 
-/// The flat file of a graph (extension .net), which needs no parser of a foreign format where it is
-/// loaded. Little-endian:
+/// The flat file format of a graph (extension .net), loaded without a parser of a foreign format.
+/// Little-endian:
 ///
 ///     8 bytes  "INVERSEN"
 ///     u32      version, 1
@@ -20,11 +20,11 @@ namespace inverse::network {
 ///              as u32 length and bytes, all else as u32 or f32 (Node::weights: u64)
 std::vector<std::byte> to_file(const Graph& graph);
 
-/// Reads such a file and validates all of it. `name` is for messages. Throws Error(file)
-/// where it is cut short, changed, of another version, or does not hold a valid graph.
+/// Reads such a file and validates it. Messages call it `name`. Throws Error(file) if it is
+/// truncated, corrupted, of another version, or does not hold a valid graph.
 Graph from_file(std::span<const std::byte> bytes, const std::string& name);
 
-/// The same from disk; also throws where the file cannot be read.
+/// The same from disk; also throws if the file cannot be read.
 Graph load(const std::string& path);
 
 }  // namespace inverse::network

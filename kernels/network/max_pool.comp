@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// The largest of every 2 x 2 pixels, channel by channel.
+// Maximum of every 2 x 2 pixels, channel by channel.
 PLANE_IN(0, image);
 PLANE_OUT(1, result);
 layout(push_constant) uniform Push {

@@ -55,11 +55,12 @@ void Network::add(const Step& step, const gpu::Program<Shader>& program,
                   const typename Shader::Buffers& buffers, const typename Shader::Push& push,
                   uint64_t items) {
   const char* name = graph_.nodes[step.node].name.c_str();
-  const uint64_t most = uint64_t{device_->limits().workgroups[0]} * program.kernel()->workgroup();
-  if (items > most)
+  const uint64_t max_items =
+      uint64_t{device_->limits().workgroups[0]} * program.kernel()->workgroup();
+  if (items > max_items)
     throw Error(ErrorKind::limit, "network: node \"" + std::string(name) + "\" needs " +
                                       std::to_string(items) + " invocations and the device has " +
-                                      std::to_string(most) + "; use a smaller input");
+                                      std::to_string(max_items) + "; use a smaller input");
   dispatches_.push_back({name, [=](gpu::Commands& commands) {
                            commands.dispatch(program, buffers, push,
                                              {static_cast<uint32_t>(items)});

@@ -12,13 +12,12 @@ namespace inverse::network {
 
 /// A network on a device, for inputs of one size.
 ///
-/// Images lie in vec4 buffers as `Plan` says: element 0 is zero and stays so; behind it channels in
-/// blocks of four, element 1 + (block * height + y) * width + x. The caller writes inputs there,
-/// with finite numbers (what is none spreads), and zeros in channels of the last block that do not
-/// exist; what those channels hold in outputs is undefined.
+/// Images are vec4 buffers as in `Plan`: element 0 is always zero; then channels in blocks of four,
+/// element 1 + (block * height + y) * width + x. The caller writes finite inputs (NaN spreads), and
+/// zeros in the unused channels of the last block. Unused channels of outputs are undefined.
 class Network {
  public:
-  /// Throws Error(unsupported) for graphs that are not valid or do not fit these sizes,
+  /// Throws Error(unsupported) for graphs that are invalid or do not match these sizes,
   /// Error(limit) and Error(out_of_memory).
   Network(const std::shared_ptr<gpu::Device>& device, Graph graph, std::span<const Shape> inputs);
 
@@ -35,12 +34,12 @@ class Network {
     return plan_.shapes[graph_.outputs[index].value];
   }
 
-  /// Records one run. With `stages` every step is one, named as its node: for benchmarks.
+  /// Records one run. With `stages`, every step is a stage named as its node, for benchmarks.
   void record(gpu::Commands& commands, bool stages = false) const;
 
   const Graph& graph() const { return graph_; }
   const Plan& plan() const { return plan_; }
-  /// Bytes of device memory that weights take; images take plan().bytes().
+  /// Bytes of device memory of the weights; images take plan().bytes().
   uint64_t weight_bytes() const { return weight_bytes_; }
 
  private:
@@ -51,7 +50,7 @@ class Network {
 
   const gpu::BufferPtr& buffer_of(uint32_t value) const { return buffers_[plan_.buffer_of[value]]; }
   gpu::BufferPtr weights_of(const Step& step, gpu::Commands& commands);
-  /// The value that it makes.
+  /// The value that the step computes.
   uint32_t made_by(const Step& step) const {
     return static_cast<uint32_t>(graph_.inputs.size()) + step.node;
   }

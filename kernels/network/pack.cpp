@@ -5,13 +5,13 @@
 namespace inverse::network {
 namespace {
 
-/// Weights of one node, addressed as the graph has them.
+/// Weights of one node, indexed as in the graph.
 class NodeWeights {
  public:
   NodeWeights(const Graph& graph, const Node& node)
       : node_(node), weights_(graph.weights.data() + node.weights) {}
 
-  /// Zero where there is no such channel.
+  /// Zero for a channel that does not exist.
   float weight(uint32_t to, uint32_t from, uint32_t row, uint32_t column) const {
     if (to >= node_.channels) return 0;
     const uint64_t k = node_.kernel;

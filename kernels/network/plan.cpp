@@ -6,9 +6,9 @@
 namespace inverse::network {
 namespace {
 
-/// A convolution upsamples anew for every four channels of its result: for many it pays to do it
-/// once.
-constexpr uint32_t kMostBlocks = 4;
+/// A convolution repeats the upsampling for every four channels of its result, so with more blocks
+/// a separate upsampling is cheaper.
+constexpr uint32_t kMaxFusedBlocks = 4;
 
 class Planner {
  public:
@@ -30,18 +30,18 @@ class Planner {
   const Node* node_of(uint32_t value) const {
     return value < graph_.inputs.size() ? nullptr : &graph_.nodes[value - graph_.inputs.size()];
   }
-  /// The node that makes `value` for one reader only, if it is `op`.
+  /// The node of operation `op` that makes `value`, if only one reader uses it.
   const Node* only_for_one(uint32_t value, Op op) const {
     const Node* node = node_of(value);
     return node && node->op == op && readers_[value] == 1 ? node : nullptr;
   }
   Source source_of(uint32_t value, const Node& reader) const {
     const Node* up = only_for_one(value, Op::upsample);
-    const bool fuse = up && blocks_of(reader.channels) <= kMostBlocks;
+    const bool fuse = up && blocks_of(reader.channels) <= kMaxFusedBlocks;
     return fuse ? Source{up->inputs[0], true} : Source{value};
   }
 
-  /// Reads of a 3 x 3 convolution. One source may be upsampled; it comes first.
+  /// Sources of a 3 x 3 convolution. One may be upsampled; it comes first.
   void fuse(Step& step) {
     const Node& node = graph_.nodes[step.node];
     if (node.op != Op::convolution || node.kernel != 3 || node.stride != 1) return;
@@ -62,7 +62,7 @@ class Planner {
     }
   }
 
-  /// From the last node to the first, as only what a later step reads has to be made.
+  /// From the last node to the first: only values that a later step reads are needed.
   void choose_steps() {
     std::vector<bool> wanted(graph_.values());
     for (const Output& output : graph_.outputs) wanted[output.value] = true;
@@ -83,8 +83,7 @@ class Planner {
     return static_cast<uint32_t>(plan_.elements.size() - 1);
   }
 
-  /// The free buffer that fits best: the smallest that is large enough, else the largest, which
-  /// grows.
+  /// The best free buffer: the smallest that is large enough, else the largest, which grows.
   uint32_t take_buffer(uint64_t elements) {
     std::optional<size_t> best;
     for (size_t i = 0; i < free_.size(); ++i) {
@@ -129,7 +128,7 @@ class Planner {
 
   const Graph& graph_;
   Plan plan_;
-  std::vector<uint32_t> readers_;  // by value; outputs count
+  std::vector<uint32_t> readers_;  // by value; outputs count as readers
   std::vector<uint32_t> free_;
 };
 

@@ -2,14 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// exp of every channel over the sum of all, at one pixel an invocation; of what the largest leaves, so that nothing overflows.
+// Softmax over the channels, one pixel per invocation; the maximum is subtracted first, against overflow.
 PLANE_IN(0, image);
 PLANE_OUT(1, result);
 layout(push_constant) uniform Push { int area, channels; } push;
 
 float component_max(vec4 v) { return max(max(v.r, v.g), max(v.b, v.a)); }
 
-// Channels that are there; others count as `else_` does.
+// Channels that exist; others count as `else_`.
 vec4 present(vec4 v, int block, float else_) {
   return mix(vec4(else_), v, lessThan(4 * block + ivec4(0, 1, 2, 3), ivec4(push.channels)));
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "value.glsl"
 
-// Twice as large, bilinear: pixel centers at halves, clamped at the border.
+// Doubles the size, bilinear: pixel centers at halves, clamped at the border.
 PLANE_IN(0, image);
 PLANE_OUT(1, result);
 layout(push_constant) uniform Push {

@@ -1,5 +1,5 @@
-// A value: channels in blocks of four, a vec4 a pixel, block by block, row by row, behind one vec4 of zeros. Outside of the
-// image is that zero, so that a kernel's border costs one max of an index.
+// A value: channels in blocks of four, one vec4 per pixel, block by block, row by row, after one vec4 of zeros. Pixels
+// outside of the image read that zero, so that a border costs one max of an index.
 #include "gpu/common.glsl"
 
 layout(constant_id = 1) const uint kActivation = 0u;  // network::Activation

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Which groups of triangles may show in which tile: a bit a group, 32 groups a word, the words of a tile in a row.
+// Marks the groups of triangles that may be visible in each tile: one bit per group, 32 groups per word, words of a
+// tile adjacent.
 PLANE_IN(0, boxes);
 WORD_OUT(1, bits);
 layout(push_constant) uniform Push {

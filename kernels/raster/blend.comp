@@ -3,7 +3,8 @@
 #include "gpu/common.glsl"
 #include "ground.glsl"
 
-// An object and its shadow over a frame, in linear light. The shadow is black that covers as much as light is missing.
+// Composes an object and its shadow over a frame, in linear light. The shadow is black with the missing light as its
+// opacity.
 PLANE_IN(0, picture);    // of the object's window: RGB times coverage, coverage
 PLANE_IN(1, occlusion);
 PLANE_INOUT(2, frame);   // RGB, alpha
@@ -31,7 +32,7 @@ float shadow(vec2 at) {
   int i = cell.y * kOcclusion + cell.x;
   float top = mix(FETCH(occlusion, i).x, FETCH(occlusion, i + 1).x, f.x);
   float bottom = mix(FETCH(occlusion, i + kOcclusion).x, FETCH(occlusion, i + kOcclusion + 1).x, f.x);
-  // Without a shadow the grid was never written.
+  // Without a shadow the grid is undefined.
   return inside && push.strength > 0.0 ? push.strength * mix(top, bottom, f.y) : 0.0;
 }
 

@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "visible.glsl"
 
-// How near a mesh is: the mean depth where it covers a pixel, and the share that it covers.
+// Mean depth of a mesh where it covers a pixel, and coverage.
 PLANE_OUT(3, picture);
 
 void main() {

@@ -3,8 +3,8 @@
 #include "gpu/common.glsl"
 #include "visible.glsl"
 
-// The picture of a mesh: linear RGB times coverage, and coverage. Each triangle that is seen in a pixel is shaded there, from a
-// lit sphere.
+// Image of a mesh: linear RGB times coverage, and coverage. Each triangle visible in a pixel is shaded there from a lit
+// sphere.
 PLANE_IN(3, placed);
 PLANE_IN(4, LIT_TABLE);
 PLANE_OUT(5, picture);
@@ -17,7 +17,7 @@ vec3 shade(int who, vec2 at) {
   vec3 weight = vec3(dot(p, vec3(at, 1.0)), dot(q, vec3(at, 1.0)), dot(r, vec3(at, 1.0)));
   vec3 n = weight.x * FETCH(placed, corner.x + 1).xyz + weight.y * FETCH(placed, corner.y + 1).xyz +
            weight.z * FETCH(placed, corner.z + 1).xyz;
-  // The side that is seen may be the inner one, of a mesh that is not closed.
+  // The visible side may be the inner one, of a mesh that is not closed.
   vec3 a = FETCH(placed, corner.x).xyz, u = FETCH(placed, corner.y).xyz - a, v = FETCH(placed, corner.z).xyz - a;
   vec3 flat_normal = cross(vec3(u.x, -u.y, u.z), vec3(v.x, -v.y, v.z));
   flat_normal *= flat_normal.z < 0.0 ? -1.0 : 1.0;
@@ -36,7 +36,7 @@ void main() {
   if (any(greaterThanEqual(at, push.size))) return;
   Seen seen[2];
   look(at, seen);
-  // Points of the same triangle are shaded together, in their middle.
+  // Points of the same triangle are shaded once, at their mean.
   vec4 sum = vec4(0.0);
   int who = largest(seen);
   while (who != kNobody) {

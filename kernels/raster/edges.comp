@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// The triangles of a group: three edge functions each, and the box around all. A point is inside where all three of
-// a x + b y + c are positive; they are in the ratio of the corners' weights there. Record of a triangle: (a, b, c, z of the
-// corner across) three times, then the corners' numbers.
+// The triangles of a group: three edge functions each, and bounding boxes. A point is inside if all three a x + b y + c
+// are positive; they are proportional to the barycentric weights. Record of a triangle: three times (a, b, c, z of the
+// opposite corner), then the corner indices.
 PLANE_IN(0, placed);
 WORD_IN(1, indices);
 PLANE_OUT(2, records);
@@ -16,10 +16,10 @@ layout(push_constant) uniform Push {
   uint triangles;
 } push;
 
-// Triangles reach so far over their edges, in pixels: no sample falls between two that share one, however it is rounded.
+// Triangles extend this far beyond their edges, in pixels, so that rounding leaves no gap between neighbors.
 const float kOverlap = 1e-3;
 
-// Computed alike for both triangles at an edge, so that only the sign differs.
+// Computed identically for both triangles of an edge, so that only the sign differs.
 vec3 edge(vec2 p, vec2 q) {
   bool turned = q.x < p.x || (q.x == p.x && q.y < p.y);
   vec2 low = turned ? q : p, high = turned ? p : q;
@@ -43,7 +43,7 @@ void main() {
     across_p.z += kOverlap * (abs(across_p.x) + abs(across_p.y));
     across_q.z += kOverlap * (abs(across_q.x) + abs(across_q.y));
     across_r.z += kOverlap * (abs(across_r.x) + abs(across_r.y));
-    // Seen from its edge it has no inside, nor has what only fills the last group.
+    // Triangles seen edge-on and padding of the last group have no inside.
     bool solid = t < push.triangles && abs(area) > 1e-12;
     if (!solid) across_p = across_q = across_r = vec3(0.0, 0.0, -1.0);
     STORE(records, 4u * t, vec4(across_p, p.z));

@@ -1,4 +1,4 @@
-// The grids on the ground below an object of radius 1 around the origin: x right, y (rows) towards the camera.
+// Grids on the ground below an object of radius 1 at the origin: x right, y (rows) towards the camera.
 const float kPerUnit = 16.0;  // pixels a unit
 const int kHeights = 32;      // the object's underside, from -1 to 1
 const int kOcclusion = 64;    // from -kReach to kReach

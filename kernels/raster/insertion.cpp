@@ -13,7 +13,7 @@ namespace {
 using Row = MeshView::Row;
 using Turn = std::array<Row, 3>;
 
-// The grids on the ground: pixels a unit, and of a side.
+// The grids on the ground: pixels per unit and per side.
 using Ground = shaders::raster_occlude;
 constexpr auto kPerUnit = static_cast<uint32_t>(Ground::kPerUnit);
 constexpr uint32_t kHeights = Ground::kHeights, kOcclusion = Ground::kOcclusion;
@@ -21,7 +21,7 @@ constexpr float kReach = Ground::kReach;  // of the shadow, in radii
 
 constexpr float kRadian = std::numbers::pi_v<float> / 180;
 
-/// Towards the camera for positive angles: about x.
+/// Rotation about x, towards the camera for positive angles.
 Turn nod(float degrees) {
   const float c = std::cos(degrees * kRadian), s = std::sin(degrees * kRadian);
   return {{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
@@ -82,8 +82,8 @@ void Insertion::set_mesh(const Mesh& mesh) {
 }
 
 void Insertion::forget() {
-  kept_.reset();
-  kept_shadow_.reset();
+  image_key_.reset();
+  shadow_key_.reset();
 }
 
 Insertion::Rectangle Insertion::clipped(float left, float top, float right, float bottom) const {
@@ -97,8 +97,8 @@ Insertion::Rectangle Insertion::clipped(float left, float top, float right, floa
 void Insertion::draw(gpu::Commands& commands, const MeshView& view, const Rectangle& window,
                      const LitSphere& light) {
   const Drawn now{view, window, light.version()};
-  if (kept_ == now) return;
-  kept_.reset();  // until it is
+  if (image_key_ == now) return;
+  image_key_.reset();  // until recorded
   ++drawn_;
   const Extent extent{static_cast<uint32_t>(window.right - window.left),
                       static_cast<uint32_t>(window.bottom - window.top)};
@@ -108,20 +108,20 @@ void Insertion::draw(gpu::Commands& commands, const MeshView& view, const Rectan
   within.x -= static_cast<float>(window.left);
   within.y -= static_cast<float>(window.top);
   rasterizer_->draw(commands, within, light.table(), {extent, picture_});
-  kept_ = now;
+  image_key_ = now;
   commands.stage("draw");
 }
 
 void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   const Shaded now{params.pitch, params.roll, params.softness};
-  if (kept_shadow_ == now) return;
-  kept_shadow_.reset();  // until it is
+  if (shadow_key_ == now) return;
+  shadow_key_.reset();  // until recorded
   ++shadows_;
   const Turn turn = nod(params.pitch) * about_z(params.roll);
   ground_ = std::numeric_limits<float>::max();
   for (const Mesh::Vec3& p : corners_)
     ground_ = std::min(ground_, turn[1][0] * p[0] + turn[1][1] * p[1] + turn[1][2] * p[2]);
-  // Seen from below: right is right, and what is near the camera is at the bottom.
+  // Seen from below: right is right, and the side near the camera is at the bottom.
   MeshView below;
   below.turn = {turn[0], negative(turn[2]), negative(turn[1])};
   below.scale = kPerUnit;
@@ -129,7 +129,7 @@ void Insertion::cast_shadow(gpu::Commands& commands, const Params& params) {
   rasterizer_->depth(commands, below, heights_);
   commands.dispatch(occlude_, {.heights = heights_.buffer, .occlusion = occlusion_.buffer},
                     {.ground = ground_, .soft = params.softness}, {kOcclusion * kOcclusion});
-  kept_shadow_ = now;
+  shadow_key_ = now;
   commands.stage("shadow");
 }
 

@@ -9,41 +9,40 @@
 
 namespace inverse {
 
-/// Puts a mesh into a picture (thesis 6.8): lit by a lit sphere's table, standing on ground that is
-/// seen from a little above, and darkening it by the light that it keeps away. The camera is far
-/// away, as the lit sphere has it.
+/// Inserts a mesh into an image (thesis 6.8): lit by a lit sphere's table, standing on ground seen
+/// from slightly above, with a shadow. The camera is far away, as for the lit sphere.
 ///
-/// The shadow is what of a sky of even light the underside of the object hides from a point of the
-/// ground: the sum over patches dA of it, at height h and distance r along the ground, of
-/// h² dA / (pi (r² + h²)²), the form factor of two patches that face each other.
+/// The shadow is the share of a uniform sky that the object's underside hides from a point of the
+/// ground: the sum over patches dA at height h and distance r along the ground of h² dA / (pi (r² +
+/// h²)²), the form factor of two parallel patches.
 class Insertion {
  public:
   struct Params {
-    float x = 0.5F, y = 0.5F;  ///< the object's center, fractions of the picture
-    float size = 0.5F;         ///< diameter of the sphere around the object, fraction of its height
-    float yaw = 0;             ///< about the vertical, degrees; positive: its front to the right
-    float pitch = 0;           ///< its top towards the camera, degrees; before yaw
-    float roll = 0;            ///< counterclockwise, degrees; before pitch
-    float elevation = 20;      ///< of the camera above the horizon, degrees; 0: no shadow is seen
-    float shadow = 0.8F;       ///< 0 none … 1 all light that the object keeps away
-    float softness = 0.1F;     ///< of the shadow: how far the object counts as above the ground,
-                               ///< in radii
+    float x = 0.5F, y = 0.5F;  ///< center of the object, fractions of the frame
+    float size = 0.5F;         ///< diameter of the bounding sphere, fraction of the frame's height
+    float yaw = 0;          ///< about the vertical, degrees; positive turns its front to the right
+    float pitch = 0;        ///< its top towards the camera, degrees; before yaw
+    float roll = 0;         ///< counterclockwise, degrees; before pitch
+    float elevation = 20;   ///< of the camera above the horizon, degrees; 0: no visible shadow
+    float shadow = 0.8F;    ///< opacity: 0 none … 1 all light that the object blocks
+    float softness = 0.1F;  ///< of the shadow: additional height of the object above the ground,
+                            ///< radii
     bool operator==(const Params&) const = default;
   };
 
   Insertion(std::shared_ptr<gpu::Device> device, Extent frame);
 
-  /// Draws this one from the next `record` on; prepared (Mesh::prepare).
+  /// Draws this mesh from the next `record` on; it has to be prepared (Mesh::prepare).
   void set_mesh(const Mesh& mesh);
-  /// Records drawing into `frame`, in place: linear RGB and alpha, not premultiplied. What shows
-  /// the object is kept, and drawn again only where object, place or table (`light.version()`)
-  /// changed. Touches nothing outside of the rectangle around object and shadow. Parameters that
-  /// are not finite count as their defaults.
+  /// Records drawing into `frame`, in place: linear RGB and alpha, not premultiplied. The object's
+  /// image is kept and redrawn only if object, placement or table (`light.version()`) changed.
+  /// Changes no pixel outside of the rectangle around object and shadow. Parameters that are not
+  /// finite become their defaults.
   void record(gpu::Commands& commands, const Plane& frame, const Params& params,
               const LitSphere& light);
-  /// What was recorded may not have been computed: the next picture is drawn anew.
+  /// Invalidates kept images: recorded work may not have run.
   void forget();
-  /// How often the object and its shadow were drawn anew.
+  /// Number of redraws of the object and of its shadow.
   uint64_t drawn() const { return drawn_; }
   uint64_t shadows() const { return shadows_; }
 
@@ -53,7 +52,7 @@ class Insertion {
     bool empty() const { return left >= right || top >= bottom; }
     bool operator==(const Rectangle&) const = default;
   };
-  /// What the picture of the object depends on.
+  /// Parameters on which the object's image depends.
   struct Drawn {
     MeshView view;
     Rectangle window;
@@ -78,8 +77,8 @@ class Insertion {
   gpu::BufferPtr picture_;
   Plane heights_, occlusion_;
   float ground_ = 0;  // height of the lowest corner
-  std::optional<Drawn> kept_;
-  std::optional<Shaded> kept_shadow_;
+  std::optional<Drawn> image_key_;
+  std::optional<Shaded> shadow_key_;
   uint64_t drawn_ = 0, shadows_ = 0;
 };
 

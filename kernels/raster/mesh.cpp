@@ -20,7 +20,7 @@ bool finite(const Vec3& v) {
 }
 double length(const Real3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/// Twice its area along its normal.
+/// Twice the triangle's area along its normal.
 Real3 area_normal(const Mesh& mesh, size_t triangle) {
   const Vec3& a = mesh.positions[mesh.indices[3 * triangle]];
   const Vec3& b = mesh.positions[mesh.indices[3 * triangle + 1]];
@@ -46,7 +46,7 @@ void drop_bad_triangles(Mesh& mesh) {
   mesh.indices = std::move(kept);
 }
 
-/// Leaves out corners that no triangle has.
+/// Removes corners that no triangle uses.
 void drop_loose_corners(Mesh& mesh) {
   constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
   std::vector<uint32_t> place(mesh.positions.size(), kNone);
@@ -104,7 +104,7 @@ void complete_normals(Mesh& mesh) {
   }
 }
 
-/// Ten bits of each coordinate, by turns.
+/// Interleaves ten bits of each coordinate (Morton code).
 uint32_t morton(const Real3& p) {
   uint32_t code = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
@@ -146,7 +146,7 @@ void Mesh::prepare(const char* name) {
     throw Error(ErrorKind::file, what + " has no triangle with an area; nothing can be drawn");
   drop_loose_corners(*this);
   center_and_scale(*this);
-  // What collapsed: corners so near each other, for the size of the whole, that they are one.
+  // Collapsed triangles: corners that coincide relative to the size of the mesh.
   drop_bad_triangles(*this);
   if (indices.empty())
     throw Error(ErrorKind::file, what + " has no triangle with an area; nothing can be drawn");

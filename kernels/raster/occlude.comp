@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "ground.glsl"
 
-// What share of the light of an even sky an object keeps from each point of the ground (insertion.hpp).
+// Share of a uniform sky's light that an object blocks from each point of the ground (insertion.hpp).
 PLANE_IN(0, heights);  // depth from below in pixels, coverage
 PLANE_OUT(1, occlusion);
 layout(push_constant) uniform Push {
@@ -22,7 +22,7 @@ void main() {
     vec2 underside = FETCH(heights, k).xy;
     vec2 away = (vec2(k % kHeights, k / kHeights) + 0.5) / kPerUnit - 1.0 - at;
     float height = max(-underside.x / kPerUnit - push.ground, 0.0) + push.soft;
-    // A patch right above the ground hides all of the sky and not more: a disc of its area does.
+    // A patch just above the ground hides at most the whole sky: use a disc of its area.
     float h2 = height * height + area / kPi, d2 = dot(away, away) + h2;
     hidden += underside.y * h2 * area / (kPi * d2 * d2);
   }

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Corners of a mesh as a camera far away sees them: position and normal by turns, in pixels of the picture (y down, z
-// towards the camera) and in the camera's axes.
+// Corners of a mesh under orthographic projection: position in pixels of the image (y down, z towards the camera) and
+// normal in camera axes, alternating.
 PLANE_IN(0, corners);
 PLANE_OUT(1, placed);
 layout(push_constant) uniform Push {

@@ -7,15 +7,15 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kBlock = 8;             // pixels along a block, as in visible.glsl
-constexpr uint32_t kManyGroups = 512;      // more of them are larger instead
-constexpr uint64_t kManyWords = 1U << 21;  // of bits; more tiles are larger instead
-constexpr uint32_t kSmallestGroup = 32;    // as visible.glsl looks at so many at a time
+constexpr uint32_t kBlock = 8;            // pixels along a block, as in visible.glsl
+constexpr uint32_t kMaxGroups = 512;      // beyond this number, groups are larger instead
+constexpr uint64_t kMaxWords = 1U << 21;  // of bits; beyond this number, tiles are larger instead
+constexpr uint32_t kMinGroup = 32;        // visible.glsl tests this number of triangles at once
 constexpr uint32_t kLargestGroup = 256;
 
 uint32_t divided(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
-/// An invocation a pixel, in whole blocks.
+/// One invocation per pixel, in whole blocks.
 gpu::Items blocks(Extent extent) {
   return {divided(extent.width, kBlock) * kBlock * kBlock, divided(extent.height, kBlock)};
 }
@@ -30,8 +30,7 @@ Rasterizer::Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& m
       depth_(device),
       corner_count_(static_cast<uint32_t>(mesh.positions.size())),
       triangles_(static_cast<uint32_t>(mesh.triangles())),
-      group_(std::clamp(std::bit_ceil(divided(triangles_, kManyGroups)), kSmallestGroup,
-                        kLargestGroup)),
+      group_(std::clamp(std::bit_ceil(divided(triangles_, kMaxGroups)), kMinGroup, kLargestGroup)),
       groups_(divided(triangles_, group_)) {
   using gpu::Buffer, gpu::Element, gpu::Memory;
   const uint64_t records = uint64_t{4} * groups_ * group_;
@@ -61,7 +60,7 @@ Rasterizer::Grid Rasterizer::prepare(gpu::Commands& commands, const MeshView& vi
   const uint32_t words = divided(groups_, 32);
   uint32_t tile = kBlock;
   const auto along = [&](uint32_t pixels) { return divided(pixels, tile); };
-  while (uint64_t{along(extent.width)} * along(extent.height) * words > kManyWords) tile *= 2;
+  while (uint64_t{along(extent.width)} * along(extent.height) * words > kMaxWords) tile *= 2;
   const uint32_t tiles = along(extent.width) * along(extent.height);
   if (!bits_ || bits_->count() < uint64_t{tiles} * words)
     bits_ = gpu::Buffer::create(corners_->device(), gpu::Element::word, uint64_t{tiles} * words);

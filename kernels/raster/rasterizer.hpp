@@ -13,30 +13,30 @@
 
 namespace inverse {
 
-/// How a mesh lies in a picture, seen by a camera that is far away (no perspective).
+/// Pose of a mesh in an image under orthographic projection.
 struct MeshView {
   using Row = std::array<float, 3>;
   std::array<Row, 3> turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows of a rotation
   float scale = 1;                                             ///< pixels a unit
-  float x = 0, y = 0;  ///< where the mesh's origin is, in pixels; pixel centers are at a half
+  float x = 0, y = 0;  ///< position of the mesh's origin, pixels; pixel centers are at halves
   bool operator==(const MeshView&) const = default;
 };
 
-/// Draws meshes by compute. Corners are placed; the edge functions of triangles are made, in groups
-/// of a few that are neighbors in space; each tile notes in bits which groups may show in it; each
-/// pixel finds the nearest triangle at eight points. No atomics and no lists: what comes out is the
-/// same on every run, and memory depends on the mesh and the picture's size alone. Edges are
-/// inclusive, so that closed meshes have no cracks.
+/// Rasterizes meshes by compute. Corners are projected; edge functions of triangles are set up in
+/// groups of spatial neighbors; each tile marks the groups that may be visible in it; each pixel
+/// finds the nearest triangle at eight samples. Without atomics or lists, the result is
+/// deterministic, and memory depends only on the mesh and the image size. Edges are inclusive, so
+/// that closed meshes have no cracks.
 class Rasterizer {
  public:
-  /// `mesh` is prepared (Mesh::prepare).
+  /// `mesh` has to be prepared (Mesh::prepare).
   Rasterizer(const std::shared_ptr<gpu::Device>& device, const Mesh& mesh);
 
-  /// Draws it by the table of a lit sphere, into linear RGB times coverage, w = coverage.
+  /// Draws it with the table of a lit sphere: linear RGB times coverage, w = coverage.
   void draw(gpu::Commands& commands, const MeshView& view, const Plane& table,
             const Plane& picture);
-  /// x = mean depth (pixels towards the camera, from the mesh's origin) where it covers a pixel,
-  /// y = the share that it covers.
+  /// x = mean depth (pixels towards the camera, from the mesh's origin) where it covers a pixel, y
+  /// = coverage.
   void depth(gpu::Commands& commands, const MeshView& view, const Plane& picture);
 
  private:

@@ -1,5 +1,5 @@
-// What of a mesh is seen at eight points of a pixel: the nearest triangle at each. An invocation is a pixel; 64 of them are a
-// block of 8 x 8, whose groups of triangles are the same for all.
+// Visibility of a mesh at eight samples of a pixel: the nearest triangle at each. One invocation per pixel; 64 of them
+// are a block of 8 x 8, which reads the same groups of triangles.
 PLANE_IN(0, records);
 WORD_IN(1, bits);
 PLANE_IN(2, bounds);
@@ -14,7 +14,7 @@ layout(push_constant) uniform Push {
 
 const int kNobody = -1;
 
-// Where in a pixel: no two in the same row or column of eighths.
+// Sample positions: no two in the same row or column of eighths.
 const vec4 kAcross[2] = vec4[2](vec4(0.5625, 0.4375, 0.8125, 0.3125), vec4(0.1875, 0.0625, 0.6875, 0.9375));
 const vec4 kDown[2] = vec4[2](vec4(0.3125, 0.6875, 0.5625, 0.1875), vec4(0.8125, 0.4375, 0.9375, 0.0625));
 
@@ -50,7 +50,7 @@ void look(uvec2 at, out Seen seen[2]) {
     while (left != 0u) {
       uint first = (w * 32u + uint(findLSB(left))) * push.group;
       left &= left - 1u;
-      // Of 32 at a time: first whose boxes meet the pixel, as that costs little, then these alone.
+      // 32 triangles at a time: first a cheap test of their boxes against the pixel, then only those that pass.
       for (uint part = first; part < first + push.group; part += 32u) {
         uint mine = 0u;
         for (uint k = 0u; k < 32u; k += 8u) {  // a turn of a loop costs more than a box

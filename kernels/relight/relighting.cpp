@@ -9,7 +9,7 @@
 namespace inverse {
 namespace {
 
-/// Pixels spread evenly over a frame, one at a random place of each of so many parts of it.
+/// Random pixels of a frame, one in each cell of a grid (stratified).
 std::vector<uint32_t> spread_pixels(Extent extent, uint32_t count) {
   std::vector<uint32_t> pixels;
   if (extent.pixels() <= count) {
@@ -109,8 +109,8 @@ void Relighting::record_pair(gpu::Commands& commands, const GradientPair& pair,
 }
 
 void Relighting::take_responses(const Params& params, uint64_t number) {
-  // A frame that is so far back is done on every device: what is chosen does not depend on its
-  // speed.
+  // A frame this far back is finished on every device, so that the choice does not depend on the
+  // device's speed.
   if (!asked_ || number < *asked_ + gpu::kFramesInFlight) return;
   asked_.reset();
   reduction_.set_responses({responses_->map_as<float>(), 4 * responses_->count()});
@@ -121,7 +121,7 @@ void Relighting::take_responses(const Params& params, uint64_t number) {
     chosen_.reset();
     return;
   }
-  // A choice that is still good, and not much better than it has to be, stays: no flicker.
+  // A choice that is still accurate enough, but not far better than required, is kept: no flicker.
   const double error = reduction_.error(*choice_, split_.rest, weights_);
   choice_->error = error;
   if (error > params.max_error || error < 0.3 * params.max_error) chosen_.reset();

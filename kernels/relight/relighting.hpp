@@ -10,7 +10,7 @@
 
 namespace inverse {
 
-/// A stage as relighting knows it: where its lights are, and what follows from that.
+/// A stage for relighting: directions of its lights and derived quantities.
 struct RelightStage {
   explicit RelightStage(std::vector<Direction> lights)
       : cells(std::move(lights)),
@@ -24,9 +24,9 @@ struct RelightStage {
   double share;  ///< of the sphere that one light stands for
 };
 
-/// Relights a subject that a light stage lit by two gradients, frame by frame. What depends on the
-/// picture alone is found once and kept while it comes again; of the environment's lights, the
-/// network evaluates those that matter.
+/// Relights a subject from two gradients of a light stage, frame by frame. Results that depend on
+/// the image alone are computed once and reused while it is unchanged. The network evaluates only
+/// the lights of the environment that matter.
 class Relighting {
  public:
   enum class Model : uint8_t { cosine_lobe, network };
@@ -34,17 +34,17 @@ class Relighting {
     Model model = Model::cosine_lobe;
     float rotation = 0;       ///< of the environment about y, degrees
     float exposure = 0;       ///< stops
-    float max_error = 0.02F;  ///< of a relit picture with few lights, of its mean
-    bool adaptive = true;     ///< else all lights at every pixel
+    float max_error = 0.02F;  ///< of a relit image with few lights, relative to its mean
+    bool adaptive = true;     ///< false: all lights at every pixel
     CosineLobe::Params lobe;
   };
   struct Stats {
     uint64_t lights = 0;        ///< of the stage
-    uint64_t lit = 0;           ///< of these, that the environment does not leave dark
+    uint64_t lit = 0;           ///< of these, lights that the environment turns on
     uint64_t evaluated = 0;     ///< lights that were summed
-    double expected_error = 0;  ///< that comes of leaving out the others
-    double shown = 1;           ///< share of the environment's light that falls where lights are
-    bool fitted = false;        ///< the picture was another than the one before
+    double expected_error = 0;  ///< from skipped lights
+    double shown = 1;           ///< share of the environment's light within the stage's cells
+    bool fitted = false;        ///< the image differs from the one before
   };
 
   /// `models` may be null: then there is no network.
@@ -52,30 +52,29 @@ class Relighting {
              std::shared_ptr<const RelightStage> stage, const RelightModels* models);
 
   void set_environment(LightCells::Map map);
-  /// Another scene: what was found of frames before is of no use.
+  /// A new scene: discards results of earlier frames.
   void forget();
 
-  /// Takes the frame of this number (counted up by one a frame). `again`: it is the one before.
-  /// `lit`: pictures of lights will be drawn. Throws Error(internal) where the network is wanted
-  /// and there is none.
+  /// Adds the frame of this number (increasing by one per frame). `again`: it is unchanged. `lit`:
+  /// relit images will be drawn. Throws Error(internal) if the network is requested and missing.
   void record_pair(gpu::Commands& commands, const GradientPair& pair, const Params& params,
                    uint64_t number, bool again, bool lit);
   /// The subject under the environment.
   void record_relit(gpu::Commands& commands, const Params& params, const Plane& target);
   /// The subject under one light from any direction, as bright as a quarter of the stage's lights:
-  /// a white wall that faces it is as bright as under all of them.
+  /// a white wall facing it is as bright as under all of them.
   void record_olat(gpu::Commands& commands, const Params& params, const Direction& light,
                    const Plane& target);
   const CosineLobe& lobes() const { return lobe_; }
 
-  /// Grows whenever a picture of the same kind, with the same parameters, would be another.
+  /// Increases whenever an image with the same parameters would differ.
   uint64_t version() const { return version_; }
   const Stats& stats() const { return stats_; }
   uint64_t network_bytes() const { return network_ ? network_->bytes() : 0; }
 
-  static constexpr uint64_t kEvery = 8;       ///< frames from one look at what matters to the next
-  static constexpr uint64_t kRetry = 64;      ///< where few lights were not enough
-  static constexpr uint32_t kSamples = 1600;  ///< pixels that are looked at
+  static constexpr uint64_t kEvery = 8;       ///< frames from one selection of lights to the next
+  static constexpr uint64_t kRetry = 64;      ///< the same after few lights were not enough
+  static constexpr uint32_t kSamples = 1600;  ///< sampled pixels
 
  private:
   void take_responses(const Params& params, uint64_t number);

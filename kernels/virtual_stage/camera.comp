@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/random.glsl"
 
-// What a camera makes of light: rows moved sideways, gain, and the noise of a sensor.
+// Model of a camera: rows shifted sideways, gain, and sensor noise.
 //   moved(x, y) = light(x - shift(y), y), linear between pixels;  shift(y) = sway (1 - y / (height - 1))
 //   out = v + sigma g,  v = gain · moved,  sigma² = noise² (0.9 v + 0.1),  g normal
 PLANE_IN(0, light);
@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
   uint seed, frame;
 } push;
 
-// Two normal numbers from two words (Box and Muller 1958).
+// Two normally distributed numbers from two words (Box and Muller 1958).
 vec2 normal_pair(uvec2 words) {
   vec2 u = (vec2(words >> 8u) + 0.5) / 16777216.0;
   float angle = 6.28318530717959 * u.y;

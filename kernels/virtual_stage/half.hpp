@@ -4,8 +4,8 @@
 
 namespace inverse {
 
-/// The nearest half float; negative values and what is no number become 0, what is too large the
-/// largest one.
+/// Rounds to the nearest half float; NaN and negative values become 0, values beyond the range the
+/// largest half float.
 inline uint16_t to_half(float value) {
   if (!(value > 0)) return 0;
   if (value >= 65504) return 0x7bff;

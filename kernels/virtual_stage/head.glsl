@@ -1,9 +1,12 @@
-// A head made of ellipsoids: what surface.comp sees and shade.comp lights. Needs SCENE(index), the vec4s of a HeadScene.
+// A head made of ellipsoids, ray-marched by surface.comp and lit by shade.comp. Needs SCENE(index), the vec4s of a
+// HeadScene.
 //
-// An ellipsoid is four vec4: the rows of M in xyz, which takes an offset from its center c to the unit ball, and c in
-// their w; then its smallest radius, blend k, kind, material. Its distance, to first order (k0 = |M p|, p from c):
+// An ellipsoid is four vec4: the rows of M in xyz, which maps an offset from its center c to the unit ball, and c in
+// their w; then its smallest radius, blend k, kind, material. Its distance, to first order (k0 =
+// M p
+// , p from c):
 //   d = k0 (k0 - 1) / |Mᵀ M p|
-// Solids are joined smoothly with what was there before, carvings are taken out of it:
+// Solids are joined smoothly with those before, carvings are subtracted from them:
 //   smin(a, b) = min(a, b) - h²k/4,  h = max(k - |a - b|, 0) / k        smax(a, -b) = -smin(-a, b)
 const int kPrimitiveVec4s = 4;
 const float kSolid = 0.0, kCarving = 1.0;

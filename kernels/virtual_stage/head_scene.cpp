@@ -20,7 +20,7 @@ struct Ellipsoid {
 void add(HeadScene& scene, const Ellipsoid& e) {
   const float ct = std::cos(e.tilt), st = std::sin(e.tilt);
   const float cr = std::cos(e.roll), sr = std::sin(e.roll);
-  // Rows of the inverse turn, each over its radius.
+  // Rows of the inverse rotation, each divided by its radius.
   const std::array<std::array<float, 3>, 3> rows = {
       {{cr, sr, 0}, {-sr * ct, cr * ct, -st}, {-sr * st, cr * st, ct}}};
   for (size_t i = 0; i < 3; ++i)
@@ -30,7 +30,7 @@ void add(HeadScene& scene, const Ellipsoid& e) {
   scene.primitives.push_back({radius, e.blend, e.kind, static_cast<float>(e.material)});
 }
 
-/// On both sides of the face.
+/// Adds a mirrored pair on both sides of the face.
 void add_pair(HeadScene& scene, Ellipsoid e) {
   add(scene, e);
   e.center[0] = -e.center[0];

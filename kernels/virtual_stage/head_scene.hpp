@@ -5,33 +5,34 @@
 
 namespace inverse {
 
-/// The head of the virtual stage: ellipsoids that are joined or carved, and what they are made of.
-/// Units are about 12 cm; x right, y up, z to camera 0; the origin is between the ears.
+/// The head of the virtual stage: joined and carved ellipsoids, and their materials. One unit is
+/// about 12 cm; x right, y up, z to camera 0; the origin is between the ears.
 struct HeadScene {
   using Vec4 = std::array<float, 4>;
   enum Material : uint8_t { skin, lips, hair, eye, cloth };
   static constexpr uint32_t kPrimitiveVec4s = 4;
 
-  /// As head.glsl reads them: four for each primitive.
+  /// In the layout of head.glsl: four per primitive.
   std::vector<Vec4> primitives;
-  /// As surface.comp reads them: two for each Material.
+  /// In the layout of surface.comp: two per Material.
   std::vector<Vec4> materials;
   uint32_t count() const { return static_cast<uint32_t>(primitives.size()) / kPrimitiveVec4s; }
 };
 
-/// The one head there is.
+/// The built-in head.
 const HeadScene& virtual_head();
 
-/// From where it is looked at.
+/// A camera position.
 struct HeadView {
-  float turn = 0;  ///< of the camera about the vertical, radian: positive sees more of the right
+  float turn = 0;  ///< of the camera about the vertical, radian: positive shows more of the right
+                   ///< side
   float distance = 7;
-  float height = 2.6F;    ///< of what is seen at the axis
-  float center = -0.15F;  ///< of that, above the origin
+  float height = 2.6F;    ///< of the field of view at the axis
+  float center = -0.15F;  ///< of the field of view, above the origin
   std::array<float, 3> eye() const;
 };
 
-/// The view of a camera of this number: 0 from the front, others from both sides by turns.
+/// The view of a camera of this number: 0 from the front, others from both sides alternately.
 HeadView view_of_camera(uint32_t camera);
 
 }  // namespace inverse

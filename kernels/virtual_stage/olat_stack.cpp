@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kWordsPerPixel = 2;
 constexpr size_t kFewLights = 8;  // a sum of so many is made faster than it is looked up
-constexpr size_t kMostSums = 8;
+constexpr size_t kMaxSums = 8;
 constexpr uint64_t kMiB = uint64_t{1} << 20;
 
 std::string mib(uint64_t bytes) { return std::to_string((bytes + kMiB - 1) / kMiB) + " MiB"; }
@@ -25,18 +25,18 @@ uint64_t OlatStack::bytes(Extent extent, uint64_t lights) {
 }
 
 OlatStack::OlatStack(std::shared_ptr<gpu::Device> device, Extent extent, uint32_t lights,
-                     uint64_t most_bytes)
+                     uint64_t max_bytes)
     : device_(std::move(device)),
       extent_(extent),
       lights_(lights),
       weigh_(device_),
       planes_(device_, extent) {
   const uint64_t all = bytes(extent, lights), one = bytes(extent, 1);
-  if (all > most_bytes)
+  if (all > max_bytes)
     throw Error(ErrorKind::limit,
                 std::to_string(lights) + " images of " + std::to_string(extent.width) + "x" +
                     std::to_string(extent.height) + " under one light each take " + mib(all) +
-                    ", the limit is " + mib(most_bytes) +
+                    ", the limit is " + mib(max_bytes) +
                     "; use a smaller frame, a program with fewer lights (such as "
                     "program=performance:96), or raise stack-limit");
   const uint64_t bindable =
@@ -46,9 +46,9 @@ OlatStack::OlatStack(std::shared_ptr<gpu::Device> device, Extent extent, uint32_
                                       std::to_string(extent.height) + " takes " + mib(one) +
                                       ", the device binds " + mib(bindable) +
                                       " at once; use a smaller frame");
-  const auto most = static_cast<uint32_t>(std::min<uint64_t>(bindable / one, lights));
-  for (uint32_t first = 0; first < lights; first += most) {
-    const uint32_t count = std::min(most, lights - first);
+  const auto max_count = static_cast<uint32_t>(std::min<uint64_t>(bindable / one, lights));
+  for (uint32_t first = 0; first < lights; first += max_count) {
+    const uint32_t count = std::min(max_count, lights - first);
     chunks_.push_back({first, count,
                        gpu::Buffer::create(device_, gpu::Element::word,
                                            count * extent.pixels() * kWordsPerPixel)});
@@ -117,7 +117,7 @@ PlanePtr OlatStack::record(gpu::Commands& commands, std::span<const LightColor> 
   }
   if (many) {
     sums_.push_front({{colors.begin(), colors.end()}, plane});
-    if (sums_.size() > kMostSums) sums_.pop_back();
+    if (sums_.size() > kMaxSums) sums_.pop_back();
   }
   return plane;
 }

@@ -11,34 +11,33 @@
 namespace inverse {
 
 /// Images of a scene under one light at a time (OLAT), linear RGB as half floats on the device, and
-/// frames under any mixture of them: light adds up, so that a frame is the sum of the lights'
-/// colors times their images, exact but for the rounding of that sum in float.
+/// frames under any mixture of the lights. Light adds up: a frame is the sum of the lights' colors
+/// times their images, exact except for float rounding of the sum.
 class OlatStack {
  public:
-  /// Bytes that so many images take.
+  /// Bytes of this number of images.
   static uint64_t bytes(Extent extent, uint64_t lights);
-  /// `most_bytes`: what they may take. Throws Error(limit) where they would take more, saying how
-  /// much and what to do, and Error(out_of_memory).
+  /// `max_bytes`: limit of all images. Throws Error(limit) with the size and a remedy if they
+  /// exceed it, and Error(out_of_memory).
   OlatStack(std::shared_ptr<gpu::Device> device, Extent extent, uint32_t lights,
-            uint64_t most_bytes);
+            uint64_t max_bytes);
 
   Extent extent() const { return extent_; }
   uint32_t lights() const { return lights_; }
 
-  /// A part of the images, in a buffer of its own: no device binds all at once.
+  /// A part of the images in a buffer of its own, because devices limit the size of a binding.
   struct Chunk {
     uint32_t first, count;
-    gpu::BufferPtr images;  ///< two words a pixel: r and g, b and 0
+    gpu::BufferPtr images;  ///< two words per pixel: r and g, b and 0
   };
   const std::vector<Chunk>& chunks() const { return chunks_; }
-  /// Fills one image from width × height RGB; what is not finite or negative becomes 0.
+  /// Uploads one image of width × height RGB; values that are not finite or negative become 0.
   void load(uint32_t light, std::span<const float> rgb);
 
-  /// Records the sum for these colors, one for each light, and gives the plane it is in: rgb, w 1.
-  /// Sums of many lights are kept for when the same colors come again: planes are not written
-  /// again while somebody holds them.
+  /// Records the sum for these colors, one per light, and returns its plane: rgb, w = 1. Sums of
+  /// many lights are cached by color. A plane is not overwritten while it is referenced.
   PlanePtr record(gpu::Commands& commands, std::span<const LightColor> colors);
-  /// How many sums of many lights were made, and how many taken again.
+  /// Number of computed sums of many lights, and of cache hits.
   uint64_t made() const { return made_; }
   uint64_t taken_again() const { return taken_again_; }
 

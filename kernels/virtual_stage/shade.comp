@@ -2,11 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// The head under one distant white light after the other, each of irradiance pi: linear RGB as half floats.
+// The head under one distant white light after another, each of irradiance pi: linear RGB as half floats.
 //   L = (albedo + pi f_s) V (n·l),  f_s = D G F / (4 n·l n·v) with GGX, Smith and Schlick
 //   V = product over solids of 1 - smoothstep(-1, 1, (1 - q) r / (penumbra t + start))
-// where the ray to the light passes a solid of smallest radius r, in the units of its ball, at q from the center, nearest
-// after the distance t. A point inside of a solid (blends lie above solids, carvings below) is not in that one's shadow.
+// for a ray to the light that passes a solid of smallest radius r at distance q from its center, in units of its ball,
+// after the distance t. A point inside of a solid (blends extend beyond solids, carvings into them) is not in that
+// solid's shadow.
 PLANE_IN(0, scene);
 PLANE_IN(1, position);
 PLANE_IN(2, normal);
@@ -50,7 +51,7 @@ vec3 lit(uint i, vec3 l) {
   float a = turned.w * turned.w, a2 = a * a;
   float around = nh * nh * (a2 - 1.0) + 1.0;
   float distribution = a2 / (kPi * around * around);
-  // Smith's G over 4 n·l n·v.
+  // Smith's G divided by 4 n·l n·v.
   float mask = 0.5 / (cosine * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * cosine * cosine));
   float fresnel = color.w + (1.0 - color.w) * pow(1.0 - vh, 5.0);
   vec3 value = (color.rgb + kPi * distribution * mask * fresnel) * cosine;

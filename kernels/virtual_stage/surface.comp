@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/random.glsl"
 
-// What a camera sees of the head: where it is, how it is turned, and what it is made of.
+// The head seen by a camera: position, normal and material of each sample.
 PLANE_IN(0, scene);
 PLANE_IN(1, materials);  // by turns albedo and roughness; reflectance along the normal, texture's strength and scale, 0
 PLANE_OUT(2, position);  // xyz; w = 1 where there is something
@@ -25,7 +25,7 @@ const float kNear = 2.0, kStep = 0.7, kHit = 2e-4;  // steps are shorter than di
 const int kSteps = 160;
 const float kEye = 3.0, kHair = 2.0;  // materials with a drawing of their own
 
-// Smooth noise in [-1, 1] with a value at every whole point.
+// Smooth noise in [-1, 1] with random values at integer points.
 float value_at(ivec3 cell) { return float(pcg3d(uvec3(cell)).x >> 8u) / 8388608.0 - 1.0; }
 float noise(vec3 p) {
   vec3 start = floor(p), f = p - start;
@@ -40,7 +40,7 @@ float noise(vec3 p) {
   return sum;
 }
 
-// White of the eye, iris and pupil by the angle to where it looks.
+// White of the eye, iris and pupil by the angle to the direction of gaze.
 vec3 eye_color(vec3 out_of_center) {
   float across = length(out_of_center.xy);  // the eyes look along +z
   float iris = 1.0 - smoothstep(0.41, 0.47, across), pupil = 1.0 - smoothstep(0.17, 0.21, across);
@@ -67,7 +67,7 @@ void main() {
   vec3 at = eye + t * ray;
   bool hit = t < push.distance + kNear && d < 20.0 * kHit;
 
-  // The gradient, from the corners of a tetrahedron.
+  // The gradient, by differences at the corners of a tetrahedron.
   vec3 n = vec3(0.0);
   for (int k = 0; k < 4; ++k) {
     vec3 corner = vec3(((k + 3) >> 1) & 1, (k >> 1) & 1, k & 1) * 2.0 - 1.0;
@@ -75,7 +75,7 @@ void main() {
   }
   n *= inversesqrt(max(dot(n, n), 1e-20));
 
-  // The material of the nearest solid, or what lies between materials where several are as near.
+  // The material of the nearest solid, or a blend if several are equally near.
   vec4 color = vec4(0.0);
   vec3 gloss = vec3(0.0);
   float all = 0.0;
@@ -86,7 +86,7 @@ void main() {
     vec4 own = FETCH(materials, m), more = FETCH(materials, m + 1);
     vec3 out_of_center = to_ball(e, at - e.center);
     if (e.material == kEye) own.rgb = eye_color(out_of_center);
-    // Hair is drawn from the crown down.
+    // Hair strands run down from the crown.
     vec3 texture = e.material == kHair ? vec3(14.0 * at.x, 3.0 * at.y, 14.0 * at.z) : at * more.z;
     own.rgb *= 1.0 + more.y * (noise(texture) + 0.5 * noise(2.7 * texture) + 0.35 * noise(6.1 * texture));
     color += weight * own;

@@ -9,7 +9,7 @@
 namespace inverse {
 namespace {
 
-// Work of one submit: a device that also draws a screen must not be held for long.
+// Work per submit, limited so that a device that also drives a display stays responsive.
 constexpr uint64_t kSamplesAtOnce = uint64_t{1} << 23;
 constexpr uint32_t kRaysAtOnce = uint32_t{1} << 18;
 

@@ -12,20 +12,20 @@ namespace inverse {
 /// The 512 slots of a DMX universe.
 using DmxUniverse = std::array<uint8_t, 512>;
 
-/// Where the lights of a program are in DMX universes, both ways. A level is linear in light:
-/// round(255 x) of x, what is emitted. Gray lights take the mean of red, green and blue; of those
-/// with white, white takes what red, green and blue have in common.
+/// Maps the lights of a program to DMX slots and back. Levels are linear: round(255 x) for emitted
+/// light x in 0…1. A gray light takes the mean of red, green and blue. On an RGBW light, white
+/// takes min(r, g, b), and the other channels take the difference.
 class DmxPatch {
  public:
-  /// `first` is the number of the universe that channel 1 is in. Throws Error(unsupported) where
-  /// lights have no channels, or universes beyond 63999.
+  /// `first`: universe of channel 1. Throws Error(unsupported) if lights have no channels or need a
+  /// universe above 63999.
   DmxPatch(const LightProgram& program, uint32_t first);
 
-  /// Universes in which lights are, rising, and how many slots of each are in use.
+  /// Universes with lights, in rising order, and the number of slots in use of each.
   const std::map<uint32_t, uint32_t>& universes() const { return universes_; }
-  /// The levels of all universes for these colors, one for each light. Slots of nobody are 0.
+  /// Levels of all universes for one color per light. Unused slots are 0.
   std::map<uint32_t, DmxUniverse> levels(std::span<const LightColor> colors) const;
-  /// What lights emit at these levels; black where a universe is missing.
+  /// Colors that the lights emit at these levels; black for lights of missing universes.
   std::vector<LightColor> colors(const std::map<uint32_t, DmxUniverse>& levels) const;
 
  private:

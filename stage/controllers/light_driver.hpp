@@ -8,80 +8,79 @@
 
 namespace inverse {
 
-/// How the lights of a stage are reached.
+/// How to reach the lights of a stage.
 struct LightDriverSettings {
   enum class Backend : uint8_t {
-    none,    ///< they are not: the rig has the program already and is stepped by its own trigger
+    none,    ///< not driven: the rig already has the program and its own trigger steps it
     sacn,    ///< E1.31 over UDP, packets at every step
-    ola,     ///< the same levels to olad on this machine, where this was built with its client
+    ola,     ///< the same levels through olad on this machine; needs a build with OLA's client
     serial,  ///< the program is uploaded once and stepped (docs/reference/light-stage-serial.md)
   };
   Backend backend = Backend::none;
 
   struct Dmx {                // of sacn and ola
-    uint32_t universe = 1;    ///< the one in which channel 1 is; 1 to 63999
+    uint32_t universe = 1;    ///< universe of channel 1; 1 to 63999
     uint32_t priority = 100;  ///< 0 to 200
   } dmx;
 
   struct Sacn {
-    /// "host" or "host:port" of one receiver; empty: multicast, to 239.255.U.U of each universe.
+    /// "host" or "host:port" of one receiver; empty: multicast to 239.255.U.U of each universe.
     std::string destination;
-    /// Of the network interface that multicast leaves through, an IPv4 address; empty: the
-    /// system's choice.
+    /// IPv4 address of the network interface for multicast; empty: the system's choice.
     std::string interface_address;
     /// Universe whose synchronization packets make all receivers change at once; 0: none.
     uint32_t sync_universe = 0;
     std::string source_name = "gst-inverse";
-    std::array<uint8_t, 16> cid{};  ///< who sends, a UUID; all zero: made at random
-    bool preview = false;           ///< marked as not meant for live output
-    /// Says at the end that there will be no more, so that receivers need not wait to find out.
+    std::array<uint8_t, 16> cid{};  ///< UUID of the sender; all zero: random
+    bool preview = false;           ///< marks the packets as not meant for live output
+    /// Sends Stream_Terminated packets at the end, so that receivers need not wait for a timeout.
     bool terminate = true;
   } sacn;
 
   struct Ola {
-    uint32_t port = 9010;  ///< where olad answers, on this machine
+    uint32_t port = 9010;  ///< of olad on this machine
   } ola;
 
   struct Serial {
     std::string port;  ///< a tty, such as /dev/ttyUSB0
     uint32_t baud = 115200;
-    /// The host's pulses step the program; false: the rig's own trigger does.
+    /// True: pulses of the host step the program; false: the rig's own trigger does.
     bool pulses = true;
-    double patience = 2;  ///< seconds that the controller has for an answer
+    double timeout = 2;  ///< of a reply, seconds
   } serial;
 };
 
-/// The lights of a stage as the clock of a program sees them.
+/// Drives the lights of a stage through a program.
 ///
-/// Everything throws Error: `connection` where a controller cannot be reached, does not answer or
-/// says no, `unsupported` where settings or program cannot be carried out. Not thread-safe but for
-/// `cancel`.
+/// Every method throws Error: `connection` if a controller cannot be reached, does not answer or
+/// reports an error; `unsupported` if it cannot do what the settings or the program require. Only
+/// `cancel` is thread-safe.
 class LightDriver {
  public:
   virtual ~LightDriver() = default;
   LightDriver(const LightDriver&) = delete;
   LightDriver& operator=(const LightDriver&) = delete;
 
-  /// Makes ready for a program: opens what is to be opened, hands over what the rig needs before
-  /// the start. Lights are black afterwards (`none`: as they were). Serial controllers take up to
-  /// minutes; each answer is waited for `patience` at most. Again for another program, or for
-  /// another start of the same one, which they need not be given again.
+  /// Prepares a program: opens the connection and uploads what the rig needs before the start.
+  /// Lights are black afterwards (`none`: unchanged). Serial controllers may take minutes; each
+  /// reply has to come within `timeout`. Call it again for another program or another start; a
+  /// serial controller that still has the program does not receive it again.
   virtual void upload(const LightProgram& program) = 0;
-  /// The lights of this trigger, counted from 0 as LightProgram::at does: to be called when the
-  /// cameras are triggered (or the guard time before). Does not wait for answers: what the
-  /// controller objects to is thrown by a later call.
+  /// Shows the lights of this trigger, counted from 0 as in LightProgram::at. Call it when the
+  /// cameras are triggered, or the guard time before. Does not wait for replies: a later call
+  /// throws the controller's error.
   virtual void show(uint64_t trigger) = 0;
-  /// All lights off, and the end of what `upload` started.
+  /// Turns all lights off and ends what `upload` started.
   virtual void black() = 0;
-  /// From another thread: what is waiting in `upload` or `black` throws Error(connection) soon.
+  /// From another thread: makes a waiting `upload` or `black` throw Error(connection) soon.
   virtual void cancel() {}
 
  protected:
   LightDriver() = default;
 };
 
-/// Throws Error(unsupported) for settings out of range, and for backends that this was built
-/// without. Nothing is opened before `upload`.
+/// Throws Error(unsupported) for settings out of range and for backends missing in this build.
+/// Opens nothing before `upload`.
 std::unique_ptr<LightDriver> make_light_driver(const LightDriverSettings& settings);
 
 }  // namespace inverse

@@ -3,7 +3,7 @@
 
 #include "light_driver.hpp"
 
-// The backends behind make_light_driver, each in a file of its own.
+// The backends of make_light_driver.
 namespace inverse {
 
 std::unique_ptr<LightDriver> make_sacn_driver(const LightDriverSettings& settings);

@@ -1,5 +1,5 @@
-// Light programs through olad, the daemon of the Open Lighting Architecture, which knows hardware
-// of many kinds. Its client library is LGPL, and is linked where it is found.
+// Light programs through olad, the daemon of the Open Lighting Architecture, which drives many
+// kinds of hardware. Its client library is LGPL; the build links it if present.
 #include <ola/DmxBuffer.h>
 #include <ola/client/StreamingClient.h>
 
@@ -22,7 +22,7 @@ class OlaDriver final : public RepeatingDriver {
     try {
       black();
     } catch (const Error&) {
-      // Whoever wants to know calls black().
+      // A destructor cannot throw; call black() first to receive errors.
     }
   }
 

@@ -7,9 +7,9 @@
 namespace inverse {
 namespace {
 
-// What is new is said three times (E1.31 6.6.2), what lasts less often.
-constexpr std::chrono::milliseconds kSoon{30}, kRepeat{800};
-constexpr int kNew = 3;
+// New levels are sent three times at short intervals (E1.31 6.6.2), then at long ones.
+constexpr std::chrono::milliseconds kShortInterval{30}, kLongInterval{800};
+constexpr int kShortRepeats = 3;
 
 using Clock = std::chrono::steady_clock;
 
@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 void RepeatingDriver::upload(const LightProgram& program) {
   DmxPatch patch(program, first_universe_);
-  black();  // universes of another program
+  black();  // the universes of the program before
   open();
   patch_.emplace(std::move(patch));
   program_ = program;
@@ -46,8 +46,8 @@ void RepeatingDriver::black() {
 void RepeatingDriver::send_colors(std::vector<LightColor> colors) {
   std::lock_guard lock(mutex_);
   shown_ = std::move(colors);
-  said_ = 1;
-  next_ = Clock::now() + kSoon;
+  sends_ = 1;
+  next_ = Clock::now() + kShortInterval;
   send(patch_->levels(shown_));
   woken_.notify_all();
 }
@@ -59,11 +59,11 @@ void RepeatingDriver::repeat() {
       woken_.wait_until(lock, next_);
       continue;
     }
-    next_ = Clock::now() + (++said_ < kNew ? kSoon : kRepeat);
+    next_ = Clock::now() + (++sends_ < kShortRepeats ? kShortInterval : kLongInterval);
     try {
       send(patch_->levels(shown_));
     } catch (const Error&) {
-      // The next show() tells.
+      // The next show() reports it.
     }
   }
 }

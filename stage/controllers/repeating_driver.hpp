@@ -12,9 +12,8 @@
 
 namespace inverse {
 
-/// Lights on DMX universes whose receivers take a source for gone that is silent for 2.5 s, as
-/// those of sACN (E131_NETWORK_DATA_LOSS_TIMEOUT) and olad do: what lasts is said again, from a
-/// thread.
+/// Sends DMX levels, and repeats them from a thread while they last. Receivers of sACN
+/// (E131_NETWORK_DATA_LOSS_TIMEOUT) and olad drop a source after 2.5 s without packets.
 class RepeatingDriver : public LightDriver {
  public:
   void upload(const LightProgram& program) final;
@@ -23,12 +22,12 @@ class RepeatingDriver : public LightDriver {
 
  protected:
   using Levels = std::map<uint32_t, DmxUniverse>;
-  /// `first_universe` is the one in which channel 1 is. Destructors have to call black().
+  /// `first_universe`: universe of channel 1. Destructors of subclasses must call black().
   explicit RepeatingDriver(uint32_t first_universe) : first_universe_(first_universe) {}
-  /// Called before the first levels of a program; again for each.
+  /// Called before the first levels of every program.
   virtual void open() = 0;
   virtual void send(const Levels& levels) = 0;
-  /// After the last levels, which were black.
+  /// Called after the last levels, which were black.
   virtual void end(const Levels& /*black*/) {}
 
  private:
@@ -40,10 +39,10 @@ class RepeatingDriver : public LightDriver {
   LightProgram program_;
   std::optional<DmxPatch> patch_;
   std::thread repeater_;  // between upload() and black()
-  std::mutex mutex_;      // of all that sends
+  std::mutex mutex_;      // guards everything that sends
   std::condition_variable woken_;
   std::vector<LightColor> shown_;
-  int said_ = 0;  // how often
+  int sends_ = 0;  // of shown_
   std::chrono::steady_clock::time_point next_;
   bool stopping_ = false;
 };

@@ -15,7 +15,7 @@
 namespace inverse {
 namespace {
 
-constexpr int kTerminations = 3;  // packets that say so (6.2.6)
+constexpr int kTerminations = 3;  // packets with Stream_Terminated (6.2.6)
 
 sacn::Cid random_cid() {
   std::random_device random;
@@ -34,7 +34,7 @@ void check(const LightDriverSettings::Dmx& dmx, const LightDriverSettings::Sacn&
   if (s.sync_universe > sacn::kLastUniverse)
     refuse("there is no sACN universe " + std::to_string(s.sync_universe) +
            " for synchronization; they go from 1 to 63999, 0 is without");
-  if (dmx.priority > sacn::kHighestPriority)
+  if (dmx.priority > sacn::kMaxPriority)
     refuse("sACN priorities go from 0 to 200, not to " + std::to_string(dmx.priority));
 }
 
@@ -51,7 +51,7 @@ class SacnDriver final : public RepeatingDriver {
     try {
       black();
     } catch (const Error&) {
-      // Whoever wants to know calls black().
+      // A destructor cannot throw; call black() first to receive errors.
     }
   }
 
@@ -83,7 +83,7 @@ class SacnDriver final : public RepeatingDriver {
     packet.cid = settings_.cid;
     packet.source_name = settings_.source_name;
     packet.priority = static_cast<uint8_t>(priority_);
-    // The end is for all that listen, in step or not (6.2.4.1).
+    // Receivers apply the termination at once, synchronized or not (6.2.4.1).
     packet.sync_address = last ? 0 : static_cast<uint16_t>(settings_.sync_universe);
     packet.preview = settings_.preview;
     packet.terminated = last;
@@ -105,7 +105,7 @@ class SacnDriver final : public RepeatingDriver {
       const auto* address = reinterpret_cast<const sockaddr*>(&to.storage);
       if (sendto(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL, address, to.size) >= 0)
         return;
-      // The first failure may be news of an earlier packet.
+      // The first failure may report an error of an earlier packet.
       if (errno != ECONNREFUSED && errno != EINTR) break;
     }
     throw Error(ErrorKind::connection,

@@ -57,7 +57,7 @@ class Reader {
   uint8_t octet(size_t at) const { return bytes_[at]; }
   uint16_t word(size_t at) const { return static_cast<uint16_t>(octet(at) << 8 | octet(at + 1)); }
   uint32_t quad(size_t at) const { return uint32_t{word(at)} << 16 | word(at + 2); }
-  /// Whether a layer that starts at `at` says that it ends where the packet does.
+  /// Whether the length of the layer at `at` reaches exactly to the end of the packet.
   bool layer(size_t at, size_t end) const { return word(at) == (0x7000 | (end - at)); }
 
  private:
@@ -86,7 +86,7 @@ std::optional<DataPacket> parse_data(std::span<const uint8_t> bytes) {
   packet.universe = read.word(113);
   packet.start_code = read.octet(125);
   packet.slots.assign(bytes.begin() + kData, bytes.end());
-  if (packet.priority > kHighestPriority || packet.sync_address > kLastUniverse) return {};
+  if (packet.priority > kMaxPriority || packet.sync_address > kLastUniverse) return {};
   if (packet.universe < kFirstUniverse || packet.universe > kLastUniverse) return {};
   return packet;
 }

@@ -8,19 +8,18 @@
 
 namespace inverse::sacn {
 
-/// Streaming ACN, ANSI E1.31-2018: DMX over UDP. Section and table numbers below are the
-/// standard's.
+/// Streaming ACN, ANSI E1.31-2018: DMX over UDP. Sections and tables below refer to the standard.
 inline constexpr uint16_t kPort = 5568;
 inline constexpr uint32_t kFirstUniverse = 1, kLastUniverse = 63999;
-inline constexpr uint32_t kHighestPriority = 200;
-/// A source that was silent for so long is gone (Appendix A), seconds.
+inline constexpr uint32_t kMaxPriority = 200;
+/// A source without packets for this time is lost (Appendix A), seconds.
 inline constexpr double kDataLossTimeout = 2.5;
 
 using Cid = std::array<uint8_t, 16>;
 
 /// An E1.31 Data Packet (Table 4-1).
 struct DataPacket {
-  Cid cid{};                ///< who sends
+  Cid cid{};                ///< UUID of the sender
   std::string source_name;  ///< UTF-8, at most 63 bytes
   uint8_t priority = 100;   ///< 0 to 200
   uint16_t sync_address = 0;
@@ -43,16 +42,16 @@ struct SyncPacket {
 std::vector<uint8_t> write(const DataPacket& packet);
 std::vector<uint8_t> write(const SyncPacket& packet);
 
-/// What a datagram is; neither where it is no packet of these kinds or is damaged: truncated,
-/// lengths that contradict each other, values that the standard does not have.
+/// A parsed datagram. Both are empty if it is another kind of packet or damaged: truncated,
+/// inconsistent lengths, values outside the standard.
 struct Parsed {
   std::optional<DataPacket> data;
   std::optional<SyncPacket> sync;
 };
 Parsed parse(std::span<const uint8_t> datagram);
 
-/// Whether a packet with this sequence number is to be taken after one with the `last` (6.7.2):
-/// late ones are not.
+/// Whether to accept a packet with this sequence number after one with number `last` (6.7.2). Late
+/// packets are not accepted.
 inline bool in_order(uint8_t last, uint8_t sequence) {
   const auto step = static_cast<int8_t>(static_cast<uint8_t>(sequence - last));
   return step > 0 || step <= -20;

@@ -12,9 +12,9 @@
 namespace inverse::sacn {
 namespace {
 
-constexpr size_t kMostSources = 16;  // of a universe; a flood of made-up senders ends here
-constexpr size_t kMostUniverses = 1024;
-constexpr int kMostAtOnce = 4096;  // datagrams of one poll, so that a flood cannot hold it
+constexpr size_t kMaxSources = 16;  // per universe; bounds memory under a flood of forged senders
+constexpr size_t kMaxUniverses = 1024;
+constexpr int kMaxDatagramsPerPoll = 4096;  // so that a flood cannot block poll()
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -26,8 +26,8 @@ uint16_t port_of(const sockaddr_storage& address) {
   return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
 }
 
-/// Whether packets to multicast groups reach a socket that is bound to this address.
-bool hears_groups(const sockaddr_storage& address) {
+/// Whether a socket bound to this address receives packets to multicast groups.
+bool receives_multicast(const sockaddr_storage& address) {
   if (address.ss_family != AF_INET) return false;
   const uint32_t host = ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr);
   return host == INADDR_ANY || IN_MULTICAST(host);
@@ -37,7 +37,7 @@ void join(int socket, uint32_t universe) {
   ip_mreq request{};
   request.imr_multiaddr.s_addr = htonl(multicast_group(static_cast<uint16_t>(universe)));
   if (setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0 &&
-      errno != EADDRINUSE && errno != ENODEV)  // ENODEV: no network; unicast is heard all the same
+      errno != EADDRINUSE && errno != ENODEV)  // ENODEV: no network; unicast still works
     throw Error(ErrorKind::connection, "cannot join the multicast group of sACN universe " +
                                            std::to_string(universe) + ": " + strerror(errno));
 }
@@ -55,16 +55,16 @@ void Universes::take(std::span<const uint8_t> datagram, double now) {
 }
 
 void Universes::take(const DataPacket& packet, double now) {
-  // Not with every packet: there may be many.
-  if (now - swept_ > kDataLossTimeout) forget_silent(now);
+  // Not for every packet: there may be many.
+  if (now - last_expiry_ > kDataLossTimeout) drop_expired(now);
   if (packet.preview || packet.start_code != 0 ||
-      (!universes_.contains(packet.universe) && universes_.size() >= kMostUniverses)) {
+      (!universes_.contains(packet.universe) && universes_.size() >= kMaxUniverses)) {
     ++stats_.other;
     return;
   }
   Sources& sources = universes_[packet.universe];
   auto known = sources.find(packet.cid);
-  if (known != sources.end() && now - known->second.heard > kDataLossTimeout) {
+  if (known != sources.end() && now - known->second.last_packet > kDataLossTimeout) {
     sources.erase(known);
     known = sources.end();
   }
@@ -77,7 +77,7 @@ void Universes::take(const DataPacket& packet, double now) {
     ++stats_.packets;
     return;
   }
-  if (known == sources.end() && sources.size() >= kMostSources) {
+  if (known == sources.end() && sources.size() >= kMaxSources) {
     ++stats_.other;
     return;
   }
@@ -85,11 +85,11 @@ void Universes::take(const DataPacket& packet, double now) {
   if (known == sources.end()) source.since = stats_.packets;
   source.priority = packet.priority;
   source.sequence = packet.sequence;
-  source.heard = now;
+  source.last_packet = now;
   source.sync_address = packet.sync_address;
   DmxUniverse levels{};
   std::copy(packet.slots.begin(), packet.slots.end(), levels.begin());
-  // Who has never synchronized, or stopped to, is taken as it comes.
+  // Without recent synchronization packets, data takes effect at once.
   const auto sync = syncs_.find({packet.cid, packet.sync_address});
   source.waits =
       packet.sync_address && sync != syncs_.end() && now - sync->second.second <= kDataLossTimeout;
@@ -105,7 +105,7 @@ void Universes::take(const SyncPacket& packet, double now) {
     ++stats_.late;
     return;
   }
-  if (known == syncs_.end() && syncs_.size() >= kMostUniverses) {
+  if (known == syncs_.end() && syncs_.size() >= kMaxUniverses) {
     ++stats_.other;
     return;
   }
@@ -121,15 +121,16 @@ void Universes::take(const SyncPacket& packet, double now) {
   }
 }
 
-void Universes::forget_silent(double now) {
-  swept_ = now;
+void Universes::drop_expired(double now) {
+  last_expiry_ = now;
   for (auto& [universe, sources] : universes_)
-    std::erase_if(sources, [&](const auto& s) { return now - s.second.heard > kDataLossTimeout; });
+    std::erase_if(sources,
+                  [&](const auto& s) { return now - s.second.last_packet > kDataLossTimeout; });
   std::erase_if(syncs_, [&](const auto& s) { return now - s.second.second > kDataLossTimeout; });
 }
 
 std::map<uint32_t, DmxUniverse> Universes::levels(double now) {
-  forget_silent(now);
+  drop_expired(now);
   std::map<uint32_t, DmxUniverse> result;
   for (const auto& [universe, sources] : universes_) {
     const Source* best = nullptr;
@@ -146,14 +147,14 @@ Receiver::Receiver(const std::string& listen, std::span<const uint32_t> universe
                    uint32_t sync_universe) {
   const udp::Address address = udp::resolve(listen, kPort);
   Descriptor socket = udp::open(address.family());
-  // Not shared with other programs: packets to one address would reach only one of them.
+  // No port sharing: unicast packets would reach only one of the programs.
   if (bind(socket.get(), reinterpret_cast<const sockaddr*>(&address.storage), address.size) != 0)
     throw Error(ErrorKind::connection,
                 "cannot listen for sACN on \"" + listen + "\": " + strerror(errno) +
                     (errno == EADDRINUSE
                          ? "; another program listens on this port: end it, or name another port"
                          : "; give an address of this machine, or only a port as in :5568"));
-  if (hears_groups(address.storage)) {
+  if (receives_multicast(address.storage)) {
     for (const uint32_t universe : universes) join(socket.get(), universe);
     if (sync_universe) join(socket.get(), sync_universe);
   }
@@ -166,7 +167,7 @@ Receiver::Receiver(const std::string& listen, std::span<const uint32_t> universe
 
 void Receiver::poll() {
   std::array<uint8_t, 2048> datagram;
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  for (int i = 0; i < kMaxDatagramsPerPoll; ++i) {
     const ssize_t size = recv(socket_.get(), datagram.data(), datagram.size(), 0);
     if (size < 0 && errno != EINTR) break;
     if (size >= 0)

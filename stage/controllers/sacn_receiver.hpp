@@ -12,61 +12,60 @@
 
 namespace inverse::sacn {
 
-/// What universes say: E1.31 packets in, levels out. Of several sources of a universe the one of
-/// the highest priority counts, of equals the one that was there first; one that ends, or is silent
-/// for kDataLossTimeout, counts no more. Data that is to be synchronized waits for its
-/// synchronization packet (11.1.1), unless none comes for as long.
+/// Turns E1.31 packets into levels. If a universe has several sources, the one of the highest
+/// priority is used; among equals, the first. A source is dropped when it terminates or sends
+/// nothing for kDataLossTimeout. Synchronized data waits for its synchronization packet (11.1.1),
+/// unless none has come for kDataLossTimeout.
 class Universes {
  public:
   struct Stats {
-    uint64_t packets = 0;    ///< taken
-    uint64_t malformed = 0;  ///< ignored: damaged, or no packets of E1.31
-    uint64_t late = 0;       ///< ignored: behind another one of their universe
+    uint64_t packets = 0;    ///< accepted
+    uint64_t malformed = 0;  ///< ignored: damaged, or not E1.31
+    uint64_t late = 0;       ///< ignored: out of order within their universe
     uint64_t other = 0;      ///< ignored: previews, other start codes, sources of lower priority
   };
 
-  /// Takes a datagram that arrived at `now`, in seconds of a steady clock. Never throws.
+  /// Processes a datagram that arrived at `now`, in seconds of a steady clock. Never throws.
   void take(std::span<const uint8_t> datagram, double now);
-  /// The levels at `now`, of every universe that was ever heard; 0 where its sources are gone.
+  /// Levels at `now` of every universe that was ever received; 0 if its sources are lost.
   std::map<uint32_t, DmxUniverse> levels(double now);
   const Stats& stats() const { return stats_; }
 
  private:
   struct Source {
     uint8_t priority = 0, sequence = 0;
-    uint16_t sync_address = 0;  ///< where data waits for it
-    double heard = 0;
-    uint64_t since = 0;  ///< the packet that it began with
+    uint16_t sync_address = 0;  ///< 0: not synchronized
+    double last_packet = 0;     ///< seconds
+    uint64_t since = 0;         ///< number of its first packet
     bool waits = false;
     DmxUniverse levels{}, waiting{};
   };
   using Sources = std::map<Cid, Source>;
   void take(const DataPacket& packet, double now);
   void take(const SyncPacket& packet, double now);
-  void forget_silent(double now);
+  void drop_expired(double now);
 
   std::map<uint32_t, Sources> universes_;
-  std::map<std::pair<Cid, uint16_t>, std::pair<uint8_t, double>> syncs_;  // sequence, when
-  double swept_ = 0;
+  std::map<std::pair<Cid, uint16_t>, std::pair<uint8_t, double>> syncs_;  // sequence, seconds
+  double last_expiry_ = 0;                                                // seconds
   Stats stats_;
 };
 
-/// Universes that are heard on a UDP port of this machine.
+/// Receives universes on a UDP port of this machine.
 class Receiver {
  public:
-  /// `listen`: "host:port" as udp::resolve takes it; the multicast groups of `universes` (and the
-  /// one that synchronizes, where not 0) are joined where `listen` has no host or is a multicast
-  /// address. Throws Error(connection) where the port is in use or the address is not of this
-  /// machine.
+  /// `listen`: "host:port" as for udp::resolve. Joins the multicast groups of `universes`, and of
+  /// `sync_universe` if not 0, if `listen` has no host or is a multicast address. Throws
+  /// Error(connection) if the port is in use or the address is not one of this machine.
   Receiver(const std::string& listen, std::span<const uint32_t> universes,
            uint32_t sync_universe = 0);
 
-  /// Takes what has arrived; does not wait.
+  /// Processes the datagrams that have arrived; does not wait.
   void poll();
-  /// After `poll`.
+  /// Levels after the last `poll`.
   std::map<uint32_t, DmxUniverse> levels();
   const Universes::Stats& stats() const { return universes_.stats(); }
-  /// The port that it listens on, which the system chose where `listen` says 0.
+  /// The port in use; the system chose it if `listen` has port 0.
   uint16_t port() const { return port_; }
 
  private:

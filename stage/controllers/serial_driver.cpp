@@ -1,4 +1,4 @@
-// Light programs that a controller keeps, over a serial line.
+// Light programs stored in a controller, over a serial line.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/file.h>
@@ -25,9 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kHelloAgain = 0.5;  // a controller that starts when the port is opened is deaf
-constexpr Seconds kPulseWrite{0.1};
-constexpr int kLookAround = 50;  // ms between looks at whether we are to stop
+constexpr double kHelloInterval = 0.5;  // s; a controller that boots on open misses the first ones
+constexpr Seconds kPulseTimeout{0.1};
+constexpr int kPollInterval = 50;  // ms between checks of cancelled_
 
 Clock::time_point after(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
@@ -52,32 +52,33 @@ class SerialDriver final : public LightDriver {
     if (settings_.port.empty())
       throw Error(ErrorKind::unsupported,
                   "a serial controller needs the name of its port, such as /dev/ttyUSB0");
-    if (!(settings_.patience > 0 && settings_.patience <= 3600))
-      throw Error(ErrorKind::unsupported, "the patience with a serial controller is more than 0 s");
+    if (!(settings_.timeout > 0 && settings_.timeout <= 3600))
+      throw Error(ErrorKind::unsupported,
+                  "the timeout of a serial controller has to be above 0 and at most 3600 s");
     speed_of(settings_.baud);
   }
   ~SerialDriver() override {
     try {
       black();
     } catch (const Error&) {
-      // Whoever wants to know calls black().
+      // A destructor cannot throw; call black() first to receive errors.
     }
   }
 
   void upload(const LightProgram& program) override {
     black();
-    if (port_ && loaded_ == program.id() && goes()) return;
+    if (port_ && loaded_ == program.id() && restarts()) return;
     loaded_.reset();
     if (!port_) open();
     try {
-      greet();
+      handshake();
       const auto lines = serial::program_lines(program);
       for (const std::string& line : lines) {
         const std::string answer = command(line);
         if (line == lines.back() && answer != serial::checksum_of(lines))
           fail("has the checksum \"" + answer + "\" of the program, not " +
                serial::checksum_of(lines) +
-               ": the line disturbs; use a shorter cable or a lower baud rate");
+               ": the line corrupts data; use a shorter cable or a lower baud rate");
       }
       go();
       loaded_ = program.id();
@@ -92,8 +93,8 @@ class SerialDriver final : public LightDriver {
     if (!running_)
       throw Error(ErrorKind::internal, "lights are shown before a program is uploaded");
     receive();
-    while (auto line = lines_.next()) object(*line);
-    if (settings_.pulses) write("pulse " + std::to_string(trigger) + "\n", kPulseWrite);
+    while (auto line = lines_.next()) fail_on(*line);
+    if (settings_.pulses) write("pulse " + std::to_string(trigger) + "\n", kPulseTimeout);
   }
 
   void black() override {
@@ -113,8 +114,10 @@ class SerialDriver final : public LightDriver {
   [[noreturn]] void fail(const std::string& text) const {
     throw Error(ErrorKind::connection, "the light controller at " + settings_.port + " " + text);
   }
-  [[noreturn]] void hung_up() const { fail("has hung up; check its cable and its power"); }
-  void look_around() const {
+  [[noreturn]] void fail_disconnected() const {
+    fail("has disconnected; check its cable and its power");
+  }
+  void check_cancelled() const {
     if (cancelled_) fail("was given up: stopped");
   }
 
@@ -122,9 +125,9 @@ class SerialDriver final : public LightDriver {
     running_ = true;
     command(settings_.pulses ? "go pulses\n" : "go trigger\n");
   }
-  /// Whether the controller starts the program that it was given before. One that was switched off
-  /// meanwhile has none.
-  bool goes() {
+  /// Whether the controller starts the program that was uploaded before; it may have lost it if it
+  /// was switched off.
+  bool restarts() {
     try {
       go();
       return true;
@@ -162,64 +165,64 @@ class SerialDriver final : public LightDriver {
     port_ = std::move(port);
   }
 
-  /// Until the controller has answered the last of our greetings, whatever it says is of the time
-  /// before.
-  void greet() {
-    const auto end = after(settings_.patience);
-    std::string heard;
+  /// Sends `hello` until the controller answers the last one. Other replies are older and ignored.
+  void handshake() {
+    const auto end = after(settings_.timeout);
+    std::string last_reply;
     while (Clock::now() < end) {
-      write("hello " + std::to_string(++token_) + "\n", Seconds(settings_.patience));
-      const auto again = std::min(end, after(kHelloAgain));
+      write("hello " + std::to_string(++token_) + "\n", Seconds(settings_.timeout));
+      const auto again = std::min(end, after(kHelloInterval));
       while (auto line = read_line(again)) {
         const serial::Reply reply = serial::parse_reply(*line);
-        heard = *line;
+        last_reply = *line;
         if (reply.kind != serial::Reply::Kind::hello || reply.token != token_) continue;
         if (reply.version != serial::kVersion)
-          fail("speaks version " + std::to_string(reply.version) + " of the protocol, we speak " +
-               std::to_string(serial::kVersion));
+          fail("has version " + std::to_string(reply.version) +
+               " of the protocol, this program has version " + std::to_string(serial::kVersion) +
+               "; update the older of the two");
         return;
       }
     }
-    if (heard.empty())
+    if (last_reply.empty())
       fail("does not answer; check its cable, its power and the baud rate (" +
            std::to_string(settings_.baud) + ")");
-    fail("answers \"" + heard.substr(0, 40) +
-         "\", which is not our protocol; check the baud rate (" + std::to_string(settings_.baud) +
-         ") and what is connected");
+    fail("answers \"" + last_reply.substr(0, 40) +
+         "\", which is not of this protocol; check the baud rate (" +
+         std::to_string(settings_.baud) + ") and what is connected");
   }
 
-  /// Sends a line and gives back what follows the `ok` that answers it.
+  /// Sends a line; returns the text after `ok` in the reply.
   std::string command(const std::string& line) {
     const std::string name = line.substr(0, line.find_first_of(" \n"));
-    write(line, Seconds(settings_.patience));
-    const auto answer = read_line(after(settings_.patience));
+    write(line, Seconds(settings_.timeout));
+    const auto answer = read_line(after(settings_.timeout));
     if (!answer) fail("does not answer \"" + name + "\"");
     const serial::Reply reply = serial::parse_reply(*answer);
-    if (reply.kind != serial::Reply::Kind::ok) object(*answer);
+    if (reply.kind != serial::Reply::Kind::ok) fail_on(*answer);
     return reply.text;
   }
 
-  /// Throws what a line says that was not asked for.
-  [[noreturn]] void object(const std::string& line) const {
+  /// Throws for an error reply or an unexpected line.
+  [[noreturn]] void fail_on(const std::string& line) const {
     const serial::Reply reply = serial::parse_reply(line);
     if (reply.kind == serial::Reply::Kind::error)
-      fail("says: " + (reply.text.empty() ? "error" : reply.text));
-    fail("says \"" + line.substr(0, 40) + "\", which is no answer; check the baud rate");
+      fail("reports: " + (reply.text.empty() ? "error" : reply.text));
+    fail("sends \"" + line.substr(0, 40) + "\", which is no reply; check the baud rate");
   }
 
-  /// The next line; nothing where none comes in time.
+  /// The next line; empty after a timeout.
   std::optional<std::string> read_line(Clock::time_point end) {
     while (true) {
       if (auto line = lines_.next()) return line;
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
       if (left <= 0) return std::nullopt;
-      look_around();
-      wait(POLLIN, static_cast<int>(std::min<int64_t>(left, kLookAround)));
+      check_cancelled();
+      wait(POLLIN, static_cast<int>(std::min<int64_t>(left, kPollInterval)));
       receive();
     }
   }
 
-  /// Takes what has come; does not wait.
+  /// Reads the bytes that have arrived; does not wait.
   void receive() {
     std::array<char, 1024> bytes;
     while (true) {
@@ -232,12 +235,12 @@ class SerialDriver final : public LightDriver {
       } else if (size < 0 && errno == EAGAIN) {
         return;
       } else {
-        hung_up();
+        fail_disconnected();
       }
     }
   }
 
-  void write(std::string_view text, Seconds patience) {
+  void write(std::string_view text, Seconds timeout) {
     const auto start = Clock::now();
     auto progress = start;
     while (!text.empty()) {
@@ -246,11 +249,11 @@ class SerialDriver final : public LightDriver {
         text.remove_prefix(static_cast<size_t>(size));
         progress = Clock::now();
       } else if (errno != EAGAIN && errno != EINTR) {
-        hung_up();
+        fail_disconnected();
       } else {
-        if (Clock::now() - progress > patience) fail("takes nothing any more");
-        look_around();
-        wait(POLLOUT, static_cast<int>(std::min(1000 * patience.count(), double{kLookAround})));
+        if (Clock::now() - progress > timeout) fail("accepts no more data; restart it");
+        check_cancelled();
+        wait(POLLOUT, static_cast<int>(std::min(1000 * timeout.count(), double{kPollInterval})));
       }
     }
   }
@@ -258,8 +261,8 @@ class SerialDriver final : public LightDriver {
   void wait(short events, int milliseconds) const {
     pollfd wanted{port_.get(), events, 0};
     poll(&wanted, 1, milliseconds);
-    // What the other side said before it went is read first.
-    if ((wanted.revents & (POLLHUP | POLLERR)) && !(wanted.revents & POLLIN)) hung_up();
+    // Bytes sent before the disconnection are read first.
+    if ((wanted.revents & (POLLHUP | POLLERR)) && !(wanted.revents & POLLIN)) fail_disconnected();
   }
 
   LightDriverSettings::Serial settings_;
@@ -267,7 +270,7 @@ class SerialDriver final : public LightDriver {
   serial::LineReader lines_;
   uint32_t token_ = 0;
   bool running_ = false;
-  std::optional<uint64_t> loaded_;  // the program that the controller has, while the port is open
+  std::optional<uint64_t> loaded_;  // id of the program in the controller, while the port is open
   std::atomic<bool> cancelled_{false};
 };
 

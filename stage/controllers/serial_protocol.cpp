@@ -9,7 +9,7 @@
 namespace inverse::serial {
 namespace {
 
-constexpr size_t kMostLines = 1024;  // that wait for `next`; of a flood the rest is left out
+constexpr size_t kMaxLines = 1024;  // that wait for `next`; more are dropped
 
 std::string hex(uint64_t value, int digits) {
   std::array<char, 17> text{};
@@ -89,9 +89,9 @@ std::string checksum_of(const std::vector<std::string>& lines) {
 void LineReader::take(std::span<const char> bytes) {
   for (const char c : bytes) {
     if (c == '\n' || c == '\r') {
-      if (!partial_.empty() && lines_.size() < kMostLines) lines_.push_back(partial_);
+      if (!partial_.empty() && lines_.size() < kMaxLines) lines_.push_back(partial_);
       partial_.clear();
-    } else if (partial_.size() < kLongestReply) {
+    } else if (partial_.size() < kMaxReplyLength) {
       partial_.push_back(c >= ' ' && c <= '~' ? c : '?');
     }
   }

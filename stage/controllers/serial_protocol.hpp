@@ -11,22 +11,22 @@
 
 namespace inverse::serial {
 
-/// The lines between us and a controller: docs/reference/light-stage-serial.md.
+/// The line protocol of a controller: docs/reference/light-stage-serial.md.
 inline constexpr int kVersion = 1;
-/// Longer replies are not of this protocol.
-inline constexpr size_t kLongestReply = 512;
+/// Of a reply, bytes. The rest of a longer line is dropped.
+inline constexpr size_t kMaxReplyLength = 512;
 
-/// CRC-32 as of zlib and Ethernet.
+/// CRC-32 of zlib and Ethernet.
 uint32_t crc32(std::string_view bytes);
 
-/// What describes a program: `begin`, a `set` for each step, `end` with the checksum of all bytes
+/// The upload of a program: `begin`, one `set` per step, `end` with the checksum of all bytes
 /// before it. Each line ends with a line feed.
 std::vector<std::string> program_lines(const LightProgram& program);
-/// The checksum that `end` carries, as it is written there and in the reply.
+/// The checksum of `end` and of its reply, as text.
 std::string checksum_of(const std::vector<std::string>& lines);
 
-/// Cuts what comes over a wire into lines: without line feed and carriage return, control
-/// characters made visible as '?'. Of a line that is too long the rest is left out.
+/// Splits received bytes into lines, without line feed and carriage return. Control characters
+/// become '?'. Lines are cut at kMaxReplyLength.
 class LineReader {
  public:
   void take(std::span<const char> bytes);

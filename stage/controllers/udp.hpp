@@ -15,9 +15,9 @@ struct Address {
   int family() const { return storage.ss_family; }
 };
 
-/// "host", "host:port", "[v6]:port": a name or an address; `port` where it has none. An empty host
-/// is any address of this machine. Throws Error(unsupported) where it cannot be read, and
-/// Error(connection) where the name is not known.
+/// Resolves "host", "host:port" or "[v6]:port", a name or an address; `port` is the default. An
+/// empty host is any address of this machine. Throws Error(unsupported) if `text` is malformed, and
+/// Error(connection) if the name is unknown.
 Address resolve(const std::string& text, uint16_t port);
 /// An IPv4 address (host byte order) and a port.
 Address ipv4(uint32_t address, uint16_t port);
@@ -25,7 +25,7 @@ Address ipv4(uint32_t address, uint16_t port);
 /// A UDP socket; throws Error(connection).
 Descriptor open(int family);
 
-/// Takes an interface's IPv4 address; throws Error(unsupported).
+/// Parses the IPv4 address of an interface; throws Error(unsupported).
 in_addr interface_of(const std::string& address);
 
 }  // namespace inverse::udp

@@ -1,5 +1,5 @@
-// Frames of a FrameLabeler that wait for a picture that confirms their labels. Where the lights are
-// stopped or started again among single lights, nothing tells before that.
+// FrameLabeler: frames that wait for a check frame. If the lights stop or restart among single
+// lights, no earlier image shows it.
 #include <algorithm>
 #include <utility>
 
@@ -16,9 +16,9 @@ bool has_checks(const LightProgram& program) {
                              [](const LightStep& step) { return is_check(step.kind); });
 }
 
-constexpr int64_t kBeside = 2;  // triggers that a frame may be stamped late by
+constexpr int64_t kMaxLate = 2;  // triggers by which a frame may be stamped late
 
-/// The longest run of steps whose pictures confirm nothing; around the end, too.
+/// The longest cyclic run of steps without a check frame.
 uint32_t longest_run(const LightProgram& program) {
   uint32_t longest = 0, run = 0;
   for (size_t i = 0; i < 2 * program.steps.size(); ++i) {
@@ -48,45 +48,45 @@ bool FrameLabeler::all_confirmed(const LightProgram& program, const Params& para
   return !lights || (has_checks(program) && longest_run(program) <= params.hold);
 }
 
-/// Whether frames will come whose pictures tell.
+/// Whether check frames will come.
 bool FrameLabeler::confirmable() const { return evidence_.started() && has_checks(program_); }
 
-void FrameLabeler::mark_told(uint64_t token, bool told) {
+void FrameLabeler::mark_reported(uint64_t token, bool reported) {
   const auto at = std::find_if(seen_.rbegin(), seen_.rend(),
                                [&](const Seen& seen) { return seen.token == token; });
-  if (at != seen_.rend()) at->told = told;
+  if (at != seen_.rend()) at->reported = reported;
 }
 
 void FrameLabeler::wait(const Unconfirmed& one, std::vector<Labeled>& out) {
-  unsettled_.frames.push_back(one);
-  mark_told(one.frame.token, false);
-  const size_t most = (unsettled_.suspected ? 2 : 1) * size_t{params_.hold};
-  if (unsettled_.frames.size() > most) release(1, out);
+  pending_.frames.push_back(one);
+  mark_reported(one.frame.token, false);
+  const size_t max = (pending_.suspected ? 2 : 1) * size_t{params_.hold};
+  if (pending_.frames.size() > max) release(1, out);
 }
 
-/// Tells the oldest of those that wait.
+/// Reports the oldest waiting frames.
 void FrameLabeler::release(size_t count, std::vector<Labeled>& out) {
   for (size_t i = 0; i < count; ++i) {
-    mark_told(unsettled_.frames.front().frame.token, true);
-    out.push_back(unsettled_.frames.front().frame);
-    unsettled_.frames.pop_front();
+    mark_reported(pending_.frames.front().frame.token, true);
+    out.push_back(pending_.frames.front().frame);
+    pending_.frames.pop_front();
   }
-  unsettled_.confirmed -= std::min(unsettled_.confirmed, count);
+  pending_.confirmed -= std::min(pending_.confirmed, count);
 }
 
 void FrameLabeler::release_confirmed(std::vector<Labeled>& out) {
-  release(unsettled_.confirmed, out);
+  release(pending_.confirmed, out);
 }
 
-/// Nothing has been said of those that wait, and they are looked at again.
+/// Undoes the labels of waiting frames, which have not been reported.
 void FrameLabeler::revoke() {
-  if (unsettled_.frames.empty()) return;
-  for (const Unconfirmed& one : unsettled_.frames) --count_of(one.frame.fate);
-  counts_.missing = unsettled_.frames.front().missing;
-  unsettled_ = {};
+  if (pending_.frames.empty()) return;
+  for (const Unconfirmed& one : pending_.frames) --count_of(one.frame.fate);
+  counts_.missing = pending_.frames.front().missing;
+  pending_ = {};
 }
 
-/// Whether the program has a picture to confirm a step that is still to come.
+/// Whether the program has a check frame after this position.
 bool FrameLabeler::check_follows(Position position) const {
   if (position.pass + 1 < program_.repeat || program_.repeat == 0) return true;
   if (position.part == Position::Part::marker) return true;
@@ -94,25 +94,25 @@ bool FrameLabeler::check_follows(Position position) const {
                      [](const LightStep& step) { return is_check(step.kind); });
 }
 
-/// No more pictures come that could confirm: those that should have been are not labeled.
+/// No more check frames come: frames that need one become ambiguous.
 void FrameLabeler::end_of_evidence(std::vector<Labeled>& out) {
-  unsettled_.suspected.reset();
-  unsettled_.doubted = false;
+  pending_.suspected.reset();
+  pending_.uncertain = false;
   release_confirmed(out);
   if (confirmable())
-    for (Unconfirmed& one : unsettled_.frames) {
+    for (Unconfirmed& one : pending_.frames) {
       if (one.frame.fate != Fate::labeled || !check_follows(one.frame.position)) continue;
       --counts_.labeled;
       ++counts_.ambiguous;
       one.frame = {one.frame.token, Fate::ambiguous, 0, {}};
     }
-  release(unsettled_.frames.size(), out);
+  release(pending_.frames.size(), out);
 }
 
-/// Whether a bright frame at a trigger may be a tracking frame that is stamped late: one of those
-/// beside it is not where it should be.
+/// Whether a bright frame at a trigger may be a tracking frame with a late time stamp: a nearby
+/// tracking frame is missing.
 bool FrameLabeler::late_tracking_frame(int64_t trigger) const {
-  for (int64_t beside = trigger - kBeside; beside <= trigger + kBeside; ++beside) {
+  for (int64_t beside = trigger - kMaxLate; beside <= trigger + kMaxLate; ++beside) {
     if (beside == trigger || beside < *anchor_ || seen_at(beside)) continue;
     if (program_.kind(program_.at(static_cast<uint64_t>(beside - *anchor_))) == StepKind::tracking)
       return true;
@@ -120,21 +120,20 @@ bool FrameLabeler::late_tracking_frame(int64_t trigger) const {
   return false;
 }
 
-/// A frame that was too bright: the program may have been started again. Its phase may be such that
-/// tracking frames come as before, so that until this is known none is confirmed by them.
-void FrameLabeler::look_at_suspicion(std::vector<Labeled>& out) {
-  if (!unsettled_.suspected || !anchor_) return;
+/// Checks whether a frame that was too bright belongs to a restarted program. Tracking frames of
+/// the restart may coincide with expected ones, so they confirm nothing until this is decided.
+void FrameLabeler::check_suspicion(std::vector<Labeled>& out) {
+  if (!pending_.suspected || !anchor_) return;
   Anchor anchor;
-  const Match match = matches(*unsettled_.suspected, anchor);
-  if (match == Match::yes && !late_tracking_frame(*unsettled_.suspected + 1)) {
+  const Match match = matches(*pending_.suspected, anchor);
+  if (match == Match::yes && !late_tracking_frame(*pending_.suspected + 1)) {
     ++counts_.resynchronizations;
     revoke();
     lose_anchor();
     return take_anchor(anchor, out);
   }
-  if (match == Match::wait && seen_.back().trigger - *unsettled_.suspected < longest_search())
-    return;
-  unsettled_.suspected.reset();
+  if (match == Match::wait && seen_.back().trigger - *pending_.suspected < longest_search()) return;
+  pending_.suspected.reset();
   release_confirmed(out);
 }
 

@@ -6,15 +6,15 @@
 namespace inverse {
 namespace {
 
-// Shares of the way from black to full. Wide: what they rule out is ruled out for good.
-constexpr double kBlackAtMost = 0.25, kFullAtLeast = 0.5, kOlatAtMost = 0.5;
-constexpr double kGradientAtLeast = 0.06, kGradientAtMost = 0.95;
-constexpr size_t kManyLights = 16;  // of which one alone is never half of all
-constexpr double kClearly = 0.25;   // in units of the distance of the two gradients
-constexpr uint64_t kLearned = 4;
-constexpr double kSlow = 1.0 / 8;
-constexpr double kMuchClipped = 0.02;
-constexpr double kDimmestFraming = 0.2;  // of what a subject was before, in another frame
+// Relative levels: 0 is black, 1 is full. The ranges are wide, because a contradiction is final.
+constexpr double kMaxBlack = 0.25, kMinFull = 0.5, kMaxOlat = 0.5;
+constexpr double kMinGradient = 0.06, kMaxGradient = 0.95;
+constexpr size_t kManyLights = 16;        // with so many, a single one is below kMaxOlat
+constexpr double kGradientMargin = 0.25;  // of the distance between the two gradients
+constexpr uint64_t kMinSamples = 4;
+constexpr double kLearningRate = 1.0 / 8;
+constexpr double kMaxClipped = 0.02;      // share of pixels
+constexpr double kMinFramingScale = 0.2;  // of brightness after a change of framing
 
 size_t gradient_index(StepKind kind) { return kind == StepKind::gradient_b ? 1 : 0; }
 bool is_gradient(StepKind kind) {
@@ -28,7 +28,7 @@ void LightEvidence::start(double black, double full, bool clipped) {
   full_ = full;
   clipped_ = clipped;
   gradient_[0] = gradient_[1] = {};
-  spread_ = 0;
+  variance_ = 0;
   scaled_ = true;
 }
 
@@ -45,10 +45,10 @@ void LightEvidence::find_scale(LightProgram::Position position, const ImageEvide
     scale = image.luminance() / (black_ + exposure_of(position) * (full_ - black_));
   } else if (is_gradient(kind) && exposure_of(position) == 1) {
     framed_[gradient_index(kind)] = image.luminance();
-    // A + B is the picture under all lights, with what is there without them twice.
+    // A + B is the image under all lights plus twice the ambient light.
     if (framed_[0] > 0 && framed_[1] > 0) scale = (framed_[0] + framed_[1]) / (full_ + black_);
   }
-  if (!(scale > kDimmestFraming) || !std::isfinite(scale)) return;
+  if (!(scale > kMinFramingScale) || !std::isfinite(scale)) return;
   scaled_ = true;
   black_ *= scale;
   full_ *= scale;
@@ -67,20 +67,19 @@ double LightEvidence::relative(LightProgram::Position position, const ImageEvide
 }
 
 bool LightEvidence::confirms(LightProgram::Position position, const ImageEvidence& image) const {
-  if (!tells() || position.part == LightProgram::Position::Part::ended) return false;
+  if (!usable() || position.part == LightProgram::Position::Part::ended) return false;
   const StepKind kind = program_.kind(position);
   const double y = relative(position, image);
-  if (kind == StepKind::tracking)
-    return y >= kFullAtLeast || (clipped_ && image.clipped > kMuchClipped);
-  return is_gradient(kind) && y >= kGradientAtLeast;
+  if (kind == StepKind::tracking) return y >= kMinFull || (clipped_ && image.clipped > kMaxClipped);
+  return is_gradient(kind) && y >= kMinGradient;
 }
 
 bool LightEvidence::bright(const ImageEvidence& image) const {
-  return tells() && image.luminance() - black_ > 0.5 * (full_ - black_);
+  return usable() && image.luminance() - black_ > 0.5 * (full_ - black_);
 }
 
 std::optional<double> LightEvidence::between(const ImageEvidence& image) const {
-  if (std::min(gradient_[0].count, gradient_[1].count) < kLearned) return std::nullopt;
+  if (std::min(gradient_[0].count, gradient_[1].count) < kMinSamples) return std::nullopt;
   double along = 0, length = 0;
   for (size_t c = 0; c < 3; ++c) {
     const double a = gradient_[0].mean[c], b = gradient_[1].mean[c];
@@ -92,33 +91,33 @@ std::optional<double> LightEvidence::between(const ImageEvidence& image) const {
 }
 
 double LightEvidence::separation() const {
-  if (std::min(gradient_[0].count, gradient_[1].count) < kLearned) return 0;
-  return spread_ > 0 ? 1 / std::sqrt(spread_) : 1e6;
+  if (std::min(gradient_[0].count, gradient_[1].count) < kMinSamples) return 0;
+  return variance_ > 0 ? 1 / std::sqrt(variance_) : 1e6;
 }
 
 void LightEvidence::learn(LightProgram::Position position, const ImageEvidence& image) {
-  if (!tells() || position.part == LightProgram::Position::Part::ended) return;
+  if (!usable() || position.part == LightProgram::Position::Part::ended) return;
   const StepKind kind = program_.kind(position);
-  if (kind == StepKind::black) black_ += kSlow * (image.luminance() - black_);
+  if (kind == StepKind::black) black_ += kLearningRate * (image.luminance() - black_);
   if (kind == StepKind::tracking && exposure_of(position) == 1) {
-    full_ += kSlow * (image.luminance() - full_);
-    clipped_ = image.clipped > kMuchClipped;
+    full_ += kLearningRate * (image.luminance() - full_);
+    clipped_ = image.clipped > kMaxClipped;
   }
   if (!is_gradient(kind) || exposure_of(position) != 1) return;
   if (const auto at = between(image)) {
     const double off = *at - (kind == StepKind::gradient_b ? 0.5 : -0.5);
-    spread_ += kSlow * (off * off - spread_);
+    variance_ += kLearningRate * (off * off - variance_);
   }
   Learned& learned = gradient_[gradient_index(kind)];
   ++learned.count;
-  const double share = std::max(kSlow, 1.0 / static_cast<double>(learned.count));
+  const double share = std::max(kLearningRate, 1.0 / static_cast<double>(learned.count));
   for (size_t c = 0; c < 3; ++c) learned.mean[c] += share * (image.level[c] - learned.mean[c]);
-  // A + B is the picture under all lights: the scale follows the camera's exposure.
-  if (std::min(gradient_[0].count, gradient_[1].count) < kLearned) return;
+  // A + B is the image under all lights: the scale follows the camera's exposure.
+  if (std::min(gradient_[0].count, gradient_[1].count) < kMinSamples) return;
   double sum = 0;
   for (size_t c = 0; c < 3; ++c) sum += (gradient_[0].mean[c] + gradient_[1].mean[c]) / 3;
   const double full = sum - black_;
-  if (full > black_) full_ += kSlow * (full - full_);
+  if (full > black_) full_ += kLearningRate * (full - full_);
 }
 
 bool LightEvidence::contradicts(LightProgram::Position position, const ImageEvidence& image) const {
@@ -127,26 +126,26 @@ bool LightEvidence::contradicts(LightProgram::Position position, const ImageEvid
   const double y = relative(position, image);
   if (!scaled_ && is_gradient(kind)) {
     const double other = framed_[1 - gradient_index(kind)];
-    return other > 0 && image.luminance() + other < kDimmestFraming * (full_ + black_);
+    return other > 0 && image.luminance() + other < kMinFramingScale * (full_ + black_);
   }
-  if (!scaled_) return kind == StepKind::tracking && y < kDimmestFraming;
+  if (!scaled_) return kind == StepKind::tracking && y < kMinFramingScale;
   switch (kind) {
     case StepKind::black:
-      return y > kBlackAtMost;
+      return y > kMaxBlack;
     case StepKind::tracking:
-      return y < kFullAtLeast && !clipped_;
+      return y < kMinFull && !clipped_;
     case StepKind::olat:
-      return program_.lights.size() >= kManyLights && y > kOlatAtMost;
+      return program_.lights.size() >= kManyLights && y > kMaxOlat;
     case StepKind::gradient_a:
     case StepKind::gradient_b: {
-      if (y < kGradientAtLeast) return true;
-      if (y > kGradientAtMost && !clipped_ && image.clipped <= kMuchClipped) return true;
-      if (separation() < kTellable) return false;
+      if (y < kMinGradient) return true;
+      if (y > kMaxGradient && !clipped_ && image.clipped <= kMaxClipped) return true;
+      if (separation() < kMinSeparation) return false;
       const double at = *between(image);
-      return kind == StepKind::gradient_a ? at > kClearly : at < -kClearly;
+      return kind == StepKind::gradient_a ? at > kGradientMargin : at < -kGradientMargin;
     }
     case StepKind::custom:
-      return false;  // who knows
+      return false;  // its level is unknown
   }
   return false;
 }

@@ -7,74 +7,72 @@
 
 namespace inverse {
 
-/// Which trigger of the cameras each frame of one camera belongs to, counted from its first frame,
-/// by its time stamp and, where there are some, by the camera's frame ids.
+/// Finds the trigger of each frame of one camera, counted from its first frame, from time stamps
+/// and, if present, frame ids.
 ///
-/// Time stamps are trigger times plus an offset that nobody knows and a jitter of at most
-/// `Params::jitter` either way, on a clock that runs at most `Params::drift` too fast or too slow.
-/// All that fits these bounds is an explanation: a trigger for each frame, and the interval in
-/// which the last trigger's time (jitter apart) lies, which every frame narrows and time widens. A
-/// frame's trigger is told once all explanations agree on it, so that within the bounds it cannot
-/// be wrong; until then the frame is held, at most for `Params::hold` further frames.
+/// A time stamp is the trigger's time plus an unknown constant offset and a jitter of at most
+/// ±`Params::jitter`, on a clock whose rate error is at most `Params::drift`. A hypothesis is an
+/// assignment of triggers to frames within these bounds, with an interval for the time of the last
+/// trigger; frames narrow the interval, time widens it. A frame is reported once all hypotheses
+/// agree on its trigger, so that the trigger is correct if the bounds hold. Until then the frame
+/// waits, at most for `Params::hold` further frames.
 class TriggerCounter {
  public:
   struct Params {
     double jitter = 0.34;  ///< periods, less than a half
     double drift = 250;    ///< ppm
-    uint32_t id_bits = 0;  ///< frame ids count modulo 2^16, 2^32 or 2^64; 0: there are none
+    uint32_t id_bits = 0;  ///< frame ids count modulo 2^16, 2^32 or 2^64; 0: no ids
     uint32_t hold = 24;    ///< frames
   };
-  /// A frame as it comes: in periods from any time on, and what else tells of it.
   struct Frame {
-    uint64_t token = 0;          ///< the caller's name for it
-    std::optional<double> time;  ///< periods
+    uint64_t token = 0;          ///< chosen by the caller
+    std::optional<double> time;  ///< periods, from any origin
     std::optional<uint64_t> id;
-    uint64_t content = 0;  ///< a fingerprint of its pixels; 0: not known. Other pixels are another
-                           ///< frame
+    uint64_t content = 0;  ///< hash of its pixels; 0: unknown
   };
   struct Counted {
     enum class Fate : uint8_t {
       trigger,       ///< `trigger` is certain
-      contradicted,  ///< `trigger` is what times say, and the picture says that it is another
+      contradicted,  ///< `trigger` fits the times, but the image contradicts it
       off,           ///< too far from the time of any trigger, or without a time
-      ambiguous,     ///< explanations did not agree in time
+      ambiguous,     ///< hypotheses did not agree in time
     };
     uint64_t token = 0;
     Fate fate = Fate::off;
     int64_t trigger = 0;
-    bool late = false;      ///< of `off`: it is behind where it could be
-    bool conflict = false;  ///< of `off`: its time is that of the frame before, its pixels are not
+    bool late = false;      ///< of `off`: later than any possible trigger time
+    bool conflict = false;  ///< of `off`: same time as the frame before, but other pixels
   };
-  /// Whether the picture cannot be of this trigger. Asked while frames are pushed.
+  /// Whether the image cannot be of this trigger. Called within `push`.
   using Contradicts = std::function<bool(int64_t trigger, const Frame& frame)>;
 
   explicit TriggerCounter(const Params& params) : params_(params) { restart(); }
 
-  /// Takes the next frame as it arrives; returns those that are settled by it, in the order of
-  /// arrival but for frames that are `off`, which are told at once.
+  /// Adds the next frame in order of arrival. Returns the frames that it decides, in order of
+  /// arrival, except that frames that are `off` are returned at once.
   std::vector<Counted> push(const Frame& frame, const Contradicts& contradicts);
-  /// Nothing more comes: those that are held.
+  /// Ends the stream: returns all waiting frames.
   std::vector<Counted> drain();
-  /// Those that are held are forgotten, and the next frame may be from any time, also an earlier
-  /// one; the count goes on from it.
+  /// Discards waiting frames. The next frame may have any time, also an earlier one; the count goes
+  /// on from it.
   void flush();
-  /// Counting starts anew with the next frame.
+  /// Starts a new count at the next frame.
   void restart();
-  /// Changes with every restart, also with those of its own, where nothing fits any more: triggers
-  /// of different epochs do not compare.
+  /// Changes with every restart, including automatic ones after too many frames that do not fit.
+  /// Triggers of different epochs are not comparable.
   uint64_t epoch() const { return epoch_; }
-  /// Rate of the triggers in periods of the time stamps' clock: between these.
+  /// Bounds of the duration of a trigger, periods by the clock of the time stamps.
   double slowest() const { return slow_; }
   double fastest() const { return fast_; }
 
  private:
-  struct Explanation {
+  struct Hypothesis {
     double low = 0, high = 0;      ///< time of `trigger`
     int64_t trigger = 0;           ///< of the latest frame
     uint64_t id = 0, content = 0;  ///< of that frame
     std::deque<int64_t> held;      ///< triggers of the frames in `held_`
     bool by_id = false;            ///< `id` is known
-    bool operator==(const Explanation& other) const {
+    bool operator==(const Hypothesis& other) const {
       return trigger == other.trigger && held == other.held;
     }
   };
@@ -82,25 +80,24 @@ class TriggerCounter {
     uint64_t token;
     bool contradicted;
   };
-  std::vector<Explanation> fitting(const Explanation& before, const Frame& frame,
-                                   bool use_id) const;
-  void add_if_fitting(const Explanation& before, const Frame& frame, int64_t step,
-                      std::vector<Explanation>& to) const;
-  void settle(std::vector<Counted>& out);
+  std::vector<Hypothesis> fitting(const Hypothesis& before, const Frame& frame, bool use_id) const;
+  void add_if_fitting(const Hypothesis& before, const Frame& frame, int64_t step,
+                      std::vector<Hypothesis>& to) const;
+  void resolve(std::vector<Counted>& out);
   void give_up(std::vector<Counted>& out);
   void measure_rate();
 
   Params params_;
-  std::vector<Explanation> explanations_;
+  std::vector<Hypothesis> hypotheses_;
   std::deque<Held> held_;
   uint64_t epoch_ = 0;
-  uint32_t off_in_row_ = 0, unsettled_in_row_ = 0;
-  double slow_ = 1, fast_ = 1;  // periods a trigger takes: least and most
+  uint32_t off_in_row_ = 0, ambiguous_in_row_ = 0;
+  double slow_ = 1, fast_ = 1;  // bounds of a trigger's duration, periods
   struct {
     int64_t trigger;
     double low, high;
   } checkpoint_{};
-  bool anywhere_ = false;            // after a flush
+  bool any_time_ = false;            // after a flush
   bool skips_zero_possible_ = true;  // ids that wrap from the largest to 1
 };
 

@@ -12,7 +12,7 @@
 namespace inverse {
 namespace {
 
-constexpr uintmax_t kMostJson = uintmax_t{16} << 20;
+constexpr uintmax_t kMaxJsonBytes = uintmax_t{16} << 20;
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ErrorKind::file, text); }
 
@@ -31,7 +31,7 @@ LightList LightList::load(const std::string& path) {
   if (error)
     refuse("cannot read " + path + ": " + error.message() +
            "; an OLAT folder has lights.json and olat/000.exr, 001.exr, …");
-  if (size > kMostJson) refuse(path + " is too large for a list of lights");
+  if (size > kMaxJsonBytes) refuse(path + " is too large for a list of lights");
   std::ifstream file(path);
   const std::string text(std::istreambuf_iterator<char>(file), {});
   return parse(text, path);
@@ -69,7 +69,7 @@ LightList LightList::parse(std::string_view text, const std::string& name) {
     if (!file.is_null() && !file.is_string()) refuse(where + ": its \"file\" is no text");
     files.push_back(file.is_string() ? file.get<std::string>() : "");
   }
-  // A list that names none has the usual ones.
+  // A list without any file has the default names.
   if (std::ranges::all_of(files, [](const std::string& file) { return file.empty(); }))
     for (size_t i = 0; i < files.size(); ++i) files[i] = usual_name(i);
   return lights;

@@ -7,18 +7,18 @@
 
 namespace inverse {
 
-/// The lights of a stage as the lights.json of an OLAT folder lists them.
+/// The lights of a stage, as listed in lights.json of an OLAT folder.
 struct LightList {
   std::vector<Direction> directions;  ///< unit vectors
-  std::vector<std::string> files;     ///< the picture under each light alone; empty: there is none
-  /// Pictures are as a camera took them of a stage, so that all lights together are as bright as
-  /// that camera would see them.
+  std::vector<std::string> files;     ///< image under each light alone; empty: no image
+  /// True if a camera captured the images on a stage: their sum is then the image under all lights
+  /// at that camera's exposure.
   bool captured = false;
   static constexpr const char* kCapture = "gst-inverse olat set";  ///< "format" of such lists
 
-  /// Lists of three numbers under "directions", or objects with a "direction" under "lights", whose
-  /// "file" is left out where there is no picture. Throws Error(file), saying what is missing or
-  /// wrong; `name` is what it calls the text.
+  /// Reads "directions", a list of triples, or "lights", a list of objects with a "direction" and
+  /// an optional "file". Throws Error(file) with what is missing or wrong; messages call the text
+  /// `name`.
   static LightList parse(std::string_view json, const std::string& name);
   static LightList load(const std::string& path);
 };

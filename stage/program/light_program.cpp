@@ -32,10 +32,10 @@ void check_light(const LightProgram& program, size_t index, StageLight& light) {
   const std::string where = "light " + std::to_string(index);
   const auto [x, y, z] = light.direction;
   const double length = std::sqrt(x * x + y * y + z * z);
-  if (!(std::abs(length - 1) <= 1e-3))  // also where it is no number
+  if (!(std::abs(length - 1) <= 1e-3))  // also rejects NaN
     refuse(program,
            where + ": its direction is not a unit vector, its length is " + std::to_string(length));
-  // Not what is as exact as numbers are: a program that is read again is the same one.
+  // Leave rounding errors alone, so that a program that was saved and loaded keeps its id.
   if (std::abs(length - 1) > 1e-12)
     for (double& c : light.direction) c /= length;
   const size_t channels = light.channels.size();

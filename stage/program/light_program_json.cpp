@@ -1,4 +1,4 @@
-// Light programs as JSON: docs/reference/light-program.md has the fields.
+// Light programs as JSON. Fields: docs/reference/light-program.md.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr const char* kFormat = "gst-inverse light program";
 constexpr int kVersion = 1;
 constexpr std::array kMarkers = {"none", "start", "pass"};
 
-/// Reads fields of one object, and complains of it by name.
+/// Reads the fields of one object; error messages name the object.
 class Object {
  public:
   Object(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
@@ -29,11 +29,11 @@ class Object {
     throw Error(ErrorKind::file, where_ + " " + text);
   }
   bool has(const char* field) const { return json_.contains(field); }
-  /// A misspelt field would change what lights do without a word.
-  void knows(std::initializer_list<std::string_view> fields) const {
+  /// Throws for other fields, so that a misspelled one is not ignored.
+  void allow_only(std::initializer_list<std::string_view> fields) const {
     for (const auto& [name, value] : json_.items())
       if (std::find(fields.begin(), fields.end(), name) == fields.end() && name != "comment")
-        refuse("has a \"" + name.substr(0, 40) + "\", which is not known here");
+        refuse("has an unknown field \"" + name.substr(0, 40) + "\"");
   }
   const Json& field(const char* name) const {
     const auto found = json_.find(name);
@@ -52,11 +52,11 @@ class Object {
     if (!field(name).is_number()) refuse(std::string("has a \"") + name + "\" that is no number");
     return field(name).get<double>();
   }
-  uint64_t count(const char* name, uint64_t most) const {
+  uint64_t count(const char* name, uint64_t max) const {
     const Json& value = field(name);
-    if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+    if (!value.is_number_unsigned() || value.get<uint64_t>() > max)
       refuse(std::string("has a \"") + name + "\" that is not a whole number from 0 to " +
-             std::to_string(most));
+             std::to_string(max));
     return value.get<uint64_t>();
   }
   /// Three numbers.
@@ -100,7 +100,7 @@ void read_rate(const Object& object, LightProgram& program) {
 
 StageLight read_light(const Json& json, const std::string& where) {
   const Object object(json, where);
-  object.knows({"index", "direction", "channels"});
+  object.allow_only({"index", "direction", "channels"});
   StageLight light;
   light.direction = object.triple<double>(object.field("direction"), "direction");
   if (object.has("channels"))
@@ -115,7 +115,7 @@ StageLight read_light(const Json& json, const std::string& where) {
 
 LightStep read_step(const Json& json, const std::string& where) {
   const Object object(json, where);
-  object.knows({"kind", "light", "colors", "exposure", "guard"});
+  object.allow_only({"kind", "light", "colors", "exposure", "guard"});
   LightStep step;
   const std::string kind = object.text("kind");
   bool known = false;
@@ -137,10 +137,10 @@ LightStep read_step(const Json& json, const std::string& where) {
   return step;
 }
 
-/// The index that lights may be listed with, to read more easily; it has to be their place.
+/// The optional "index" of a light has to be its position in the list.
 void check_index(const Json& light, size_t place, const std::string& where) {
   if (light.is_object() && light.contains("index") && light["index"] != place)
-    throw Error(ErrorKind::file, where + " has another \"index\" than its place in the list");
+    throw Error(ErrorKind::file, where + " has an \"index\" that is not its position in the list");
 }
 
 Json write(const LightStep& step) {
@@ -166,9 +166,9 @@ LightProgram LightProgram::parse(std::string_view text, const std::string& name)
   if (object.text("format") != kFormat)
     object.refuse(std::string("is not a light program: its \"format\" is not \"") + kFormat + "\"");
   if (object.count("version", 1000000) != kVersion)
-    object.refuse("is of a version that is not known; this program knows version 1");
-  object.knows({"format", "version", "name", "rate", "exposure", "guard", "repeat", "marker",
-                "lights", "steps"});
+    object.refuse("has an unsupported version; this program reads version 1");
+  object.allow_only({"format", "version", "name", "rate", "exposure", "guard", "repeat", "marker",
+                     "lights", "steps"});
   LightProgram program;
   program.name = object.has("name") ? object.text("name") : name;
   read_rate(object, program);
@@ -220,7 +220,7 @@ std::string LightProgram::json() const {
   json["guard"] = guard;
   json["marker"] = kMarkers[static_cast<size_t>(marker)];
   json["repeat"] = repeat;
-  // A light and a step a line: what people read and compare.
+  // One line per light and step, so that files are easy to read and compare.
   std::string text = json.dump(2);
   text.resize(text.size() - 2);  // "\n}"
   const auto list = [&text](const char* field, const auto& items, const auto& to_json) {

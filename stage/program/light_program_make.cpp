@@ -1,4 +1,4 @@
-// Stages and programs that need no file.
+// Built-in stages and programs.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -27,7 +27,7 @@ struct Icosahedron {
   std::vector<std::array<size_t, 3>> faces;
 };
 
-/// One corner up, so that rings of lights are level.
+/// One corner at the top, so that rings of lights are horizontal.
 Icosahedron icosahedron() {
   Icosahedron solid;
   const double height = 1 / std::sqrt(5.0), radius = 2 / std::sqrt(5.0);
@@ -82,7 +82,7 @@ std::vector<Direction> geodesic_directions(uint32_t count) {
   uint32_t frequency = 1;
   while (10 * frequency * frequency + 2 < count) ++frequency;
   std::vector<Direction> all = subdivided(frequency);
-  // From the top down; in a ring, from the camera to the right and around.
+  // From the top down; within a ring, from the camera to the right.
   std::sort(all.begin(), all.end(), [](const Direction& a, const Direction& b) {
     if (std::abs(a[1] - b[1]) > 1e-9) return a[1] > b[1];
     const auto around = [](const Direction& d) {

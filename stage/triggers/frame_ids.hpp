@@ -4,14 +4,14 @@
 
 namespace inverse {
 
-/// Follows the numbers that a camera gives its frames. With 16 bits they go on from 65535 to 1, and
-/// 0 is no number (GigE Vision 1.x); cameras that send one nevertheless are taken at their word.
+/// Follows the frame ids of a camera. With 16 bits they wrap from 65535 to 1, and 0 is invalid
+/// (GigE Vision 1.x). If a camera sends 0 nevertheless, its ids wrap to 0.
 class FrameIds {
  public:
   explicit FrameIds(uint32_t bits) : bits_(bits) {}
 
-  /// How many exposures `id` is after the last one that `accept` was told: 1 for the next, 0 or
-  /// less for one that came again or late. Nothing without a last one.
+  /// Exposures between the last accepted id and `id`: 1 for the next one, 0 or less for a repeated
+  /// or late one. Empty before the first `accept`.
   std::optional<int64_t> after_last(uint64_t id) const {
     if (!known_) return std::nullopt;
     const uint64_t mask = bits_ >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits_) - 1;
@@ -25,7 +25,7 @@ class FrameIds {
     last_ = id;
     known_ = true;
   }
-  /// Takes the next one; how many are missing before it.
+  /// Accepts the next id; returns the number of ids missing before it.
   uint64_t missed_before(uint64_t id) {
     const int64_t step = after_last(id).value_or(1);
     accept(id);

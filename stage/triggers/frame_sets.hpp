@@ -6,30 +6,30 @@
 
 namespace inverse {
 
-/// Frames of the same trigger from several cameras. A set is decided once each camera has sent its
-/// frame, or one of a later trigger, or is not waited for any more; sets leave in their order.
+/// Groups frames of the same trigger from several cameras. A set is decided once every camera that
+/// is waited for has sent its frame or one of a later trigger. Sets are output in order.
 class FrameSets {
  public:
   /// A frame whose set is decided.
   struct Decided {
     uint32_t camera;
-    uint64_t token;  ///< the caller's name for the frame
-    bool out;        ///< it leaves; else it belongs to an incomplete set
+    uint64_t token;  ///< of `add`
+    bool out;        ///< output it; false: drop it with its incomplete set
   };
-  /// `complete`: incomplete sets do not leave.
+  /// `complete`: drop incomplete sets.
   explicit FrameSets(bool complete) : complete_(complete) {}
 
   void add_camera(uint32_t camera) { cameras_[camera] = {}; }
-  /// Its frames are forgotten. What comes of a camera that is not there is left out.
+  /// Removes a camera and its frames. Later frames of it are ignored.
   void remove_camera(uint32_t camera);
   void forget_frames(uint32_t camera);
-  /// A frame; those of a camera come in rising order of `key`.
+  /// Adds a frame; the keys of a camera increase. `token` is chosen by the caller.
   void add(uint32_t camera, uint64_t key, uint64_t token);
-  /// Whether sets wait for a camera. Frames of one that is not waited for still join.
+  /// Whether sets wait for a camera. If not, its frames still join their sets.
   void wait_for(uint32_t camera, bool wait);
-  /// Cameras that the oldest set lacks and waits for; none where there is no set.
+  /// Cameras for which the oldest set waits; empty if there is no set.
   std::vector<uint32_t> lacking() const;
-  /// The sets that are decided.
+  /// Removes and returns the frames of all decided sets.
   std::vector<Decided> decide();
 
   uint64_t complete_sets() const { return complete_sets_; }

@@ -10,14 +10,14 @@ namespace inverse {
 namespace {
 
 struct Stopped {};
-constexpr double kClocks = 2e-3;       ///< seconds by which a camera's clock may be off ours
-constexpr uint32_t kUnaskedSteps = 4;  ///< in a row: then it is no accident
+constexpr double kMaxClockError = 2e-3;       ///< of a camera's clock, seconds
+constexpr uint32_t kMaxUntriggeredSteps = 4;  ///< consecutive steps; then an error
 
 Error runs_freely(const TriggeredCamera& camera) {
   return {ErrorKind::unsupported,
           "the camera " + camera.name() +
-              " sends frames that nobody triggered: switch its frame rate, its other triggers and "
-              "other programs' off"};
+              " sends frames without a trigger: switch off its frame rate and its other triggers, "
+              "and end other programs that trigger it"};
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ void TriggeredCapture::start(uint64_t trigger) {
     next_ = trigger;
     for (State& state : cameras_) {
       state.there = false;
-      state.earlier += std::exchange(state.owed, 0);
+      state.earlier += std::exchange(state.outstanding, 0);
       state.missing = 0;
     }
   }
@@ -57,7 +57,7 @@ uint64_t TriggeredCapture::stop() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     awaited_.reset();
-    news_.notify_all();
+    changed_.notify_all();
   }
   if (thread_.joinable()) thread_.join();
   const std::lock_guard lock(mutex_);
@@ -86,7 +86,7 @@ void TriggeredCapture::pause(double seconds) {
   std::unique_lock lock(mutex_);
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(seconds));
-  if (news_.wait_until(lock, until, [&] { return stopping_; })) throw Stopped{};
+  if (changed_.wait_until(lock, until, [&] { return stopping_; })) throw Stopped{};
 }
 
 std::vector<size_t> TriggeredCapture::missing() const {
@@ -96,22 +96,22 @@ std::vector<size_t> TriggeredCapture::missing() const {
   return list;
 }
 
-/// Waits until every camera's frame is there, or, for `owed`, until all that was fired has come.
-/// False where that takes too long.
-bool TriggeredCapture::wait_for_all(std::unique_lock<std::mutex>& lock, bool owed) {
-  const auto until = (owed ? last_fired_ : Clock::now()) +
+/// Waits until every camera's frame has arrived, or, if `outstanding`, until all triggered frames
+/// have. False after a timeout.
+bool TriggeredCapture::wait_for_all(std::unique_lock<std::mutex>& lock, bool outstanding) {
+  const auto until = (outstanding ? last_fired_ : Clock::now()) +
                      std::chrono::duration_cast<Clock::duration>(
-                         std::chrono::duration<double>((owed ? 2 : 1) * params_.timeout));
-  const bool complete = news_.wait_until(lock, until, [&] {
+                         std::chrono::duration<double>((outstanding ? 2 : 1) * params_.timeout));
+  const bool complete = changed_.wait_until(lock, until, [&] {
     return stopping_ || std::all_of(cameras_.begin(), cameras_.end(), [&](const State& state) {
-             return owed ? state.owed == 0 : state.there;
+             return outstanding ? state.outstanding == 0 : state.there;
            });
   });
   if (stopping_) throw Stopped{};
   return complete;
 }
 
-/// Fires these cameras. Their frames may come before it returns.
+/// Triggers these cameras. Their frames may arrive before it returns.
 void TriggeredCapture::fire(const std::vector<size_t>& cameras) {
   for (const size_t i : cameras) {
     {
@@ -121,7 +121,7 @@ void TriggeredCapture::fire(const std::vector<size_t>& cameras) {
       if (state.there) continue;  // in the meantime
       last_fired_ = Clock::now();
       if (state.fired == Clock::time_point{}) state.fired = last_fired_;
-      ++state.owed;
+      ++state.outstanding;
       ++stats_.fired;
     }
     cameras_[i].camera->fire();
@@ -131,9 +131,9 @@ void TriggeredCapture::fire(const std::vector<size_t>& cameras) {
 void TriggeredCapture::step(uint64_t trigger) {
   std::vector<size_t> wanted;
   {
-    // Nothing is on its way into a camera's thread while the lights change.
+    // No frame may be in a camera's thread while the lights change.
     std::unique_lock lock(mutex_);
-    news_.wait(lock, [&] {
+    changed_.wait(lock, [&] {
       return stopping_ || std::all_of(cameras_.begin(), cameras_.end(),
                                       [](const State& state) { return state.busy == 0; });
     });
@@ -166,16 +166,17 @@ void TriggeredCapture::step(uint64_t trigger) {
     lock.lock();
     complete = wait_for_all(lock, false);
   }
-  // What was fired more than once may come more than once, and only in this light.
+  // Repeated triggers may give several frames; all have to arrive in this light.
   wait_for_all(lock, true);
   const std::vector<size_t> lost = missing();
   awaited_.reset();
   next_ = trigger + 1;
   for (State& state : cameras_) {
-    state.earlier += std::exchange(state.owed, 0);
+    state.earlier += std::exchange(state.outstanding, 0);
     state.missing = state.there ? 0 : state.missing + 1;
-    state.unasked_steps = std::exchange(state.unasked, false) ? state.unasked_steps + 1 : 0;
-    if (state.unasked_steps >= kUnaskedSteps) throw runs_freely(*state.camera);
+    state.untriggered_steps =
+        std::exchange(state.untriggered, false) ? state.untriggered_steps + 1 : 0;
+    if (state.untriggered_steps >= kMaxUntriggeredSteps) throw runs_freely(*state.camera);
   }
   if (lost.empty()) {
     ++stats_.triggers;
@@ -186,9 +187,9 @@ void TriggeredCapture::step(uint64_t trigger) {
   if (listener_.lost) listener_.lost(trigger, lost);
   for (const size_t i : lost) {
     const State& state = cameras_[i];
-    if (state.missing < params_.patience) continue;
-    // Frames came, but none that is surely of a trigger.
-    if (state.unasked_steps >= params_.patience) throw runs_freely(*state.camera);
+    if (state.missing < params_.max_missing_steps) continue;
+    // Frames came, but none was certain to belong to a trigger.
+    if (state.untriggered_steps >= params_.max_missing_steps) throw runs_freely(*state.camera);
     throw Error(ErrorKind::connection,
                 "no frame came from the camera " + state.camera->name() + " in " +
                     std::to_string(state.missing) + " steps, each triggered " +
@@ -197,34 +198,34 @@ void TriggeredCapture::step(uint64_t trigger) {
   }
 }
 
-/// Whether a frame can be of another trigger than the one that is waited for; counts what it says
-/// of those that were fired.
-bool TriggeredCapture::doubtful(State& state, std::optional<uint64_t> id) const {
+/// Whether a frame may belong to another trigger than the awaited one. Updates the counts of
+/// outstanding frames.
+bool TriggeredCapture::is_ambiguous(State& state, std::optional<uint64_t> id) const {
   if (!id || state.camera->frame_id_bits() == 0) {
-    state.owed -= std::min(state.owed, 1U);
+    state.outstanding -= std::min(state.outstanding, 1U);
     return false;
   }
   const auto after = state.ids.after_last(*id);
   if (after && *after < 1) {
-    // One that comes late, or, if that goes on, a camera that counts anew.
+    // A late frame, or, if repeated, a camera that restarted its count.
     if (++state.backwards >= 2) state.ids.accept(*id);
     return true;
   }
   state.backwards = 0;
   state.ids.accept(*id);
   if (!after) {
-    state.owed -= std::min(state.owed, 1U);
+    state.outstanding -= std::min(state.outstanding, 1U);
     return false;
   }
-  // Ids count exposures: this one, and others before it whose frames are lost.
+  // Ids count exposures: this one and lost ones before it.
   const uint64_t exposures = static_cast<uint64_t>(*after);
   const uint64_t of_earlier = std::min<uint64_t>(exposures, state.earlier);
-  const bool doubt =
-      exposures <= state.earlier || exposures > uint64_t{state.earlier} + uint64_t{state.owed};
+  const bool ambiguous = exposures <= state.earlier ||
+                         exposures > uint64_t{state.earlier} + uint64_t{state.outstanding};
   state.earlier -= static_cast<uint32_t>(of_earlier);
-  state.owed -= static_cast<uint32_t>(
-      std::min<uint64_t>(state.owed, std::max<uint64_t>(exposures - of_earlier, 1)));
-  return doubt;
+  state.outstanding -= static_cast<uint32_t>(
+      std::min<uint64_t>(state.outstanding, std::max<uint64_t>(exposures - of_earlier, 1)));
+  return ambiguous;
 }
 
 std::optional<uint64_t> TriggeredCapture::frame(size_t camera, std::optional<uint64_t> id,
@@ -232,35 +233,35 @@ std::optional<uint64_t> TriggeredCapture::frame(size_t camera, std::optional<uin
   const std::lock_guard lock(mutex_);
   State& state = cameras_[camera];
   ++state.busy;
-  const bool unasked = state.owed == 0 && state.earlier == 0;
-  const uint32_t owed = state.owed;
-  const bool doubt = doubtful(state, id);
+  const bool untriggered = state.outstanding == 0 && state.earlier == 0;
+  const uint32_t outstanding = state.outstanding;
+  const bool ambiguous = is_ambiguous(state, id);
   const bool late =
       age && state.fired != Clock::time_point{} &&
-      std::chrono::duration<double>(Clock::now() - state.fired).count() + kClocks < *age;
-  if (late) state.owed = owed;  // that is still to come
+      std::chrono::duration<double>(Clock::now() - state.fired).count() + kMaxClockError < *age;
+  if (late) state.outstanding = outstanding;  // the awaited frame is still to come
   std::optional<uint64_t> trigger;
   if (stats_.fired == 0) {
     ++stats_.early;
-  } else if (unasked || !awaited_ || state.there) {
+  } else if (untriggered || !awaited_ || state.there) {
     ++stats_.surplus;
-    state.unasked = state.unasked || unasked;
+    state.untriggered = state.untriggered || untriggered;
   } else if (late) {
     ++stats_.late;
-  } else if (doubt) {
+  } else if (ambiguous) {
     ++stats_.ambiguous;
   } else {
     trigger = awaited_;
     state.there = true;
   }
-  news_.notify_all();
+  changed_.notify_all();
   return trigger;
 }
 
 void TriggeredCapture::done(size_t camera) {
   const std::lock_guard lock(mutex_);
   --cameras_[camera].busy;
-  news_.notify_all();
+  changed_.notify_all();
 }
 
 TriggeredCapture::Stats TriggeredCapture::stats() const {

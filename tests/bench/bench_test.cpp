@@ -1,5 +1,5 @@
-// The benchmark's own plumbing: layers of light through a device, scenes with them through a file,
-// work on all cores.
+// Tests of the benchmark itself: layers of light through a device, scenes with layers through a
+// file, work on all cores.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -107,7 +107,7 @@ TEST(Despill, OfOthersIsWhatTheirFormulasSay) {
   expect_codes(ffmpeg_despill(pixel(0.4F, 0.9F, 0.2F)), 0.4F, 0.3F, 0.2F);
   expect_codes(ffmpeg_despill(pixel(0.4F, 0.2F, 0.2F)), 0.4F, 0.2F, 0.2F);
   expect_codes(green_limit(pixel(0.4F, 0.9F, 0.2F)), 0.4F, 0.4F, 0.2F);
-  // All of the key goes; of a gray with a green cast, all of the cast and of its luma.
+  // The key disappears; a gray with a green cast loses all of the cast and its luma.
   expect_codes(gst_alpha_green(pixel(0, 1, 0)), 0, 0, 0);
   expect_codes(gst_alpha_green(pixel(0.5F, 0.7F, 0.5F)), 0.5F, 0.5F, 0.5F);
   expect_codes(gst_alpha_green(pixel(0.8F, 0.5F, 0.4F)), 0.8F, 0.5F, 0.4F);
@@ -150,7 +150,7 @@ TEST(TruthClicks, PaintFindsItsBaseColor) {
   EXPECT_EQ(all.nearest(), (std::vector<int>{0, 1, 2, -1}));
   EXPECT_EQ(all.wrong({0, 1, 2, 0}), (std::vector<std::uint8_t>{0, 0, 0, 0}));
   EXPECT_EQ(all.wrong({1, 2, -1, 1}), (std::vector<std::uint8_t>{1, 1, 0, 0}));
-  // Where the mask says so nothing is known.
+  // Masked pixels are unknown.
   Image mask(4, 1, 1);
   mask.at(1, 0, 0) = 1;
   const TrueSlots masked(paint, mask, three_colors());
@@ -172,8 +172,8 @@ TEST(TruthClicks, WhatIsHardlyNearerIsNotWrong) {
 }
 
 TEST(TruthClicks, AreOnTheWrongRegionsLargestFirst) {
-  // Of 8 x 4 pixels the right half is green and the top left 2 x 2 white; all were taken for red
-  // and the bottom left row for green, which is too small to click on.
+  // Of 8 x 4 pixels the right half is green and the top left 2 x 2 white; all were assigned to red
+  // and the bottom left row to green, which is too small to click on.
   constexpr int kWidth = 8, kHeight = 4;
   std::vector<int> slots(kWidth * kHeight, 0), truth(slots.size(), 0);
   for (int y = 0; y < kHeight; ++y)
@@ -197,7 +197,7 @@ TEST(TruthClicks, AreOnTheWrongRegionsLargestFirst) {
   EXPECT_EQ(found[1].right, 2);
   EXPECT_LT(found[1].click() % kWidth, 2);
   EXPECT_LT(found[1].click() / kWidth, 2);
-  // The row is large enough for a smaller share, and what has no cluster is no region.
+  // With a smaller share the row is large enough; pixels without cluster form no region.
   EXPECT_EQ(wrong_components(slots, wrong, truth, kWidth, kHeight, 0.09).size(), 3U);
   for (int& slot : slots) slot = slot == 2 ? -1 : slot;
   EXPECT_EQ(wrong_components(slots, wrong, truth, kWidth, kHeight, 0.125).size(), 1U);

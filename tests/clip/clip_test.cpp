@@ -1,5 +1,5 @@
-// The clip renderer where the answer is known: light in a sphere, a lamp and a window over a plane,
-// and the committed ground truth of the clip itself.
+// The clip renderer against closed forms: light in a sphere, a lamp and a window over a plane; and
+// the committed ground truth of the clip.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -62,7 +62,7 @@ TEST(ClipTransport, LampAndWindowOverAPlane) {
   EXPECT_NEAR(window, 0.7 * form_factor, 1e-3);
 }
 
-// A ball between lamp and plane: what it hides is dark, what it does not is lit.
+// A ball between lamp and plane: the hidden part is dark, the rest is lit.
 TEST(ClipTransport, ShadowsAreHard) {
   Scene scene;
   scene.primitives = {{Shape::kRectangle, {5, 0, 5}, {}, {}, gray(0.5f)},

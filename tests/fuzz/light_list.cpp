@@ -1,5 +1,4 @@
-// The lights.json of OLAT folders from anybody: refused with an Error, or as many unit vectors as
-// files.
+// Untrusted lights.json of OLAT folders: an Error, or as many unit vectors as files.
 #include "stage/program/light_list.hpp"
 
 #include <cmath>

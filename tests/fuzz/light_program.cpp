@@ -1,5 +1,4 @@
-// Light programs from anybody: refused with an Error, or read so that they can be written and read
-// again.
+// Untrusted light programs: an Error, or a program that can be written and read again.
 #include "stage/program/light_program.hpp"
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Network files from anybody, behind a header that is right: refused with an Error, or a graph
-// whose shapes can be told, and which is the same when it is written and read again.
+// Untrusted network files with a valid header: an Error, or a graph whose shapes can be computed
+// and that is unchanged when written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

@@ -1,4 +1,4 @@
-// ONNX models from anybody: refused with an Error, or a graph that can be written and read again.
+// Untrusted ONNX models: an Error, or a graph that can be written and read again.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

@@ -1,2 +1,2 @@
-// Whether this compiler fuzzes at all.
+// Tests whether this compiler supports fuzzing.
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }

@@ -1,4 +1,4 @@
-// Radiance pictures from anybody: refused with an Error, or an environment map of finite light.
+// Untrusted Radiance pictures: an Error, or an environment map of finite light.
 #include <sys/mman.h>
 #include <unistd.h>
 

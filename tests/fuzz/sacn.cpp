@@ -1,5 +1,5 @@
-// Datagrams from anybody: one after the other, each with a byte before it that says how long it is
-// (in fours) and one that says when it comes.
+// Untrusted datagrams, one after another, each after a byte with its length (in fours) and a byte
+// with its time.
 #include <cstdlib>
 
 #include "stage/controllers/sacn_receiver.hpp"

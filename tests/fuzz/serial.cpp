@@ -1,4 +1,4 @@
-// What comes over a wire from anybody: the first byte says in which pieces.
+// Untrusted bytes of a serial line: the first byte determines the chunks.
 #include <algorithm>
 #include <cstdlib>
 

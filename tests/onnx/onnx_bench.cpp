@@ -1,6 +1,6 @@
-// The device beside OpenCV's dnn, running the same model in turn: onnx-bench [--layers] [--runs N]
-// [--size N] [MODEL.onnx …]. Without a model: U-Nets of three widths. --layers: and node by node,
-// by the names that the model gives them.
+// The device and OpenCV's dnn with the same model in turn: onnx-bench [--layers] [--runs N] [--size
+// N] [MODEL.onnx …]. Without a model: U-Nets of three widths. --layers: node by node, by the
+// model's names.
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -21,7 +21,7 @@ namespace {
 using namespace inverse;
 using bench::Clock;
 
-/// As image-to-image networks have it: four times down by strides and up again.
+/// Like image-to-image networks: four strided steps down and up again.
 std::string u_net(int64_t width, int64_t size) {
   testing::OnnxBuilder b(1);
   std::string value = b.input("image", {1, 3, size, size});
@@ -46,16 +46,15 @@ std::string u_net(int64_t width, int64_t size) {
   return b.bytes();
 }
 
-/// The model's own name of a node, of our text for it (Conv "NAME") or of OpenCV's
-/// (onnx_node!NAME).
+/// The model's name of a node, from this project's text (Conv "NAME") or OpenCV's (onnx_node!NAME).
 std::string node_name(const std::string& text) {
   const size_t quote = text.find('"'), mark = text.find('!');
   if (quote != std::string::npos) return text.substr(quote + 1, text.rfind('"') - quote - 1);
   return mark == std::string::npos ? text : text.substr(mark + 1);
 }
 
-/// Runs both in turn and prints medians of every node of ours, and of what OpenCV took for the node
-/// of that name; the last row is what OpenCV does as nodes of their own and we do in others.
+/// Runs both in turn and prints the median time of every node in both; the last row is OpenCV's
+/// time in nodes that are fused here.
 void compare_layers(const network::Network& net, cv::dnn::Net& peer, const cv::Mat& image, int runs,
                     const std::shared_ptr<gpu::Device>& device) {
   gpu::Commands commands(device);

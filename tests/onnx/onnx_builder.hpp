@@ -42,7 +42,7 @@ class OnnxBuilder {
     t->set_raw_data(data.data(), data.size() * sizeof(float));
     return t->name();
   }
-  /// Appends a node; attributes are set on what comes back, whose output(0) is the result.
+  /// Appends a node; set attributes on the returned node, whose output(0) is the result.
   onnx::NodeProto* node(const std::string& type, const std::vector<std::string>& inputs) {
     onnx::NodeProto* n = model_.mutable_graph()->add_node();
     n->set_op_type(type);

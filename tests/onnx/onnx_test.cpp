@@ -1,5 +1,5 @@
-// ONNX models through the importer and the device, against OpenCV's dnn running the same model; and
-// what the importer refuses.
+// ONNX models through the importer and the device, against OpenCV's dnn with the same model; and
+// the importer's errors.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,7 +30,7 @@ std::string complaint(const OnnxBuilder& builder) {
   return "";
 }
 
-/// Convolutions of all kinds with batch-norm, skips and upsampling, as SegmentationNet has them.
+/// Convolutions of all kinds with batch-norm, skips and upsampling, as in SegmentationNet.
 OnnxBuilder image_model(int64_t height, int64_t width) {
   OnnxBuilder b(5);
   const std::string image = b.input("image", {1, 3, height, width});
@@ -52,7 +52,7 @@ OnnxBuilder image_model(int64_t height, int64_t width) {
   return b;
 }
 
-/// Pooling blocks and dense nodes, as ExponentNet has them.
+/// Pooling blocks and dense nodes, as in ExponentNet.
 OnnxBuilder vector_model(int64_t side) {
   OnnxBuilder b(6);
   std::string value = b.input("image", {1, 2, side, side});
@@ -285,8 +285,8 @@ TEST_F(OnnxTest, RefusesWhatItCannotDoNamingIt) {
       "Conv_1\"\": a weight is not a finite number");
 }
 
-// Each of these means something that is not done: where it is not looked at, a network runs, and
-// gives other numbers than ONNX says.
+// Unsupported attributes: if one is ignored, the network runs, but with other results than ONNX
+// defines.
 TEST_F(OnnxTest, RefusesEveryAttributeThatMeansSomethingElse) {
   using Proto = onnx::NodeProto;
   using Spoil = std::function<void(Proto*)>;
@@ -416,7 +416,7 @@ TEST_F(OnnxTest, RefusesBatchesAndOperatorSetsThatItDoesNotKnow) {
         << refused(opset, 1);
 }
 
-// Up to opset 12 axis 1 means that axis and all behind it.
+// Up to opset 12 axis 1 meant that axis and all following ones.
 TEST_F(OnnxTest, RefusesSoftmaxOverAllOfAnImage) {
   const auto complaint_of = [](int64_t opset, bool with_axis) {
     OnnxBuilder b(1, opset);

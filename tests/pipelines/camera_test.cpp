@@ -1,6 +1,6 @@
-// Lines that begin with a camera. The cameras of USB and libcamera are hardware: videotestsrc
-// stands in for them, live and in the formats they send. With INVERSE_TEST_CAMERA=/dev/videoN the
-// webcam's line runs with a real one as well. The industrial camera is Aravis' own in software.
+// Pipelines that begin with a camera. USB and libcamera need hardware: live videotestsrc replaces
+// them, in their formats. With INVERSE_TEST_CAMERA=/dev/videoN the webcam's pipeline also runs with
+// a real one. The industrial camera is Aravis' software camera.
 #include <unistd.h>
 
 #include <chrono>
@@ -54,7 +54,7 @@ TEST_F(Camera, MissingOnesAreNamed) {
   EXPECT_NE(output_.find("there is no camera /dev/video97"), std::string::npos) << output_;
 }
 
-/// The real element takes the script's line, and says that its camera is not there.
+/// The real element accepts the script's pipeline and reports its missing camera.
 TEST_F(Camera, MissingLibcamera) {
   if (system("gst-inspect-1.0 --exists --atleast-version=0.0.0 libcamerasrc") != 0)
     GTEST_SKIP() << "libcamerasrc is missing: install gstreamer1.0-libcamera";
@@ -78,7 +78,7 @@ class Aravis : public PipelineTest {
       GTEST_SKIP() << "aravissrc is missing: install libaravis-0.8-0";
   }
 
-  /// As root, Aravis takes packet sockets, which hear nothing on loopback.
+  /// As root, Aravis uses packet sockets, which receive nothing on loopback.
   static std::vector<std::string> without_raw_sockets(std::vector<std::string> words) {
     if (geteuid() == 0)
       words.insert(words.begin(),

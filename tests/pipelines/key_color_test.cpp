@@ -1,4 +1,4 @@
-// The color that ./dev run repaints: on pictures in which it is plain, and on some that have none.
+// The color that ./dev run repaints, on images with an obvious one and on some without.
 #include "../../tools/runner/key_color.hpp"
 
 #include <gtest/gtest.h>

@@ -92,7 +92,7 @@ void on_pad(GstElement*, GstPad* pad, Reader* reader) {
   gst_element_sync_state_with_parent(branch);
 }
 
-/// Plays a pipeline to its end; the error text where it has none.
+/// Plays a pipeline to its end; returns the error text, empty on success.
 std::string play(GstElement* pipeline, unsigned seconds) {
   std::string error_text;
   GstBus* bus = gst_element_get_bus(pipeline);

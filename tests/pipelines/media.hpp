@@ -12,20 +12,20 @@ struct Image {
   int width = 0, height = 0;
   std::vector<uint8_t> rgb;
 
-  /// Mean of one channel (0…2) over the rectangle given in parts of the picture, 0…255.
+  /// Mean of one channel (0…2) over the rectangle in fractions of the image, 0…255.
   double mean(int channel, double left = 0, double top = 0, double right = 1,
               double bottom = 1) const;
   /// Variance of the channels' mean over the same.
   double variance(double left = 0, double top = 0, double right = 1, double bottom = 1) const;
 };
 
-/// What a file holds.
+/// Content of a file.
 struct Media {
   std::vector<Image> frames;
   std::vector<GstClockTime> times;  ///< presentation time of each frame
   struct Sound {
     std::string caps;
-    std::vector<std::vector<uint8_t>> packets;  ///< as they lie in the file, undecoded
+    std::vector<std::vector<uint8_t>> packets;  ///< undecoded, as stored in the file
   };
   std::vector<Sound> sounds;
   std::vector<std::string> errors;
@@ -34,8 +34,8 @@ struct Media {
 /// Reads a file of video and sound, or a picture.
 Media read_media(const std::string& path, unsigned seconds = 60);
 
-/// Fails the test where the video has another size than this, fewer frames, times that do not rise,
-/// or pictures that are black or flat.
+/// Fails the test if the video has another size, fewer frames, times that do not increase, or
+/// images that are black or uniform.
 void expect_video(const Media& media, int width, int height, size_t frames_at_least);
 
 /// Writes a file with a launch line that ends in a muxer; "name" of the sink is filled in.

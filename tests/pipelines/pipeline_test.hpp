@@ -17,12 +17,12 @@ class PipelineTest : public ::testing::Test {
   std::string file(const std::string& name) const { return folder_ / name; }
   /// The path of a script.
   static std::string script(const std::string& name);
-  /// Runs a script to its end and returns its exit status; fails the test where it does not end.
+  /// Runs a script to its end and returns its exit status; fails the test after a timeout.
   int run(const std::string& name, const std::vector<std::string>& words,
           const Process::Environment& more = {}, double seconds = 120);
-  /// Lets a line that would not end by itself write `path` until it has so many bytes, then ends it
-  /// as Ctrl-C does. How many frames of a live source a machine misses is up to its load. Fails the
-  /// test where the line, or the `peer` that it hears from, ends before that.
+  /// Runs an endless pipeline until `path` has this many bytes, then ends it as Ctrl-C does. (The
+  /// number of dropped live frames depends on the machine's load.) Fails the test if the pipeline
+  /// or the sending `peer` ends before that.
   static void end_when_grown(Process& line, const std::string& path, uintmax_t bytes,
                              Process* peer = nullptr);
   /// The environment of scripts: no display, and `more`.

@@ -9,8 +9,7 @@
 
 namespace inverse::testing {
 
-/// A program that runs beside the test, with its children; ended with them at the latest by the
-/// destructor.
+/// A program with its children, running in parallel with the test; the destructor ends it.
 class Process {
  public:
   using Environment = std::map<std::string, std::string>;  ///< an empty value unsets
@@ -21,12 +20,12 @@ class Process {
   Process& operator=(const Process&) = delete;
   ~Process();
 
-  /// Its exit status, 128 + signal where one ended it, −1 where it still runs after `seconds`.
+  /// Its exit status; 128 + signal if a signal ended it; −1 if it still runs after `seconds`.
   int wait(double seconds);
-  /// What Ctrl-C sends.
+  /// Sends SIGINT, as Ctrl-C does.
   void interrupt();
   bool running() { return wait(0) == -1; }
-  /// What it has written so far.
+  /// Its output so far.
   std::string output() const;
 
  private:

@@ -1,5 +1,4 @@
-// ./dev run: what it writes where there is no display, the window where there is one, and what it
-// says when something is wrong.
+// ./dev run: output files without a display, the window with one, and error messages.
 #include <fstream>
 
 #include "pipeline_test.hpp"
@@ -33,7 +32,7 @@ TEST_F(Run, BundledClipWithoutDisplay) {
   expect_mosaic(frame);
   // The recolored view is the input but for the recolored parts.
   EXPECT_GT(frame.variance(.5, .5, 1, 1), 100);
-  // Sound as it came, up to where we stopped.
+  // The original sound, up to the stop.
   ASSERT_EQ(movie.sounds.size(), 1u);
   std::filesystem::path clip;
   for (const auto& entry : std::filesystem::directory_iterator(MEDIA))
@@ -145,8 +144,8 @@ TEST_F(Run, ElementsThatDoNotFitAreSaid) {
 
 TEST_F(Run, WindowWhereThereIsADisplay) {
   if (system("command -v Xvfb >/dev/null") != 0) GTEST_SKIP() << "Xvfb is missing: install xvfb";
-  // Only the display's number is kept: keyboard warnings would stand before it. -noreset: without
-  // it, the server starts anew whenever its last window closes, and refuses who comes then.
+  // Keep only the display's number: keyboard warnings precede it. Without -noreset the server
+  // resets whenever its last window closes, and rejects clients meanwhile.
   Process display({"bash", "-c",
                    "exec Xvfb -displayfd 3 -noreset -screen 0 1400x1000x24 -nolisten tcp "
                    "3>&1 >/dev/null 2>&1"});

@@ -6,8 +6,8 @@
 
 namespace inverse::reference {
 
-/// pcg3d of Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020:
-/// three 32-bit counters in, three well mixed 32-bit numbers out.
+/// pcg3d of Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020: hashes three
+/// 32-bit counters to three 32-bit numbers.
 inline std::array<std::uint32_t, 3> pcg3d(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   x = x * 1664525u + 1013904223u;
   y = y * 1664525u + 1013904223u;

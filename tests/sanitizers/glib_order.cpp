@@ -1,7 +1,6 @@
-// What GLib's locks order, for ThreadSanitizer. GLib is not instrumented and its locks sit on
-// futexes, so that the sanitizer sees neither them nor what they order, and would call every field
-// that is guarded by one a race. These functions take the place of GLib's in a test program, tell
-// the sanitizer, and go on to GLib's own.
+// Happens-before relations of GLib's locks, for ThreadSanitizer. GLib is not instrumented and uses
+// futexes, so the sanitizer would report every field guarded by a GLib lock as a race. These
+// functions replace GLib's in a test program, annotate the order, and call GLib's own.
 #include <dlfcn.h>
 #include <glib-object.h>
 
@@ -73,7 +72,7 @@ gboolean g_cond_wait_until(GCond* condition, GMutex* lock, gint64 end) {
   return signaled;
 }
 
-// Whoever drops the last reference sees what the others did before they dropped theirs.
+// Dropping the last reference happens after all other drops.
 void g_object_unref(gpointer object) {
   NEXT(g_object_unref);
   __tsan_release(object);
@@ -81,7 +80,7 @@ void g_object_unref(gpointer object) {
   next_function(object);
 }
 
-// Through which harnesses hand over what elements send.
+// Harnesses use these to pass on what elements send.
 void g_async_queue_push(GAsyncQueue* queue, gpointer data) {
   NEXT(g_async_queue_push);
   __tsan_release(queue);

@@ -1,13 +1,13 @@
-// For LeakSanitizer: libraries stay loaded to the end of the test program (Vulkan drivers are
-// closed with the last instance), for a leak of a library that is gone has no name by which
-// lsan.supp could tell it from one of ours.
+// For LeakSanitizer: keeps libraries loaded to the end of the test program (Vulkan drivers are
+// unloaded with the last instance). A leak in an unloaded library has no name, so lsan.supp could
+// not match it.
 #include <dlfcn.h>
 #include <sanitizer/lsan_interface.h>
 
 extern "C" int dlclose(void*) noexcept { return 0; }
 
-// Nor counts what libraries allocate as they are loaded: GLib leaves its first table of quarks
-// behind when it grows.
+// Ignores allocations of libraries while they load: GLib drops its first table of quarks when it
+// grows.
 static void libraries_begin(int, char**, char**) { __lsan_disable(); }
 [[gnu::section(".preinit_array"),
   gnu::used]] static void (*const before_libraries)(int, char**, char**) = libraries_begin;

@@ -45,14 +45,14 @@ Holding holding_now(uint64_t device_bytes) {
   return holding;
 }
 
-void Growth::sample_now(uint64_t device_bytes, std::chrono::milliseconds patience) {
+void Growth::sample_now(uint64_t device_bytes, std::chrono::milliseconds timeout) {
   const auto fewest = [&](double Holding::*field) {
     double least = std::numeric_limits<double>::max();
     for (const Holding& sample : samples_) least = std::min(least, sample.*field);
     return least;
   };
   const double threads = fewest(&Holding::threads), descriptors = fewest(&Holding::descriptors);
-  const auto end = std::chrono::steady_clock::now() + patience;
+  const auto end = std::chrono::steady_clock::now() + timeout;
   Holding now = holding_now(device_bytes);
   while ((now.threads > threads || now.descriptors > descriptors) &&
          std::chrono::steady_clock::now() < end) {

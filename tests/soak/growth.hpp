@@ -6,7 +6,7 @@
 
 namespace inverse::soak {
 
-/// What a process holds at one moment.
+/// Resources of a process.
 struct Holding {
   double resident_mib = 0;  ///< resident memory, free heap returned first
   double device_mib = 0;    ///< memory allocated on the Vulkan device
@@ -14,10 +14,10 @@ struct Holding {
   double threads = 0;
 };
 
-/// This process now. `device_bytes` is what an element's stats say.
+/// Resources of this process. `device_bytes` is from an element's stats.
 Holding holding_now(uint64_t device_bytes);
 
-/// How much a process may hold at the end beyond what it held after the warm-up.
+/// Allowed growth between the warm-up and the end.
 struct Slack {
   double resident_mib = 4;
   double device_mib = 0;
@@ -31,14 +31,13 @@ class Growth {
  public:
   Growth(std::string phase, const Slack& slack) : phase_(std::move(phase)), slack_(slack) {}
   void sample(const Holding& holding) { samples_.push_back(holding); }
-  /// Samples this process once it has settled: a thread that is ending is gone soon, a leaked one
-  /// is not. Waits, as long as `patience` lasts, for as few threads and files as ever in this
-  /// phase.
+  /// Samples this process once it is stable: an ending thread disappears soon, a leaked one does
+  /// not. Waits up to `timeout` for the minimum number of threads and files of this phase.
   void sample_now(uint64_t device_bytes,
-                  std::chrono::milliseconds patience = std::chrono::seconds(1));
+                  std::chrono::milliseconds timeout = std::chrono::seconds(1));
   size_t samples() const { return samples_.size(); }
   const Holding& last() const { return samples_.back(); }
-  /// Prints the phase's lines of the table; false where something grew beyond its slack.
+  /// Prints the phase's lines of the table; false if a resource grew beyond its limit.
   bool judge() const;
 
  private:

@@ -1,4 +1,4 @@
-// The watch itself: it must see growth and must not mind noise.
+// The measurement of growth: it must detect growth and ignore noise.
 #include "growth.hpp"
 
 #include <gtest/gtest.h>
@@ -42,13 +42,13 @@ TEST(Growth, FilesAndThreadsAreSeen) {
   EXPECT_FALSE(judged_good([](Holding& h, int i) { h.threads += i / 20; }));
 }
 TEST(Growth, AThreadThatIsEndingIsFineAndALastingOneIsSeen) {
-  const auto grown = [](std::chrono::milliseconds patience, std::chrono::milliseconds life) {
+  const auto grown = [](std::chrono::milliseconds timeout, std::chrono::milliseconds life) {
     Growth growth("test", Slack{});
     for (int i = 0; i < 4; ++i) growth.sample_now(0);
     const double before = growth.last().threads;
     std::promise<void> sampled;
     std::thread thread([life, done = sampled.get_future()] { done.wait_for(life); });
-    growth.sample_now(0, patience);
+    growth.sample_now(0, timeout);
     sampled.set_value();
     thread.join();
     return growth.last().threads - before;

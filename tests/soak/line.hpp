@@ -51,7 +51,7 @@ class Line {
       throw std::runtime_error(std::string("cannot go to ") + gst_element_state_get_name(state));
     }
   }
-  /// Waits until so many frames came through.
+  /// Waits for this number of frames at the sink.
   void wait_for(unsigned frames) {
     auto moved = Clock::now();
     for (unsigned seen = frames_; frames_ < frames;) {
@@ -79,7 +79,7 @@ class Line {
                                  static_cast<gint64>(time)))
       throw std::runtime_error("a seek was refused");
   }
-  /// What its decomposer's stats say.
+  /// The stats of its decomposer.
   uint64_t device_bytes() const {
     GstStructure* stats = nullptr;
     g_object_get(decomposer_, "stats", &stats, nullptr);
@@ -89,7 +89,7 @@ class Line {
     if (!told || bytes == 0) throw std::runtime_error("stats tell no device-bytes");
     return bytes;
   }
-  /// Throws what the pipeline complains about, if anything.
+  /// Throws the pipeline's error, if any.
   void check() {
     if (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ERROR)) {
       const std::string reason = complaint(message);

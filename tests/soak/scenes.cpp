@@ -17,7 +17,7 @@ namespace {
 constexpr unsigned kWidth = 90, kHeight = 70;
 using Frame = std::vector<uint8_t>;  // RGBA
 
-/// Every kind of scene that follows another one badly.
+/// Kinds of scenes with difficult transitions.
 enum class Scene {
   black,
   white,

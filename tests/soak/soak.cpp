@@ -1,12 +1,11 @@
 // soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
 //      [--device-slack MIB]
 //
-// Long runs through a decomposer and an editing chain, watched for growth: frames with flushing
-// seeks among them, caps changes, start-stop cycles, extreme changes of scene. Without --decomposer
-// and --quick some hundred frames of each of the thesis' elements, of limematerial with
-// materialclone, and of olatrelight follow. Exit status 1 where
-// memory, open files or threads grow, where an element complains, or where nothing moves for a
-// minute.
+// Long runs through a decomposer and an editing chain, monitored for growth: frames with flushing
+// seeks, caps changes, start-stop cycles, extreme changes of scene. Without --decomposer and
+// --quick, some hundred frames of each of the thesis' elements, of limematerial with materialclone,
+// and of olatrelight follow. Exit status 1 if memory, open files or threads grow, an element posts
+// an error, or nothing happens for a minute.
 #include <gst/app/gstappsrc.h>
 #include <gst/gst.h>
 #include <gst/video/video.h>
@@ -35,13 +34,13 @@ constexpr const char* kChain =
     "intrinsiccompose";
 constexpr const char* kEnd = " ! video/x-raw ! fakesink name=sink sync=false signal-handoffs=true";
 
-/// A phase of which there are none is left out.
+/// A phase with count 0 is skipped.
 struct Plan {
   std::string decomposer = "intrinsicdecomp";
   std::string chain = kChain;  ///< the element's name, properties, and what follows it
   unsigned frames = 10000, caps_changes = 200, cycles = 50, scenes = 1000;
-  /// Pools get a plane (0.1 MiB) whenever frames in flight first ask for one more at once, which is
-  /// a matter of timing; what leaks with frames, seeks or scenes comes to far more.
+  /// Pools grow by a plane (0.1 MiB) whenever frames in flight first need one more, depending on
+  /// timing; leaks per frame, seek or scene are far larger.
   Slack slack{.device_mib = 0.5};
 };
 
@@ -73,7 +72,7 @@ Growth soak_frames(const Plan& plan) {
   return growth;
 }
 
-/// Sizes and formats by turns, two frames each; a sample after each round.
+/// Sizes and formats in turn, two frames each; a sample after each round.
 Growth soak_caps(const Plan& plan) {
   struct Caps {
     const char* format;
@@ -112,8 +111,8 @@ Growth soak_caps(const Plan& plan) {
   return growth;
 }
 
-/// NULL → PLAYING → NULL: to the end of the stream and in the middle of it by turns; every fifth
-/// time with a new pipeline.
+/// NULL → PLAYING → NULL, alternately at the end of the stream and in the middle; every fifth time
+/// with a new pipeline.
 Growth soak_cycles(const Plan& plan) {
   constexpr const char* kSource =
       "videotestsrc num-buffers=6 ! video/x-raw,format=NV12,width=96,height=72,framerate=30/1";
@@ -145,7 +144,7 @@ unsigned number(const char* text) {
   return static_cast<unsigned>(value);
 }
 
-/// For the thesis' elements, which take many times as long.
+/// For the thesis' elements, which are many times slower.
 Plan of_thesis(const char* decomposer) {
   Plan plan;
   plan.decomposer = decomposer;
@@ -167,8 +166,8 @@ Plan of_materials() {
   return plan;
 }
 
-/// Halves of a picture as pairs; odd widths are refused, so that sizes stay, and what comes out is
-/// not the input.
+/// Halves of an image as pairs; odd widths are unsupported, so that sizes stay, and the output
+/// differs from the input.
 Plan of_relighting(const char* model) {
   Plan plan;
   plan.decomposer = "olatrelight";

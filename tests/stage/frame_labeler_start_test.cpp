@@ -1,5 +1,5 @@
-// Labels of streams that begin, break off and go on: from where they count, and that each frame is
-// told of once.
+// Labels of streams that begin, break off and continue: the start of the count, and that each frame
+// is reported once.
 #include <array>
 #include <map>
 
@@ -122,7 +122,7 @@ TEST_F(Unmarked, WhatComesAfterTheEndIsNotTheStart) {
   EXPECT_EQ(labeler_.counts().ended, 40U);
 }
 
-/// Whatever comes, each frame that was pushed is told of once: elements wait for that.
+/// For any input, each pushed frame is reported once: elements rely on that.
 TEST(Labeling, EveryFrameIsToldOnceWhateverHappens) {
   using Marker = LightProgram::Marker;
   std::vector<LightProgram> programs{performance(some_lights()), static_capture(some_lights(40)),

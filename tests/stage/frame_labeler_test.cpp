@@ -1,4 +1,4 @@
-// Labels of frames of a light stage: that none is wrong, and that each loss is counted.
+// Labels of a light stage's frames: none is wrong, and every loss is counted.
 #include "stage/labels/frame_labeler.hpp"
 
 #include <gtest/gtest.h>
@@ -142,7 +142,7 @@ TEST_F(ByHand, OffBeatAndOutOfOrderFramesAreDroppedAndCounted) {
   push(102, picture(102));
   const uint64_t old = push(101, picture(101));
   play(103, 110);
-  // Half a period off is told by its picture, and only by that.
+  // Half a period off: only the image shows it.
   EXPECT_TRUE(fate(between) != Fate::labeled || told_[between].trigger == 100);
   EXPECT_EQ(fate(old), Fate::late);
   EXPECT_EQ(labeler_.counts().late, 1U);
@@ -314,7 +314,8 @@ TEST_F(SingleLights, AProgramThatIsStartedAgainAnywhereHasNoWrongLabel) {
       again.hear(again.labeler_.drain());
       const auto first = static_cast<uint64_t>(20 + stop);
       const auto marker = first + static_cast<uint64_t>(pause);
-      // Where the marker's full frame comes as the next tracking frame would have, nothing tells.
+      // If the marker's full frame coincides with the next tracking frame, nothing distinguishes
+      // them.
       const bool unlucky =
           pause < 12 && program_.kind(program_.at(marker - 20 + 1)) == StepKind::tracking;
       for (uint64_t token = 20; token < again.tokens_; ++token) {

@@ -1,4 +1,4 @@
-// Frames of the same trigger from several cameras: which leave, when, and in which order.
+// Frames of the same trigger from several cameras: which are output, when, and in which order.
 #include "stage/triggers/frame_sets.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A FrameLabeler whose frames are pushed by hand.
+// A FrameLabeler with frames pushed by the test.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ inline std::vector<StageLight> some_lights(uint32_t count = 64) {
   return stage_lights(geodesic_directions(count));
 }
 
-/// A program whose pictures all look alike: times and ids are all there is.
+/// A program whose images are all alike: only times and ids distinguish steps.
 inline LightProgram featureless() {
   LightProgram program = performance(some_lights());
   std::mt19937 random(3);
@@ -46,7 +46,7 @@ struct HandCamera {
     image.content = ++content_;
     return image;
   }
-  /// The same in another frame, in which less or more of the picture is subject.
+  /// The same at another framing, with a smaller or larger share of the subject.
   ImageEvidence scaled(int64_t trigger, double by) {
     ImageEvidence image = picture(trigger);
     for (double& level : image.level) level *= by;

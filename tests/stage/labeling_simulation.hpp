@@ -1,5 +1,5 @@
-// A camera of a light stage without a camera: what it sends of a light program, with lost and
-// doubled frames, time stamps that jitter and drift, and what became of each when it was labeled.
+// A simulated camera of a light stage: frames of a light program, with lost and duplicated ones,
+// time stamps with jitter and drift, and the result of labeling each.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ struct SimulationResult {
   std::vector<int64_t> label_of_token;    ///< -1: none
 };
 
-/// The picture of a head-like subject under colored light: mean linear RGB.
+/// The image of a head-like subject under colored light: mean linear RGB.
 inline std::array<double, 3> mean_picture(const LightProgram& program,
                                           LightProgram::Position position) {
   std::array<double, 3> level{0.01, 0.01, 0.012};  // ambient

@@ -1,4 +1,4 @@
-// Light programs: what they say of each trigger, and files that are not right.
+// Light programs: their state at each trigger, and errors of invalid files.
 #include "stage/program/light_program.hpp"
 
 #include <gtest/gtest.h>
@@ -215,7 +215,8 @@ TEST(LightProgram, IsTheSameWhenReadAgain) {
 TEST(LightProgram, FieldsThatAreNotKnownAreNamed) {
   EXPECT_NE(error_of(with(kTwo, kBlack, R"("repeats": 4, )")).find("\"repeats\""),
             std::string::npos);
-  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})")).find("step 0 has a \"gard\""),
+  EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})"))
+                .find("step 0 has an unknown field \"gard\""),
             std::string::npos);
   EXPECT_NE(error_of(with(R"({"direction": [0, 0, 1], "channel": [1]})", kBlack)).find("light 0"),
             std::string::npos);

@@ -1,4 +1,4 @@
-// What we send, as the Open Lighting Architecture's daemon understands it.
+// The sent data, as received by the Open Lighting Architecture's daemon.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-/// What a web server on loopback answers; empty where there is none.
+/// The reply of a web server on loopback; empty if there is none.
 std::string http(uint16_t port, const std::string& request) {
   Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const auto address = udp::ipv4(INADDR_LOOPBACK, port);
@@ -57,11 +57,11 @@ std::string post(uint16_t port, const std::string& path, const std::string& form
                         std::to_string(form.size()) + "\r\n\r\n" + form);
 }
 
-/// olad on loopback with two inputs of E1.31 and nothing else; ended by the destructor.
+/// olad on loopback with two E1.31 inputs only; ended by the destructor.
 class Olad {
  public:
   Olad() {
-    // It would talk to whatever hardware it finds.
+    // Otherwise it would use any connected hardware.
     for (const char* plugin :
          {"artnet", "dmx4linux",  "dummy",   "espnet",   "ftdidmx",  "gpio",
           "karate", "kinet",      "milinst", "nanoleaf", "opendmx",  "openpixelcontrol",
@@ -216,7 +216,7 @@ TEST_F(OladTest, IsDrivenByItsClient) {
   const auto driver = make_light_driver(settings);
   driver->upload(program_);
   driver->show(4);
-  std::this_thread::sleep_for(milliseconds(3000));  // longer than olad believes in who is silent
+  std::this_thread::sleep_for(milliseconds(3000));  // longer than olad's timeout of a source
   expect_levels(DmxPatch(program_, 1).levels(program_.colors(program_.at(4))), "after 3 s");
   olad_.reset();
   std::string told;

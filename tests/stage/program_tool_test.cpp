@@ -9,7 +9,7 @@
 namespace inverse::testing {
 namespace {
 
-/// What it prints, and its exit status.
+/// Its output and exit status.
 std::pair<std::string, int> tool(const std::string& arguments) {
   FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
   std::string text;

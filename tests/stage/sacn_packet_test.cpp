@@ -219,7 +219,7 @@ TEST(SacnPacket, NoiseIsIgnored) {
     const Parsed parsed = parse(bytes);  // neither crashes nor makes impossible packets
     if (parsed.data) {
       EXPECT_LE(parsed.data->slots.size(), 512U);
-      EXPECT_LE(parsed.data->priority, kHighestPriority);
+      EXPECT_LE(parsed.data->priority, kMaxPriority);
     }
   }
 }

@@ -18,7 +18,7 @@ using sacn::DataPacket;
 using sacn::SyncPacket;
 using sacn::Universes;
 
-/// A port that keeps every datagram.
+/// A port that stores every datagram.
 class Port {
  public:
   Port() : socket_(udp::open(AF_INET)) {
@@ -31,7 +31,7 @@ class Port {
     port_ = ntohs(bound.sin_port);
   }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  /// The next datagram, empty where there is none.
+  /// The next datagram; empty if there is none.
   std::vector<uint8_t> next() {
     pollfd wanted{socket_.get(), POLLIN, 0};
     poll(&wanted, 1, 200);
@@ -65,8 +65,7 @@ TEST(SacnDriver, RepeatsWhatLasts) {
   while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1900))
     if (const auto packet = sacn::parse(port.next()).data; packet && packet->universe == 40)
       packets.push_back(*packet);
-  // Black, the step, twice again as it is new, and then so that no receiver takes the source for
-  // gone.
+  // Black, the step, two quick repeats, then slow ones within the receivers' timeout.
   ASSERT_GE(packets.size(), 6U);
   for (size_t i = 2; i < packets.size(); ++i) {
     EXPECT_EQ(packets[i].slots, packets[1].slots);
@@ -180,7 +179,7 @@ TEST(SacnDriver, SaysWhatIsWrong) {
   EXPECT_NE(error_of([&] { driver->show(0); }).find("before a program"), std::string::npos);
 }
 
-/// Several packets one after the other, as several senders make them.
+/// Several packets in sequence, as from several senders.
 class Heard : public ::testing::Test {
  protected:
   DataPacket from(uint8_t who, uint8_t sequence, uint8_t level, uint8_t priority = 100) {

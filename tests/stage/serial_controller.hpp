@@ -23,7 +23,7 @@
 
 namespace inverse::testing {
 
-/// The other end of a wire: a thread that reads lines and answers as `answer` says.
+/// The other end of the line: a thread that reads lines and replies with `answer`.
 class Controller {
  public:
   using Answer = std::function<std::string(const std::string& line)>;
@@ -41,7 +41,7 @@ class Controller {
     thread_.join();
   }
   const std::string& path() const { return path_; }
-  /// Pulls the plug.
+  /// Disconnects.
   void hang_up() {
     stop_ = true;
     thread_.join();
@@ -53,13 +53,13 @@ class Controller {
     std::lock_guard lock(mutex_);
     (void)!write(master_.get(), text.data(), text.size());
   }
-  /// How many lines began with this word.
+  /// Number of lines that began with this word.
   int count(const std::string& word) {
     std::lock_guard lock(mutex_);
     return static_cast<int>(std::ranges::count_if(
         lines_, [&](const std::string& line) { return line.starts_with(word); }));
   }
-  /// Waits for so many lines and gives all that came.
+  /// Waits for this many lines and returns all received ones.
   std::vector<std::string> lines(size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(10), [&] { return lines_.size() >= count; });
@@ -108,8 +108,8 @@ class Controller {
   std::thread thread_;
 };
 
-/// A controller that does what docs/reference/light-stage-serial.md says: keeps a program, and
-/// knows what its lights do. Written from that page alone.
+/// A controller written from docs/reference/light-stage-serial.md alone: stores a program and
+/// tracks the state of its lights.
 class Rig {
  public:
   std::string operator()(const std::string& line) {

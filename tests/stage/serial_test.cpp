@@ -1,4 +1,4 @@
-// The serial backend against a pseudo-terminal that plays the controller.
+// The serial backend against a simulated controller on a pseudo-terminal.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -22,12 +22,11 @@ LightDriverSettings settings_for(const std::string& port) {
   LightDriverSettings settings;
   settings.backend = LightDriverSettings::Backend::serial;
   settings.serial.port = port;
-  settings.serial.patience = 1;
+  settings.serial.timeout = 1;
   return settings;
 }
 
-/// What `upload` throws where a controller answers like this, which must not take much longer than
-/// its patience.
+/// Error of `upload` for a controller with these replies, within about the timeout.
 std::string upload_error(Controller& controller) {
   const auto start = Clock::now();
   const std::string error =
@@ -61,7 +60,7 @@ TEST(SerialProtocol, LinesAreCutAndBounded) {
   const std::string flood(1 << 20, 'x');
   reader.take(flood);
   reader.take(std::string("\n"));
-  EXPECT_EQ(reader.next()->size(), serial::kLongestReply);
+  EXPECT_EQ(reader.next()->size(), serial::kMaxReplyLength);
   const std::string many(1 << 20, '\n');
   std::string alternating;
   for (int i = 0; i < 100000; ++i) alternating += "a\n";
@@ -170,7 +169,7 @@ TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
     return rig(line);
   });
   auto settings = settings_for(controller.path());
-  settings.serial.patience = 5;
+  settings.serial.timeout = 5;
   const auto driver = make_light_driver(settings);
   driver->upload(two_lights());
   EXPECT_EQ(greetings, 3);
@@ -187,16 +186,16 @@ TEST_F(SerialDriver, SaysThatNobodyAnswers) {
 
 TEST_F(SerialDriver, SaysThatItIsRubbish) {
   Controller rubbish([](const std::string&) { return "\x80\xffU*U*\x01\n"; });
-  EXPECT_NE(upload_error(rubbish).find("is not our protocol; check the baud rate"),
+  EXPECT_NE(upload_error(rubbish).find("is not of this protocol; check the baud rate"),
             std::string::npos);
   Rig rig;
   Controller later(
       [&](const std::string& line) { return line.starts_with("set") ? "what?\n" : rig(line); });
-  EXPECT_NE(upload_error(later).find("says \"what?\", which is no answer"), std::string::npos);
+  EXPECT_NE(upload_error(later).find("sends \"what?\", which is no reply"), std::string::npos);
   Controller flood([](const std::string&) { return std::string(3000, 'x'); });
   EXPECT_NE(upload_error(flood).find("does not answer"), std::string::npos);
   Controller newer([](const std::string& line) { return line + " 2 a rig of tomorrow\n"; });
-  EXPECT_NE(upload_error(newer).find("speaks version 2"), std::string::npos);
+  EXPECT_NE(upload_error(newer).find("has version 2"), std::string::npos);
 }
 
 TEST_F(SerialDriver, SaysWhatTheControllerSays) {
@@ -204,7 +203,7 @@ TEST_F(SerialDriver, SaysWhatTheControllerSays) {
   Controller small([&](const std::string& line) {
     return line.starts_with("begin") ? "error no memory for 2 lights\n" : rig(line);
   });
-  EXPECT_NE(upload_error(small).find("says: no memory for 2 lights"), std::string::npos);
+  EXPECT_NE(upload_error(small).find("reports: no memory for 2 lights"), std::string::npos);
   Controller wrong([&](const std::string& line) {
     return line.starts_with("end") ? "ok 00000000\n" : rig(line);
   });
@@ -219,7 +218,7 @@ TEST_F(SerialDriver, SaysWhatTheControllerSays) {
     error = error_of([&] { driver->show(t); });
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  EXPECT_NE(error.find("says: lamp 1 is dead"), std::string::npos) << error;
+  EXPECT_NE(error.find("reports: lamp 1 is dead"), std::string::npos) << error;
 }
 
 TEST_F(SerialDriver, SaysThatItHungUp) {
@@ -229,8 +228,8 @@ TEST_F(SerialDriver, SaysThatItHungUp) {
   driver->upload(two_lights());
   driver->show(0);
   controller.hang_up();
-  EXPECT_NE(error_of([&] { driver->show(1); }).find("has hung up"), std::string::npos);
-  EXPECT_NE(error_of([&] { driver->black(); }).find("has hung up"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver->show(1); }).find("has disconnected"), std::string::npos);
+  EXPECT_NE(error_of([&] { driver->black(); }).find("has disconnected"), std::string::npos);
 }
 
 TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
@@ -248,7 +247,7 @@ TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
   for (uint64_t t = 0; t < 10'000'000 && error.empty(); ++t)
     error = error_of([&] { driver->show(t); });
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(20));
-  EXPECT_NE(error.find("takes nothing any more"), std::string::npos) << error;
+  EXPECT_NE(error.find("accepts no more data"), std::string::npos) << error;
   stuck = false;
   driver.reset();
 }
@@ -256,7 +255,7 @@ TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
 TEST_F(SerialDriver, CanBeCancelled) {
   Controller silent([](const std::string&) { return ""; });
   auto settings = settings_for(silent.path());
-  settings.serial.patience = 60;
+  settings.serial.timeout = 60;
   const auto driver = make_light_driver(settings);
   std::thread other([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));

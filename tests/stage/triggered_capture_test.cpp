@@ -1,5 +1,5 @@
-// Cameras that are triggered in step with the lights, played by threads that lose, delay and
-// invent frames. Whatever they do, a frame that gets a label was exposed in that light.
+// Cameras triggered in step with the lights, simulated by threads that lose, delay and invent
+// frames. In all cases, a labeled frame was exposed in that light.
 #include "stage/triggers/triggered_capture.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Remembers what is lit.
+/// Records the state of the lights.
 class Lights : public LightDriver {
  public:
   void upload(const LightProgram&) override {}
@@ -32,7 +32,7 @@ class Lights : public LightDriver {
   std::atomic<int64_t> lit{-1}, fails_at{-1};
 };
 
-/// A camera: each trigger is an exposure in the light of that moment, whose frame comes later.
+/// A camera: each trigger exposes the present light; its frame arrives later.
 class Camera : public TriggeredCamera {
  public:
   enum class Deed { frame, lost_trigger, lost_frame, late_frame, same_again, another, amid_others };
@@ -59,8 +59,8 @@ class Camera : public TriggeredCamera {
     const std::lock_guard lock(mutex_);
     deeds = next;
   }
-  /// As if somebody else had triggered it.
-  void fire_unasked() {
+  /// A frame triggered by another program.
+  void fire_untriggered() {
     const std::lock_guard lock(mutex_);
     expose(milliseconds(0), true);
   }
@@ -100,7 +100,7 @@ class Camera : public TriggeredCamera {
     if (thread_.joinable()) thread_.join();
   }
 
-  std::deque<Deed> deeds;  ///< of the next triggers; then all is well
+  std::deque<Deed> deeds;  ///< faults of the next triggers
   std::atomic<bool> dead{false};
   int late = 80, slow = 0;  ///< ms
   bool tells_age = false;
@@ -221,20 +221,20 @@ TEST_F(Capture, WhatIsLostIsTakenAgainInTheSameLight) {
   EXPECT_EQ(stats_.dropped, 0U);
 }
 
-/// What a camera's frames tell: their number, their age, both, or nothing.
+/// Information of a camera's frames: id, age, both, or none.
 struct Told {
   uint32_t bits;
   bool age;
 };
 class Mislabeled : public Capture, public ::testing::WithParamInterface<Told> {};
 
-/// Whatever goes wrong, no label is wrong.
+/// In all cases, no label is wrong.
 TEST_P(Mislabeled, Nothing) {
   const auto [bits, age] = GetParam();
   Camera camera(lights_, bits, 65500), other(lights_, bits, 65400);
   camera.tells_age = other.tells_age = age;
-  // Without a number and an age, a late frame comes while the capture still waits for it. Two
-  // exposures for a trigger have to tell their age.
+  // Without id and age, a late frame arrives while the capture still waits for it. Two exposures
+  // per trigger need an age.
   const bool blind = bits == 0 && !age;
   std::mt19937 random(7 + bits);
   for (int i = 0; i < 200; ++i) {
@@ -253,7 +253,7 @@ TEST_P(Mislabeled, Nothing) {
   run(small_program(60), {&camera, &other}, params, 120);
   EXPECT_EQ(error_, "");
   EXPECT_EQ(camera.mislabeled + other.mislabeled, 0U);
-  // Every step is complete or told.
+  // Every step is complete or reported.
   EXPECT_EQ(stats_.triggers + stats_.dropped, 120U);
   EXPECT_EQ(lost_.size(), stats_.dropped);
   EXPECT_GE(stats_.triggers, 116U);
@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(Capture, Mislabeled,
 
 TEST_F(Capture, StepsWithoutAFrameAreTold) {
   Camera camera(lights_, 16, 1);
-  // The second step: fired once and twice again, never seen.
+  // The second step: three triggers, no frame.
   camera.deeds = {Deed::frame, Deed::lost_frame, Deed::lost_frame, Deed::lost_frame};
   TriggeredCapture::Params params;
   params.timeout = .03;
@@ -313,9 +313,9 @@ TEST_F(Capture, LightsThatDoNotAnswerAreAnError) {
 TEST_F(Capture, ACameraThatRunsFreelyIsAnError) {
   Camera camera(lights_, 16, 1);
   camera.slow = 1;
-  meanwhile_ = [&] { camera.fire_unasked(); };
+  meanwhile_ = [&] { camera.fire_untriggered(); };
   run(small_program(5000), {&camera}, {}, 30);
-  EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
 }
 
 /// Nor is it one of whose frames none is surely of a trigger a camera that sends nothing.
@@ -326,10 +326,10 @@ TEST_F(Capture, ACameraThatRunsFreelyAndHidesTheTriggeredFramesIsThatErrorToo) {
   TriggeredCapture::Params params;
   params.timeout = .1;
   run(small_program(5000), {&camera}, params, 30);
-  EXPECT_NE(error_.find("sends frames that nobody triggered"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("sends frames without a trigger"), std::string::npos) << error_;
 }
 
-/// The lights wait for who handles the frames.
+/// The lights wait until frames are handled.
 TEST_F(Capture, DownstreamSetsThePace) {
   Camera camera(lights_, 16, 1);
   camera.slow = 20;
@@ -376,7 +376,7 @@ TEST_F(Capture, StopsAtOnceAndGoesOn) {
     const uint64_t before = camera.labeled;
     capture.start(next);
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    // The trigger that was lost makes its successor doubtful: that one is dropped.
+    // The trigger that was lost makes its successor ambiguous: that one is dropped.
     while (camera.refused + camera.labeled < before + 1 && std::chrono::steady_clock::now() < until)
       std::this_thread::sleep_for(milliseconds(1));
     capture.stop();

@@ -23,7 +23,7 @@ inline LightProgram two_lights() {
   return program;
 }
 
-/// What it complains of; empty where it does not.
+/// The error message; empty without an error.
 inline std::string error_of(const std::function<void()>& work) {
   try {
     work();

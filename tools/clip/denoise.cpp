@@ -9,7 +9,8 @@ namespace {
 constexpr float kKernel[3] = {3.0f / 8, 1.0f / 4, 1.0f / 16};  // B3 spline
 constexpr float kNormalPower = 48;
 constexpr float kPlaneDistance = 0.006f;   // meters off the tangent plane
-constexpr float kLuminanceDeviations = 3;  // standard deviations that still count as alike
+constexpr float kLuminanceDeviations = 3;  // standard deviations within which values count as
+                                           // similar
 
 struct Soft {
   std::vector<Vec3> indirect;

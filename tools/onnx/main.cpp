@@ -1,5 +1,5 @@
-// inverse-onnx-import MODEL.onnx [GRAPH.net]: makes the flat file that the plugin loads of an ONNX
-// model, or without a second name says what the model is.
+// inverse-onnx-import MODEL.onnx [GRAPH.net]: converts an ONNX model to the flat file that the
+// plugin loads, or, without a second name, describes the model.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>

@@ -18,11 +18,11 @@ using network::Graph;
 using network::Node;
 using network::Op;
 
-// Versions of ONNX' operators whose meaning we know. Before 11, Resize and others had other inputs.
+// Supported versions of ONNX' operators. Before 11, Resize and others had other inputs.
 constexpr int64_t kFirstOpset = 11, kLastOpset = 21;
-constexpr int64_t kMostDimension = 1 << 16;  // of an input; graph.cpp takes no more
+constexpr int64_t kMaxDimension = 1 << 16;  // of an input; graph.cpp takes no more
 
-/// The version of ONNX' own operators that a model is written in.
+/// The version of ONNX' own operators in a model.
 int64_t opset_of(const onnx::ModelProto& model) {
   int64_t version = 0;
   for (const onnx::OperatorSetIdProto& set : model.opset_import())
@@ -65,7 +65,7 @@ class Importer {
                   "input \"" + input.name() + "\": it is not of float32 (FLOAT)");
     const onnx::TensorShapeProto& shape = type.shape();
     for (const onnx::TensorShapeProto_Dimension& side : shape.dim())
-      if (side.dim_value() > kMostDimension)
+      if (side.dim_value() > kMaxDimension)
         throw Error(ErrorKind::unsupported, "input \"" + input.name() + "\": a side of " +
                                                 std::to_string(side.dim_value()) + " is too large");
     if (shape.dim_size() != 4 || shape.dim(1).dim_value() < 1 || shape.dim(0).dim_value() > 1)
@@ -177,7 +177,7 @@ class Importer {
     Node* node = only_mine(op, 0);
     op.expect(node && node->op == Op::convolution && node->activation == Activation::none,
               "it does not follow a Conv that nothing else reads");
-    // Before opset 14 it was in training where it had more results that are used.
+    // Before opset 14, results beyond the first indicated training mode if used.
     op.expect(op.integer("training_mode", 0) == 0 && !wanted(op, 1), "it is in training");
     std::array<const float*, 4> parts{};
     for (int i = 0; i < 4; ++i) {
@@ -253,7 +253,7 @@ class Importer {
   }
 
   void softmax(const Operator& op) {
-    // Before opset 13 it ran over the axis and all behind it.
+    // Before opset 13, softmax ran over the axis and all following ones.
     const bool over_all = opset_ < 13;
     const int64_t axis = op.integer("axis", over_all ? 1 : -1);
     op.expect(axis == 1 || axis == -1, "only channels (axis 1) are taken");
@@ -262,7 +262,7 @@ class Importer {
               "axis 1 of an image, which before opset 13 is all of its pixels together");
     put(op.output(), make(op, Op::softmax, {value(op, 0)}));
   }
-  /// Whether what an operator reads comes of a node of this kind.
+  /// Whether the input of an operator is the result of a node of this kind.
   bool comes_of(const Operator& op, Op kind) const {
     const uint32_t from = value(op, 0);
     return from >= graph_.inputs.size() && graph_.nodes[from - graph_.inputs.size()].op == kind;
@@ -278,7 +278,7 @@ class Importer {
     readers_[op.output()] += readers_[op.input(0)] - 1;  // whoever reads one name reads the other
     readers_[op.input(0)] = readers_[op.output()];
   }
-  /// Images are vectors to Gemm, channel by channel, as they are to ONNX.
+  /// Gemm treats images as vectors, channel by channel, as ONNX does.
   void flatten(const Operator& op) {
     if (op.type() == "Flatten") {
       op.expect(op.integer("axis", 1) == 1, "only axis 1 is taken");
@@ -339,7 +339,7 @@ Graph graph_of(std::span<const std::byte> model, const std::string& name) {
   try {
     Graph graph = Importer(proto.graph(), opset_of(proto)).run();
     network::validate(graph);
-    // Where sizes are given, whether layers fit each other is known now.
+    // If input sizes are given, check the shapes of all layers.
     std::vector<network::Shape> given;
     for (const network::Input& input : graph.inputs)
       if (input.height && input.width) given.push_back({input.channels, input.height, input.width});

@@ -26,10 +26,10 @@ std::vector<T> values_of(const onnx::TensorProto& proto, const Field& field, siz
 
 Tensor tensor_of(const onnx::TensorProto& proto, const std::string& name) {
   Tensor tensor;
-  constexpr size_t kMost = size_t{1} << 30;
+  constexpr size_t kMaxElements = size_t{1} << 30;
   size_t count = 1;
   for (const int64_t side : proto.dims()) {
-    if (side < 0 || static_cast<size_t>(side) > kMost || count > kMost)
+    if (side < 0 || static_cast<size_t>(side) > kMaxElements || count > kMaxElements)
       throw Error(ErrorKind::unsupported, "tensor \"" + name + "\" is of an impossible size");
     tensor.shape.push_back(side);
     count *= static_cast<size_t>(side);

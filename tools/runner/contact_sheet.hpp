@@ -7,19 +7,18 @@
 
 namespace inverse::run {
 
-/// Frames spread evenly over a video of unknown length, tiled into one picture.
+/// Frames at equal intervals of a video of unknown length, tiled into one image.
 ///
-/// It keeps every k-th frame; once twice as many are kept as the sheet shows, every second one goes
-/// and k doubles.
+/// Keeps every k-th frame; at twice the number of tiles it drops every second one and doubles k.
 class ContactSheet {
  public:
   static constexpr int kColumns = 2, kRows = 3;
   static constexpr int kTileWidth = 640;  ///< pixels; the height follows the video's shape
 
-  /// Offers the next frame. `caps` are of raw video in system memory; they may change.
+  /// Adds the next frame. `caps` are of raw video in system memory; they may change.
   void offer(GstBuffer* buffer, const GstCaps* caps);
-  /// Writes the sheet as PNG. Throws std::runtime_error where there is nothing to show or the file
-  /// cannot be written.
+  /// Writes the sheet as PNG. Throws std::runtime_error if there are no frames or the file cannot
+  /// be written.
   void write(const std::string& path) const;
 
  private:

@@ -12,24 +12,24 @@ using Color = std::array<double, 3>;
 
 // Distances are of chromaticity c = R / mean R: gray is 1, 1, 1, a pure primary 2.45 from it.
 constexpr Color kGray{1, 1, 1};
-constexpr double kLightFloor = 5e-4;  // of intrinsicrecolor: darker pixels count as gray
-constexpr double kDark = 4e-3;        // mean light below which a pixel does not vote for a color
+constexpr double kLightFloor = 5e-4;  // as intrinsicrecolor: darker pixels count as gray
+constexpr double kDark = 4e-3;        // mean light below which a pixel is ignored
 constexpr double kCell = 0.1;         // of the histogram of chromaticities
-constexpr double kMinCell = 5e-4;     // share of the pixels that a color starts from
-constexpr double kNear = 0.35;        // what is averaged into a color
+constexpr double kMinCell = 5e-4;     // minimum share of the pixels of an initial color
+constexpr double kNear = 0.35;        // radius of the mean
 constexpr double kMinSaturation = 0.6;
 constexpr double kTolerances[] = {0.3, 0.45, 0.6};
 constexpr double kSoftness = 0.75;   // of the tolerance
 constexpr double kMinShare = 0.006;  // of the pixels
-// More may be repainted of a more saturated color: an orange suit, but no brown room. Of saturation
-// squared, and at most.
+// More area may be repainted of a more saturated color: an orange suit, but no brown room. Per
+// squared saturation, and the upper limit.
 constexpr double kMaxShare = 0.3, kMaxOfAll = 0.75;
-constexpr double kMinThing = 0.0015;   // connected pixels of a picture that make a thing
-constexpr double kPresent = 0.004;     // share in a picture that counts as being there
-constexpr double kMinPresence = 0.75;  // share of the pictures
-constexpr double kMinCrisp = 0.65;     // a gradient of colors has 0.63 in its middle
+constexpr double kMinThing = 0.0015;   // minimum size of a connected part, share of an image
+constexpr double kPresent = 0.004;     // share of an image above which a color is present
+constexpr double kMinPresence = 0.75;  // minimum share of the images with the color
+constexpr double kMinCrisp = 0.65;     // 0.63 is the value in the middle of a color gradient
 constexpr double kMinWhole = 0.7;
-constexpr double kCrispSlack = 0.08;  // given up for a wider tolerance
+constexpr double kCrispSlack = 0.08;  // accepted loss for a wider tolerance
 
 double distance(const Color& a, const Color& b) {
   double sum = 0;
@@ -60,7 +60,7 @@ Pixels chromaticities(const LinearPicture& picture) {
   return pixels;
 }
 
-/// Where the histogram of chromaticities is higher than around.
+/// Local maxima of the histogram of chromaticities.
 std::vector<Color> peaks(const std::vector<Pixels>& pictures) {
   std::map<std::pair<int, int>, double> histogram;
   double count = 0;
@@ -93,7 +93,7 @@ std::vector<Color> peaks(const std::vector<Pixels>& pictures) {
   return found;
 }
 
-/// Moves a color to the mean of what is near it.
+/// Moves a color to the mean of its neighborhood.
 Color settle(Color color, const std::vector<Pixels>& pictures) {
   for (int step = 0; step < 5; ++step) {
     Color sum{};
@@ -111,8 +111,8 @@ Color settle(Color color, const std::vector<Pixels>& pictures) {
   return color;
 }
 
-/// How many pixels lie in connected parts of at least `least` pixels.
-size_t pixels_of_things(const std::vector<bool>& inside, int width, size_t least) {
+/// Number of pixels in connected parts of at least `min_size` pixels.
+size_t pixels_of_things(const std::vector<bool>& inside, int width, size_t min_size) {
   std::vector<bool> left = inside;
   std::vector<size_t> open;
   size_t sum = 0;
@@ -135,18 +135,18 @@ size_t pixels_of_things(const std::vector<bool>& inside, int width, size_t least
       visit(at >= static_cast<size_t>(width), at - static_cast<size_t>(width));
       visit(at + static_cast<size_t>(width) < left.size(), at + static_cast<size_t>(width));
     }
-    if (size >= least) sum += size;
+    if (size >= min_size) sum += size;
   }
   return sum;
 }
 
-/// What a key of this chromaticity and tolerance selects, as intrinsicrecolor does.
+/// Pixels selected by a key of this chromaticity and tolerance, as in intrinsicrecolor.
 struct Selection {
   double saturation = 0, tolerance = 0;
   double share = 0;     // of the pixels
-  double crisp = 0;     // of what is touched: the part that is selected fully
-  double whole = 0;     // of what is selected: the part in connected things
-  double presence = 0;  // of the pictures
+  double crisp = 0;     // fully selected share of the touched pixels
+  double whole = 0;     // share of the selected pixels in connected parts
+  double presence = 0;  // share of the images with the color
   bool good() const {
     return share >= kMinShare &&
            share <= std::min(kMaxShare * saturation * saturation, kMaxOfAll) &&
@@ -199,7 +199,7 @@ std::optional<KeyColor> find_key_color(const std::vector<LinearPicture>& picture
     if (saturation < kMinSaturation) continue;
     std::vector<Selection> good;
     for (const double tolerance : kTolerances) {
-      // Gray must not be touched.
+      // Gray must stay unselected.
       if (tolerance * (1 + kSoftness / 2) > 0.9 * saturation) continue;
       if (const Selection selection = select(key, tolerance, all); selection.good())
         good.push_back(selection);
@@ -213,7 +213,7 @@ std::optional<KeyColor> find_key_color(const std::vector<LinearPicture>& picture
     }
     if (score <= best_score) continue;
     best_score = score;
-    // The widest that is nearly as crisp leaves the thinnest rim of the old color.
+    // The widest tolerance that is nearly as crisp leaves the thinnest rim of the old color.
     for (const Selection& selection : good)
       if (selection.crisp >= crispest - kCrispSlack)
         best = {key, selection.tolerance, kSoftness * selection.tolerance, selection.share};

@@ -20,8 +20,8 @@ constexpr const char* kUsage =
     "  --out       where to write decomposition.mkv and contact-sheet.png (out)\n"
     "  --paint     lets the intrinsicrecolor of that name repaint a color that stands out\n";
 
-/// One string of the words after --. A single word is a line that was quoted as a whole; in
-/// several, spaces belong to their word, as gst-launch-1.0 has it.
+/// Joins the words after --. A single word is a line quoted as a whole; of several, each word keeps
+/// its spaces, as in gst-launch-1.0.
 std::string join(char** words, int count) {
   if (count == 1) return words[0];
   std::string line;

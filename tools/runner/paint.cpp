@@ -10,7 +10,7 @@ namespace {
 constexpr int kWidth = 240;
 constexpr size_t kMoments = 12;
 constexpr GstClockTime kSpacing = GST_SECOND / 4;
-constexpr GstClockTime kPatience = 20 * GST_SECOND;  // with a file that is slow to decode
+constexpr GstClockTime kPatience = 20 * GST_SECOND;  // for a file that decodes slowly
 
 using Color = std::array<double, 3>;
 
@@ -18,14 +18,14 @@ struct Hue {
   const char* name;
   Color chromaticity;  // mean 1
 };
-// What the key may become, and words for what it is.
+// Target colors of the key, and their names.
 constexpr Hue kTargets[] = {
     {"blue", {0.06, 0.52, 2.42}}, {"orange", {2.61, 0.30, 0.09}}, {"green", {0.20, 2.40, 0.40}}};
 constexpr Hue kNames[] = {
     {"red", {2.6, 0.2, 0.2}},   {"orange", {2.2, 0.6, 0.2}}, {"yellow", {1.5, 1.3, 0.2}},
     {"green", {0.4, 2.2, 0.4}}, {"cyan", {0.15, 1.5, 1.35}}, {"light blue", {0.2, 0.9, 1.9}},
     {"blue", {0.1, 0.4, 2.5}},  {"purple", {1.2, 0.2, 1.6}}, {"pink", {1.7, 0.2, 1.1}}};
-constexpr guint kPaint = 0xffe0c0a0;  // where no color stands out
+constexpr guint kPaint = 0xffe0c0a0;  // if no color stands out
 
 double distance(const Color& a, const Color& b) {
   double sum = 0;
@@ -33,7 +33,7 @@ double distance(const Color& a, const Color& b) {
   return std::sqrt(sum);
 }
 
-/// The hue of a color, however saturated it is.
+/// The hue of a color, independent of its saturation.
 const char* name_of(const Color& chromaticity) {
   const auto direction = [](const Color& c) {
     const double length = std::max(distance(c, {1, 1, 1}), 1e-6);
@@ -134,8 +134,7 @@ void Paint::choose() {
                                             return distance(a.chromaticity, key->chromaticity) <
                                                    distance(b.chromaticity, key->chromaticity);
                                           });
-    // Both of one mean, so that nothing becomes brighter or darker; as bright as they can be
-    // written.
+    // Both have the same mean, so that brightness stays; as bright as can be encoded.
     double largest = 0;
     for (size_t k = 0; k < 3; ++k)
       largest = std::max({largest, key->chromaticity[k], target.chromaticity[k]});

@@ -10,20 +10,20 @@
 
 namespace inverse::run {
 
-/// Chooses what an intrinsicrecolor repaints from the first three seconds of a video: the color
-/// that find_key_color finds, as bright as it is, in another hue; where there is none, every
-/// surface in one paint. Says on stderr which.
+/// Chooses the color that an intrinsicrecolor repaints from the first three seconds of a video: the
+/// color found by find_key_color, in another hue of the same brightness. Without such a color, all
+/// surfaces become one paint. Prints the choice to stderr.
 class Paint {
  public:
-  /// `recolor` stays as it is until something is chosen.
+  /// `recolor` is unchanged until the choice.
   explicit Paint(GstElement* recolor);
   Paint(const Paint&) = delete;
   Paint& operator=(const Paint&) = delete;
   ~Paint();
 
-  /// Reads the first seconds and chooses. Does nothing where `uri` cannot be played.
+  /// Reads the first seconds and chooses. Does nothing if `uri` cannot be played.
   void choose_for(const std::string& uri);
-  /// Takes a frame of a video that can be read only once; chooses when it has seen enough of them.
+  /// Adds a frame of a video that can be read only once; chooses after enough frames.
   void offer(GstBuffer* buffer, const GstCaps* caps);
   bool chosen() const { return chosen_; }
 
@@ -33,7 +33,7 @@ class Paint {
   GstElement* recolor_;
   SmallPictureMaker maker_;
   std::vector<LinearPicture> moments_;
-  GstClockTime next_ = 0;  // when the next moment is taken
+  GstClockTime next_ = 0;  // time of the next sample
   std::atomic<bool> chosen_{false};
 };
 

@@ -29,14 +29,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Compressed sound that Matroska takes as it is; other sound is decoded and kept as samples.
+// Compressed sound that Matroska accepts; other sound is decoded and stored as samples.
 constexpr const char* kVideoOrSound =
     "video/x-raw(ANY); audio/mpeg, mpegversion=1; audio/mpeg, mpegversion={2,4}, "
     "stream-format=raw; "
     "audio/x-vorbis; audio/x-opus; audio/x-flac, framed=true; audio/x-ac3; audio/x-eac3; "
     "audio/x-dts; audio/x-alaw; audio/x-mulaw; audio/x-tta; audio/x-raw";
 
-// Fast enough to keep step on two cores, and good enough to judge the picture.
+// Fast enough for real time on two cores, at a quality sufficient to judge the image.
 constexpr const char* kFileSink =
     "queue max-size-buffers=4 ! videoconvert ! vp8enc deadline=1 cpu-used=8 threads=4 "
     "end-usage=cq cq-level=16 target-bitrate=20000000 keyframe-max-dist=60";
@@ -65,8 +65,8 @@ GstElement* parse_bin(const std::string& line) {
   return bin;
 }
 
-/// The sink for a window on the display that the environment names, or nothing where no display
-/// answers. Not autovideosink's choice: where no display answers, it tries frame buffers as well.
+/// The sink for a window on the display of the environment; empty if no display is available. Not
+/// autovideosink, which also tries frame buffers.
 std::string window_sink() {
   const auto set = [](const char* name) {
     const char* value = getenv(name);
@@ -136,7 +136,7 @@ class Session {
   int width_ = 0, height_ = 0;
   Clock::time_point started_, first_, last_;
   std::map<std::string, std::vector<double>>
-      milliseconds_;  // device time a frame, of elements with stats
+      milliseconds_;  // device time per frame, of elements with stats
   ContactSheet sheet_;
 };
 
@@ -170,7 +170,7 @@ Session::Session(const Options& options)
       this, nullptr);
   gst_object_unref(out);
 
-  // A camera's frame is worth nothing once there is a newer one.
+  // A newer frame of a camera replaces a waiting one.
   GstElement* queue = make("queue", "gstreamer1.0-plugins-base");
   if (options.input.live) gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
   g_object_set(queue, "max-size-buffers", options.input.live ? 1 : 4, nullptr);
@@ -272,7 +272,7 @@ void Session::on_input(GstPad* pad, GstBuffer* buffer) {
   if (caps) gst_caps_unref(caps);
 }
 
-/// Ends the stream of this pad once it is to stop.
+/// Ends the stream of this pad after a stop request.
 void Session::limit(GstPad* pad) {
   gst_pad_add_probe(
       pad, GST_PAD_PROBE_TYPE_BUFFER,
@@ -291,12 +291,12 @@ void Session::limit(GstPad* pad) {
 }
 
 void Session::connect_sound(GstPad* pad) {
-  // What waits here is what the file interleaves: the queue must not stop the demuxer.
+  // The file interleaves sound and video: this queue must not block the demuxer.
   GstElement* branch = window_
                            ? parse_bin("queue ! audioconvert ! audioresample ! autoaudiosink")
                            : parse_bin("queue max-size-buffers=0 max-size-bytes=0 max-size-time=0");
   gst_bin_add(GST_BIN(pipeline_), branch);
-  // By name: a queue would fit the pad for subtitles as well.
+  // By name: the queue would match the pad for subtitles as well.
   if (!window_) gst_element_link_pads(branch, "src", mux_, "audio_%u");
   GstPad* sink = gst_element_get_static_pad(branch, "sink");
   gst_pad_link(pad, sink);
@@ -373,13 +373,13 @@ void Session::on_error(GstMessage* message) {
   GError* error = nullptr;
   gchar* debug = nullptr;
   gst_message_parse_error(message, &error, &debug);
-  // All window sinks say this when their window is closed.
+  // The error of all window sinks when their window is closed.
   const bool closed = window_ &&
                       g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND) &&
                       strstr(error->message, "window was closed");
   if (!closed && error_.empty()) {
     error_ = std::string(GST_OBJECT_NAME(GST_MESSAGE_SRC(message))) + ": " + error->message;
-    // What basesrc says only repeats that something went wrong; the reason stands in the details.
+    // basesrc's message only repeats that something failed; the details contain the reason.
     if (debug && g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED))
       error_ += std::string("\n") + debug;
     for (const std::string& what : missing_)
@@ -441,7 +441,8 @@ void Session::play() {
   gst_object_unref(bus);
   const auto interrupt = +[](gpointer self) -> gboolean {
     auto* session = static_cast<Session*>(self);
-    // Once ends the streams in order; a second time, with a camera that sends nothing, at once.
+    // The first time ends the streams in order; the second time, for a camera without frames, at
+    // once.
     if (session->stopping_.exchange(true)) g_main_loop_quit(session->loop_);
     return G_SOURCE_CONTINUE;
   };

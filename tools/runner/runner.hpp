@@ -9,17 +9,17 @@ enum class View { automatic, window, file };
 
 struct Options {
   Input input;
-  std::string chain;  ///< a piece of a gst-launch-1.0 line: takes raw video, gives raw video
-  std::string folder = "out";  ///< where files go; made if it is not there
-  std::string paint;   ///< the intrinsicrecolor in the chain that repaints what Paint chooses
-  double seconds = 0;  ///< stop after that much video; 0: at its end
-  View view = View::automatic;  ///< automatic: a window where a display answers, else files
+  std::string chain;            ///< a piece of a gst-launch-1.0 line: raw video in, raw video out
+  std::string folder = "out";   ///< output folder; created if missing
+  std::string paint;            ///< name of the intrinsicrecolor in the chain that Paint sets
+  double seconds = 0;           ///< stop after this much video; 0: at its end
+  View view = View::automatic;  ///< automatic: a window if a display is available, else files
 };
 
-/// Plays the input through the chain: in a window, in time, or to FOLDER/decomposition.mkv (VP8,
-/// the sound as it came) and FOLDER/contact-sheet.png, as fast as it goes. Progress goes to
-/// stderr, what was written and how fast it went to stdout. Ctrl-C ends early and properly. Throws
-/// std::runtime_error with a message for the user.
+/// Plays the input through the chain: in a window in real time, or as fast as possible to
+/// FOLDER/decomposition.mkv (VP8, original sound) and FOLDER/contact-sheet.png. Prints progress to
+/// stderr, the written files and the speed to stdout. Ctrl-C ends early and finishes the files.
+/// Throws std::runtime_error with a message for the user.
 void run(const Options& options);
 
 }  // namespace inverse::run

@@ -18,7 +18,7 @@ void SmallPictureMaker::configure(const GstVideoInfo& info) {
     height_ = std::clamp(static_cast<int>(width_ / aspect + 0.5), 1, 4 * width_);
   }
   gst_video_info_set_format(&to_, GST_VIDEO_FORMAT_RGB, width_, height_);
-  to_.fps_n = from_.fps_n;  // the converter insists
+  to_.fps_n = from_.fps_n;  // required by the converter
   to_.fps_d = from_.fps_d;
   converter_ = gst_video_converter_new(&from_, &to_, nullptr);
 }

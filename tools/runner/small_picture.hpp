@@ -6,14 +6,14 @@
 
 namespace inverse::run {
 
-/// Packed 8-bit RGB of `width` × `height` pixels, no padding; empty where there is none.
+/// Packed 8-bit RGB of `width` × `height` pixels, no padding; may be empty.
 struct SmallPicture {
   int width = 0, height = 0;
   std::vector<uint8_t> rgb;
 };
 
-/// Scales frames of raw video down to RGB of one width; the height follows the first frame's shape,
-/// also when the video changes its shape later.
+/// Scales frames of raw video to RGB of fixed width; the height follows the first frame's shape,
+/// even if the shape changes later.
 class SmallPictureMaker {
  public:
   explicit SmallPictureMaker(int width) : width_(width) {}
@@ -21,7 +21,7 @@ class SmallPictureMaker {
   SmallPictureMaker& operator=(const SmallPictureMaker&) = delete;
   ~SmallPictureMaker();
 
-  /// `caps` are of raw video in system memory. An empty picture where the frame cannot be read.
+  /// `caps` are of raw video in system memory. Empty if the frame cannot be read.
   SmallPicture make(GstBuffer* buffer, const GstCaps* caps);
 
   int width() const { return width_; }

@@ -119,7 +119,7 @@ FrameLabeler::Params SyncElement::labeler_params(uint32_t told_id_bits) const {
   params.jitter = params_.jitter;
   if (params_.frame_id != SyncParams::FrameId::none)
     params.id_bits = set ? set : told_id_bits ? told_id_bits : kUsualIdBits;
-  params.marker_within = params_.marker_timeout;
+  params.marker_timeout = params_.marker_timeout;
   return params;
 }
 

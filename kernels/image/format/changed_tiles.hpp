@@ -9,20 +9,20 @@
 
 namespace inverse {
 
-/// Finds the tiles of 16 x 16 pixels of a frame in memory whose bytes are not those of the frame
-/// before. Keeps a copy of that frame.
+/// Finds the tiles of 16 x 16 pixels whose bytes differ from those of the previous frame. Keeps a
+/// copy of that frame.
 class ChangedTiles {
  public:
   ChangedTiles(PixelFormat format, Extent extent);
-  /// A plane of samples: its first row, and bytes from a row to the next (negative upside down).
+  /// A plane of samples: its first row and the bytes from row to row (negative: bottom-up).
   struct Rows {
     const uint8_t* data;
     ptrdiff_t stride;
   };
-  /// Takes the next frame, a Rows for each of the format's planes. Returns a byte a tile, row by
-  /// row, 1 where it differs, valid until the next call; empty where there is no frame before.
+  /// Compares the next frame, one Rows per plane of the format. Returns one byte per tile, row by
+  /// row: 1 if it differs. Empty if there is no previous frame. Valid until the next call.
   std::span<const uint8_t> next(std::span<const Rows> planes);
-  /// The next frame has none before it.
+  /// Forgets the previous frame.
   void reset() { known_ = false; }
 
  private:

@@ -8,11 +8,11 @@
 namespace inverse {
 namespace {
 
-using Push = shaders::image_format_pack_rgb::Push;  // that of all
-constexpr uint32_t kStripRows = 8;  // rows that an invocation turns, in every kernel
+using Push = shaders::image_format_pack_rgb::Push;  // the same in all these kernels
+constexpr uint32_t kStripRows = 8;                  // rows per invocation, in every kernel
 constexpr uint32_t kStrips = TileList::kTile / kStripRows;
 
-/// A number of words for each plane.
+/// Words per plane.
 gpu::Vector<uint32_t, 4> words_of(const FrameFormat& format, const auto& bytes) {
   std::array<uint32_t, 4> words{};
   for (uint32_t p = 0; p < plane_count(format.format); ++p)

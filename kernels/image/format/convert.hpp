@@ -12,20 +12,20 @@
 
 namespace inverse {
 
-/// How many 32-bit words a raw buffer needs for a frame: Buffer::create(device, Element::word,
+/// Number of 32-bit words of a raw buffer for a frame: Buffer::create(device, Element::word,
 /// raw_words(format), Memory::upload or readback).
 uint64_t raw_words(const FrameFormat& format);
 
-/// Turns the bytes of a frame into linear light: rgb in [0, 1] of nominal white, w = alpha (1 where
-/// the format has none). Always finite. Where limited range undershoots black the result is 0;
-/// above white it is kept up to the largest code (below 1.3 for every curve).
+/// Converts the bytes of a frame to linear light: rgb in [0, 1] of nominal white, w = alpha (1 if
+/// the format has none). Always finite. Limited-range codes below black give 0; codes above white
+/// are kept, up to 1.3.
 class Unpack {
  public:
-  /// Throws Error(unsupported) for what validate() refuses and for frames that are not
-  /// word-aligned: copy_plane() those to their aligned_layout() and unpack that.
+  /// Throws Error(unsupported) for formats that validate() rejects and for frames that are not
+  /// word-aligned: copy those with copy_plane() to their aligned_layout() first.
   Unpack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
-  /// `raw` holds the frame as words, raw_words() of them or more; `linear` has the frame's extent.
-  /// Where tiles are `listed`, only these are written.
+  /// `raw` holds the frame as at least raw_words() words; `linear` has the frame's extent. With a
+  /// list of tiles, only these are written.
   void record(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& linear,
               const TileList* listed = nullptr) const;
   const FrameFormat& format() const { return format_; }
@@ -48,17 +48,16 @@ struct Drawing {
   const Plane* alpha = nullptr;  ///< its w becomes the frame's alpha; without one it is opaque
 };
 
-/// Draws planes into the bytes of a frame: gain, transfer curve, matrix, chroma averaging, rounding
-/// to nearest. NaN and negative values become black, values beyond the largest code (infinity too)
-/// that code. Pixels stay linear where the format's transfer is linear.
+/// Converts planes to the bytes of a frame: gain, transfer curve, matrix, chroma averaging,
+/// rounding to nearest. NaN and negative values become black; values beyond the largest code, and
+/// infinity, become that code. Pixels stay linear if the format's transfer is linear.
 class Pack {
  public:
   /// Throws as Unpack does.
   Pack(const std::shared_ptr<gpu::Device>& device, const FrameFormat& format);
-  /// Writes whole words: up to three bytes of padding behind a row may change, nothing else beside
-  /// the frame does; who copies padding along fills a new `raw` once, so that it is defined. `raw`
-  /// as for Unpack; the planes have the frame's extent. Where tiles are `listed`, only these are
-  /// written.
+  /// Writes whole words: up to three padding bytes after a row may change, nothing else. To copy
+  /// defined padding, fill a new `raw` once. `raw` as for Unpack; the planes have the frame's
+  /// extent. With a list of tiles, only these are written.
   void record(gpu::Commands& commands, const Drawing& drawing, const gpu::BufferPtr& raw,
               const TileList* listed = nullptr) const;
   const FrameFormat& format() const { return format_; }

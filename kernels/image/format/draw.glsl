@@ -1,8 +1,8 @@
 // Pixels of a plane as encoded R', G', B' ready for output: four in a row, component by component.
 PLANE_IN(0, picture);
 
-// Not-a-numbers and negatives become 0, infinity the top. By bits: positive floats order like integers, and no compiler
-// may assume its way around it.
+// NaN and negative values become 0, infinity the maximum. Compares bits, because positive floats order like integers
+// and a compiler may not optimize this away.
 vec4 sanitized(vec4 value, float top) {
   ivec4 bits = floatBitsToInt(value);
   bits = mix(bits, ivec4(0), greaterThan(bits, ivec4(0x7f800000)));

@@ -1,4 +1,4 @@
-// What every kernel that turns frames into planes or back is told (convert.cpp fills it from a FrameFormat).
+// Push constants of the kernels that convert between frames and planes (convert.cpp fills them from a FrameFormat).
 layout(push_constant) uniform Push {
   uvec2 size;       // pixels
   uint words;       // of the raw buffer
@@ -22,7 +22,7 @@ uvec2 halves_of(uint word) { return uvec2(word & 65535u, word >> 16); }
 uint word_of_bytes(uvec4 b) { return b.x | b.y << 8 | b.z << 16 | b.w << 24; }
 uint word_of_halves(uvec2 h) { return h.x | h.y << 16; }
 
-// The index of a word of a plane, kept inside the buffer for the last words of rows that are not multiples of four pixels.
+// The index of a word of a plane, clamped to the buffer: the last words of a row may reach beyond it.
 int word_index(uint plane, uint row, uint index) {
   return int(min(push.offset[plane] + row * push.stride[plane] + index, push.words - 1u));
 }

@@ -5,8 +5,8 @@
 #include "transfer.glsl"
 #include "draw.glsl"
 
-// A plane to RGB and gray frames. Each invocation writes the whole words of a strip of 4 x ROWS pixels; pixels beyond the
-// right edge repeat the last one where they share a word with it.
+// A plane to RGB and gray frames. Each invocation writes the whole words of a strip of 4 x ROWS pixels. Pixels beyond
+// the right edge that share a word with the last one repeat it.
 layout(constant_id = 2) const uint PIXEL = 4u;  // bytes: 1 gray8, 2 gray16, 3 rgb, 4 rgba, 8 rgba64
 layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;

@@ -7,8 +7,8 @@
 #include "draw.glsl"
 #include "yuv.glsl"
 
-// A plane to Y'CbCr frames. Each invocation writes the whole words of a block of 4 x 2 pixels, 8 x 2 where four chroma
-// samples share a word; pixels beyond the right edge repeat the last one.
+// A plane to Y'CbCr frames. Each invocation writes the whole words of a block of 4 x 2 pixels, or 8 x 2 if four chroma
+// samples share a word. Pixels beyond the right edge repeat the last one.
 const uint PAIRS = 4u;  // of rows
 const uint BLOCKS = LAYOUT == kPlanar && !DEEP ? 2u : 1u;
 WORD_OUT(1, raw);
@@ -49,7 +49,7 @@ void store_packed(uint row, uint x, vec4 y, vec2 cb, vec2 cr) {
   if (x + 2u < push.size.x) store(0u, row, x / 2u + 1u, word_of_bytes(right));
 }
 
-// Writes a row of four pixels (where `own`) and gives what it adds to its two chroma samples.
+// Writes a row of four pixels (if `own`) and returns its contribution to their two chroma samples.
 struct Chroma { vec2 cb, cr; };
 Chroma draw(uint row, uint x, bool own) {
   Quad quad = quad_at(row, x);

@@ -48,7 +48,7 @@ uint32_t bit_depth(PixelFormat format) { return traits(format).depth; }
 uint32_t row_bytes(PixelFormat format, Extent extent, uint32_t plane) {
   const Traits& t = traits(format);
   if (plane > 0) return (extent.width + 1) / 2 * t.chroma_bytes;
-  // Packed 4:2:2 always has whole pairs.
+  // Packed 4:2:2 has whole pairs.
   const bool pairs = format == PixelFormat::yuy2 || format == PixelFormat::uyvy;
   return (pairs ? (extent.width + 1) / 2 * 2 : extent.width) * t.pixel_bytes;
 }
@@ -88,7 +88,7 @@ void copy_plane(PixelFormat format, Extent extent, uint32_t plane, const void* s
                 size_t source_stride, void* target, size_t target_stride) {
   const size_t bytes = row_bytes(format, extent, plane), rows = plane_rows(format, extent, plane);
   if (source_stride == target_stride) {
-    // One copy takes the padding along, except behind the last row, where there may be none.
+    // One copy includes the padding, except after the last row, which may have none.
     std::memcpy(target, source, (rows - 1) * source_stride + bytes);
     return;
   }

@@ -33,8 +33,8 @@ enum class Range : uint8_t {
   limited,  ///< black 16, white 235, chroma 16…240, in eighths of a byte for deeper formats
 };
 
-/// Y' = kr·R' + (1 - kr - kb)·G' + kb·B'. All zero is the identity, which only RGB formats have;
-/// for gray formats it means BT.709's weights.
+/// Y' = kr·R' + (1 - kr - kb)·G' + kb·B'. All zero is the identity, allowed for RGB only; gray
+/// formats then use BT.709's weights.
 struct Matrix {
   float kr = 0, kb = 0;
   bool operator==(const Matrix&) const = default;
@@ -46,13 +46,13 @@ struct Matrix {
   static constexpr Matrix fcc() { return {0.30f, 0.11f}; }
 };
 
-/// Where a subsampled chroma sample sits: on the left (top) luma sample of its pair, or between.
+/// Position of a subsampled chroma sample: at the left (top) luma sample of its pair, or midway.
 struct ChromaSite {
   bool cosited_x = true, cosited_y = false;  // MPEG-2, the usual one for video
   bool operator==(const ChromaSite&) const = default;
 };
 
-/// A progressive frame in memory, all that is needed to turn bytes into linear light and back.
+/// Layout and colorimetry of a progressive frame in memory.
 struct FrameFormat {
   PixelFormat format = PixelFormat::rgba;
   Extent extent;
@@ -65,7 +65,7 @@ struct FrameFormat {
   bool operator==(const FrameFormat&) const = default;
 };
 
-/// How many planes a format has, and the bytes of a row and the rows of one of them.
+/// Number of planes of a format; bytes per row and rows of one of them.
 uint32_t plane_count(PixelFormat format);
 uint32_t row_bytes(PixelFormat format, Extent extent, uint32_t plane);
 uint32_t plane_rows(PixelFormat format, Extent extent, uint32_t plane);
@@ -74,28 +74,26 @@ bool is_yuv(PixelFormat format);  ///< neither RGB nor gray
 /// Significant bits of a sample: 8, 10 or 16.
 uint32_t bit_depth(PixelFormat format);
 
-/// Bytes from the start of the frame to the end of its last row. The last row of a plane need not
-/// be padded to its stride.
+/// Bytes from the start of the frame to the end of its last row. The last row of a plane may lack
+/// its padding.
 uint64_t frame_bytes(const FrameFormat& format);
 
-/// The same frame with its planes one after the other and every row padded to a multiple of
-/// `alignment` bytes (a power of two, at least 4): what Unpack and Pack take, and with 4 the
-/// strides that GStreamer chooses.
+/// The same frame with consecutive planes and rows padded to a multiple of `alignment` bytes (a
+/// power of two, at least 4), as Unpack and Pack require. 4 gives GStreamer's strides.
 FrameFormat aligned_layout(FrameFormat format, uint32_t alignment = 4);
-/// Whether Unpack and Pack take this frame as it lies: offsets and strides are multiples of 4.
+/// Whether Unpack and Pack accept this layout: offsets and strides are multiples of 4.
 bool is_word_aligned(const FrameFormat& format);
 
-/// Copies the rows of one plane between two layouts, strides in bytes: how frames reach and leave a
-/// device buffer. Padding moves along where the strides agree and stays as it was where they do
-/// not.
+/// Copies the rows of one plane between two layouts, strides in bytes. Copies padding only if the
+/// strides are equal.
 void copy_plane(PixelFormat format, Extent extent, uint32_t plane, const void* source,
                 size_t source_stride, void* target, size_t target_stride);
 
-/// Throws Error(unsupported), saying what is wrong: an empty frame, strides shorter than rows,
-/// a frame of more than 4 GiB, a Y'CbCr format without a matrix.
+/// Throws Error(unsupported) with the cause for an empty frame, strides shorter than rows, a frame
+/// of more than 4 GiB, or a Y'CbCr format without a matrix.
 void validate(const FrameFormat& format);
 
-/// Codes of one kind of sample: code = value·scale + offset, and the largest code.
+/// Code range of one kind of sample: code = value·scale + offset, and the largest code.
 struct CodeScale {
   float scale, offset, largest;
 };

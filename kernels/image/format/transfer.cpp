@@ -8,8 +8,8 @@
 namespace inverse {
 namespace {
 
-/// The camera curves are written the other way in the standards:
-/// V = alpha·L^0.45 - (alpha - 1) from L = beta on, slope·L below.
+/// Camera curves in the notation of the standards: V = alpha·L^0.45 - (alpha - 1) for L ≥ beta,
+/// slope·L below.
 Transfer camera(double alpha, double beta, double slope) {
   Transfer curve;
   curve.start = static_cast<float>(slope * beta);

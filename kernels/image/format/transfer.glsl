@@ -1,4 +1,4 @@
-// Transfer curves (transfer.hpp) on four values at once. CURVE is false for linear formats, so that they pay nothing.
+// Transfer curves (transfer.hpp) on four values at once. CURVE is false for linear formats, which skip them.
 layout(constant_id = 1) const bool CURVE = true;
 const float kTiny = 1e-37;  // pow is undefined below zero, and slow or undefined for denormals
 

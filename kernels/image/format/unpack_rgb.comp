@@ -4,8 +4,8 @@
 #include "frame.glsl"
 #include "transfer.glsl"
 
-// RGB and gray frames to linear RGB, alpha in w. Each invocation turns a strip of 4 x ROWS pixels; colors are held
-// component by component, four pixels in a vec4.
+// RGB and gray frames to linear RGB, alpha in w. Each invocation converts a strip of 4 x ROWS pixels; each color
+// component of four pixels is one vec4.
 layout(constant_id = 2) const uint PIXEL = 4u;  // bytes: 1 gray8, 2 gray16, 3 rgb, 4 rgba, 8 rgba64
 layout(constant_id = 3) const bool BGR = false;
 layout(constant_id = 4) const bool ALPHA = true;

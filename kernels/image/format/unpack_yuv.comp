@@ -5,8 +5,8 @@
 #include "transfer.glsl"
 #include "yuv.glsl"
 
-// Y'CbCr frames to linear RGB, w = 1. Each invocation turns a strip of 4 pixels x PAIRS pairs of rows, carrying the
-// chroma rows down; values are held component by component, four pixels in a vec4.
+// Y'CbCr frames to linear RGB, w = 1. Each invocation converts a strip of 4 pixels x PAIRS pairs of rows and reuses
+// chroma rows from pair to pair; each component of four pixels is one vec4.
 const uint PAIRS = 4u;
 WORD_IN(0, raw);
 PLANE_OUT(1, linear);
@@ -46,7 +46,7 @@ uvec4 pair_at(uint row, uint pair) {
   return uvec4(cb_cr & 255u, cb_cr >> 8 & 255u);
 }
 
-// Chroma of the four pixels of a block as a chroma row gives it; edges repeat.
+// Chroma of the four pixels of a block from one chroma row; edges repeat.
 struct Chroma { vec4 cb, cr; };
 Chroma chroma(uint row, uint block) {
   uint count = (push.size.x + 1u) / 2u - block * 2u;  // samples from here to the right edge

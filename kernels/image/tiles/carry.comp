@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/quad.glsl"
 
-// Copies the listed tiles' part of a plane of quads, kStride vec4 each. One quad an invocation.
+// Copies the listed tiles of a plane with kStride vec4 per four pixels. One such group per invocation.
 layout(constant_id = 1) const uint kStride = 1u;
 PLANE_IN(0, from);
 PLANE_OUT(1, to);

@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "tiles.glsl"
 
-// The tiles that have a flag, as a list in the order of the tiles, and how many workgroups their items need. One workgroup.
+// Lists the flagged tiles in order, with the number of workgroups for their items. One workgroup.
 WORD_IN(0, flags);
 WORD_OUT(1, list);
 layout(push_constant) uniform Push {

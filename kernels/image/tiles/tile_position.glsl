@@ -1,4 +1,4 @@
 #include "tiles.glsl"
 
-// Position of this invocation on a grid that is dispatched as one line, or on the listed tiles' part of it.
+// Position of this invocation on a grid dispatched as one line, or within the listed tiles.
 uvec2 tile_position(uint columns) { return kTileAcross == 0u ? grid_position(columns) : listed_position(columns); }

@@ -1,8 +1,8 @@
-// Work on a list of tiles of 16 x 16 pixels in place of a whole frame. A kernel that can do both defines, before it includes
-// this, TILE_CONSTANT, the first of two specialization constants, and TILE_BINDING, where the list comes in (TileKernel).
+// Work on a list of tiles of 16 x 16 pixels instead of a whole frame. Before including this file, a kernel defines
+// TILE_CONSTANT, the first of two specialization constants, and TILE_BINDING, the binding of the list (TileKernel).
 //
-// The list, in words: how many tiles; from LIST_ARGUMENTS on the workgroups, three words each, of kernels with 1, 2, 4 … 64
-// invocations a tile; from LIST_TILES on the tiles, column and 65536 times row.
+// The list, in words: the number of tiles; from LIST_ARGUMENTS on the workgroup counts, three words each, of kernels
+// with 1, 2, 4 … 64 invocations per tile; from LIST_TILES on the tiles, column + 65536 row.
 #define LIST_COUNT 0
 #define LIST_ARGUMENTS 4
 #define LIST_SIZES 7
@@ -13,8 +13,8 @@ layout(constant_id = TILE_CONSTANT) const uint kTileAcross = 0u;    // invocatio
 layout(constant_id = TILE_CONSTANT + 1) const uint kTileDown = 0u;
 WORD_IN(TILE_BINDING, list);
 
-// Position of this invocation on a grid `columns` wide, of which only the listed tiles' part is dispatched. Below every grid
-// where there is nothing to do.
+// Position of this invocation on a grid of `columns` per row, of which only the listed tiles are dispatched.
+// Invocations without work get a row below every grid.
 uvec2 listed_position(uint columns) {
   const uvec2 nowhere = uvec2(0u, 0xffffffu);
   uint items = kTileAcross * kTileDown, i = gl_GlobalInvocationID.x, slot = i / items, place = i - slot * items;

@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 
-// Draws light of a frame with more than one bounce: S times its color, its direct share, what is not direct, or the share
+// Draws the light of a frame with indirect light: S times its color, the direct part, the indirect part, or the part
 // that bounced off one base color.
 layout(constant_id = 1) const uint kWhat = 0u;  // LightPicture::What
 layout(constant_id = 2) const bool kLamp = false;  // direct light has a color

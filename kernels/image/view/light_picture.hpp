@@ -6,14 +6,14 @@
 
 namespace inverse {
 
-/// Draws the light of frames with more than one bounce (Layers::global), linear RGB, w = 1.
+/// Draws the light of frames with indirect light (Layers::global), linear RGB, w = 1.
 class LightPicture {
  public:
   enum class What : uint8_t {
     all,       ///< direct and indirect light, in color
-    direct,    ///< what comes straight from the lamps, in their color
+    direct,  ///< directly from the lamps, in their color
     indirect,  ///< the rest, in color
-    layer,     ///< what bounced off one base color; black where there is no such color
+    layer,  ///< light that bounced off one base color; black if there is no such color
   };
   explicit LightPicture(const std::shared_ptr<gpu::Device>& device);
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// One tile of a mosaic: a plane at half size, each pixel the mean of the 2x2 under it.
+// One quarter of a mosaic: a plane at half size, each pixel the mean of 2x2.
 PLANE_IN(0, picture);
 PLANE_OUT(1, target);
 layout(push_constant) uniform Push {
@@ -10,7 +10,7 @@ layout(push_constant) uniform Push {
   uvec2 origin;  // of the tile in the target
   uvec2 tile;    // its size
   uint shading;  // 1: draw w as gray
-  float gain;    // 0: black, whatever the picture holds
+  float gain;  // 0: black, whatever the image holds
 } push;
 
 void main() {

@@ -10,8 +10,8 @@
 namespace inverse {
 
 /// Draws up to four planes at half size into one, in reading order: top left, top right, bottom
-/// left, bottom right. Each pixel is the mean, in linear light, of the 2×2 under it; w = 1. Where
-/// the size is odd, the left and the top tiles are the larger ones.
+/// left, bottom right. Each pixel is the mean of 2×2 in linear light; w = 1. If the size is odd,
+/// the left and top ones are larger.
 class Mosaic {
  public:
   struct Tile {
@@ -21,8 +21,8 @@ class Mosaic {
   };
   explicit Mosaic(const std::shared_ptr<gpu::Device>& device);
   void record(gpu::Commands& commands, const std::array<Tile, 4>& tiles, const Plane& target) const;
-  /// The pixel of the pictures whose 2×2 a pixel of the target shows: the top left one. A place
-  /// outside the target stays as it is.
+  /// The top left pixel of the 2×2 that a pixel of the target shows. A position outside the target
+  /// is returned unchanged.
   static std::pair<int, int> shown_at(int x, int y, Extent target);
 
  private:

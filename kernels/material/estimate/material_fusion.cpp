@@ -35,12 +35,12 @@ float specular_distance(const Material& a, const Material& b) {
   return std::fabs(a.specular - b.specular);
 }
 
-/// A sixth of log2 of the shininess: 1.5 from one end to the other.
+/// A sixth of log2 of the shininess: a range of 1.5.
 float shininess_distance(const Material& a, const Material& b) {
   return std::fabs(std::log2(a.shininess() / b.shininess())) / 6;
 }
 
-/// Specular albedo and shininess are known less well than the color.
+/// Specular albedo and shininess are less accurate than the color.
 bool is_other(const Material& a, const Material& b, float limit) {
   return diffuse_distance(a, b) > limit || specular_distance(a, b) > 2 * limit ||
          shininess_distance(a, b) > 3 * limit;
@@ -50,7 +50,7 @@ float distance(const Material& a, const Material& b) {
   return std::max({diffuse_distance(a, b), specular_distance(a, b), shininess_distance(a, b)});
 }
 
-/// Number by number; bins are made to add up to 1 again.
+/// Element by element; bins are normalized again.
 Material median(const std::deque<Material>& window) {
   Numbers result{};
   std::vector<float> column;
@@ -68,7 +68,7 @@ Material median(const std::deque<Material>& window) {
   return m;
 }
 
-/// `share` of one and the rest of another.
+/// Mixes `share` of one material with the rest of another.
 Material mix(const Material& one, float share, const Material& other) {
   const Numbers a = numbers_of(one), b = numbers_of(other);
   Numbers mixed{};
@@ -76,7 +76,7 @@ Material mix(const Material& one, float share, const Material& other) {
   return material_of(mixed);
 }
 
-/// Whether all are numbers, and the bins probabilities.
+/// Whether all values are finite and the bins are probabilities.
 bool sound(const Material& m) {
   const Numbers all = numbers_of(m);
   return std::all_of(all.begin(), all.end(), [](float v) { return std::isfinite(v); }) &&
@@ -84,7 +84,7 @@ bool sound(const Material& m) {
          std::any_of(m.bins.begin(), m.bins.end(), [](float p) { return p > 0; });
 }
 
-constexpr float kRecent = 0.1F;  // share of the last estimate in what goes by the last ones
+constexpr float kRecent = 0.1F;  // weight of the last estimate in the running means
 
 }  // namespace
 
@@ -101,7 +101,7 @@ void MaterialFusion::add(const Material& estimate, const Params& params) {
     window_.push_back(estimate);
   }
   ++count_;
-  // Not of count_: a memory that grows does not bring back what a shorter one forgot.
+  // Not from count_: increasing the memory must not restore estimates that a shorter one dropped.
   averaged_ = std::min<uint64_t>(averaged_ + 1, std::max(params.memory, uint32_t{1}));
   const float alpha = 1.0F / static_cast<float>(averaged_);
   mean_ = mix(count_ == 1 ? estimate : middle, alpha, mean_);
@@ -114,10 +114,10 @@ float MaterialFusion::drift() const { return count_ ? distance(recent_, mean_) :
 
 bool MaterialFusion::steady(float limit) const {
   const float drift = this->drift();
-  // Of estimates that scatter by s a mean like `recent_` is off by s sqrt(kRecent / (2 - kRecent)):
-  // twice that is about a half.
+  // A running mean of estimates with standard deviation s has standard error s sqrt(kRecent / (2 -
+  // kRecent)): twice that is about s / 2.
   const float scatter = std::sqrt(std::max(spread_ * spread_ - drift * drift, 0.0F));
-  return count_ >= kFewest && spread_ < limit * std::sqrt(static_cast<float>(averaged_)) &&
+  return count_ >= kMinEstimates && spread_ < limit * std::sqrt(static_cast<float>(averaged_)) &&
          drift < limit + scatter / 2;
 }
 

@@ -6,41 +6,41 @@
 
 namespace inverse {
 
-/// Estimates of one object's material over time (thesis 6.6): a median of the last five, which
-/// takes outliers away, and of these a mean in which every frame weighs the same (Eq. 6.5 with
-/// alpha = 1/t) up to a longest memory. Starts anew where the material is another.
+/// Fuses the estimates of one object's material over time (thesis 6.6): a median of the last five
+/// against outliers, then the mean of Eq. 6.5 (alpha = 1/t) up to a maximum memory. Restarts when
+/// the material changes.
 class MaterialFusion {
  public:
   struct Params {
-    /// Frames that the mean remembers: alpha is never below 1 over it.
+    /// Maximum number of frames in the mean: alpha is at least 1 / memory.
     uint32_t memory = 100;
-    /// A median whose diffuse albedo is so far (largest channel) from the mean, five times in a
-    /// row, is of another object; so is one whose specular albedo is twice as far, or a
-    /// sixth of log2 of the shininess three times as far.
+    /// The mean restarts after five consecutive medians whose diffuse albedo differs from it by
+    /// more than this (largest channel), specular albedo by twice as much, or a sixth of log2 of
+    /// the shininess by three times as much.
     float other = 0.2F;
   };
 
-  /// Takes the estimate of one frame, unless it is none: a number that is none, bins that are no
+  /// Adds the estimate of one frame; ignores it if values are not finite or bins are no
   /// probabilities.
   void add(const Material& estimate, const Params& params);
   void reset();
 
-  /// The fused material; nothing is known of it before the first `add`.
+  /// The fused material; default before the first `add`.
   const Material& material() const { return mean_; }
-  /// Estimates since the object came.
+  /// Number of estimates since the object appeared.
   uint64_t count() const { return count_; }
-  /// Of these, those that the mean is of: at most Params::memory.
+  /// Number of estimates in the mean: at most Params::memory.
   uint64_t averaged() const { return averaged_; }
-  /// How far single estimates are from the mean: root mean square over the last ones of the largest
-  /// difference in diffuse albedo, specular albedo, and a sixth of log2 of the shininess.
+  /// Scatter of single estimates about the mean: rms over recent ones of the largest difference in
+  /// diffuse albedo, specular albedo, and a sixth of log2 of the shininess.
   float spread() const { return spread_; }
-  /// How far the mean of the last ten or so estimates is from the mean, in the same measure.
+  /// Distance of the running mean of about ten estimates from the mean, in the same measure.
   float drift() const;
-  /// Whether the mean is what estimates say, give or take `limit`: their scatter over the root of
-  /// their number is below it, and they are to no side of the mean by more than that and what
-  /// their scatter explains. Not before kFewest.
+  /// Whether the mean has converged to within `limit`: its standard error is below `limit`, and the
+  /// running mean deviates by no more than that plus its expected scatter. False before
+  /// kMinEstimates.
   bool steady(float limit) const;
-  static constexpr uint64_t kFewest = 12;
+  static constexpr uint64_t kMinEstimates = 12;
 
  private:
   static constexpr size_t kWindow = 5;

@@ -4,7 +4,7 @@
 #include "image/finite.glsl"
 #include "image/srgb.glsl"
 
-// What a guided filter compares at each point to find the mask: the picture's color, of which `guide_of` says how, and the
+// Inputs of the guided filter for the mask at each point: the image's color, transformed by `guide_of`, and the
 // probability of the object.
 PLANE_IN(0, image);  // sRGB; behind one zero, as networks have it
 PLANE_IN(1, probability);

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "guided.glsl"
 
-// The line through what is around each point: layer = slope * guide + offset, by least squares with a slope that is as small as
-// noise allows, whose variance grows with light (He, Sun and Tang, Guided Image Filtering, 2010). A slope is 0 where the layer
-// has nothing of what the guide changes by, and 1 where it has all.
+// Local linear regression at each point: layer = slope * guide + offset, regularized with the noise variance, which
+// grows with light (He, Sun and Tang, Guided Image Filtering, 2010). The slope is 0 if the layer does not follow the
+// guide, and 1 if it follows it entirely.
 PLANE_IN(0, points);   // guide, layer, 0, mask
 PLANE_OUT(1, result);  // slope, offset
 layout(push_constant) uniform Push { int side; } push;

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "guided.glsl"
 
-// Each point is on the lines of all around it that count: their mean, which smooths what networks say. Points that do not count
-// have a line as well where it is the specular layer's, for pixels between; none where it is the mask's.
+// Mean of the regressions of all valid points around each point, which smooths network outputs. Invalid points get a
+// line for the specular layer, for pixels between points; for the mask they get none.
 layout(constant_id = 1) const bool kBeyond = true;
 PLANE_IN(0, points);   // w: whether it counts
 PLANE_IN(1, lines);    // slopes and offset, of either

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "guided.glsl"
 
-// What guided_lines.comp does, in three channels: probability = slopes · color + offset. Points of probability 0 are not of the
-// object for another reason than what they look like (drop_foreign.comp), or very surely not: they do not count.
+// As guided_lines.comp, in three channels: probability = slopes · color + offset. Points of probability 0 were masked
+// out (drop_foreign.comp) or are clearly background; they are ignored.
 PLANE_IN(0, points);   // color, probability
 PLANE_OUT(1, result);  // slopes, offset
 layout(push_constant) uniform Push { int side; } push;
@@ -30,7 +30,7 @@ void main() {
   squares = max(share * squares - mean.rgb * mean.rgb, 0.0) + kNoise;
   products = share * products - mean.rrg * mean.gbb;
   along = share * along - mean.rgb * mean.w;
-  // Elimination in a matrix that is positive definite: pivots are at least kNoise.
+  // Elimination in a positive definite matrix: pivots are at least kNoise.
   float rg = products.x / squares.r, rb = products.y / squares.r;
   float g = max(squares.g - rg * products.x, kNoise), gb = (products.z - rg * products.y) / g;
   float b = max(squares.b - rb * products.y - gb * gb * g, kNoise);

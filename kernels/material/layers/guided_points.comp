@@ -3,8 +3,8 @@
 #include "lime.glsl"
 #include "image/srgb.glsl"
 
-// What a guided filter compares at each point: the picture's least channel, which a white highlight adds to as to any, and the
-// specular layer, at most that; linear. Of what is beside the object, zeros.
+// Inputs of the guided filter at each point: the image's smallest channel, to which a white highlight adds as to any,
+// and the specular layer, bounded by it; linear. Zero beside the object.
 PLANE_IN(0, masked);
 PLANE_IN(1, codes);
 PLANE_OUT(2, result);  // guide, layer, 0, mask

@@ -3,10 +3,10 @@
 #include "lime.glsl"
 #include "image/finite.glsl"
 
-// The frame's layers: diffuse light of the object, and its mask; specular light and mirror image. Between points of the square
-// all is bilinear; the mask follows the pixel's color by planes at the points, the specular layer its least channel by lines, so
-// that edges are where the frame has them. No more is taken for specular than the least channel has. Where the camera was at its
-// end, the layer is of more light than it shows: of a channel that is, the diffuse light is at least what is around the highlight.
+// The frame's layers: diffuse light of the object and its mask; specular light and mirror image. Values are bilinear
+// between the points of the square. The mask follows the pixel's color by planes, the specular layer its smallest
+// channel by lines, so that edges match the frame. The specular layer is at most the smallest channel. In clipped
+// channels, the diffuse light is at least that around the highlight, so that the layers exceed the clipped value.
 layout(constant_id = 1) const bool kFound = true;  // whether there is an object
 PLANE_IN(0, frame);
 PLANE_IN(1, planes);    // slopes and offset of the mask's probability by color

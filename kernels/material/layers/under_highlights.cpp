@@ -9,7 +9,7 @@ UnderHighlights::UnderHighlights(const std::shared_ptr<gpu::Device>& device, uin
   };
   for (;; side = (side + 1) / 2) {
     const gpu::BufferPtr known = make(side * side);
-    // A single point has nothing around it.
+    // A single point has no neighbors.
     levels_.push_back({side, known, side > 1 ? make(side * side) : known});
     if (side == 1) break;
   }

@@ -9,19 +9,18 @@
 
 namespace inverse {
 
-/// The diffuse light of an object where highlights hide it. Where the camera was at its end a
-/// picture does not say what is under a highlight; it is filled in from around it, by a pyramid of
-/// means that leave out what is not known (pull-push).
+/// Estimates the diffuse light of an object under highlights. Clipped pixels do not show it; it is
+/// interpolated from around them, with a pyramid of means over valid points (pull-push).
 class UnderHighlights {
  public:
   /// For squares of side x side points.
   UnderHighlights(const std::shared_ptr<gpu::Device>& device, uint32_t side);
 
-  /// `masked` and `codes` are SpecularNet's and ExponentNet's input: sRGB where the object is with
+  /// `masked` and `codes` are the inputs of SpecularNet and ExponentNet: sRGB of the object with
   /// its mask, and the code of the specular layer in x.
   void record(gpu::Commands& commands, const gpu::BufferPtr& masked, const gpu::BufferPtr& codes);
 
-  /// side x side points, linear RGB without gaps; 0 where nothing of the object is known.
+  /// side x side points, linear RGB without gaps; 0 if no point of the object is valid.
   const gpu::BufferPtr& diffuse() const { return levels_.front().whole; }
 
  private:

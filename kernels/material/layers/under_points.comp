@@ -3,7 +3,7 @@
 #include "lime.glsl"
 #include "image/srgb.glsl"
 
-// The object's light without highlights, at the points of the square where the camera tells it; w: whether it does.
+// The object's light without highlights at valid points of the square; w: validity.
 PLANE_IN(0, masked);  // sRGB where the object is, and its mask; behind one zero, as networks have it
 PLANE_IN(1, codes);   // of the specular layer in x
 PLANE_OUT(2, result);
@@ -15,7 +15,7 @@ void main() {
   vec4 here = FETCH(masked, 1 + i);
   vec3 rgb = to_linear(here.rgb);
   float specular = decode(FETCH(codes, 1 + i).x);
-  // What is near full scale may have been more, and where more is taken off than there is, the rest is no measure.
+  // Values near full scale may be clipped, and points whose specular layer exceeds the value are unreliable.
   bool known = here.w > 0.5 && max(rgb.r, max(rgb.g, rgb.b)) < kClips.x && specular < min(rgb.r, min(rgb.g, rgb.b));
   STORE(result, i, known ? vec4(rgb - specular, 1.0) : vec4(0.0));
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Half the size: the mean of what is known in 2 x 2 points; w: how much is, one known point counts whole.
+// Half the size: the mean of the valid ones of 2 x 2 points; w: 1 if at least one is fully valid.
 PLANE_IN(0, fine);
 PLANE_OUT(1, coarse);
 layout(push_constant) uniform Push { int side; } push;  // of fine

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Back to full size: what is not known here is taken, bilinearly, from the coarser points.
+// Back to full size: invalid points are interpolated bilinearly from the coarser level.
 PLANE_IN(0, fine);
 PLANE_IN(1, coarse);  // without gaps
 PLANE_OUT(2, whole);

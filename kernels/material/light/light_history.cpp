@@ -5,7 +5,8 @@
 namespace inverse {
 namespace {
 
-constexpr float kElsewhere = 0.25F;  // of an object's size: so far away it is in other light
+constexpr float kElsewhere = 0.25F;  // of the object's size: the light may differ at a greater
+                                     // distance
 
 }  // namespace
 

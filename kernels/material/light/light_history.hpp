@@ -10,34 +10,34 @@
 
 namespace inverse {
 
-/// The light around the followed object, from frame to frame: which views of it are of one light,
-/// how much that has changed, and what is known of it. Knows no device.
+/// Estimates the light around the tracked object from frame to frame: decides which views share a
+/// light, measures its change, and fits it. Does not use the device.
 class LightHistory {
  public:
-  /// What is taken from now on is of another light; the one before stays known until then.
+  /// Later views belong to a new light; the present estimate stays valid until then.
   void begin();
-  /// Nothing is known any more.
+  /// Discards the estimate.
   void forget();
-  /// The object rests here. Elsewhere than before other light falls on it: however often it was
-  /// seen where it was and on its way, that is one view.
+  /// The object rests here. The light may differ from that at another position: all views before
+  /// count as one.
   void rest(const ObjectTracker::Box& here);
-  /// Takes a view of the object, which is here and of this material; `anew`: those before are of
-  /// another light. The rest as ObjectLight::add and light.
+  /// Adds a view of the object at this position with this material. `anew`: earlier views belong to
+  /// another light. Other arguments as in ObjectLight::add and light.
   void take(const ObjectLight::View& view, const ObjectTracker::Box& here, bool anew,
             const NormalMap* map, const Material& material, const ObjectLight::Params& params);
-  /// Lamps that fade change little from one estimate to the next: compares the picture (as
-  /// CropChange's) with the one since which this light falls, or the object rests. `begins`: that
-  /// is this one; `in_place`: the object has not moved since the last look.
+  /// Detects slowly changing lamps: compares the image (as CropChange) with the first one under
+  /// this light or since the object came to rest. `begins`: this is that first image; `in_place`:
+  /// the object has not moved since the last analysis.
   void compare(std::span<const float> image, std::span<const uint8_t> mask, uint32_t side,
                bool begins, bool in_place);
 
-  /// The light; null while it is not known.
+  /// The light; null before it is known.
   const std::shared_ptr<const Environment>& light() const { return known_; }
   uint64_t views() const { return light_.views(); }
   bool lacks_normals() const { return light_.lacks_normals(); }
-  /// What compare found; none: the object moves.
+  /// Result of the last `compare`; empty: the object moves.
   std::optional<CropChange::Difference> changed() const;
-  /// Whether there is a picture that compare compares with.
+  /// Whether there is a reference image for `compare`.
   bool watched() const { return change_.kept(); }
 
  private:

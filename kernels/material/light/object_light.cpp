@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kClipped = 0.985F;  // code, sRGB
 
-/// sRGB's inverse, between entries of a table.
+/// Inverse sRGB curve, interpolated in a table.
 float linear(float code) {
   constexpr size_t kSteps = 1024;
   static const auto table = [] {
@@ -27,10 +27,10 @@ float linear(float code) {
   return table[low] + (at - static_cast<float>(low)) * (table[low + 1] - table[low]);
 }
 
-/// As lime.glsl has it.
+/// As in lime.glsl.
 float decoded(float code) { return 0.25F * (std::exp(2 * std::clamp(code, 0.0F, 8.0F)) - 1); }
 
-/// The points that lie in the frame.
+/// The points within the frame.
 GridWindow window_of(const ObjectLight::View& view) {
   const float pixels = view.square.size / static_cast<float>(view.side);
   const auto first = [&](float corner) {

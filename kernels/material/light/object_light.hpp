@@ -11,28 +11,30 @@
 
 namespace inverse {
 
-/// The light around the object, from what the networks saw and said of it: brings their pictures
-/// and the object's normals together for EnvironmentFit. On the host: a view is 128 x 128 points.
+/// Estimates the light around the object from the networks' inputs and outputs: combines their
+/// images with the object's normals for EnvironmentFit. Runs on the host: a view has 128 x 128
+/// points.
 class ObjectLight {
  public:
   struct Params {
     EnvironmentFit::Params fit;
-    bool inflate = true;  ///< normals from the object's outline where there is no normal map
+    bool inflate = true;  ///< normals from the object's outline if there is no normal map
   };
-  /// What is known of one frame, at side x side points of a square.
+  /// Data of one frame, at side x side points of a square.
   struct View {
-    std::span<const float> image;   ///< sRGB, four numbers a point
-    std::span<const float> codes;   ///< of specular layer and mirror image, four numbers a point
-    std::span<const uint8_t> mask;  ///< not 0 where the object is
+    std::span<const float> image;   ///< sRGB, four values per point
+    std::span<const float> codes;   ///< codes of specular layer and mirror image, four values per
+                                    ///< point
+    std::span<const uint8_t> mask;  ///< not 0 on the object
     uint32_t side = 0;
     Square square;
     Extent frame;
   };
 
-  /// Takes a frame. `map`, which may be null, has the normals of the whole frame. Nothing where
-  /// there are no normals.
+  /// Adds a frame. `map`, which may be null, has the normals of the whole frame. Ignored without
+  /// normals.
   void add(const View& view, const NormalMap* map, const Params& params);
-  /// The light that this material and what was taken so far make likely; null where nothing does.
+  /// The light, given this material and all added frames; null if undetermined.
   std::shared_ptr<const Environment> light(const Material& material, const Params& params) const;
   void reset() { fit_.reset(); }
   /// As EnvironmentFit's.

@@ -4,8 +4,8 @@
 #include "image/srgb.glsl"
 #include "image/finite.glsl"
 
-// A square of the frame as SegmentationNet takes it: side x side points, each the mean of the light on it in sRGB. The frame's
-// border goes on outside of it.
+// A square of the frame as input of SegmentationNet: side x side points, each the mean light of its area in sRGB. The
+// frame's border is extended beyond it.
 PLANE_IN(0, frame);
 PLANE_OUT(1, image);  // a network's input: behind one zero
 layout(push_constant) uniform Push {
@@ -15,12 +15,12 @@ layout(push_constant) uniform Push {
   int side;
 } push;
 
-const int kMostTaps = 12;  // along one side of a point; where it covers more pixels they are spread over it
+const int kMaxTaps = 12;  // along one side of a point; where it covers more pixels they are spread over it
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= push.side * push.side) return;
-  int taps = clamp(int(ceil(push.pixels)), 1, kMostTaps);
+  int taps = clamp(int(ceil(push.pixels)), 1, kMaxTaps);
   vec2 first = push.corner + push.pixels * vec2(i % push.side, i / push.side);
   float step_ = push.pixels / float(taps);
   vec3 sum = vec3(0.0);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Points that are of no object, or of another one than the one that is followed, lose their probability.
+// Sets the probability to 0 at points of no object or of an object that is not tracked.
 PLANE_INOUT(0, probability);
 WORD_IN(1, foreign);  // not 0: such a point
 layout(push_constant) uniform Push { int count; } push;

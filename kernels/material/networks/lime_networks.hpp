@@ -19,44 +19,45 @@
 
 namespace inverse {
 
-/// The five networks of thesis Fig. 6.3 on a device, one after the other on a square of a frame,
-/// and the layers of the frame by what they gave last. Decides nothing: where frames are looked at,
-/// and by which networks, is for LimeMaterial to say.
+/// The five networks of thesis Fig. 6.3 on a device, applied to a square of a frame, and the
+/// frame's layers from their last outputs. LimeMaterial decides which networks run on which square.
 class LimeNetworks {
  public:
   /// For frames of this size. Throws as network::Network.
   LimeNetworks(const std::shared_ptr<gpu::Device>& device, Extent extent, LimeModels models);
 
-  /// Records SegmentationNet, on a square of the frame.
+  /// Records SegmentationNet on a square of the frame.
   void record_mask(gpu::Commands& commands, const Plane& frame, const Square& square);
-  /// Records that points of it are of no object, or of another one: a word for each, not 0 of such.
+  /// Records masking out points of other or no objects: a word per point, not 0 to mask it out.
   void record_foreign(gpu::Commands& commands, const gpu::BufferPtr& foreign);
-  /// Records the other four, of the object that was found in the square.
+  /// Records the other four networks, for the object found in the square.
   void record_material(gpu::Commands& commands);
 
-  /// `diffuse` has linear RGB without the specular layer, w = mask; `gloss` the specular layer
+  /// `diffuse` is linear RGB without the specular layer, w = mask; `gloss` the specular layer
   /// (gray, linear) in rgb, w = mirror image.
   struct Layers {
     PlanePtr diffuse, gloss;
   };
-  /// Records drawing a frame's layers by what was found in a square of it, or of one before.
+  /// Records drawing a frame's layers from the results in this square, of the same or an earlier
+  /// frame.
   Layers record_layers(gpu::Commands& commands, const Plane& frame, const Square& square);
-  /// The same where no object is known.
+  /// The same without an object.
   Layers record_bare_layers(gpu::Commands& commands, const Plane& frame);
 
-  /// Records each of these once on a black frame, so that no kernel is built while frames come.
+  /// Records each of these once on a black frame, so that no pipeline is compiled while frames
+  /// arrive.
   void warm_up(gpu::Commands& commands);
 
   uint32_t side() const { return side_; }  ///< points along a side of the square
-  /// Bytes of device memory that the networks take.
+  /// Bytes of device memory of the networks.
   uint64_t bytes() const;
 
-  /// Of the square that was looked at last, a vec4 in front and then one for each point: sRGB; the
-  /// object's probability (x); codes of its specular layer and mirror image (x, y).
+  /// Of the last analyzed square, one vec4 and then one per point: sRGB; the object's probability
+  /// (x); codes of its specular layer and mirror image (x, y).
   const gpu::BufferPtr& picture() const { return segmentation_.input(0); }
   const gpu::BufferPtr& probability() const { return segmentation_.output(0); }
   const gpu::BufferPtr& codes() const { return exponent_.input(0); }
-  /// Of its object, behind a vec4: diffuse albedo and alpha; probabilities of the bins.
+  /// Of its object, after one vec4: diffuse albedo and alpha; probabilities of the bins.
   const gpu::BufferPtr& albedo() const { return albedo_.output(0); }
   const gpu::BufferPtr& bins() const { return exponent_.output(0); }
 

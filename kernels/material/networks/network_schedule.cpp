@@ -7,7 +7,7 @@ namespace {
 
 bool is_watched(const NetworkSchedule::Known& known) { return known.draws || known.finds_light; }
 
-/// Whether its lamps changed, at once or little by little.
+/// Whether the lamps changed, suddenly or slowly.
 bool is_relit(const NetworkSchedule::Known& known) {
   const auto beyond = [](const auto& difference, float moved) {
     return difference && difference->mean > NetworkSchedule::kRelit + moved;
@@ -18,7 +18,7 @@ bool is_relit(const NetworkSchedule::Known& known) {
 
 bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& known) {
   if (!params.adaptive || !known.found || !known.placed) return false;
-  // Whoever begins to draw layers finds those of a picture that nobody has kept.
+  // The reference image for layers is missing when drawing begins.
   const bool stale =
       is_watched(known) && (!known.changed || known.changed->largest > NetworkSchedule::kChanged);
   return known.steady && known.moved < ObjectTracker::kMoved && !stale;
@@ -27,7 +27,7 @@ bool rests(const NetworkSchedule::Params& params, const NetworkSchedule::Known& 
 }  // namespace
 
 NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& known) {
-  // Other lamps are looked at once; what then goes on changing turns in its place.
+  // A sudden change of lamps is analyzed at once; a continuing one at the regular rate.
   const bool relit = rested_in_place_ && is_relit(known);
   const bool resting = rests(params, known) && !relit;
   const bool rest = resting && ++rested_ < std::max(params.recheck, uint32_t{1});
@@ -38,7 +38,7 @@ NetworkSchedule::Plan NetworkSchedule::next(const Params& params, const Known& k
     follow_ = kFollow;
   rested_in_place_ =
       resting || (rested_in_place_ && !relit && known.found && known.moved < ObjectTracker::kMoved);
-  // What had no object has none when it comes again, or what is found in it is on its way.
+  // A square without an object has none in an identical frame, unless a result is still in flight.
   const bool again = params.adaptive && known.still && !known.found && searched_ == known.square;
 
   Plan plan;

@@ -7,55 +7,56 @@
 
 namespace inverse {
 
-/// Decides which of LimeMaterial's networks run for a frame, by what frames before it found. Knows
-/// neither device nor pixels.
+/// Decides which of LimeMaterial's networks run for a frame from the results of earlier frames.
+/// Uses neither device nor pixels.
 class NetworkSchedule {
  public:
-  /// Of LimeMaterial::Params, where each is explained.
+  /// Of LimeMaterial::Params, which documents them.
   struct Params {
     bool adaptive = true;
     uint32_t recheck = 8;
   };
-  /// What is known when a frame comes, by the last one that is done.
+  /// State at a new frame, according to the last finished one.
   struct Known {
-    Square square;             ///< the frame is looked at in
-    bool still = false;        ///< pixel by pixel it is the one before, there
-    bool found = false;        ///< there is an object
-    bool placed = false;       ///< and its layers, from a look at that very square
-    float moved = 1;           ///< share of its points
+    Square square;             ///< square to analyze
+    bool still = false;        ///< the pixels in the square are unchanged
+    bool found = false;        ///< an object is present
+    bool placed = false;       ///< its layers were computed from that same square
+    float moved = 1;           ///< share of its points that changed
     bool steady = false;       ///< its material is known
-    bool draws = false;        ///< its layers are asked for
-    bool finds_light = false;  ///< its light is, and can be told
-    uint64_t views = 0;        ///< of it that are in the light
-    /// Its picture, since it had those layers; none: nobody has kept that picture.
+    bool draws = false;        ///< its layers are requested
+    bool finds_light = false;  ///< its light is requested and can be estimated
+    uint64_t views = 0;        ///< views of the object in the light
+    /// Change of its image since its layers were computed; empty: no reference image.
     std::optional<CropChange::Difference> changed;
-    /// The same since it rests, or its light began; none: it moves.
+    /// Change since it came to rest, or since its light began; empty: it moves.
     std::optional<CropChange::Difference> relit;
   };
   struct Plan {
-    bool rests = false;        ///< the object does; it may be looked at all the same
+    bool rests = false;        ///< the object rests; it may be analyzed nevertheless
     bool segments = false;     ///< SegmentationNet runs
     bool estimates = false;    ///< the other four do
-    bool lights = false;       ///< that view of the object goes into the light
-    bool light_anew = false;   ///< which begins with it: those before are of another light
-    bool compares = false;     ///< its picture is kept or compared
-    const char* skipped = "";  ///< what is left out, and why
+    bool lights = false;       ///< this view of the object is added to the light
+    bool light_anew = false;   ///< the light begins with this view: earlier ones belong to another
+                               ///< light
+    bool compares = false;     ///< its image is stored or compared
+    const char* skipped = "";  ///< skipped work and the reason
   };
 
-  /// The next frame has no past.
+  /// Discards the history.
   void restart() { *this = {}; }
   Plan next(const Params& params, const Known& known);
 
-  /// Layers of a resting object are of an earlier frame while no part of its picture differs by
-  /// more: sRGB, five code values.
+  /// Maximum change of any block of a resting object's image for reusing its layers: sRGB, five
+  /// code values.
   static constexpr float kChanged = 0.02F;
-  /// The same in the mean, of any time since it rests, beyond what of the object has moved: its
-  /// lamps changed, not it.
+  /// Maximum mean change for the same purpose, beyond the share that moved: a larger one is a
+  /// change of the lamps.
   static constexpr float kRelit = 0.01F;
-  /// Estimates after that whose light is theirs alone, at most.
+  /// Maximum number of following estimates whose light is theirs alone.
   static constexpr uint32_t kFollow = 30;
-  /// The light changes slower than frames come, and costs the host 1 to 2 ms: of the first views
-  /// each is taken, then one in so many.
+  /// The light changes more slowly than frames arrive, and costs the host 1 to 2 ms: the first
+  /// views are all used, then one in this many.
   static constexpr uint64_t kEarlyViews = 4, kViewEvery = 4;
 
  private:

@@ -3,7 +3,7 @@
 #include "material/layers/lime.glsl"
 #include "image/finite.glsl"
 
-// What ExponentNet takes: codes of the specular layer and of the mirror image, where the object is.
+// Input of ExponentNet: codes of the specular layer and of the mirror image, on the object.
 PLANE_IN(0, masked);
 PLANE_IN(1, specular);
 PLANE_IN(2, mirror);

@@ -3,7 +3,7 @@
 #include "material/layers/lime.glsl"
 #include "image/finite.glsl"
 
-// What SpecularNet gave, where the object is: for MirrorNet, and with the picture for AlbedoNet.
+// Output of SpecularNet on the object: input of MirrorNet and, with the image, of AlbedoNet.
 PLANE_IN(0, masked);
 PLANE_IN(1, specular);
 PLANE_OUT(2, mirror_in);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "material/layers/lime.glsl"
 
-// What SpecularNet takes: the picture where the object is, and the mask.
+// Input of SpecularNet: the image on the object, and the mask.
 PLANE_IN(0, image);
 PLANE_IN(1, probability);
 PLANE_OUT(2, result);

@@ -7,23 +7,23 @@
 namespace inverse {
 namespace {
 
-constexpr float kObject = 0.5F;        // probability
-constexpr float kLeastShare = 0.005F;  // of the square
-constexpr float kFill = 0.66F;         // of the square that the object's longer side takes
-constexpr float kRest = 0.12F;      // of the square's size: less is no reason to move or resize it
-constexpr float kLeastSize = 32;    // pixels
-constexpr float kCloser = 0.9F;     // of the size of the square before: that is a closer look
-constexpr float kSame = 0.65F;      // of the object's area: less is another one
-constexpr uint32_t kTryAgain = 60;  // looks, before a closer one that failed is tried once more
-constexpr uint32_t kReach = 3;      // points that another object may have moved since the last look
-constexpr float kStays = 0.2F;      // overlap with the box before: less is elsewhere
-constexpr uint32_t kPatience = 3;   // frames without the object before it is looked for everywhere
+constexpr float kObject = 0.5F;      // probability
+constexpr float kMinShare = 0.005F;  // of the square
+constexpr float kFill = 0.66F;       // of the square: target of the object's longer side
+constexpr float kRest = 0.12F;   // of the square's size: smaller changes neither move nor resize it
+constexpr float kMinSize = 32;   // pixels
+constexpr float kCloser = 0.9F;  // ratio of sizes below which a square is a closer one
+constexpr float kSame = 0.65F;   // of the object's area: below this it is another object
+constexpr uint32_t kTryAgain = 60;  // analyses before a closer square that failed is tried again
+constexpr uint32_t kReach = 3;      // points that another object may move between analyses
+constexpr float kStays = 0.2F;  // overlap with the previous box: below this the object is elsewhere
+constexpr uint32_t kMaxMissing = 3;  // frames without the object before the whole frame is searched
 
 struct Part {
   uint32_t area = 0, left = ~0u, top = ~0u, right = 0, bottom = 0;
 };
 
-/// Whatever is within so many points of what is set, in rows and columns.
+/// Dilates a mask by this number of points in rows and columns.
 std::vector<uint8_t> widened(const std::vector<uint8_t>& mask, uint32_t side, uint32_t reach) {
   std::vector<uint8_t> wide = mask;
   for (const size_t step : {size_t{1}, size_t{side}}) {
@@ -39,7 +39,7 @@ std::vector<uint8_t> widened(const std::vector<uint8_t>& mask, uint32_t side, ui
   return wide;
 }
 
-/// The largest part of a mask whose points are neighbors; all others are cleared.
+/// Keeps the largest connected part of a mask.
 Part keep_largest(std::vector<uint8_t>& mask, uint32_t side) {
   std::vector<uint32_t> part_of(mask.size(), 0), open;
   std::vector<Part> parts(1);
@@ -106,7 +106,7 @@ void ObjectTracker::reset() {
   found_ = misled_ = jumped_ = false;
   missing_ = 0;
   closest_ = 0;
-  patience_ = waited_ = 0;
+  retry_after_ = waited_ = 0;
   share_ = 0;
   moved_ = 1;
   before_.clear();
@@ -143,7 +143,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
   if (side == 0) return;
   std::vector<uint8_t> mask(size_t{side} * side);
   const float scale = square.size / static_cast<float>(side);
-  // Beyond the frame networks see its border go on: what they say there is of no object.
+  // Beyond the frame the networks see its extended border: results there are invalid.
   const auto within = [&](float corner, uint32_t point, uint32_t size) {
     const float start = corner + scale * static_cast<float>(point);
     return start + scale > 0 && start < static_cast<float>(size);
@@ -164,16 +164,16 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
     if (square_ == before_square_) return;  // one more look that was under way
     square_ = before_square_;
     closest_ = square_.size;
-    patience_ = std::max(2 * patience_, kTryAgain);
+    retry_after_ = std::max(2 * retry_after_, kTryAgain);
     waited_ = 0;
     return;
   }
   share_ = static_cast<float>(part.area) / static_cast<float>(mask.size());
-  if (share_ < kLeastShare) {
+  if (share_ < kMinShare) {
     moved_ = 1;
     before_.clear();
     others_.clear();
-    if (++missing_ >= kPatience || !found_) reset();
+    if (++missing_ >= kMaxMissing || !found_) reset();
     return;
   }
   const bool known = found_;
@@ -194,7 +194,7 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
     const std::vector<uint8_t> own = widened(mask, side, 1);
     for (size_t i = 0; i < own.size(); ++i) others_[i] &= !own[i];
   }
-  if (closest_ > 0 && ++waited_ > patience_) closest_ = 0;
+  if (closest_ > 0 && ++waited_ > retry_after_) closest_ = 0;
   before_ = std::move(mask);
   before_area_ = area;
   before_square_ = square;
@@ -206,14 +206,14 @@ void ObjectTracker::update(std::span<const float> probabilities, uint32_t side, 
                            std::min(square.x + scale * static_cast<float>(part.right), width),
                            std::min(square.y + scale * static_cast<float>(part.bottom), height)});
   jumped_ = known && box_.overlap(before) < kStays;
-  // Cut by the square but not by the frame: there is more of it outside.
+  // Cut by the square but not by the frame: the object extends beyond it.
   const bool cut = (part.left == 0 && box_.left > 0) || (part.top == 0 && box_.top > 0) ||
                    (part.right == side && box_.right < width) ||
                    (part.bottom == side && box_.bottom < height);
   const float longer = std::max(box_.right - box_.left, box_.bottom - box_.top);
   const float largest = whole().size;
-  const float least = std::min(std::max(kLeastSize, closest_), largest);
-  const float size = std::clamp(longer / kFill * (cut ? 1.3F : 1.0F), least, largest);
+  const float smallest = std::min(std::max(kMinSize, closest_), largest);
+  const float size = std::clamp(longer / kFill * (cut ? 1.3F : 1.0F), smallest, largest);
   const float middle_x = (box_.left + box_.right) / 2, middle_y = (box_.top + box_.bottom) / 2;
   const Square wanted{middle_x - size / 2, middle_y - size / 2, size};
   const float off = std::max({std::fabs(wanted.size - square_.size),

@@ -7,60 +7,58 @@
 
 namespace inverse {
 
-/// A square of a frame, in pixels; may reach over its borders.
+/// A square of a frame, in pixels; may extend beyond the frame.
 struct Square {
   float x = 0, y = 0;  ///< top left corner
   float size = 0;
   bool operator==(const Square&) const = default;
 };
 
-/// Where the object is: looks at the mask that was found in a square, and says where to look next.
-/// The largest connected part of a mask within the frame counts. The square is chosen so that the
-/// object fills two thirds of it, and stays where it is while the object moves or grows little, so
-/// that what is estimated from it stays alike. Where a closer look finds much less of it, as it
-/// does with things that have things on them, the square before is as close as it gets, for a while
-/// that grows each time.
+/// Tracks the object: analyzes the mask found in a square and selects the next square. Uses the
+/// largest connected part of the mask within the frame. The object fills two thirds of the square.
+/// The square does not follow small motion or growth, so that estimates stay stable. If a closer
+/// square shows much less of the object, as with patterned objects, the previous square is the
+/// closest for a time that grows with each failure.
 class ObjectTracker {
  public:
   explicit ObjectTracker(Extent frame) : frame_(frame) { reset(); }
 
-  /// Back to looking at the whole frame.
+  /// Returns to the whole frame.
   void reset();
-  /// Takes the probabilities of the object at `side` x `side` points of a square, row by row,
-  /// `stride` floats apart. Numbers that are none count as 0.
+  /// Adds the object's probabilities at `side` x `side` points of a square, row by row, `stride`
+  /// floats apart. NaN counts as 0.
   void update(std::span<const float> probabilities, uint32_t side, uint32_t stride,
               const Square& square);
 
-  /// Where to look next.
+  /// The next square to analyze.
   const Square& square() const { return square_; }
   bool found() const { return found_; }
-  /// The last look was a closer one that lost the object: what it showed is of something else.
+  /// The last square was a closer one that lost the object: ignore its result.
   bool misled() const { return misled_; }
-  /// What was found in the last look is elsewhere than what was before: another object, as after a
-  /// cut, or one that moves faster than looks follow it.
+  /// The last result does not overlap the previous one: another object, as after a cut, or one too
+  /// fast to track.
   bool jumped() const { return jumped_; }
-  /// The object's share of the square where it was found, 0…1.
+  /// The object's share of the square in which it was found, 0…1.
   float share() const { return share_; }
-  /// The box around it, in pixels of the frame.
+  /// Its bounding box, in pixels of the frame.
   struct Box {
     float left = 0, top = 0, right = 0, bottom = 0;
 
-    /// Of the middles, over the longer of the longer sides.
+    /// Distance of the centers, relative to the longest side of both boxes.
     float distance(const Box& other) const;
-    /// What both cover over what the smaller one does: 1 where one lies in the other, 0 of boxes
-    /// apart.
+    /// Intersection area over the smaller area: 1 if one box contains the other, 0 if they are
+    /// disjoint.
     float overlap(const Box& other) const;
   };
   const Box& box() const { return box_; }
-  /// Its points in the square that was looked at last, a byte each; empty where it was not there.
+  /// Its points in the last square, one byte each; empty if the object was not there.
   std::span<const uint8_t> mask() const { return before_; }
-  /// Of the next look at a square: a byte for each of its points, 1 for what is beyond the frame,
-  /// and where another object than this one was in the last look, or near it. Empty where there is
-  /// no such point.
+  /// For the next analysis of a square: one byte per point, 1 beyond the frame and near another
+  /// object of the last analysis. Empty if no point is.
   std::vector<uint8_t> foreign(const Square& square, uint32_t side) const;
-  /// Share of the object's points that are no longer, or were not before, of the object.
+  /// Share of the object's points that changed between object and background.
   float moved() const { return moved_; }
-  /// Less than this is rest.
+  /// Below this share the object rests.
   static constexpr float kMoved = 0.02F;
   bool rests() const { return moved_ < kMoved; }
 
@@ -73,11 +71,11 @@ class ObjectTracker {
   bool found_ = false, misled_ = false, jumped_ = false;
   uint32_t missing_ = 0;  // frames in a row
   float share_ = 0, moved_ = 1;
-  float closest_ = 0;                   // size of squares that is no less, pixels
-  uint32_t patience_ = 0, waited_ = 0;  // looks until a closer one is tried again, and since
-  std::vector<uint8_t> before_;         // the object's points
-  std::vector<uint8_t> others_;         // those of others, and next to them; none: empty
-  float before_area_ = 0;               // of the frame, pixels
+  float closest_ = 0;                      // size of squares that is no less, pixels
+  uint32_t retry_after_ = 0, waited_ = 0;  // looks until a closer one is tried again, and since
+  std::vector<uint8_t> before_;            // the object's points
+  std::vector<uint8_t> others_;            // those of others, and next to them; none: empty
+  float before_area_ = 0;                  // of the frame, pixels
   Square before_square_;
 };
 

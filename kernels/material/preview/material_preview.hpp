@@ -9,20 +9,21 @@
 
 namespace inverse {
 
-/// Draws a sphere that wears a material into a frame's bottom right corner.
+/// Draws a sphere of a material into the bottom right corner of a frame.
 class MaterialPreview {
  public:
   explicit MaterialPreview(const std::shared_ptr<gpu::Device>& device);
 
-  /// `light` may be null: then it is that of a studio (Environment::studio). `size` is the sphere's
-  /// diameter over the frame's shorter side, 0…1. `frame` and `picture` are of one size.
+  /// `light` may be null: then a studio's light (Environment::studio) is used. `size` is the
+  /// sphere's diameter relative to the frame's shorter side, 0…1. `frame` and `picture` have the
+  /// same size.
   void record(gpu::Commands& commands, const Plane& frame, const Material& material,
               const std::shared_ptr<const Environment>& light, float size, const Plane& picture);
 
  private:
   gpu::Program<shaders::material_preview_preview> kernel_;
   LitSphere sphere_;
-  // What the sphere was drawn with. What moves less than can be seen is not drawn anew.
+  // Parameters of the drawn sphere. Invisible changes do not redraw it.
   std::optional<Surface> surface_;
   std::optional<std::shared_ptr<const Environment>> light_;
 };

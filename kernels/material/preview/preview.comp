@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 
-// The frame with a sphere before it, as a table of a lit sphere says that it looks.
+// The frame with a sphere in front of it, shaded from the table of a lit sphere.
 PLANE_IN(0, frame);
 #define LIT_TABLE LIT_TABLE  // names are pasted, so that it has to be the binding's own
 PLANE_IN(1, LIT_TABLE);
@@ -27,7 +27,7 @@ void main() {
     vec4 pixel = FETCH(frame, n);
     vec2 off = (vec2(at.x, y) + 0.5 - push.middle) / push.radius;
     float distance_ = length(off);
-    // The share of the pixel that the sphere covers, as if its edge were straight there.
+    // Coverage of the pixel, with a locally straight edge.
     float covered = clamp(0.5 + push.radius * (1.0 - distance_), 0.0, 1.0);
     vec3 normal = vec3(off.x, -off.y, sqrt(max(1.0 - distance_ * distance_, 0.0)));
     vec3 lit = finite(vec4(lit_sphere(normal, push.side), 1.0)).rgb;

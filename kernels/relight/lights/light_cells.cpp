@@ -8,8 +8,8 @@ namespace inverse {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kReach = 1.5;        // spacings
-constexpr double kLeastReach = 0.05;  // radian: of lights in one place, some patches
+constexpr double kReach = 1.5;      // spacings
+constexpr double kMinReach = 0.05;  // radian: minimum area for coincident lights
 constexpr uint32_t kRows = LightCells::kRows, kColumns = 2 * kRows;
 
 double dot(const Direction& a, const Direction& b) {
@@ -20,8 +20,7 @@ double solid_angle(double top, double bottom, uint32_t rows) {
   return std::cos(kPi * top / rows) - std::cos(kPi * bottom / rows);
 }
 
-/// One side of a map cut into other parts: which of the old ones each new one has, and where in
-/// them it begins and ends.
+/// Resampling of one axis of a map: the range of old parts that each new part covers.
 struct Overlap {
   uint32_t to, from;
   double begin, end;  // in old parts
@@ -57,8 +56,8 @@ double light_spacing(std::span<const Direction> lights) {
 
 LightCells::LightCells(std::vector<Direction> lights)
     : lights_(std::move(lights)), owner_(size_t{kRows} * kColumns, kNobody) {
-  const double reach = std::cos(std::clamp(kReach * light_spacing(lights_), kLeastReach, kPi));
-  // From the top down, so that a row needs to look only at lights that its directions reach.
+  const double reach = std::cos(std::clamp(kReach * light_spacing(lights_), kMinReach, kPi));
+  // From the top down, so that each row checks only lights within reach.
   std::vector<uint16_t> order(lights_.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<uint16_t>(i);
   std::sort(order.begin(), order.end(),
@@ -124,7 +123,7 @@ std::vector<Rgb> LightCells::weights(const Map& map, double rotation) const {
     for (uint32_t column = 0; column < kColumns; ++column) {
       const uint16_t owner = owner_[size_t{row} * kColumns + column];
       if (owner == kNobody) continue;
-      // A turn by a part of a patch spreads it over two.
+      // Rotation by a fraction of a patch distributes it over two.
       const uint32_t near = (column + kColumns - whole) % kColumns;
       const uint32_t far = (near + kColumns - 1) % kColumns;
       for (size_t c = 0; c < 3; ++c)

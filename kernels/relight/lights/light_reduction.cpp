@@ -8,11 +8,11 @@ namespace inverse {
 namespace {
 
 constexpr int kSweeps = 25;       // of the fit
-constexpr size_t kCheap = 64;     // so many lights are fitted in little time
-constexpr double kMargin = 0.85;  // the first number of lights to be within an error is so by luck
+constexpr size_t kCheap = 64;     // up to this number, fitting is cheap
+constexpr double kMargin = 0.85;  // the first number of lights below an error may be so by chance
 
 float dot(const float* a, const float* b, size_t count) {
-  // Eight sums side by side, which compilers make vectors of.
+  // Eight partial sums, which compilers vectorize.
   std::array<float, 8> sums{};
   size_t i = 0;
   for (; i + 8 <= count; i += 8)
@@ -23,21 +23,21 @@ float dot(const float* a, const float* b, size_t count) {
   return sum;
 }
 
-/// Least squares on the normal equations, a coordinate at a time, each of which keeps its sign.
+/// Least squares on the normal equations by coordinate descent; each weight keeps its sign.
 void fit(const std::vector<std::vector<float>>& gram, const std::vector<float>& right,
          const std::vector<float>& signs, std::vector<float>& x) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    float most = 0, moved = 0;
+    float max = 0, moved = 0;
     for (size_t i = 0; i < x.size(); ++i) {
       if (gram[i][i] <= 0) continue;
       float rest = right[i];
       for (size_t k = 0; k < x.size(); ++k) rest -= gram[std::max(i, k)][std::min(i, k)] * x[k];
       const float to = signs[i] * std::max(0.0F, signs[i] * (x[i] + rest / gram[i][i]));
       moved = std::max(moved, std::fabs(to - x[i]));
-      most = std::max(most, std::fabs(to));
+      max = std::max(max, std::fabs(to));
       x[i] = to;
     }
-    if (moved <= 1e-4F * most) return;
+    if (moved <= 1e-4F * max) return;
   }
 }
 
@@ -46,16 +46,16 @@ void fit(const std::vector<std::vector<float>>& gram, const std::vector<float>& 
 void LightReduction::set_responses(std::span<const float> responses) {
   const size_t lights = lights_.size(), given = responses.size() / (4 * lights);
   std::vector<std::pair<size_t, double>> bright;  // samples and how bright they are
-  double most = 0;
+  double max = 0;
   for (size_t s = 0; s < given; ++s) {
     double sum = 0;
     for (size_t i = 0; i < lights; ++i)
       for (size_t c = 0; c < 3; ++c) sum += responses[4 * (s * lights + i) + c];
     if (!(sum >= 0 && sum < 1e30)) continue;
     bright.emplace_back(s, sum);
-    most = std::max(most, sum);
+    max = std::max(max, sum);
   }
-  std::erase_if(bright, [most](const auto& one) { return one.second <= 1e-4 * most; });
+  std::erase_if(bright, [max](const auto& one) { return one.second <= 1e-4 * max; });
   tested_ = bright.size() / 2;
   fitted_ = bright.size() - tested_;
   responses_.resize(3 * lights * bright.size());
@@ -111,7 +111,7 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
   const Choice everything = all(weights);
   if (!ready() || max_error <= 0) return everything;
   const size_t count = lights_.size(), lit = everything.lights.size();
-  const size_t most = std::min(2 * lit / 3, std::max(kCheap, lit / 3));
+  const size_t max_count = std::min(2 * lit / 3, std::max(kCheap, lit / 3));
   const std::vector<float> target = sum(weights), picture = sum(whole);
   double total = 0, off = 0;  // of the samples that are tested on
   for (size_t c = 0; c < 3; ++c)
@@ -128,10 +128,10 @@ LightReduction::Choice LightReduction::choose(std::span<const Rgb> weights,
   std::vector<std::array<float, 3>> sizes(count);
   for (const uint32_t i : everything.indices)
     for (size_t c = 0; c < 3; ++c) sizes[i][c] = dot(response(i, c), response(i, c), fitted_);
-  // By channel: products of the lights that were taken with each other and with the target.
+  // Per channel: inner products of the selected lights with each other and with the target.
   std::array<std::vector<std::vector<float>>, 3> gram;
   std::array<std::vector<float>, 3> right, signs, x;
-  while (choice.lights.size() < most) {
+  while (choice.lights.size() < max_count) {
     size_t best = count;
     double explains = 0;
     for (const uint32_t i : everything.indices) {

@@ -7,38 +7,38 @@
 
 namespace inverse {
 
-/// Finds few lights that light a subject as all lights of a stage do, from what each of them gives
-/// some pixels of it: lights are taken one by one, each time the one that explains most of what is
-/// still missing, and the brightness of all that were taken is fitted anew (orthogonal matching
-/// pursuit, each color channel by itself; weights keep the sign that they were taken with). Half of
-/// the samples are fitted to, on the other half the error is measured.
+/// Selects few lights that light a subject as all lights of a stage do, from the responses of some
+/// pixels. Orthogonal matching pursuit: adds the light that explains most of the remainder, then
+/// fits all selected weights again, per color channel, with fixed signs. Fits half of the samples
+/// and measures the error on the other half.
 class LightReduction {
  public:
   explicit LightReduction(std::vector<Direction> lights) : lights_(std::move(lights)) {}
 
-  /// What lights of weight 1 give samples: RGB and one more number, sample by sample, light by
-  /// light. Black samples, and what is no number, are left out.
+  /// Responses of samples to lights of weight 1: RGB and one more number, sample by sample, light
+  /// by light. Ignores black samples and values that are not finite.
   void set_responses(std::span<const float> responses);
-  /// Whether there are samples enough to choose by.
-  bool ready() const { return fitted_ >= kFewest && tested_ >= kFewest; }
+  /// Whether there are enough samples.
+  bool ready() const { return fitted_ >= kMinSamples && tested_ >= kMinSamples; }
   void clear() { fitted_ = tested_ = 0; }
 
   struct Choice {
     std::vector<WeightedLight> lights;
-    std::vector<uint32_t> indices;  ///< of these, in the stage
-    double error = 0;               ///< that is expected
-    bool all = false;               ///< whether these are all that are lit
+    std::vector<uint32_t> indices;  ///< selected lights of the stage
+    double error = 0;               ///< expected error
+    bool all = false;               ///< true: these are all lights that are on
   };
-  /// The fewest lights that stay within `max_error` when they stand for all lights with these
-  /// weights, which may be negative: the mean absolute difference, over the mean under all lights
-  /// with the weights `whole`, of which `weights` are what is not known otherwise. All lights that
-  /// are lit, with error 0, where too many of them would be needed or where there are no samples.
+  /// The smallest set of lights whose expected error is at most `max_error`, in place of all lights
+  /// with these weights, which may be negative. The error is the mean absolute difference, relative
+  /// to the mean under all lights with weights `whole`; `weights` are the part of these that is not
+  /// measured. Returns all lights that are on, with error 0, if too many would be needed or there
+  /// are no samples.
   Choice choose(std::span<const Rgb> weights, std::span<const Rgb> whole, double max_error) const;
-  /// The error of a choice for samples that came since.
+  /// The error of a choice on newer samples.
   double error(const Choice& choice, std::span<const Rgb> weights,
                std::span<const Rgb> whole) const;
 
-  static constexpr size_t kFewest = 16;  ///< samples of each half
+  static constexpr size_t kMinSamples = 16;  ///< samples of each half
 
  private:
   size_t samples() const { return fitted_ + tested_; }

@@ -33,7 +33,8 @@ Eigen::Vector4d fit(std::span<const Direction> lights, const std::vector<double>
     products.diagonal().array() += kRidge * products.trace();
     plane = products.ldlt().solve(right);
   }
-  // A few bright lights in the dark: nearly nothing, for which dark lights would be evaluated.
+  // A few bright lights in the dark: the measured part is negligible, and dark lights would have to
+  // be evaluated.
   if (plane.cwiseAbs().maxCoeff() < kNothing * mean) plane.setZero();
   return plane;
 }

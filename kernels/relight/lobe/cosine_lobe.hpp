@@ -16,20 +16,20 @@
 
 namespace inverse {
 
-/// Two frames under color gradients, of which each is a part of a plane: planes of their own, or
-/// one that holds both side by side.
+/// Two frames under color gradients, each a part of a plane: two planes, or one that holds both
+/// side by side.
 struct GradientPair {
   const Plane& a;
   const Plane& b;
-  uint32_t second = 0;  ///< the column where b begins
+  uint32_t second = 0;  ///< first column of b
 };
 
-/// Relights a subject by one cosine lobe a pixel (Fyffe et al. 2009; lobe.glsl), for frames of one
-/// size from one stage.
+/// Relights a subject with one cosine lobe per pixel (Fyffe et al. 2009; lobe.glsl), for frames of
+/// one size from one stage.
 class CosineLobe {
  public:
   struct Params {
-    /// A + B (linear, 1 = full scale) that is as good as noise: directions fade out below it.
+    /// A + B (linear, 1 = full scale) at noise level: directions fade out below it.
     float noise = 0.002F;
     bool operator==(const Params&) const = default;
   };
@@ -37,24 +37,24 @@ class CosineLobe {
   CosineLobe(const std::shared_ptr<gpu::Device>& device, Extent extent,
              std::shared_ptr<const LobeMoments> moments, std::span<const Direction> lights);
 
-  /// Finds the lobes of a frame. What is no number, negative or infinite in it counts as 0 or as
-  /// the largest there is; nothing that comes out is no number.
+  /// Computes the lobes of a frame. NaN and negative input counts as 0, infinity as the largest
+  /// value; results are finite.
   void record_lobes(gpu::Commands& commands, const GradientPair& pair, const Params& params);
   /// A + B: the subject under all lights; w = alpha of A.
   const PlanePtr& full() const { return full_; }
   const PlanePtr& lobes() const { return lobes_; }
 
-  /// Takes these lights from the next `record_relit` on; records making a table of them.
+  /// Uses these lights from the next `record_relit` on; records making a table of them.
   void record_lights(gpu::Commands& commands, std::span<const WeightedLight> lights);
-  /// Draws the subject under them, linear RGB; w = alpha. In time that their number does not touch,
-  /// by a table with 4225 directions and 13 exponents; within 2 % of `record_sum`.
+  /// Draws the subject under them, linear RGB; w = alpha. Takes constant time in the number of
+  /// lights, by a table of 4225 directions and 13 exponents; within 2 % of `record_sum`.
   void record_relit(gpu::Commands& commands, const Plane& target) const;
-  /// Draws the subject under lights, of any directions, one after the other.
+  /// Draws the subject under lights of any directions, summed one after the other.
   void record_sum(gpu::Commands& commands, std::span<const WeightedLight> lights,
                   const Plane& target) const;
   /// Draws directions as a normal map.
   void record_directions(gpu::Commands& commands, const Params& params, const Plane& target) const;
-  /// What each light of the stage, with weight 1, gives these pixels: RGB and a zero, pixel by
+  /// Response of these pixels to each light of the stage with weight 1: RGB and a zero, pixel by
   /// pixel, light by light. `samples` holds pixels as words.
   void record_responses(gpu::Commands& commands, const gpu::BufferPtr& samples,
                         const gpu::BufferPtr& responses) const;

@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "image/srgb.glsl"
 
-// Draws the lobes' directions as normal maps are: code values (1 + u)/2 in sRGB. Black where there is no light to tell.
+// Draws the lobes' directions as a normal map: code values (1 + u)/2 in sRGB. Black without light.
 PLANE_IN(0, full);
 PLANE_IN(1, lobes);
 PLANE_OUT(2, picture);

@@ -3,12 +3,12 @@
 #include "gpu/common.glsl"
 #include "lobe.glsl"
 
-// What lights give lobes of all directions and exponents (lobe.glsl): rgb = Σ_k weight_k max(0, u·w_k)^p / S(u, p), so that
-// relighting is one look into this table. One direction an invocation, all exponents: from each to the next but one,
-// 2^(l/2) - 1 → 2^(l/2 + 1) - 1, is a square and a product.
+// Response of lobes of all directions and exponents to the lights (lobe.glsl): rgb = Σ_k weight_k max(0, u·w_k)^p /
+// S(u, p), so that relighting is one table lookup. One direction per invocation, all exponents: from each to the next
+// but one, 2^(l/2) - 1 → 2^(l/2 + 1) - 1, is a square and a product.
 //
-// With `gains` it makes w = 1/S(u, p) itself, from all lights of the stage with weight 1; where they are too few around u
-// (below a quarter of what as many even ones would give) S is that quarter.
+// With `gains` it computes w = 1/S(u, p), from all lights of the stage with weight 1. S is at least a quarter of its
+// value under as many uniform lights, for directions with few lights.
 PLANE_IN(0, lights);   // by twos: direction; weight
 PLANE_IN(1, gain);     // w = 1/S; anything where `gains`
 PLANE_OUT(2, table);

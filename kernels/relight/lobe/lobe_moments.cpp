@@ -73,17 +73,17 @@ Direction LobeMoments::seen(const Direction& v) const {
 }
 
 Direction LobeMoments::even(const Direction& seen_direction, const Direction& guess) const {
-  constexpr int kMost = 30;
+  constexpr int kMaxIterations = 30;
   constexpr double kNear = 1e-4, kFurthest = 1.5;
   Direction v = guess, best = guess;
-  double least = 1e9;
-  for (int i = 0; i < kMost; ++i) {
+  double min_error = 1e9;
+  for (int i = 0; i < kMaxIterations; ++i) {
     const Direction got = seen(v);
     Direction off;
     for (size_t k = 0; k < 3; ++k) off[k] = seen_direction[k] - got[k];
     const double error = length(off);
-    if (error < least) {
-      least = error;
+    if (error < min_error) {
+      min_error = error;
       best = v;
     }
     if (error < kNear) break;

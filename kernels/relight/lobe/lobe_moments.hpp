@@ -8,14 +8,15 @@
 
 namespace inverse {
 
-/// What the lights of a stage make of the equations of the cosine lobe (lobe.glsl), which are of
-/// light from everywhere: with few lights, or none where the floor is, the mean direction that two
-/// gradients show is not that of the lobe.
+/// Correction of the equations of the cosine lobe (lobe.glsl), which assume light from all
+/// directions, for the lights of a stage: with few lights, or none at the floor, the mean direction
+/// from two gradients differs from that of the lobe.
 ///
 /// For the lobe of direction u and exponent p, v = u (p + 1)/(p + 2) is the mean direction under
-/// even light and M(v) = Σ w_i max(0, u·w_i)^p / Σ max(0, u·w_i)^p under the stage's; below
-/// |v| = 1/2 both are mixed with light from everywhere. A table over M holds v − M, so that a pixel
-/// finds its v with one look.
+/// uniform light and M(v) = Σ w_i max(0, u·w_i)^p / Σ max(0, u·w_i)^p under the stage's lights.
+/// Below
+/// v
+/// = 1/2 both include uniform light. A table over M holds v − M, so that a pixel looks up its v.
 class LobeMoments {
  public:
   static constexpr uint32_t kGrid = 21;  ///< points of the table along each axis, M from −1 to 1
@@ -23,16 +24,16 @@ class LobeMoments {
 
   explicit LobeMoments(std::span<const Direction> lights);
 
-  /// The largest exponent that lights so far apart can tell: lobes are to be as wide as half of
-  /// their spacing, 1/√p ≥ spacing / 2. From 1 to kLargestExponent.
+  /// The largest exponent that lights of this spacing can resolve: lobes at least as wide as half
+  /// the spacing, 1/√p ≥ spacing / 2. From 1 to kLargestExponent.
   double largest_exponent() const { return largest_exponent_; }
-  /// M of an even mean direction v.
+  /// M for a mean direction v under uniform light.
   Direction seen(const Direction& v) const;
-  /// v of a mean direction that was seen, by iteration, starting from `guess`.
+  /// v for a measured mean direction, by iteration from `guess`.
   Direction even(const Direction& seen, const Direction& guess) const;
 
   using Vec4 = std::array<float, 4>;
-  /// v − M, kGrid³ of them, x fastest.
+  /// v − M, kGrid³ values, x fastest.
   const std::vector<Vec4>& table() const { return table_; }
 
  private:

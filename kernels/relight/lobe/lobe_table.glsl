@@ -1,4 +1,4 @@
-// A look into a table over u and p (light_table.comp), which the kernel has bound by the name lobe_values.
+// Lookup in a table over u and p (light_table.comp), bound by the kernel with the name lobe_values.
 vec4 lobe_table(vec3 u, float p) {
   float level = clamp(2.0 * log2(p + 1.0), 0.0, float(kLevels - 1));
   int l = min(int(level), kLevels - 2);

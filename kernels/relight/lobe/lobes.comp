@@ -4,7 +4,7 @@
 #include "image/finite.glsl"
 #include "lobe.glsl"
 
-// From a pair of gradients to F and the lobe (lobe.glsl). What is no number, negative or infinite is made a number first.
+// From a pair of gradients to F and the lobe (lobe.glsl). Input is made finite and non-negative first.
 PLANE_IN(0, a);
 PLANE_IN(1, b);
 PLANE_IN(2, moments);  // xyz to be added to m, over a grid of m from -1 to 1
@@ -37,7 +37,7 @@ void main() {
   uint i = at.y * push.size.x + at.x, from = at.y * push.stride + at.x;
   vec4 first = finite(FETCH(a, int(from))), second = finite(FETCH(b, int(from + push.second)));
   vec3 sum = first.rgb + second.rgb;
-  // Where there is hardly any light m is noise: it goes to 0, and never to 0/0.
+  // With hardly any light m is noise: it fades to 0, and is never 0/0.
   vec3 m = (first.rgb - second.rgb) * sum / (sum * sum + push.noise2);
   m *= min(1.0, inversesqrt(max(dot(m, m), 1e-12)));
   vec3 mean = corrected(m);

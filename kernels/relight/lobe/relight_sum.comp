@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "lobe.glsl"
 
-// The subject under lights, one after the other at every pixel: exact, and in time with their number.
+// The subject under lights, summed one after the other at every pixel: exact, in time proportional to their number.
 PLANE_IN(0, full);
 PLANE_IN(1, lobes);
 PLANE_IN(2, lobe_values);    // w = 1/S(u, p)

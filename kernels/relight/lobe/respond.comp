@@ -3,7 +3,7 @@
 #include "gpu/common.glsl"
 #include "lobe.glsl"
 
-// What each light of the stage gives some pixels of the frame: samples from which light_reduction.cpp tells which lights matter.
+// Response of some pixels of the frame to each light of the stage; light_reduction.cpp selects lights from them.
 PLANE_IN(0, full);
 PLANE_IN(1, lobes);
 PLANE_IN(2, lobe_values);      // w = 1/S(u, p)

@@ -3,9 +3,9 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 
-// What the network sees of a pair of gradients (training/olat/README.md): √F, and m = (A - B) / (F + 0.004), F = A + B, as six
-// channels of a value (network/value.glsl). Its size is a multiple of what the network divides by; beyond the frame the last
-// row and column go on.
+// Input of the network for a pair of gradients (training/olat/README.md): √F, and m = (A - B) / (F + 0.004), F = A + B,
+// as six channels of a value (network/value.glsl). Its size is a multiple of the network's total stride; the last row
+// and column are repeated beyond the frame.
 PLANE_IN(0, a);
 PLANE_IN(1, b);
 PLANE_OUT(2, image);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// What each light gives some pixels of the frame, as respond.comp, by the network.
+// Response of some pixels of the frame to each light, as respond.comp, by the network.
 PLANE_IN(0, full);
 PLANE_IN(1, features);
 PLANE_IN(2, head_weights);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// The subject under lights, as the network sees it, Σ weight P, and under what was measured (MeasuredLight):
+// The subject under lights by the network, Σ weight P, and under the measured light (MeasuredLight):
 //
 //     F (even + Σ_k along_k m_k),   m_k = D_k F_k / (F_k² + noise²),   F = A + B, D = A - B
 PLANE_IN(0, full);

@@ -1,12 +1,11 @@
-// The part of the relighting network that every light goes through (training/olat/README.md), for four lights at a time:
-// weights are read once for all of them.
+// The per-light layers of the relighting network (training/olat/README.md), for four lights at a time, so that weights
+// are read once for all of them.
 //
 //     u_k = max(0, F_4k w.x + F_4k+1 w.y + F_4k+2 w.z + F_4k+3)          16 of them: a block of features is a plane
 //     v_j = max(0, Σ_k W_jk u_k + bias_j(w))                             24; what depends on the light alone is in the bias
 //     y   = Σ_j V_j v_j + c
 //     P   = max(0, x y.rgb + mean(x) y.a)²,  x = √(A + B)
-//
-// Bound before: head_weights, per block of four j the 16 columns of W, then the four of V; in the end c. lights, kLightSize
+// Bindings: head_weights, per block of four j the 16 columns of W, then the four of V; finally c. lights, kLightSize
 // vec4 each: direction and 1; weight; six of bias.
 
 const int kBlocks = 16, kHidden = 6, kLightSize = 8;  // of features; of v; vec4 a light

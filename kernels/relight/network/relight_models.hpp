@@ -8,11 +8,11 @@
 
 namespace inverse {
 
-/// The network that relights (training/olat): features of a frame, and two small layers that every
-/// light goes through (light_head.glsl).
+/// The relighting network (training/olat): features of a frame, and two small layers evaluated per
+/// light (light_head.glsl).
 struct RelightModels {
   static constexpr uint32_t kPlanes = 16, kHarmonics = 8, kHidden = 24, kOut = 4;
-  static constexpr uint32_t kStep = 32;  ///< widths and heights of images are multiples of it
+  static constexpr uint32_t kStep = 32;  ///< widths and heights of images are multiples of this
 
   network::Graph features;   ///< 6 channels to 4 kPlanes, the same size
   std::vector<float> inner;  ///< kHidden x (kPlanes + kHarmonics)
@@ -20,15 +20,14 @@ struct RelightModels {
   std::array<float, kOut * kHidden> outer{};  ///< kOut x kHidden
   std::array<float, kOut> outer_bias{};
 
-  /// Loads features.net and light.net from a folder. Throws Error(file) that names the file and,
-  /// where numbers or sizes are amiss, the layer.
+  /// Loads features.net and light.net from a folder. Throws Error(file) with the file and, if
+  /// numbers or sizes are wrong, the layer.
   static RelightModels load(const std::string& folder);
-  /// The same from graphs; `name` is what the text calls light's.
+  /// The same from graphs; messages call the light network `name`.
   static RelightModels of(network::Graph features, const network::Graph& light,
                           const std::string& name);
 
-  /// What depends on the light alone of the sums before the hidden layer: Σ_m W_j,16+m φ_m(w) +
-  /// b_j.
+  /// The light-dependent part of the hidden layer's input: Σ_m W_j,16+m φ_m(w) + b_j.
   std::array<float, kHidden> bias_for(const Direction& light) const;
   /// φ(w) = (x, y, z, xy, yz, zx, x² − y², 3z² − 1)
   static std::array<double, kHarmonics> harmonics(const Direction& light);

@@ -12,19 +12,19 @@
 
 namespace inverse {
 
-/// Relights a subject by a network (thesis 7.4, with its outlook's late fusion of directions): its
-/// features once a frame, then two small layers a light, for frames of one size and any directions.
+/// Relights a subject by a network (thesis 7.4, with late fusion of directions from its outlook):
+/// features once per frame, then two small layers per light, for frames of one size and lights of
+/// any direction.
 class RelightNetwork {
  public:
   RelightNetwork(const std::shared_ptr<gpu::Device>& device, Extent extent,
                  const RelightModels& models);
 
-  /// Finds the features of a frame.
+  /// Computes the features of a frame.
   void record_features(gpu::Commands& commands, const GradientPair& pair);
-  /// Draws the subject under lights, and under what was measured where that is not dark, linear
-  /// RGB; w as in `full` (CosineLobe::full of the same frame). `share`: what a light of weight 1 is
-  /// of the light that the whole sphere gives with radiance 1 (1/N for N lights all around);
-  /// `noise`: CosineLobe::Params.
+  /// Draws the subject under lights, plus the measured light if that is not dark, linear RGB; w as
+  /// in `full` (CosineLobe::full of the same frame). `share`: solid angle of a light of weight 1
+  /// relative to the sphere (1/N for N lights all around); `noise`: CosineLobe::Params.
   void record_sum(gpu::Commands& commands, const Plane& full, std::span<const WeightedLight> lights,
                   double share, const Plane& target, const MeasuredLight& measured = {},
                   float noise = CosineLobe::Params{}.noise) const;
@@ -33,10 +33,10 @@ class RelightNetwork {
                         std::span<const Direction> lights, double share,
                         const gpu::BufferPtr& samples, const gpu::BufferPtr& responses) const;
 
-  /// Features of the last `record_features`: a value of 64 channels of `padded()`.
+  /// Features of the last `record_features`: a value of 64 channels of size `padded()`.
   const gpu::BufferPtr& features() const { return network_.output(0); }
   Extent padded() const { return padded_; }
-  /// Device memory of weights and images.
+  /// Device memory of weights and images, bytes.
   uint64_t bytes() const {
     return network_.weight_bytes() + network_.plan().bytes() + difference_->bytes();
   }

@@ -1,13 +1,13 @@
-// What leaving out saves whoever embeds intrinsicdecomp or globalintrinsic: whole elements, system
-// memory in and out, videos that go on for a while. Each frame goes to every setting in turn, to
-// and fro, so that what else the machine does hits all alike and none always follows the same one.
+// Time saved by skipping in intrinsicdecomp or globalintrinsic: whole elements, system memory in
+// and out, videos of some length. Every setting processes each frame in turn, in alternating order,
+// so that other load affects all settings alike.
 //
 // usage: adaptive-bench [--element NAME] [--clip FILE] [--size 640x480] [--frames N] [--settle N]
 //                       [--whole N] [--parts] [--brief] [--json FILE]
-// Where much can be left out, the first frames (--settle, 24) are not measured: solves settle.
-// Where nothing can be left out, on and off get --whole frames, which tells their ratio closely.
-// With --parts each property that leaves something out is measured alone as well, and, where much
-// can be left out, all but it; with --brief only such scenes are shown.
+// Scenes with much to skip ignore the first frames (--settle, 24), while solves converge. In scenes
+// with nothing to skip, on and off process --whole frames, for an accurate ratio. With --parts each
+// property that skips work is also measured alone and, in scenes with much to skip, switched off
+// alone; --brief shows only such scenes.
 #include <gst/check/gstharness.h>
 
 #include <cstdio>
@@ -27,7 +27,7 @@ using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
 
-constexpr int kSettling = 24;  // frames that are not measured
+constexpr int kWarmUp = 24;  // not measured
 
 struct Size {
   int width, height;
@@ -35,16 +35,16 @@ struct Size {
 
 struct Setting {
   std::string name, line;
-  bool everywhere = true;  ///< is measured in all scenes; else only where much can be left out
+  bool everywhere = true;  ///< measured in all scenes; else only in those with much to skip
 };
 
-/// An element that is being measured.
+/// An element under measurement.
 struct Run {
   GstHarness* harness;
   std::vector<double> wall, processor;
 };
 
-/// Off and on come first.
+/// Off and on first.
 std::vector<Setting> settings(const std::string& element, bool parts) {
   std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
   if (!parts) return all;
@@ -65,8 +65,9 @@ std::vector<Setting> settings(const std::string& element, bool parts) {
 
 struct Scene {
   const char* name;
-  bool brief;                           ///< much can be left out
-  void (*draw)(GstBuffer*, Size, int);  ///< over the first frame of the clip; null: the clip moves
+  bool brief;                           ///< much can be skipped
+  void (*draw)(GstBuffer*, Size, int);  ///< draws over the first frame of the clip; null: the clip
+                                        ///< plays
 };
 
 constexpr Scene kScenes[] = {
@@ -102,10 +103,10 @@ std::string list(const std::vector<double>& values) {
   return "[" + text + "]";
 }
 
-/// How many frames are shown: to every setting, and to off and on where nothing can be left out;
-/// and how many of them are not measured where much can.
+/// Number of frames: per setting, for on and off if nothing can be skipped, and unmeasured ones if
+/// much can.
 struct Frames {
-  int all = 48, whole = 0, settling = kSettling;
+  int all = 48, whole = 0, settling = kWarmUp;
 };
 
 /// Rows of JSON, one for each setting.
@@ -119,9 +120,9 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     gst_harness_set_caps_str(harness, caps.c_str(), caps.c_str());
     runs.push_back({harness, {}, {}});
   }
-  const int settling = scene.brief ? frames.settling : kSettling;
-  const int most = scene.brief ? frames.all : std::max(frames.all, frames.whole);
-  for (int k = 0; k < most; ++k) {
+  const int settling = scene.brief ? frames.settling : kWarmUp;
+  const int count = scene.brief ? frames.all : std::max(frames.all, frames.whole);
+  for (int k = 0; k < count; ++k) {
     const size_t shown = scene.draw ? 0 : static_cast<size_t>(k) % clip.size();
     GstBuffer* frame = gst_buffer_copy_deep(clip[shown]);
     if (scene.draw) scene.draw(frame, size, k);
@@ -137,7 +138,7 @@ std::string measure(const Scene& scene, const std::string& element, Size size,
     rows += std::string(i > 0 ? ",\n" : "") + "{\"element\": \"" + element + "\", \"scene\": \"" +
             scene.name + "\", \"width\": " + std::to_string(size.width) +
             ", \"height\": " + std::to_string(size.height) +
-            ", \"frames\": " + std::to_string(i < 2 ? most : frames.all) + ", \"setting\": \"" +
+            ", \"frames\": " + std::to_string(i < 2 ? count : frames.all) + ", \"setting\": \"" +
             all[i].name + "\", \"wall_ms\": " + list(runs[i].wall) +
             ", \"processor_ms\": " + list(runs[i].processor) + "}";
     gst_harness_teardown(runs[i].harness);
@@ -179,7 +180,7 @@ int main(int count, char** arguments) {
     else
       return std::fprintf(stderr, "%s?\n", argument.c_str()), 2;
   }
-  frames.all = std::max(frames.all, std::max(frames.settling, kSettling) + 4);
+  frames.all = std::max(frames.all, std::max(frames.settling, kWarmUp) + 4);
   GstElementFactory* factory = gst_element_factory_find(element.c_str());
   if (!factory) return std::fprintf(stderr, "there is no element %s\n", element.c_str()), 1;
   gst_object_unref(factory);

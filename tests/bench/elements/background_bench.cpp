@@ -1,10 +1,9 @@
-// Whether frames of globalintrinsicthesis wait for what is found out beside them: how long each
-// frame takes while nothing else is under way, while base colors are refined, and while the color
-// of a marked region is decided.
+// Whether frames of globalintrinsicthesis wait for its background work: the time of each frame
+// without background work, while base colors are refined, and while the color of a marked region is
+// decided.
 //
 // usage: background-bench [--clip FILE] [--size 160x120] [--frames N] [--json FILE]
-// N frames of each kind. Blocks of one kind take turns, so that what else the machine does hits all
-// alike.
+// N frames of each kind, in alternating blocks of one kind, so that other load affects all alike.
 #include <gst/check/gstharness.h>
 
 #include <algorithm>
@@ -24,14 +23,14 @@ using inverse::bench::milliseconds;
 
 enum Kind : size_t { kAlone, kRefining, kCorrecting, kKinds };
 constexpr std::array<const char*, kKinds> kNames{"alone", "refining", "correcting"};
-constexpr int kMostRegions = 15;
+constexpr int kMaxRegions = 15;
 
 struct Background {
   bool refining = false;
   guint regions = 0, decided = 0;
 };
 
-/// A stream that goes on and on.
+/// An endless stream.
 class Stream {
  public:
   Stream(const std::vector<GstBuffer*>& clip, const std::string& caps, int width, int height)
@@ -49,7 +48,8 @@ class Stream {
     gst_harness_teardown(harness_);
   }
 
-  /// Milliseconds of the next frame. The clip is played to and fro, as a jump would be a cut.
+  /// Milliseconds of the next frame. The clip plays forwards and backwards, because a jump would be
+  /// a cut.
   double next() {
     const size_t period = std::max<size_t>(1, 2 * (clip_.size() - 1)), at = frames_ % period;
     GstBuffer* buffer = gst_buffer_copy_deep(clip_[at < clip_.size() ? at : period - at]);
@@ -62,7 +62,7 @@ class Stream {
     return milliseconds(Clock::now() - start);
   }
 
-  /// What was under way beside the last frame.
+  /// Background work during the last frame.
   Background background() const {
     Background found;
     gboolean refining = FALSE;
@@ -76,7 +76,7 @@ class Stream {
   }
 
   void refine() { g_signal_emit_by_name(element_, "refine"); }
-  /// Clicks on one of some places in turn.
+  /// Clicks at a cyclic list of positions.
   void mark() {
     constexpr int kColumns = 5, kRows = 4;
     const int place = marked_++ % (kColumns * kRows);
@@ -84,7 +84,7 @@ class Stream {
                           height_ * (place / kColumns + 1) / (kRows + 1));
   }
   void unmark() {
-    for (int region = 1; region <= kMostRegions; ++region)
+    for (int region = 1; region <= kMaxRegions; ++region)
       g_signal_emit_by_name(element_, "unmark", region);
   }
 
@@ -102,12 +102,12 @@ struct Found {
   int refinements = 0, decisions = 0;
 };
 
-/// Shows frames until `most` of a kind were found or it takes too long; what comes in between is
-/// not counted.
-void block(Stream& stream, Kind kind, size_t most, Found& found) {
-  const size_t enough = found.times[kind].size() + most;
+/// Processes frames until `max` of a kind were measured or it takes too long; other frames are not
+/// counted.
+void block(Stream& stream, Kind kind, size_t max, Found& found) {
+  const size_t enough = found.times[kind].size() + max;
   Background before = stream.background();
-  for (size_t shown = 0; shown < 4 * most && found.times[kind].size() < enough; ++shown) {
+  for (size_t shown = 0; shown < 4 * max && found.times[kind].size() < enough; ++shown) {
     if (kind == kRefining && !before.refining) stream.refine(), ++found.refinements;
     if (kind == kCorrecting && before.decided == before.regions) {
       found.decisions += before.regions > 0;
@@ -122,7 +122,7 @@ void block(Stream& stream, Kind kind, size_t most, Found& found) {
     before = now;
   }
   stream.unmark();
-  for (int k = 0; k < 4 * kMostRegions && (before.refining || before.regions > 0); ++k) {
+  for (int k = 0; k < 4 * kMaxRegions && (before.refining || before.regions > 0); ++k) {
     stream.next();
     before = stream.background();
   }

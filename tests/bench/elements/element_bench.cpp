@@ -1,10 +1,9 @@
-// What an element costs whoever embeds it: system memory in, system memory out, through the whole
-// element. Frames are those of the bundled clip, scaled; methods take turns, so that what else the
-// machine does hits all alike.
+// Cost of an element in an application: system memory in, system memory out. Frames are those of
+// the bundled clip, scaled; elements take turns, so that other load affects all alike.
 //
 // usage: element-bench [--clip FILE] [--sizes 640x480,…] [--frames N] [--rounds N] [--still]
 //                      [--ball] [--json FILE] [ELEMENT …]
-// With --still one frame of the clip comes again and again; with --ball a small ball moves over it.
+// --still repeats one frame of the clip; --ball moves a small ball over it.
 #include <gst/check/gstharness.h>
 
 #include <algorithm>
@@ -26,7 +25,7 @@ using inverse::bench::median;
 using inverse::bench::milliseconds;
 using inverse::bench::processor_ms;
 
-/// Resident bytes now.
+/// Resident bytes.
 double resident() {
   std::ifstream statm("/proc/self/statm");
   double pages = 0;
@@ -47,7 +46,7 @@ struct Figures {
   std::vector<double> wall, processor, device, first;
   std::map<std::string, std::vector<double>> stages;
   double device_bytes = 0, host_bytes = 0;
-  int layers = 0;  ///< of indirect light; 0 of an element that has none
+  int layers = 0;  ///< of indirect light; 0: none
 };
 
 void measure(const std::string& line, Size size, const std::vector<GstBuffer*>& frames,
@@ -161,7 +160,7 @@ int main(int count, char** arguments) {
     std::vector<Figures> figures(lines.size());
     for (int round = 0; round < rounds; ++round)
       for (size_t i = 0; i < lines.size(); ++i) {
-        // The thesis' method takes seconds a frame at large sizes: a few say enough.
+        // The thesis' method takes seconds per frame at large sizes: a few frames suffice.
         const bool slow = lines[i].find("thesis") != std::string::npos;
         const size_t few = slow ? std::min<size_t>(video.size(), 6) : video.size();
         measure(lines[i], size, {video.begin(), video.begin() + static_cast<ptrdiff_t>(few)},

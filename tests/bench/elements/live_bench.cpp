@@ -1,6 +1,5 @@
-// Live trade under a load that comes and goes: frames of the bundled clip at the pace of a camera;
-// during the second third other threads keep the processor busy. One run without a target and one
-// with it, in turn.
+// Rate control under a varying load: frames of the bundled clip at a camera's rate; during the
+// second third, other threads keep the processor busy. Runs without and with a target alternate.
 //
 // usage: live-bench [--clip FILE] [--size 640x480] [--fps F] [--seconds S] [--threads N] [--rounds
 // N]
@@ -30,7 +29,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Threads that do nothing but take time, while they exist.
+/// Threads that use processor time while they exist.
 class Load {
  public:
   explicit Load(int threads) {
@@ -65,7 +64,7 @@ struct Setting {
   int threads;
 };
 
-/// A stream of `seconds`; a frame that is not finished when the next one is due delays it.
+/// A stream of `seconds`; a frame that is not finished when the next is due delays it.
 std::vector<Frame> run(const Setting& setting, const std::vector<GstBuffer*>& video, bool traded) {
   GstHarness* harness = gst_harness_new_parse(setting.element.c_str());
   gst_harness_set_caps_str(harness, setting.caps.c_str(), setting.caps.c_str());

@@ -1,8 +1,7 @@
-// How near the light and the material of limematerial come: light-bench [--scenes N] [--models
-// FOLDER]. Round objects whose normals are known, under rooms that training/lime makes, through
-// LimeMaterial: light from true layers and from the networks', with true normals and with those
-// inflated from the outline; then single estimates of the material and their mean, of noisy frames
-// of one object. Needs a Vulkan device and nothing else.
+// Accuracy of limematerial's light and material: light-bench [--scenes N] [--models FOLDER]. Round
+// objects with known normals, in rooms of training/lime, through LimeMaterial: light from true
+// layers and from the networks', with true normals and with normals inflated from the outline; then
+// single and fused estimates of the material on noisy frames of one object. Needs a Vulkan device.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,10 +30,10 @@ using lime::Vec;
 constexpr uint32_t kSide = 256;
 constexpr float kRadius = 84;
 
-/// A body of revolution about the picture's y axis, by the half width of its outline.
+/// A body of revolution about the image's y axis, by the half width of its outline.
 enum class Shape { sphere, flat_ellipsoid, capsule };
 
-/// The normal seen at a place of the picture, in radii from the middle, y up; z = 0: background.
+/// The normal at a position of the image, in radii from the center, y up; z = 0: background.
 Vec normal_at(Shape shape, float x, float y) {
   const float stretch = shape == Shape::flat_ellipsoid ? 0.6F : 1;  // along y
   if (shape == Shape::capsule) {
@@ -56,7 +55,7 @@ struct Scene {
   std::vector<uint8_t> mask;
 };
 
-/// A frame's pixel as eight bits of sRGB and back.
+/// Conversion of a pixel to 8-bit sRGB and back.
 float through_camera(float linear) {
   return srgb_light(std::round(255 * srgb_code(std::clamp(linear, 0.0F, 1.0F))) / 255);
 }
@@ -91,7 +90,7 @@ Scene make_scene(Shape shape, uint64_t number) {
     peak += static_cast<double>(diffuse[i].y * scene.material.diffuse[1] + scene.specular[i].y);
     ++count;
   }
-  // The mean of D is 0.6, or what leaves highlights below white in the mean.
+  // The mean of D is 0.6, or less to keep the mean of highlights below white.
   const auto exposure = static_cast<float>(std::min(0.6 / (mean / static_cast<double>(count)),
                                                     0.45 / (peak / static_cast<double>(count))));
   lime::Random other(78, number, 0);
@@ -125,7 +124,7 @@ lime::Environment as_corpus(const Environment& light) {
   return map;
 }
 
-/// What the three bands above order 2 have in common: the map, gray, less its low frequencies.
+/// Correlation of the three bands above order 2: the gray map minus its low frequencies.
 std::vector<double> high_frequencies(const lime::Environment& map) {
   std::vector<double> value(map.radiance.size());
   EnvironmentFit::Terms terms{};
@@ -151,7 +150,7 @@ struct Score {
   double front = 0, back = 0, front_constant = 0, back_constant = 0, correlation = 0, level = 0;
   int count = 0, missing = 0;
 
-  /// Errors of D are root mean squares over its true mean over all normals.
+  /// Errors of D are rms over its true mean over all normals.
   void add(const Scene& scene, const Environment* light) {
     if (!light) {
       ++missing;
@@ -201,7 +200,7 @@ struct Score {
   }
 };
 
-/// The true layers at each second pixel, as many points as the networks see.
+/// The true layers at every second pixel, as many points as the networks use.
 std::shared_ptr<const Environment> from_truth(const Scene& scene, bool inflate) {
   std::vector<EnvironmentFit::Point> points;
   std::vector<uint8_t> mask;
@@ -228,7 +227,7 @@ std::shared_ptr<const Environment> from_truth(const Scene& scene, bool inflate) 
   return light ? std::make_shared<const Environment>(std::move(*light)) : nullptr;
 }
 
-/// A video of one frame, over and over, with the noise of a sensor.
+/// A video of one repeated frame with sensor noise.
 class Video {
  public:
   Video(const std::shared_ptr<gpu::Device>& device, const Scene& scene)
@@ -315,7 +314,7 @@ struct Spread {
   }
 };
 
-/// Of an object's diffuse albedo (mean of its channels), alpha and log2 of the shininess.
+/// Errors of an object's diffuse albedo (mean of its channels), alpha and log2 of the shininess.
 struct Spreads {
   std::array<Spread, 3> of;
   void add(const Material& m) {
@@ -325,8 +324,8 @@ struct Spreads {
   }
 };
 
-/// Plays noisy clips of one resting object and adds to what is known of single estimates and of
-/// fused ones within a clip, and of fused ones after kFused frames of different clips.
+/// Plays noisy clips of one resting object; adds the variation of single and of fused estimates
+/// within a clip, and of fused ones after kFused frames between clips.
 struct NoiseStudy {
   static constexpr uint64_t kFused = 34, kFrames = 64;
   static constexpr uint64_t kClips = 8;

@@ -1,5 +1,5 @@
-// What a network costs, node by node: network-bench [--runs N] [--size N] [GRAPH.net …]. Without a
-// graph: a U-Net and its 3 x 3 convolutions one by one. Needs a Vulkan device and nothing else.
+// Time of a network, node by node: network-bench [--runs N] [--size N] [GRAPH.net …]. Without a
+// graph: a U-Net and its 3 x 3 convolutions one by one. Needs a Vulkan device.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ using namespace inverse;
 using bench::Clock;
 
 struct Times {
-  double run = 0;                             ///< median, milliseconds on the clock
+  double run = 0;                             ///< median wall time, milliseconds
   double processor = 0;                       ///< median, of all threads
   std::vector<std::vector<double>> by_stage;  ///< device milliseconds of every run
 };
@@ -78,7 +78,7 @@ void report(const std::string& name, network::Graph graph, uint32_t size,
   }
 }
 
-/// One convolution alone.
+/// A single convolution.
 network::Graph convolution(uint32_t channels, uint32_t kernel, uint32_t stride) {
   testing::NetworkBuilder b(1);
   b.output(b.convolution(b.input(channels), channels, kernel, stride, network::Activation::relu));

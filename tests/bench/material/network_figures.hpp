@@ -1,4 +1,4 @@
-// What the benchmarks of networks share: their command line, and work done.
+// Shared by the benchmarks of networks: command line and operation counts.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct NetworkArguments {
   int side = 128;  ///< of the image
   std::vector<std::string> files;
 
-  /// False where a word is not understood. `options`: those of one benchmark alone.
+  /// False for an unknown word. `options`: additional ones of this benchmark.
   bool read(int argc, char** argv, const char* source, Options options = {}) {
     options.insert({{"--runs", integer(runs)}, {"--size", integer(side)}});
     const bool understood = bench::read(options, argc, argv, source, &files);
@@ -33,7 +33,7 @@ inline double gflop(const network::Network& net, uint32_t node) {
   return 1e-9 * static_cast<double>(network::operations_of(net.graph(), node, net.plan().shapes));
 }
 
-/// Those of a run.
+/// Of a whole run.
 inline double gflop(const network::Network& net) {
   double sum = 0;
   for (const network::Step& step : net.plan().steps) sum += gflop(net, step.node);

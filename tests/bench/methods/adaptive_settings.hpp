@@ -1,5 +1,5 @@
-// What leaving out saves, as settings of the benchmark: in videos that go on for a while, each mode
-// beside "off", which does all the work.
+// Time saved by skipping, as settings of the benchmark: in videos of some length, each mode is
+// compared with "off", which skips nothing.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace inverse::bench {
 
-/// Sets what may be left out of a solve to nothing.
+/// Turns all skipping off.
 inline void leave_nothing_out(ScaledIntrinsic::Params& params) {
   params.tile_tolerance = params.still_tolerance = params.settled = 0;
   params.chroma_tolerance = params.hold_tolerance = params.half_bound = 0;
 }
 
-/// A mode by its name: "off" and "on" are in every run, with enough frames for their ratio to be
-/// known to a percent; others, parts of it, with --full.
+/// A mode by its name: "off" and "on" are in every run, with enough frames for a ratio within a
+/// percent; others, parts of "on", with --full.
 inline Setting adaptive_setting(const std::string& name, double order,
                                 const ScaledIntrinsic::Params& params,
                                 decltype(Setting::make) make) {

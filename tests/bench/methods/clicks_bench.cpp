@@ -1,19 +1,19 @@
-// How many clicks the thesis' misclustering correction (5.5.2, Table 5.1) wants of a user, how long
-// they take, and how well the automatic mode does in the user's place.
+// Number and time of the clicks that the thesis' misclustering correction (5.5.2, Table 5.1) needs,
+// and the accuracy of its automatic mode.
 //
 //   clicks-bench SCENE... [--least SHARE] [--frames N] [--json FILE] [--png FOLDER]
 //
 // SCENE are flat dumps of rendered sequences (import-scenes, own-scenes, edit-scenes). Their true
-// reflectance tells which clusters are wrong (truth_clicks.hpp): a component of equal cluster of
-// which more than half is nearer to another base color (by .1 in ln chromaticity). The user
-// clicks the largest such component of the first frame that is no smaller than SHARE (default .005)
-// of it, one after the other, until none is left; then the video goes on for up to N frames
-// (default 24), and what becomes wrong is clicked there.
+// reflectance shows which clusters are wrong (truth_clicks.hpp): a component of equal cluster of
+// which more than half is nearer to another base color (by .1 in ln chromaticity). The simulated
+// user clicks the largest such component of the first frame that is at least SHARE (default .005)
+// of it, one after another, until none is left. Then the video plays for up to N frames (default
+// 24), and new wrong components are clicked.
 //
-// Ways: without correction; clicks; clicks where somebody who knows names the color; proposals; and
-// proposals whose color is chosen as that of clicks is, by sparsity (5.11). Of each: wrong pixels
-// and error of reflectance. Of proposals, on the first frame: precision and recall by region and by
-// pixel, against the regions that are wrong.
+// Modes: no correction; clicks; clicks with the true color given; proposals; proposals whose color
+// is chosen by sparsity (5.11), as for clicks. Reports wrong pixels and the error of reflectance
+// for each. For proposals, on the first frame: precision and recall by region and by pixel, against
+// the wrong regions.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -29,11 +29,11 @@ namespace {
 using namespace inverse;
 using namespace inverse::bench;
 
-constexpr int kMostFrames = 400;  // of the first picture, until everything is decided
-constexpr size_t kMeasured = 2;   // frames of a video whose reflectance is solved for
+constexpr int kMaxFrames = 400;  // of the first image, until everything is decided
+constexpr size_t kMeasured = 2;  // frames of a video with a full solve
 
 struct Options {
-  double least = kLeastShare;
+  double min_share = kMinShare;
   size_t frames = 24;
   std::string png, json;
 };
@@ -43,12 +43,12 @@ constexpr const char* kWays[] = {"none", "clicks", "named", "proposals", "sparse
 
 struct Outcome {
   int clicks = 0, later = 0, refused = 0;  ///< on the first frame; on those after it
-  int right = 0;      ///< of the marked regions on the first frame, given the true color
-  int marked = 0;     ///< marked regions on the first frame
-  double frames = 0;  ///< from a click to its decision, on the average
+  int right = 0;                      ///< marked regions on the first frame with the true color
+  int marked = 0;                     ///< marked regions on the first frame
+  double frames = 0;                  ///< mean number from a click to its decision
   double wrong_first = 0, wrong = 0;  ///< share of pixels, on the first frame and in all
   double lmse = 0, color_lmse = 0;
-  double host_ms = 0;  ///< of the proposals' part on the host
+  double host_ms = 0;  ///< host time of proposals
 };
 
 /// Of proposals, on the first frame.
@@ -67,7 +67,7 @@ class Run {
     using Mode = ClicksStage::Mode;
     stage_.begin(first().input, proposes ? Mode::correct : Mode::off);
     int idle = 0;
-    for (int frame = 0; frame < kMostFrames && idle < 20; ++frame) {
+    for (int frame = 0; frame < kMaxFrames && idle < 20; ++frame) {
       stage_.run(first().input, false);
       const size_t made = stage_.proposals().size();
       const bool news = act(first(), outcome_.clicks) || made != proposed_;
@@ -115,7 +115,7 @@ class Run {
     return std::any_of(regions.begin(), regions.end(), [](const auto& r) { return r.color < 0; });
   }
 
-  /// What the user does after a frame. True where something was clicked or is being waited for.
+  /// Simulates the user after a frame. True if something was clicked or is pending.
   bool act(const TruthFrame& frame, int& clicks) {
     if (way_ != Way::clicks && way_ != Way::named) return false;
     if (clicked_ > 0) {
@@ -132,7 +132,7 @@ class Run {
     const Clusters clusters = stage_.clusters(frame);
     const int w = frame.input.width, h = frame.input.height;
     for (const Component& c :
-         wrong_components(clusters.raw, clusters.wrong, clusters.truth, w, h, options_.least)) {
+         wrong_components(clusters.raw, clusters.wrong, clusters.truth, w, h, options_.min_share)) {
       const int n = c.click();
       if (clusters.region[static_cast<size_t>(n)] > 0) continue;
       clicked_ = stage_.regions().click(n % w, n / w);
@@ -148,7 +148,7 @@ class Run {
     return false;
   }
 
-  /// Whether marked regions have the color that they should.
+  /// Whether marked regions have their true color.
   void look_at_regions(const Clusters& clusters) {
     for (const auto& region : stage_.regions().regions()) {
       if (region.color < 0) continue;
@@ -180,7 +180,7 @@ class Run {
     }
     for (const Component& c :
          wrong_components(clusters.raw, clusters.raw_wrong, clusters.truth, first().input.width,
-                          first().input.height, options_.least)) {
+                          first().input.height, options_.min_share)) {
       size_t in = 0;
       for (const int n : c.pixels) in += clusters.region[static_cast<size_t>(n)] > 0;
       const bool found = 2 * in > c.pixels.size();
@@ -198,7 +198,7 @@ class Run {
   Way way_;
   Outcome outcome_;
   size_t proposed_ = 0;
-  int clicked_ = 0;  // the region that is being waited for
+  int clicked_ = 0;  // the pending region
   int waited_ = 0;   // frames
   int decided_ = 0;
 };
@@ -253,7 +253,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--least" && i + 1 < argc)
-      options.least = std::atof(argv[++i]);
+      options.min_share = std::atof(argv[++i]);
     else if (word == "--frames" && i + 1 < argc)
       options.frames = static_cast<size_t>(std::max(std::atoi(argv[++i]), 1));
     else if (word == "--json" && i + 1 < argc)

@@ -18,8 +18,8 @@ ClicksStage::ClicksStage(const std::shared_ptr<gpu::Device>& device, Extent exte
   };
   input_ = {extent, create(gpu::Memory::upload)};
   for (auto* buffer : {&features_, &marks_, &intrinsic_}) *buffer = create(gpu::Memory::readback);
-  // Clusters do not depend on the solution: it is cheap where nobody looks at it, and whole in the
-  // correction. Refinement needs whole solutions.
+  // Clusters do not depend on the solution, so a cheap solve suffices unless reflectance is needed.
+  // The correction and refinement need full solves.
   cheap_.steps = cheap_.pcg_iterations = 1;
   cheap_.refine_rounds = whole_.refine_rounds = 0;
   cheap_.cut_fraction = whole_.cut_fraction = 0;

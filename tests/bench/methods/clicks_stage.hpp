@@ -1,5 +1,5 @@
-// globalintrinsicthesis as a user sees it who knows the truth: frames go through, clusters are
-// compared with true reflectance, regions are marked.
+// globalintrinsicthesis with a simulated user who has the truth: processes frames, compares
+// clusters with true reflectance, marks regions.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace inverse::bench {
 
-/// What a frame's pixels were taken for.
+/// Assignment of a frame's pixels.
 struct Clusters {
   std::vector<int> raw;        ///< slot by pixel, −1: none
   std::vector<int> corrected;  ///< with marked regions' base colors
@@ -32,7 +32,7 @@ class ClicksStage {
 
   /// Starts with the colors of a scene's first frame.
   void begin(const Image& frame, Mode mode);
-  /// One frame of the stream; `whole`: with the default's work, so that `reflectance` is of use.
+  /// Processes one frame; `whole`: with default quality, so that `reflectance` is meaningful.
   void run(const Image& frame, bool whole);
 
   Clusters clusters(const TruthFrame& truth) const;
@@ -43,12 +43,12 @@ class ClicksStage {
 
   MarkedRegions& regions() { return regions_; }
   bool deciding() const { return correction_.busy(); }
-  /// All that was proposed since `begin`.
+  /// All proposals since `begin`.
   const std::vector<RegionProposals::Proposal>& proposals() const { return proposals_made_; }
-  /// Proposed regions get the base color that the correction chooses, not the one proposed.
+  /// Gives proposed regions the base color that the correction chooses, not the proposed one.
   void choose_by_sparsity() { sparsity_ = true; }
   size_t colors() const { return colors_.size(); }
-  /// Milliseconds of the host's part of proposals, in all.
+  /// Total host time of proposals, milliseconds.
   double proposal_ms() const { return proposal_ms_; }
 
  private:

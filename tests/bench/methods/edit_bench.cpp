@@ -3,10 +3,10 @@
 //
 //   edit-bench EDITS [--data FOLDER] [--png FOLDER]
 //
-// EDITS holds what edit-scenes wrote; FOLDER the rendered sequences, of which edits/*_recolour and
-// what they were made from are taken. Prints two tables; --png writes a strip of pictures for each
-// pair: before, truth, and the edits in the order of the table, those of despill with the true
-// background behind the subject, which ends with no edit at all.
+// EDITS is the output of edit-scenes; FOLDER has the rendered sequences, of which edits/*_recolour
+// and their originals are used. Prints two tables; --png writes a strip of images for each pair:
+// before, truth, then the edits in the order of the table. Strips of despill show the subject over
+// the true background and end with the unedited frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -33,14 +33,14 @@ namespace {
 
 using Color = std::array<float, 3>;
 
-/// A pair: what is seen, what it should become, and how.
+/// A pair: input, expected result, and the edit.
 struct Pair {
   std::string name;
   bool despill = false;
   Image before, after;
-  Image matte;       ///< 0…1: how much of a pixel is repainted
-  Color paint, aim;  ///< reflectance of what is repainted, before and after
-  Image perfect;     ///< R after times light before; empty where it is not known
+  Image matte;       ///< 0…1: repainted share of a pixel
+  Color paint, aim;  ///< reflectance of the repainted surface before and after
+  Image perfect;     ///< R after times light before; empty if unknown
 };
 
 Color mean_where(const Image& image, const Image& matte) {
@@ -60,15 +60,15 @@ Color operator*(float factor, Color color) {
   return color;
 }
 
-/// A pair of edit-scenes. The matte is how far a pixel's reflectance went of the way.
+/// A pair of edit-scenes. The matte is the relative change of a pixel's reflectance.
 Pair rendered_pair(const Scene& scene) {
   const TruthFrame &before = scene.frames.at(0), &after = scene.frames.at(1);
   const auto change = [&](std::size_t i) {
-    float most = 0;
+    float max = 0;
     for (std::size_t c = 0; c < 3; ++c)
-      most = std::max(
-          most, std::abs(after.reflectance.data[3 * i + c] - before.reflectance.data[3 * i + c]));
-    return most;
+      max = std::max(
+          max, std::abs(after.reflectance.data[3 * i + c] - before.reflectance.data[3 * i + c]));
+    return max;
   };
   Pair pair{scene.name, scene.regime == "despill", before.input, after.input, before.id, {}, {},
             {}};
@@ -86,7 +86,7 @@ Pair rendered_pair(const Scene& scene) {
   return pair;
 }
 
-/// The three numbers after a name in a JSON file.
+/// The three numbers of a name in a JSON file.
 Color color_in(const std::string& path, const std::string& name) {
   std::ifstream stream(path);
   std::stringstream text;
@@ -128,7 +128,7 @@ std::vector<Pair> given_pairs(const std::string& data) {
   return pairs;
 }
 
-/// Layers of frames of one size and what is made of them.
+/// Layers of frames of one size, and edits of them.
 class Editor {
  public:
   explicit Editor(const std::shared_ptr<gpu::Device>& device, const Image& frame)
@@ -142,7 +142,7 @@ class Editor {
         compose_(device, extent_),
         input_(upload(frame)) {}
 
-  /// As a video of `kFrames` times the same picture shows them.
+  /// Uses a video that repeats the image `kFrames` times.
   Layers two_layers() {
     return watched([&](bool first) {
       return intrinsic_.record(commands_, input_, ScaledIntrinsic::Params{}, {first});
@@ -156,7 +156,7 @@ class Editor {
       return global_.record(commands_, input_, params, {first, true});
     });
   }
-  /// The picture itself for reflectance, under white light.
+  /// The image itself as reflectance, under white light.
   Layers no_layers() { return intrinsic_layers(input_, input_); }
 
   Image reflectance(const Layers& layers) { return download(layers[Role::model]); }
@@ -234,17 +234,17 @@ Image displayed(const Image& linear) {
   return out;
 }
 
-/// 1 where paint stays; with `spill` only where light changes by more than 2 %, too.
+/// 1 where paint is unchanged; with `spill` only where light changes by more than 2 %, too.
 Image unchanged_paint(const Pair& pair, bool spill) {
   constexpr float kSeen = 0.02F;
   Image out = pair.matte;
   for (std::size_t i = 0; i < out.data.size(); ++i) {
-    float most = 0, level = 0;
+    float difference = 0, level = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       const float a = pair.before.data[3 * i + c], b = pair.after.data[3 * i + c];
-      most = std::max(most, std::abs(a - b)), level = std::max({level, a, b});
+      difference = std::max(difference, std::abs(a - b)), level = std::max({level, a, b});
     }
-    out.data[i] = pair.matte.data[i] == 0 && (!spill || most > kSeen * level) ? 1.0F : 0.0F;
+    out.data[i] = pair.matte.data[i] == 0 && (!spill || difference > kSeen * level) ? 1.0F : 0.0F;
   }
   return out;
 }
@@ -252,10 +252,10 @@ Image unchanged_paint(const Pair& pair, bool spill) {
 struct Edit {
   std::string name;
   Image picture;
-  float amount = 0;  ///< that was set by hand; 0: none
+  float amount = 0;  ///< set by hand; 0: none
 };
 
-/// Colors that a user reads off the layer, and the aim in the scale of that layer.
+/// Colors as a user reads them off the layer, and the target in the scale of that layer.
 RecolorParams from_layer(Editor& editor, const Pair& pair, const Layers& layers,
                          RecolorParams params) {
   params.key = mean_where(editor.reflectance(layers), pair.matte);
@@ -269,23 +269,23 @@ LightEdit::Key spill_key(Editor& editor, const Pair& pair, const Layers& layers)
           defaults.softness};
 }
 
-/// How good the edit would be with the best of several amounts of indirect light, set by hand.
+/// Score of the edit with the best of several hand-set amounts of indirect light.
 Edit best_amount(const Pair& pair, const std::function<Image(float)>& edit) {
   const Image truth = displayed(pair.after), spill = unchanged_paint(pair, true);
   Edit best;
-  double most = -1;
+  double best_score = -1;
   for (const float amount : {0.3F, 0.45F, 0.6F, 0.8F, 1.0F, 1.25F, 1.6F}) {
     Image picture = edit(amount);
     const double found = psnr(displayed(picture), truth, spill);
-    if (found <= most) continue;
-    most = found;
+    if (found <= best_score) continue;
+    best_score = found;
     best = {"globalintrinsic, best amount", std::move(picture), amount};
   }
   return best;
 }
 
 std::vector<Edit> recolored(Editor& editor, const Pair& pair) {
-  RecolorParams by_key;  // as the element is by default
+  RecolorParams by_key;  // defaults of the element
   by_key.use_mask = false;
   RecolorParams by_mask;
   constexpr float kAnyColor = 4.5F;
@@ -351,8 +351,8 @@ void write_strip(const std::string& folder, const Pair& pair, const std::vector<
   write_png(folder + "/" + name + ".png", strip);
 }
 
-/// The scores of edits, and of pairs, in the order in which they came. Frames of one sequence are
-/// one pair: means.
+/// Scores of edits and pairs, in order of occurrence. Frames of one sequence count as one pair:
+/// means.
 class Table {
  public:
   void add(const Pair& pair, const std::vector<Edit>& edits) {

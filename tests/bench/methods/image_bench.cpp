@@ -1,5 +1,5 @@
-// How long frames take to planes and back: `image-bench [runs] [filter]`. Needs a Vulkan device and
-// nothing else.
+// Time of converting frames to planes and back: `image-bench [runs] [filter]`. Needs a Vulkan
+// device.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -24,7 +24,7 @@ struct Times {
   double first, median, least, cpu;  ///< first: CPU time, compiling included
 };
 
-/// One submit and wait per run; the first one compiles. The median of `runs` after ten to warm up;
+/// One submit and wait per run; the first one compiles. Median of `runs` after ten warm-up runs;
 /// CPU time is the mean over all threads.
 Times measure(gpu::Commands& commands, int runs, const std::function<void()>& record) {
   const auto once = [&] {

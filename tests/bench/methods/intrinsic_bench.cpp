@@ -3,12 +3,11 @@
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]
 //   [--adaptive 0|1] [--tolerance T] [--kernels 0|1]
 //
-// Without a dump the frames are synthetic; with one (int32 width, int32 height, then width × height
-// float RGBA, linear light, any number of such frames one after another) they are its frames in
-// turn, and --out writes the last frame's intrinsic plane (R.rgb, S) in the same form. `cold`
-// frames have no history, `warm` ones continue the frame before. With --kernels 1 times are those
-// of kernels, all dispatches of one added up, in place of stages; the frame as a whole then takes
-// longer.
+// Without a dump the frames are synthetic. With one (int32 width, int32 height, then frames of
+// width × height float RGBA, linear light), its frames are used in turn, and --out writes the last
+// frame's intrinsic plane (R.rgb, S) in the same format. `cold` frames have no history, `warm` ones
+// continue the frame before. With --kernels 1 times are per kernel, summed over its dispatches,
+// instead of per stage; the frame as a whole then takes longer.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,12 +1,12 @@
-// When a picture that comes again may be kept: how far its decomposition is from the truth once the
-// change by the last cycle falls below a bound (keep-tolerance), against going on.
+// When the layers of an unchanged image can be reused: error against the truth once the change by
+// the last cycle falls below a bound (keep-tolerance), compared with further frames.
 //
 //   kept-bench --data FOLDER [--frames N]
 //
 // FOLDER has scenes as flat dumps (import-scenes, own-scenes); the first frame of every still is
 // sent N times (default 150). Prints LMSE (k = 20), the mean of reflectance and shading, by regime,
-// and in brackets after how many frames, on the average, the bound was reached; a scene that never
-// reaches one counts with its last frame.
+// and in brackets the mean number of frames until the bound; a scene that never reaches it counts
+// with its last frame.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -27,7 +27,7 @@ using namespace inverse;
 
 constexpr std::array<float, 5> kBounds{0.003F, 0.002F, 0.0015F, 0.001F, 0.0005F};
 
-/// Of one scene, or the sum over several: the first frame, the bounds, the last frame.
+/// Of one scene, or the sum over several: first frame, frames at the bounds, last frame.
 struct Found {
   std::array<double, kBounds.size() + 2> errors{};
   std::array<double, kBounds.size()> frames{};
@@ -40,8 +40,8 @@ struct Found {
   }
 };
 
-/// The errors of the first frame and of the one with which a picture is kept, as the element does
-/// it: its repetitions settle at `bound` at the latest. 0 keeps none of them.
+/// Errors of the first frame and of the frame whose layers are reused, as in the element: repeated
+/// frames converge at `bound` at the latest. 0 reuses nothing.
 struct Kept {
   double first, last;
   int frames;

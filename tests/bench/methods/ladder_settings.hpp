@@ -1,4 +1,4 @@
-// The levels that an element offers, as points of the benchmark.
+// The quality levels of an element, as points of the benchmark.
 #pragma once
 
 #include <set>
@@ -9,10 +9,10 @@
 
 namespace inverse::bench {
 
-/// The levels of `ladder` as they ship, for stills (curve "ladder") and for videos ("video
-/// ladder"); qualities are some of them. `make(params)` gives a Setting's solvers; levels that are
-/// no quality are measured with `others`, in videos with --full and on the project's own only.
-/// Params: ScaledIntrinsic's, and what a method adds.
+/// The levels of `ladder`, for stills (curve "ladder") and for videos ("video ladder"), including
+/// the named qualities. `make(params)` returns a Setting's solvers. Other levels are measured with
+/// `others`, in videos with --full and on the project's own scenes only. Params: ScaledIntrinsic's,
+/// and those of the method.
 template <typename Params, typename MakeOf>
 std::vector<Setting> ladder_settings(const Ladder<Params>& ladder, const MakeOf& make,
                                      Setting::Effort others) {
@@ -35,7 +35,7 @@ std::vector<Setting> ladder_settings(const Ladder<Params>& ladder, const MakeOf&
                                                       : "quarter, ";
     s.base = k == ladder.top(Quality::medium);
     s.name = half + std::to_string(params.cycles);
-    // Levels that differ only in how they follow a video are one to stills.
+    // Levels that differ only in temporal settings are equal for stills.
     const bool again = k + 1 < ladder.levels.size() && [&] {
       Params next;
       ladder.levels[k + 1].set(next);

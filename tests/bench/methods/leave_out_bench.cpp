@@ -1,12 +1,12 @@
-// What intrinsicdecomp leaves out by what a scene shows, one by one: the chroma bins, the anchor of
-// pixels, half of the resolution. How much time that saves, how much it changes, and what was known
-// beforehand. And what is seen where the resolution changes.
+// What intrinsicdecomp skips depending on the scene, one by one: chroma bins, the temporal anchor,
+// half of the resolution. Reports saved time, change of the result, and what was predicted; also
+// the visible change when the resolution switches.
 //
 //   leave-out-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…
 //
-// The folders hold scenes as ./dev bench keeps them (build-bench/tests/bench/scenes; import-scenes)
-// or, named .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are
-// processor time, medians of ratios.
+// The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
+// .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are processor
+// time, medians of ratios.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,7 +26,7 @@ namespace {
 
 using Params = ScaledIntrinsic::Params;
 
-/// Root mean square of ln(a / b), one factor removed, over pixels weighted as LayerDistance does.
+/// RMS of ln(a / b), one factor removed, over pixels weighted as in LayerDistance.
 double distance(const Image& frame, const Image& a, const Image& b) {
   double weights = 0, sum = 0, squares = 0;
   for (size_t i = 0; i < a.data.size(); ++i) {
@@ -96,14 +96,14 @@ struct Run {
   ScaledIntrinsic::Findings found() const { return method.findings(method.recorded() - 1); }
 };
 
-/// Median of b's cost in relation to a's, frame by frame, without the first two.
+/// Median of b's cost relative to a's, frame by frame, without the first two.
 double ratio(const Run& a, const Run& b) {
   std::vector<double> ratios;
   for (size_t i = 2; i < a.cost.size(); ++i) ratios.push_back(b.cost[i] / a.cost[i]);
   return median(ratios);
 }
 
-/// Pictures without colors that could be compared, and without any.
+/// Images without comparable colors, and without any.
 std::vector<Scene> poor_scenes() {
   std::vector<Scene> scenes;
   const auto add = [&](const char* name, auto value) {
@@ -131,7 +131,7 @@ void name(const Scene& scene) {
               first.height);
 }
 
-/// A frame of a scene that goes forth and back for as long as is asked; a still stays.
+/// A frame of a scene that plays forwards and backwards; a still is repeated.
 const TruthFrame& frame_at(const Scene& scene, size_t k) {
   if (!scene.video || scene.frames.size() == 1) return scene.frames.front();
   const size_t period = 2 * scene.frames.size() - 2, at = k % period;
@@ -145,7 +145,7 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   chosen.half_bound = 0;
   all.chroma_tolerance = all.hold_tolerance = all.half_bound = 0;
   bins = pixels = all;
-  bins.prior.chroma_weight = 0;  // as where they are left out
+  bins.prior.chroma_weight = 0;  // as if skipped
   pixels.hold_tolerance = 1;
   Run runs[] = {{session, extent, all},
                 {session, extent, bins},
@@ -181,7 +181,7 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
   Params full, small, looking, chosen;
   full.half_bound = 0;
   small.half_resolution = true;
-  looking.half_bound = 1e-6F;  // looks and stays
+  looking.half_bound = 1e-6F;  // compares and keeps the resolution
   Run runs[] = {{session, extent, full},
                 {session, extent, small},
                 {session, extent, looking},
@@ -206,7 +206,7 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
               frames, mean(kept), ratio(runs[0], runs[3]), mean(runs[3].lmse));
 }
 
-/// Change of reflectance from the frame before, the change of a run without crossing taken out.
+/// Change of reflectance from the frame before, minus that of a run without a switch of resolution.
 void crossing(DeviceSession& session, const Scene& scene, size_t) {
   if (!scene.video) return;
   const Extent extent{uint32_t(scene.frames[0].input.width),
@@ -248,8 +248,8 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   std::printf("\n");
 }
 
-/// All that is left out, in relation to doing everything: median of frames in turn, its upper 95 %
-/// bound (bootstrap), and the ratio of sums, comparisons of resolutions included.
+/// All skipping, relative to none: median over frames in turn, its upper 95 % bound (bootstrap),
+/// and the ratio of sums, including comparisons of resolutions.
 void adaptive(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
@@ -277,8 +277,8 @@ void adaptive(DeviceSession& session, const Scene& scene, size_t frames) {
   std::printf("%.3f | %.3f | %.3f |\n", median(ratios), medians[950], costs[1] / costs[0]);
 }
 
-/// Settings of little work, and the presets that they have to compare with: time in relation to
-/// quality=medium, error.
+/// Settings of little work and the presets to compare with: time relative to quality=medium, and
+/// error.
 void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};

@@ -71,7 +71,7 @@ Method globalintrinsic(DeviceSession& session) {
     s.stills = false, s.video = true;
     all.push_back(s);
   }
-  // What layers of their own for indirect light cost, by how many there may be; 0: none.
+  // Cost of separate layers of indirect light, by their number; 0: none.
   for (const int colors : {0, 1, 2, 4, 8, 16}) {
     Params params;
     if (colors > 0) params.base_colors = colors;
@@ -85,7 +85,7 @@ Method globalintrinsic(DeviceSession& session) {
                    .video = true,
                    .effort = Effort::full});
   }
-  // What leaving out saves, and of that what a scene's light that is held saves by itself.
+  // Time saved by skipping, and the part saved by reusing a scene's light.
   const std::pair<const char*, void (*)(Params&)> modes[] = {
       {"off", [](Params& p) { p.adaptive = false; }},
       {"on", [](Params&) {}},

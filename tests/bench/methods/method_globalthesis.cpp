@@ -15,7 +15,7 @@ namespace {
 using Params = GlobalThesisParams;
 using Effort = Setting::Effort;
 
-/// Base colors count from this many pixels on: a thousandth of 320 × 240.
+/// Minimum number of pixels of a base color: a thousandth of 320 × 240.
 constexpr std::size_t kFewestPixels = 77;
 
 /// The default of the element.
@@ -33,13 +33,14 @@ Params still_params() {
   return params;
 }
 
-/// The base colors of a scene, as the element comes to them while it is shown one frame again and
-/// again: clusters, corrected where somebody clicks, refined.
+/// The base colors of a scene after the element has shown one frame repeatedly: clusters, corrected
+/// if clicked, refined.
 class FoundColors {
  public:
   enum class Clicks : std::uint8_t {
     none,
-    corrected,    ///< on what the truth says is misclustered; the method chooses the color (5.11)
+    corrected,    ///< at pixels that are misclustered by the truth; the method chooses the color
+                  ///< (5.11)
     true_colors,  ///< there, with the true color; never refined
   };
   struct Found {
@@ -51,7 +52,7 @@ class FoundColors {
 
   explicit FoundColors(DeviceSession& session) : session_(session) {}
 
-  /// Of the frame that was asked for last it is found once.
+  /// Computed once for the last requested frame.
   const Found& of(const TruthFrame& frame, Clicks clicks) {
     if (frame.input.data != frame_) found_.clear();
     frame_ = frame.input.data;
@@ -70,7 +71,7 @@ class FoundColors {
     commands.wait();
   }
 
-  /// The cluster of every pixel, or the color that a region has in its place.
+  /// The cluster of every pixel, or the color of its region instead.
   std::vector<int> slots(gpu::Commands& commands, const GlobalThesis& method,
                          const MarkedRegions& regions) const {
     const auto bytes = method.features()->bytes();
@@ -148,7 +149,7 @@ class FoundColors {
     return found;
   }
 
-  /// Clicks where the truth says so, and has the regions decided.
+  /// Clicks by the truth, and waits for the decisions.
   void mark(GlobalThesis& method, MarkedRegions& regions, const TruthFrame& frame, Clicks clicks,
             gpu::Commands& commands, const std::function<void()>& show,
             std::map<std::string, std::vector<double>>& figures) const {
@@ -167,7 +168,7 @@ class FoundColors {
     show();
     figures["clicks"] = {double(where.size())};
     if (clicks == Clicks::true_colors) return;
-    // Candidates are decomposed as the method itself decomposes.
+    // Candidates are decomposed with the method's own settings.
     Params params = still_params();
     params.refine_rounds = 0;
     const Params look = method.params();
@@ -177,8 +178,8 @@ class FoundColors {
       return std::any_of(regions.regions().begin(), regions.regions().end(),
                          [](const auto& r) { return r.number > 0 && r.color < 0; });
     };
-    constexpr int kMost = 2 * MarkedRegions::kMaxRegions * BaseColors::kMaxColors;
-    for (int k = 0; undecided() && k < kMost; ++k) {
+    constexpr int kMaxDecisions = 2 * MarkedRegions::kMaxRegions * BaseColors::kMaxColors;
+    for (int k = 0; undecided() && k < kMaxDecisions; ++k) {
       std::uint64_t number = 0;
       run(commands, [&](gpu::Commands& c) { number = correction.record(c, method, regions); });
       correction.collect(number, regions);
@@ -197,13 +198,13 @@ class FoundColors {
   std::map<Clicks, Found> found_;
 };
 
-/// A frame of a video that has been going on: with base colors that were found before.
+/// A frame of a running video: with base colors that were found before.
 class StillSolver final : public Solver {
  public:
   struct Options {
     FoundColors::Clicks clicks = FoundColors::Clicks::none;
     bool refined = true;
-    bool tells = false;  ///< figures of the base colors
+    bool tells = false;  ///< report statistics of the base colors
   };
   StillSolver(DeviceSession& session, std::shared_ptr<FoundColors> palette, Size size,
               const Params& params, const Options& options)
@@ -244,7 +245,7 @@ class StillSolver final : public Solver {
   const TruthFrame* truth_ = nullptr;
 };
 
-/// A video from its first frame on: base colors are refined while it goes on.
+/// A video from its first frame on; base colors are refined while it runs.
 class VideoSolver final : public Solver {
  public:
   VideoSolver(DeviceSession& session, Size size, const Params& params)
@@ -298,7 +299,7 @@ Method globalintrinsicthesis(DeviceSession& session) {
       return std::make_unique<StillSolver>(session, palette, size, params, options);
     };
     setting.layers_only = true;
-    setting.sets = {"own", "cornell", "room"};  // others as well would take half an hour
+    setting.sets = {"own", "cornell", "room"};  // others would take half an hour more
     setting.effort = Effort::full;
     method.settings.push_back(setting);
   };

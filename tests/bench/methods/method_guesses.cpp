@@ -1,5 +1,5 @@
-// What direct and indirect light are compared with: guesses of indirect light that need no solve,
-// taken off the shading of intrinsicdecomp.
+// Baselines for direct and indirect light: estimates of indirect light without a solve, subtracted
+// from the shading of intrinsicdecomp.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,14 +10,14 @@
 namespace inverse::bench {
 namespace {
 
-/// Of the light in a closed room this much has met a wall before; a constant, like the guesses.
+/// Share of indirect light in a closed room; a constant baseline.
 constexpr float kShare = 0.35F;
 
 float mean(const Image& image) {
   return std::accumulate(image.data.begin(), image.data.end(), 0.0F) / float(image.data.size());
 }
 
-/// Blurs along one axis; what lies outside the frame does not count.
+/// Blurs along one axis; pixels outside the frame are ignored.
 Image blurred_along(const Image& image, float sigma, bool down) {
   const int reach = int(std::ceil(3 * sigma));
   Image out(image.width, image.height, image.channels);
@@ -36,7 +36,7 @@ Image blurred_along(const Image& image, float sigma, bool down) {
   return out;
 }
 
-/// The frame, blurred by a Gaussian of .3 of its width. It varies so slowly that a small copy does.
+/// The frame, blurred by a Gaussian of .3 of its width, computed on a small copy.
 Image blurred(const Image& frame) {
   Image small = frame;
   while (small.width >= 80 && small.height >= 2) small = halve(small);
@@ -72,7 +72,7 @@ class Guess final : public Solver {
   }
 
  private:
-  /// Shading that is less than its indirect light has no direct light, and less of the other.
+  /// Where the estimated indirect light exceeds the shading, it is clamped and direct light is 0.
   void split(const Image& frame, Decomposition& d) const {
     Image guess = blur_ ? blurred(frame) : Image(frame.width, frame.height, 3, 1.0F);
     const float scale = kShare * mean(d.shading) / std::max(mean(guess), 1e-6F);

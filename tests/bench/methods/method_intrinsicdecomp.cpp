@@ -38,7 +38,7 @@ class IntrinsicSolver final : public Solver {
   Image before_;
 };
 
-/// The settings of one program run.
+/// The settings of one run.
 class Settings {
  public:
   explicit Settings(DeviceSession& session) : session_(session) {}
@@ -49,13 +49,13 @@ class Settings {
     };
   }
 
-  /// The levels that the element offers, as they ship; presets are some of them.
+  /// The levels of the element; presets are some of them.
   void add_ladder() {
     all = ladder_settings(
         intrinsic_ladder(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 
-  /// Multigrid cycles, all of which run: how the solve converges.
+  /// Fixed numbers of multigrid cycles: convergence of the solve.
   void add_cycles() {
     for (const uint32_t cycles : {1U, 2U, 3U, 4U, 6U, 8U, 12U, 24U}) {
       Params params;
@@ -71,7 +71,7 @@ class Settings {
     }
   }
 
-  /// Shading of a smaller frame, enlarged without a guide.
+  /// Shading of a smaller frame, upsampled without a guide.
   void add_resolutions() {
     for (const int times : {1, 2})
       all.push_back({.curve = "resolution",
@@ -83,7 +83,7 @@ class Settings {
                      }});
   }
 
-  /// Cycles of the coarse levels in every cycle.
+  /// Coarse cycles per cycle.
   void add_coarse_cycles() {
     for (const uint32_t cycles : {1U, 4U}) {
       Params params;
@@ -97,7 +97,7 @@ class Settings {
     }
   }
 
-  /// One term left out. A weight of which the method needs something is a thousandth.
+  /// One term removed. A weight that must be positive becomes a thousandth.
   void add_ablations() {
     constexpr float kNearlyNone = 1e-3F;
     const struct {
@@ -127,8 +127,7 @@ class Settings {
     }
   }
 
-  /// The weights that were set by hand, half and twice, together: what leaving a scene out of such
-  /// a choice would cost.
+  /// Half and twice each hand-set weight, jointly: the sensitivity to the scenes used for tuning.
   void add_weights() {
     const std::pair<const char*, float> factors[] = {{"/2", 0.5F}, {"", 1.0F}, {"·2", 2.0F}};
     double order = 0;
@@ -151,7 +150,7 @@ class Settings {
         }
   }
 
-  /// Leaves all of adaptivity off but one.
+  /// Turns off all of adaptivity except one part.
   template <typename Tolerance>
   static void only(Params& params, Tolerance tolerance) {
     const float kept = params.*tolerance;
@@ -159,7 +158,7 @@ class Settings {
     params.*tolerance = kept;
   }
 
-  /// What leaving out saves: all of it, and each part alone. A new one is a line here.
+  /// Time saved by skipping: all of it, and each part alone. Add a new part here.
   void add_adaptive() {
     const std::pair<const char*, void (*)(Params&)> modes[] = {
         {"off", [](Params& p) { p.adaptive = false; }},

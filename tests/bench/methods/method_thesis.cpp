@@ -33,7 +33,7 @@ class ThesisSolver final : public Solver {
 
 using Effort = Setting::Effort;
 
-/// The thesis' method with one of its terms left out.
+/// The thesis' method with one term removed.
 void add_ablations(Method& method, const ThesisParams& base,
                    const std::function<decltype(Setting::make)(const ThesisParams&)>& make) {
   const std::pair<const char*, float ThesisParams::*> terms[] = {
@@ -89,7 +89,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
                                .base = is_base,
                                .effort = effort});
   };
-  // The work-precision curve: reweightings x iterations, "4x8" is what the thesis runs.
+  // The work-precision curve: reweightings x iterations; the thesis uses "4x8".
   for (const auto& [irls, iterations] :
        {std::pair{1, 4}, {1, 8}, {2, 8}, {3, 8}, {4, 8}, {7, 8}, {16, 8}, {16, 16}}) {
     ThesisParams params = base;
@@ -102,7 +102,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }
-    // On everybody's data only the default; others take seconds.
+    // Other data sets use only the default; other settings take seconds.
     const bool odd = (!*preset || irls == 16) && irls != base.irls_iterations;
     add("iterations", params, std::to_string(irls) + "x" + std::to_string(iterations),
         irls * iterations,

@@ -1,5 +1,5 @@
-// The project's own methods in the benchmark. A new one is a function here, a file method_*.cpp and
-// a line in methods_main.cpp.
+// The project's own methods in the benchmark. For a new one, add a function here, a file
+// method_*.cpp and a line in methods_main.cpp.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ Method intrinsicdecomp(DeviceSession& session);
 Method globalintrinsic(DeviceSession& session);
 Method globalintrinsicthesis(DeviceSession& session);
 Method thesis(DeviceSession& session, ThesisParams::Solver solver);
-/// What methods with direct and indirect light must beat.
+/// Baselines for methods with direct and indirect light.
 Method indirect_guesses(DeviceSession& session);
 
 }  // namespace inverse::bench

@@ -1,5 +1,5 @@
-// bench-methods: the project's own methods on one Vulkan device. Links the kernels, libvulkan and
-// the C++ runtime alone and reads flat dumps, so that it can be carried to another machine:
+// bench-methods: the project's own methods on one Vulkan device. Needs only the kernels, libvulkan
+// and the C++ runtime, and reads flat dumps, so that it can be copied to another machine:
 //
 //   bench-methods --data FOLDER --out FILE.json [--full] …     INVERSE_DEVICE names the device
 #include <cstdio>

@@ -1,18 +1,18 @@
-// Convergence of the thesis' solvers, like its figure 3.12: energy a pixel after every IRLS step on
-// every pyramid level, for pcg and schwarz, beside the double-precision reference at the same
+// Convergence of the thesis' solvers, as in its figure 3.12: energy per pixel after every IRLS step
+// on every pyramid level, for pcg and schwarz, with the double-precision reference at the same
 // iterations and the converged energy. Ends with the difference from the reference.
 //
 //   thesis-convergence [--dump FILE] [--size WxH] [--irls N] [--pcg N] [--levels N]
 //   [--no-converged]
 //                      [--epsilon E] [--p P] [--svg FILE]
 //
-// Prints one line a step, separated by commas; --svg also draws the curves. Each solver is compared
-// at its own clusters, the converged energy too: they differ a little. The converged solve is the
-// reference's, on the processor: seconds at 80×60, minutes at 160×120; leave it out for more.
+// Prints one comma-separated line per step; --svg also draws the curves. Each solver is compared at
+// its own clusters, also for the converged energy: they differ slightly. The reference computes the
+// converged solve on the processor: seconds at 80×60, minutes at 160×120; skip it for larger sizes.
 //
-// The last lines tell how far r is from the reference's without the gauge (99 % of pixels, the
-// worst), and how far the reference itself goes when it rounds to single precision: sparsity with
-// p < 1 is not convex, and where an edge hangs between on and off rounding decides.
+// The last lines give the difference of r from the reference after removing the common scale (99 %
+// of pixels, and maximum), and the change of the reference itself in single precision: sparsity
+// with p < 1 is not convex, and rounding decides about edges near the threshold.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -33,7 +33,7 @@ struct Options {
   std::string svg;
 };
 
-/// One IRLS step of one solver; energies a pixel.
+/// One IRLS step of one solver; energies per pixel.
 struct Point {
   int iteration;
   Extent extent;
@@ -41,12 +41,14 @@ struct Point {
   double total, reference, converged;
 };
 
-/// |Δr| without the gauge, the largest channel's: at 99 % of pixels, and the largest of all.
+///
+/// Δr
+/// without the common scale, largest channel: 99 % quantile and maximum over pixels.
 struct Difference {
   double most, worst;
 };
 
-/// Both sides' view of one solve.
+/// Device and reference results of one solve.
 struct Curve {
   const char* name;
   std::vector<Point> points;
@@ -54,7 +56,7 @@ struct Curve {
   double energy = 0, reference = 0;
 };
 
-/// (level, step) → energy; of a converged solve only step 0 is kept, its last.
+/// (level, step) → energy; of a converged solve only step 0, with its last energy.
 using Energies = std::map<std::pair<int, int>, double>;
 
 std::vector<float> download(gpu::Commands& commands, const gpu::BufferPtr& buffer) {
@@ -76,7 +78,7 @@ reference::Plane to_reference(Extent extent, const std::vector<float>& pixels) {
   return plane;
 }
 
-/// The reference at the device's samples and clusters; every weight has the same default.
+/// The reference at the device's samples and clusters; all default weights are the same.
 struct Reference {
   reference::IntrinsicThesis method;
   Energies energies;
@@ -97,7 +99,7 @@ struct Reference {
   }
 };
 
-/// The mean difference is the gauge's.
+/// The mean difference is a difference of scale.
 Difference difference(const reference::Plane& got, const reference::Plane& expected) {
   double gauge = 0;
   for (size_t n = 0; n < expected.size(); ++n) {
@@ -198,7 +200,7 @@ void print(const std::vector<Curve>& curves, bool converged) {
   }
 }
 
-/// Energy over iterations, logarithmic, with the converged energy of each level dashed.
+/// Energy over iterations, logarithmic; dashed: the converged energy of each level.
 void draw(const std::vector<Curve>& curves, bool converged, const std::string& path) {
   constexpr double kWidth = 720, kHeight = 360, kMargin = 48;
   double low = 1e300, high = 0;

@@ -1,12 +1,12 @@
-// What a small object that moves over a still picture costs with tiles left out, and how far the
-// layers are then from those of adaptive=false: the object crosses the picture, and then stays in a
-// corner of it, moving, so that what it left behind has time to fade.
+// Cost of a small object moving over a static image with tiles skipped, and the distance of the
+// layers from those of adaptive=false. The object crosses the image, then keeps moving in a corner,
+// so that its former tiles have time to converge.
 //
 //   trail-bench [--frames N] [--cross N] [--every N] [--setting NAME=VALUE …] FILE…
 //
-// The files are scenes as ./dev bench keeps them (build-bench/tests/bench/scenes; import-scenes)
-// or, named .dump, frames without truth (frames.hpp); of each the first frame is the still picture.
-// Both settings take turns on every frame; times are processor time, medians. Distances are of log
+// The files are scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
+// .dump, frames without truth (frames.hpp); the first frame of each is the static image. Both
+// settings take turns on every frame; times are processor time, medians. Distances are of log
 // shading in the solver's own scale.
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ Image first_frame(const std::filesystem::path& path) {
   return image;
 }
 
-/// A shaded ball, a twentieth of the width in radius, on its way: across the picture for `cross`
-/// frames, then around in its lower right corner.
+/// A shaded ball with a radius of a twentieth of the width: it crosses the image for `cross`
+/// frames, then moves in its lower right corner.
 Image with_ball(Image picture, int number, int cross) {
   const double radius = picture.width / 20.0;
   double x0 = 0, y0 = 0;
@@ -66,7 +66,7 @@ Image with_ball(Image picture, int number, int cross) {
 
 struct Distance {
   double rms = 0;    // over pixels
-  double tile = 0;   // largest of a tile's mean
+  double tile = 0;   // largest mean of a tile
   double pixel = 0;  // largest of all
 };
 Distance distance(const Image& a, double gauge_a, const Image& b, double gauge_b) {
@@ -93,7 +93,7 @@ struct Run {
   IntrinsicDecomposition method;
   Decomposition now, before;
   std::vector<double> cost, tiles;
-  double step = 0;  // largest change of a still pixel's log shading by a frame since last asked for
+  double step = 0;  // largest change of a static pixel's log shading per frame since the last read
 
   Run(DeviceSession& session, Extent extent, const Params& with)
       : params(with), method(session.device(), extent) {}

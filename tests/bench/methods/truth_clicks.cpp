@@ -22,7 +22,7 @@ TrueSlots::TrueSlots(const Image& reflectance, const Image& mask,
     if (std::max({r[0], r[1], r[2]}) < kBlack) continue;
     if (!mask.empty() && mask.data[n] <= 0.5F) continue;
     const float mean = (r[0] + r[1] + r[2]) / 3 + kFloor;
-    float least = std::numeric_limits<float>::infinity();
+    float nearest = std::numeric_limits<float>::infinity();
     for (const BaseColors::Color& color : colors) {
       float squares = 0;
       for (std::size_t c = 0; c < 3; ++c) {
@@ -31,7 +31,7 @@ TrueSlots::TrueSlots(const Image& reflectance, const Image& mask,
       }
       const float distance = std::sqrt(squares);
       distances_[n].at(std::size_t(color.slot)) = distance;
-      if (distance < least) least = distance, nearest_[n] = color.slot;
+      if (distance < nearest) nearest = distance, nearest_[n] = color.slot;
     }
   }
 }
@@ -74,9 +74,9 @@ std::vector<Component> components(const std::vector<int>& slots,
         component.pixels.push_back(m);
       }
     }
-    std::size_t most = 0;
+    std::size_t max = 0;
     for (const auto& [slot, count] : votes)
-      if (count > most) most = count, component.right = slot;
+      if (count > max) max = count, component.right = slot;
     result.push_back(std::move(component));
   }
   return result;
@@ -85,10 +85,11 @@ std::vector<Component> components(const std::vector<int>& slots,
 std::vector<Component> wrong_components(const std::vector<int>& slots,
                                         const std::vector<std::uint8_t>& wrong,
                                         const std::vector<int>& truth, int width, int height,
-                                        double least) {
+                                        double min_share) {
   std::vector<Component> result = components(slots, wrong, truth, width, height);
   std::erase_if(result, [&](const Component& c) {
-    return c.cluster < 0 || !c.mostly_wrong() || double(c.pixels.size()) < least * width * height;
+    return c.cluster < 0 || !c.mostly_wrong() ||
+           double(c.pixels.size()) < min_share * width * height;
   });
   std::stable_sort(result.begin(), result.end(), [](const Component& a, const Component& b) {
     return a.pixels.size() > b.pixels.size();
@@ -98,7 +99,7 @@ std::vector<Component> wrong_components(const std::vector<int>& slots,
 
 std::vector<double> base_color_errors(const Image& reflectance, const std::vector<int>& slots,
                                       std::span<const BaseColors::Color> colors, bool initial,
-                                      std::size_t least) {
+                                      std::size_t min_pixels) {
   std::vector<double> errors;
   for (const BaseColors::Color& color : colors) {
     if (color.layer < 0) continue;
@@ -111,7 +112,7 @@ std::vector<double> base_color_errors(const Image& reflectance, const std::vecto
       for (std::size_t k = 0; k < 3; ++k) sum[k] += c[k];
       ++count;
     }
-    if (count < std::max<std::size_t>(least, 1)) {
+    if (count < std::max<std::size_t>(min_pixels, 1)) {
       errors.push_back(std::numeric_limits<double>::quiet_NaN());
       continue;
     }

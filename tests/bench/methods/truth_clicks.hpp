@@ -1,5 +1,5 @@
-// What the truth says about base colors (thesis, chapter 5): which pixels were taken for a wrong
-// one, where somebody who sees that would click, and how far base colors are from the paint.
+// Truth about base colors (thesis, chapter 5): misclustered pixels, clicks of a user who sees them,
+// and the distance of base colors from the paint.
 #pragma once
 
 #include <array>
@@ -12,18 +12,17 @@
 
 namespace inverse::bench {
 
-/// The base colors that the pixels of a frame truly have: nearest to their reflectance in ln
-/// chromaticity, as pixels of a frame are assigned.
+/// The true base color of each pixel: the nearest to its reflectance in ln chromaticity, with the
+/// assignment rule of the method.
 class TrueSlots {
  public:
-  /// `reflectance` has 3 channels; nothing is known where it is black, and where `mask` (if not
-  /// empty) is 0.
+  /// `reflectance` has 3 channels; pixels are unknown if it is black or `mask` (if not empty) is 0.
   TrueSlots(const Image& reflectance, const Image& mask, std::span<const BaseColors::Color> colors);
 
-  /// Slot by pixel, row by row; −1 where nothing is known.
+  /// Slot by pixel, row by row; −1 for unknown pixels.
   const std::vector<int>& nearest() const { return nearest_; }
-  /// For each pixel whether its slot here is clearly further away than the true one: by kMargin. No
-  /// slot (−1) is never wrong.
+  /// Whether each pixel's slot is farther than the true one by more than kMargin. No slot (−1)
+  /// counts as right.
   std::vector<std::uint8_t> wrong(const std::vector<int>& slots) const;
 
  private:
@@ -32,39 +31,39 @@ class TrueSlots {
   std::vector<std::array<float, BaseColors::kMaxColors>> distances_;  // to each slot
 };
 
-/// Pixels of one slot that hang together, by edges.
+/// A 4-connected component of pixels of one slot.
 struct Component {
   int cluster = -1;         ///< their slot
   std::vector<int> pixels;  ///< row by row, in the order of a fill
-  std::size_t wrong = 0;    ///< of them
-  int right = -1;           ///< slot that most of those should have
+  std::size_t wrong = 0;    ///< number of wrong pixels
+  int right = -1;           ///< slot that most of the wrong pixels should have
   bool mostly_wrong() const { return 2 * wrong > pixels.size(); }
-  /// The pixel that somebody clicks on.
+  /// The position of a click.
   int click() const { return pixels[pixels.size() / 2]; }
 };
 
-/// `wrong` tells of each pixel whether it is, `truth` which slot it should have.
+/// `wrong`: per pixel, whether it is wrong; `truth`: the slot it should have.
 std::vector<Component> components(const std::vector<int>& slots,
                                   const std::vector<std::uint8_t>& wrong,
                                   const std::vector<int>& truth, int width, int height);
 
-/// A region is wrong that has a cluster, is no smaller than this share of the frame, and of which
-/// more than half of the pixels are.
-inline constexpr double kLeastShare = 0.005;
-/// Those among the components, the largest first.
+/// A region is wrong if it has a cluster, is at least this share of the frame, and more than half
+/// of its pixels are wrong.
+inline constexpr double kMinShare = 0.005;
+/// The wrong components, largest first.
 std::vector<Component> wrong_components(const std::vector<int>& slots,
                                         const std::vector<std::uint8_t>& wrong,
                                         const std::vector<int>& truth, int width, int height,
-                                        double least = kLeastShare);
+                                        double min_share = kMinShare);
 
 /// Chromaticity (mean 1) of a color.
 std::array<double, 3> chromaticity(double r, double g, double b);
 
-/// For each base color with a layer, in their order, the distance in chromaticity (mean 1) from the
-/// mean chromaticity of true reflectance of the pixels that were assigned to it; NaN where these
-/// are fewer than `least`. `initial`: of the colors before refinement.
+/// For each base color with a layer, in order, the chromaticity distance (mean 1) to the mean true
+/// chromaticity of its assigned pixels; NaN if these are fewer than `min_pixels`. `initial`: of the
+/// colors before refinement.
 std::vector<double> base_color_errors(const Image& reflectance, const std::vector<int>& slots,
                                       std::span<const BaseColors::Color> colors, bool initial,
-                                      std::size_t least);
+                                      std::size_t min_pixels);
 
 }  // namespace inverse::bench

@@ -9,7 +9,7 @@
 
 namespace inverse::bench::detail {
 
-constexpr double kLeastEnergy = 1e-12;
+constexpr double kMinEnergy = 1e-12;
 constexpr double kLogFloor = 1e-4;
 
 inline bool counts(const Image& mask, int x, int y) { return mask.empty() || mask.at(x, y) > 0.5F; }

@@ -1,4 +1,4 @@
-// Flat dumps of images: no libraries, for programs that are carried to other machines.
+// Flat dumps of images: no libraries, for programs that are copied to other machines.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@ namespace inverse::bench {
 namespace {
 
 using detail::counts;
-using detail::kLeastEnergy;
+using detail::kMinEnergy;
 
 template <typename Each>
 void for_each(const Image& image, const Image& mask, const Each& each) {
@@ -38,7 +38,7 @@ double best_scale(const Image& estimate, const Image& truth, const Image& mask) 
       ee += e * e, et += e * truth.at(x, y, c);
     }
   });
-  return ee > kLeastEnergy ? et / ee : 0.0;
+  return ee > kMinEnergy ? et / ee : 0.0;
 }
 
 double relative_error(const Image& estimate, const Image& truth, const Image& mask, double scale) {
@@ -50,7 +50,7 @@ double relative_error(const Image& estimate, const Image& truth, const Image& ma
       error += d * d, total += t * t;
     }
   });
-  return total > kLeastEnergy ? error / total : 0.0;
+  return total > kMinEnergy ? error / total : 0.0;
 }
 
 double tint_error(const Image& shading, const Image& truth, const Image& mask) {

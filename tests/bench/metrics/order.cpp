@@ -7,13 +7,13 @@
 namespace inverse::bench {
 namespace {
 
-constexpr double kLeast = 1e-10;  // of a reflectance, as Bell et al.'s program has it
-constexpr int kNear = 16;         // pixels
+constexpr double kMinReflectance = 1e-10;  // of a reflectance, as Bell et al.'s program has it
+constexpr int kNear = 16;                  // pixels
 
 double lightness(const Image& reflectance, int x, int y) {
   double sum = 0;
   for (int c = 0; c < reflectance.channels; ++c) sum += reflectance.at(x, y, c);
-  return std::max(kLeast, sum / reflectance.channels);
+  return std::max(kMinReflectance, sum / reflectance.channels);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace inverse::bench {
 namespace {
 
 using detail::counts;
-using detail::kLeastEnergy;
+using detail::kMinEnergy;
 
 /// Sums over the counting pixels of a window of one channel.
 struct Sums {
@@ -49,17 +49,17 @@ double psnr(const Image& estimate, const Image& truth, const Image& mask, double
 
 Image fitted(const Image& estimate, const Image& truth, const Image& mask, double* peak) {
   detail::check_sizes(estimate, truth, mask);
-  double most = 0;
+  double max = 0;
   for (int y = 0; y < truth.height; ++y)
     for (int x = 0; x < truth.width; ++x)
       for (int c = 0; counts(mask, x, y) && c < truth.channels; ++c)
-        most = std::max<double>(most, truth.at(x, y, c));
-  most = std::max(most, 1e-9);
-  if (peak) *peak = most;
+        max = std::max<double>(max, truth.at(x, y, c));
+  max = std::max(max, 1e-9);
+  if (peak) *peak = max;
   Image out(truth.width, truth.height, truth.channels);
   for (int c = 0; c < truth.channels; ++c) {
     const Sums s = sums(estimate, truth, mask, c, 0, 0, truth.width, truth.height);
-    const double scale = s.ee > kLeastEnergy ? s.et / s.ee / most : 0.0;
+    const double scale = s.ee > kMinEnergy ? s.et / s.ee / max : 0.0;
     for (int y = 0; y < truth.height; ++y)
       for (int x = 0; x < truth.width; ++x) out.at(x, y, c) = float(scale * estimate.at(x, y, c));
   }
@@ -88,7 +88,7 @@ double lmse(const Image& estimate, const Image& truth, const Image& mask, int k)
       for (int x0 = 0; x0 == 0 || x0 + k <= w; x0 += step) {
         const Sums s =
             sums(estimate, truth, mask, c, x0, y0, std::min(w, x0 + k), std::min(h, y0 + k));
-        error += s.ee > kLeastEnergy ? std::max(0.0, s.tt - s.et * s.et / s.ee) : s.tt;
+        error += s.ee > kMinEnergy ? std::max(0.0, s.tt - s.et * s.et / s.ee) : s.tt;
         total += s.tt;
       }
   return total > 0 ? error / total : 0.0;
@@ -106,7 +106,7 @@ double color_lmse(const Image& estimate, const Image& truth, const Image& mask, 
             sums(estimate, truth, mask, c, x0, y0, std::min(w, x0 + k), std::min(h, y0 + k));
         all.ee += s.ee, all.et += s.et, all.tt += s.tt;
       }
-      error += all.ee > kLeastEnergy ? std::max(0.0, all.tt - all.et * all.et / all.ee) : all.tt;
+      error += all.ee > kMinEnergy ? std::max(0.0, all.tt - all.et * all.et / all.ee) : all.tt;
       total += all.tt;
     }
   return total > 0 ? error / total : 0.0;

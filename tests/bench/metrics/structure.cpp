@@ -11,7 +11,7 @@ namespace {
 constexpr int kRadius = 5;
 constexpr int kWindow = 2 * kRadius + 1;
 constexpr double kSigma = 1.5;
-constexpr double kLeastWeight = 0.05;  // of a window inside the mask
+constexpr double kMinWeight = 0.05;  // of a window inside the mask
 constexpr std::array<double, 5> kExponents{0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
 
 /// One channel in double precision.
@@ -107,7 +107,7 @@ Similarity similarity(Channel e, Channel t, const Channel& inside, double range)
     for (int x = margin; x < e.width - margin; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(e.width) + std::size_t(x);
       const double w = weight.v[i];
-      if (inside.v[i] == 0 || w < kLeastWeight) continue;
+      if (inside.v[i] == 0 || w < kMinWeight) continue;
       const double me = e.v[i] / w, mt = t.v[i] / w;
       const double ve = std::max(0.0, ee.v[i] / w - me * me);
       const double vt = std::max(0.0, tt.v[i] / w - mt * mt);

@@ -1,5 +1,4 @@
-// How others take the green cast off a picture, pixel by pixel. Pictures are linear; the formulas
-// work on display codes (sRGB), as video has them.
+// Other despill methods, pixel by pixel. Images are linear; the formulas use display codes (sRGB).
 #pragma once
 
 #include "tests/bench/metrics/image.hpp"

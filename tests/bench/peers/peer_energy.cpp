@@ -19,8 +19,8 @@ namespace {
 using Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
-/// Weights with which the pixels of one axis enter the cells' means: 2 x 2 means taken twice, where
-/// the last pixel of an odd border counts twice.
+/// Weights of the pixels along one axis in the cells' means: nested 2 x 2 means; the last pixel of
+/// an odd border counts twice.
 std::vector<double> shares(int count) {
   const int halves = (count + 1) / 2, cells = (halves + 1) / 2;
   std::vector<double> share(std::size_t(count), 0.0);
@@ -61,7 +61,7 @@ class Energy {
       b[p] += step, b[q] -= step;
     };
     for (std::size_t i = 0; i < n; ++i) {
-      entries.emplace_back(int(i), int(i), reference::kLeastDiagonal);
+      entries.emplace_back(int(i), int(i), reference::kMinDiagonal);
       if (i % w + 1 < w) edge(i, i + 1, prior_.a_right[i], prior_.b_right[i]);
       if (i + w < n) edge(i, i + w, prior_.a_down[i], prior_.b_down[i]);
     }
@@ -114,11 +114,11 @@ class Energy {
 /// Conjugate gradients until the residual is `tolerance` of the right-hand side's norm.
 VectorXd solve(const Energy& energy, const std::function<VectorXd(const VectorXd&)>& precondition,
                double tolerance) {
-  constexpr int kMost = 5000;
+  constexpr int kMaxIterations = 5000;
   VectorXd x = energy.start, r = energy.b - energy.apply(x), z = precondition(r), p = z;
   double rz = r.dot(z);
   const double enough = tolerance * energy.b.norm();
-  for (int k = 0; k < kMost && r.norm() > enough; ++k) {
+  for (int k = 0; k < kMaxIterations && r.norm() > enough; ++k) {
     const VectorXd q = energy.apply(p);
     const double alpha = rz / p.dot(q);
     x += alpha * p;

@@ -1,7 +1,6 @@
-// OpenCV's edge-aware filters as decomposers: ln of the mean channel, smoothed where chromaticity
-// is even, is ln reflectance's; what the smoothing takes away is shading. The guide is the
-// chromaticity I / sum of I, which shadows leave alone; l0 smoothing takes none, and flattens the
-// image itself.
+// OpenCV's edge-aware filters as decomposers: ln reflectance is ln of the mean channel, smoothed
+// where chromaticity is constant; shading is the remainder. The guide is the chromaticity I / sum
+// of I, which shadows do not change; l0 smoothing has no guide and smooths the image itself.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>

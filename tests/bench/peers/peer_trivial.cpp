@@ -49,11 +49,12 @@ std::function<std::unique_ptr<Solver>(Size)> without_memory(
 }
 
 Decomposition divide(const Image& input, Image shading) {
-  constexpr float kLeast = 1e-6F;
+  constexpr float kMinShading = 1e-6F;
   Decomposition d{Image(input.width, input.height, 3), std::move(shading)};
   for (std::size_t i = 0; i < d.shading.data.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      d.reflectance.data[3 * i + c] = input.data[3 * i + c] / std::max(d.shading.data[i], kLeast);
+      d.reflectance.data[3 * i + c] =
+          input.data[3 * i + c] / std::max(d.shading.data[i], kMinShading);
   return d;
 }
 

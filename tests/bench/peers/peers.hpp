@@ -1,14 +1,13 @@
-// What a method of this project has to beat, measured in the same run: trivial answers, Retinex,
-// edge-aware filters, and a plain solver of intrinsicdecomp's own energy on the processor. None of
-// them sees a mask.
+// Methods to compare with, measured in the same run: trivial ones, Retinex, edge-aware filters, and
+// a plain solver of intrinsicdecomp's own energy on the processor. None of them uses a mask.
 #pragma once
 
 #include "tests/bench/support/method.hpp"
 
 namespace inverse::bench {
 
-/// Answers that need no thought: R = I; S = mean of I; R = I / max_c I, which is exact where every
-/// albedo has the same value.
+/// Trivial decompositions: R = I; S = mean of I; R = I / max_c I, which is exact if every albedo
+/// has the same value.
 Method constant_shading();
 Method constant_reflectance();
 Method max_channel();
@@ -28,10 +27,10 @@ Method l0_smoothing();
 Method energy_by_conjugate_gradients();
 Method energy_by_cholesky();
 
-/// R = I / S, where S is at least 1e-6.
+/// R = I / S with S at least 1e-6.
 Decomposition divide(const Image& input, Image shading);
 
-/// A method without memory as a setting.
+/// A method without state as a setting.
 std::function<std::unique_ptr<Solver>(Size)> without_memory(
     std::function<Decomposition(const Image&)> run);
 

@@ -1,5 +1,5 @@
-// bench-peers: other people's methods on the processor, with Eigen and OpenCV. A program of its
-// own, as OpenCV's ximgproc draws in libraries that nothing else here may link.
+// bench-peers: other methods on the processor, with Eigen and OpenCV. A program of its own, because
+// OpenCV's ximgproc loads libraries that the project's programs must not link.
 #include "peers.hpp"
 
 int main(int argc, char** argv) {

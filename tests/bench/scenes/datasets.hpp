@@ -1,4 +1,4 @@
-// The ground-truth sets a decomposition is scored on, by regime.
+// Ground-truth sets for scoring decompositions, by regime.
 //
 // Rendered sequences enter as their 8-bit sRGB frames (what a camera or a file would deliver),
 // turned to linear light; true reflectance is the renderer's, true shading the Rec.709 luminance of
@@ -13,7 +13,7 @@
 
 namespace inverse::bench {
 
-/// What makes a scene hard. Every figure is reported per regime.
+/// The difficulty of a scene. Every figure is reported per regime.
 enum class Regime { kMit, kHardShadow, kNearConstantValue, kDiverseValue };
 inline constexpr int kRegimes = 4;
 
@@ -26,7 +26,7 @@ Regime regime_of(const std::string& scene);
 /// How many frames a rendered sequence has.
 int count_frames(const std::string& directory);
 
-/// A frame, its truth, and where it comes from.
+/// A frame, its truth and its origin.
 struct LabeledFrame : TruthFrame {
   std::string scene;  ///< Directory name; frames of one scene are left out together when tuning.
   int index = 0;      ///< Frame number inside a sequence, 0 for stills.

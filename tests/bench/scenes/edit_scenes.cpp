@@ -1,6 +1,6 @@
-// edit-scenes FOLDER STAMP: pairs of frames for edits, rendered with the renderer of the bundled
-// clip: a scene, and the same with the paint of some surfaces changed, all bounces of light
-// included. Writes STAMP when done. Deterministic.
+// edit-scenes FOLDER STAMP: renders pairs of frames for edits with the renderer of the bundled
+// clip: a scene, and the same with repainted surfaces, including all bounces of light. Writes STAMP
+// when done. Deterministic.
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -16,8 +16,7 @@ using clip::Vec3;
 
 constexpr int kWidth = 320, kHeight = 240;
 
-/// A room that is open to the front: floor, back wall, walls left and right; a lamp above, a weak
-/// window in front.
+/// A room with an open front: floor, back wall, side walls; a lamp above, a weak window in front.
 clip::Scene room(Vec3 floor, Vec3 back, Vec3 left, Vec3 right) {
   const clip::Frame facing = clip::rotation({1, 0, 0}, clip::kPi / 2),
                     upright = clip::rotation({0, 0, 1}, clip::kPi / 2);

@@ -38,7 +38,7 @@ std::vector<int> spread(int count, int take) {
   return numbers;
 }
 
-/// Whether the true reflectance of every pixel stays what it is.
+/// Whether the true reflectance of every pixel is constant.
 bool stands_still(const Scene& video) {
   std::vector<Image> truth;
   for (const TruthFrame& frame : video.frames) truth.push_back(frame.reflectance);
@@ -46,7 +46,7 @@ bool stands_still(const Scene& video) {
   return std::all_of(still.data.begin(), still.data.end(), [](float v) { return v == 1; });
 }
 
-/// The same under light that changes in `parts` times smaller steps: light adds up.
+/// The same with steps of light divided by `parts`: light adds up.
 Scene slow_light(const Scene& video, int parts) {
   Scene slow{video.set, "slow light", "everything changes", true, {}};
   for (std::size_t k = 0; k + 1 < video.frames.size(); ++k)
@@ -65,7 +65,7 @@ Scene slow_light(const Scene& video, int parts) {
   return slow;
 }
 
-/// The first frame again and again, under noise.
+/// The first frame, repeated with noise.
 Scene noise(const Scene& video, std::size_t count) {
   std::mt19937 random(1);
   Scene noisy{video.set, "noise", "sensor noise only", true, {count, video.frames.front()}};

@@ -1,5 +1,5 @@
-// own-scenes FOLDER STAMP: renders the project's own data for the benchmark, with the renderer of
-// the bundled clip: four kinds of stills, and videos of what makes a frame cheap or dear. Writes
+// own-scenes FOLDER STAMP: renders the project's own data for the benchmark with the renderer of
+// the bundled clip: four kinds of stills, and videos that differ in the work they need. Writes
 // STAMP when done. Takes about a minute of processor time; deterministic.
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ clip::Scene toys() {
   return scene;
 }
 
-/// Clay: many shapes, hardly any paint, so that nearly all that is seen is shading.
+/// Clay: many shapes with hardly any paint, so that nearly all variation is shading.
 clip::Scene sculptures() {
   clip::Scene scene = stage({0.6F, 0.57F, 0.52F}, plain({0.42F, 0.36F, 0.31F}));
   const Paint clay = plain({0.63F, 0.42F, 0.31F}), plaster = plain({0.74F, 0.72F, 0.68F}),
@@ -144,8 +144,8 @@ TruthFrame crop(const TruthFrame& frame, int x0, int y0, int width, int height) 
           {}};
 }
 
-/// A ball of one color, lit from the upper left, before a frame, whose direct and indirect light is
-/// no longer known then.
+/// A ball of one color, lit from the upper left, in front of a frame, whose direct and indirect
+/// light is then unknown.
 TruthFrame with_ball(TruthFrame frame, float center_x, float center_y) {
   constexpr float kRadius = 15;
   constexpr float kColor[] = {0.7F, 0.25F, 0.15F};

@@ -1,4 +1,4 @@
-// Frames with their truth from the renderer of the bundled clip.
+// Frames with ground truth from the renderer of the bundled clip.
 #pragma once
 #include "tests/bench/support/scene.hpp"
 #include "tools/clip/transport.hpp"

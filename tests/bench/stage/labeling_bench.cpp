@@ -1,7 +1,7 @@
-// Frames of a light stage that are labeled while some are lost, doubled and stamped unevenly: what
-// became of them. Options: --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE,
-// --doubled SHARE, --late SHARE: stamped by 0.5 to 0.75 periods too late, --full-frame-lost 1: of
-// the marker, which otherwise is never lost.
+// Labels of a light stage's frames while some are lost, duplicated and stamped unevenly. Options:
+// --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE, --doubled SHARE, --late SHARE
+// (stamped 0.5 to 0.75 periods too late), --full-frame-lost 1 (of the marker, which otherwise is
+// never lost).
 #include <cstdio>
 #include <exception>
 
@@ -39,7 +39,7 @@ struct Row {
   }
 };
 
-/// Two cameras with clocks, losses and ids of their own: labels of the same trigger are a set.
+/// Two cameras with their own clocks, losses and ids: equal triggers form a set.
 uint64_t false_sets(const testing::SimulationResult& a, const testing::SimulationResult& b) {
   std::vector<int64_t> truth_of_label;
   for (size_t i = 0; i < a.label_of_token.size(); ++i) {

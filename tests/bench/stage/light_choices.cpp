@@ -81,9 +81,10 @@ LightReduction::Choice brightest(const std::vector<Direction>& lights, std::span
   return gathered(lights, weights, order);
 }
 
-size_t fewest(const LightReduction& judge, const std::vector<Direction>& lights,
-              std::span<const Rgb> weights, double max_error, const Choose& choose) {
-  // Errors do not fall with every light: by a quarter more each time, and then one by one.
+size_t min_lights(const LightReduction& judge, const std::vector<Direction>& lights,
+                  std::span<const Rgb> weights, double max_error, const Choose& choose) {
+  // Errors are not monotonic in the number of lights: increase it by a quarter each time, then
+  // decrease it one by one.
   size_t below = 0, count = 1;
   while (count < lights.size() &&
          judge.error(choose(lights, weights, count), weights, weights) > max_error) {

@@ -1,5 +1,4 @@
-// Other ways to let few lights stand for many, for comparison with LightReduction: by the
-// environment alone.
+// Other ways to select few lights, from the environment alone, for comparison with LightReduction.
 #pragma once
 
 #include <functional>
@@ -13,16 +12,16 @@ namespace inverse::bench {
 using Choose = std::function<LightReduction::Choice(const std::vector<Direction>&,
                                                     std::span<const Rgb> weights, size_t count)>;
 
-/// Lights in clusters of near ones, each with the light of all its members, where the middle of
-/// their light is (k-means on the sphere, from the brightest and farthest on).
+/// Clusters of neighboring lights, each with the sum of its members' light at their centroid
+/// (k-means on the sphere, initialized with the brightest and farthest).
 LightReduction::Choice by_clusters(const std::vector<Direction>& lights,
                                    std::span<const Rgb> weights, size_t count);
-/// The brightest lights; each other one's light goes to the nearest of them.
+/// The brightest lights; each other light is added to the nearest of them.
 LightReduction::Choice brightest(const std::vector<Direction>& lights, std::span<const Rgb> weights,
                                  size_t count);
 
-/// The smallest number of lights with which `choose` stays within an error that `judge` sees.
-size_t fewest(const LightReduction& judge, const std::vector<Direction>& lights,
-              std::span<const Rgb> weights, double max_error, const Choose& choose);
+/// The smallest number of lights for which `choose` stays within an error measured by `judge`.
+size_t min_lights(const LightReduction& judge, const std::vector<Direction>& lights,
+                  std::span<const Rgb> weights, double max_error, const Choose& choose);
 
 }  // namespace inverse::bench

@@ -1,4 +1,4 @@
-// Pictures of a subject under one light at a time, and under a light stage's two gradients.
+// Images of a subject under one light at a time, and under a light stage's two gradients.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace inverse::bench {
 
-/// In one scale: a = Σ (1 + w)/2 lights[i], b = Σ (1 − w)/2 lights[i], by channel.
+/// All in one scale: a = Σ (1 + w)/2 lights[i], b = Σ (1 − w)/2 lights[i], by channel.
 struct OlatSet {
   std::string name;
   std::vector<std::array<double, 3>>
@@ -20,7 +20,7 @@ struct OlatSet {
 };
 
 /// A flat dump (flat_file.hpp) of a, b, the mask three times, then the lights, with the directions
-/// behind the numbers of its first line. Throws std::runtime_error where a file is none.
+/// after the numbers of its first line. Throws std::runtime_error for an invalid file.
 void write_olat_set(const std::string& path, const OlatSet& set);
 OlatSet read_olat_set(const std::string& path);
 

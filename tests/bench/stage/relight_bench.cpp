@@ -25,21 +25,21 @@
 namespace inverse::bench {
 namespace {
 
-/// The gain that makes the median over the subject of its brightest light 0.7.
+/// The gain for which the median over the subject of its brightest light is 0.7.
 double display_gain(const OlatSet& set) {
   std::vector<double> brightest;
   for (size_t i = 0; i < set.mask.data.size(); ++i) {
     if (set.mask.data[i] < .5F) continue;
-    float most = 0;
+    float max = 0;
     for (const Image& light : set.lights)
-      most = std::max(most,
-                      std::max({light.data[3 * i], light.data[3 * i + 1], light.data[3 * i + 2]}));
-    brightest.push_back(most);
+      max = std::max(max,
+                     std::max({light.data[3 * i], light.data[3 * i + 1], light.data[3 * i + 2]}));
+    brightest.push_back(max);
   }
   return .7 / std::max(median(brightest), 1e-9);
 }
 
-/// Mean absolute difference over the subject of what a display shows, of 255.
+/// Mean absolute difference over the subject of display codes, of 255.
 double shown_difference(const Image& got, const Image& truth, const Image& mask, double gain) {
   double off = 0, count = 0;
   for (size_t n = 0; n < truth.data.size(); ++n) {
@@ -74,7 +74,7 @@ struct Arguments {
 struct Method {
   const char* name;
   const RelightModels* models;
-  bool measured = false;  // with the part of the light that the stage has shown
+  bool measured = false;  // including the measured part of the light
 
   SplitLight split(std::span<const Direction> lights, std::span<const Rgb> weights) const {
     return measured ? SplitLight::of(lights, weights)
@@ -153,14 +153,14 @@ void choices(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       judge.set_responses(subject.responses(all));
       for (const NamedEnvironment& e : environments) {
         const auto weights = subject.stage().cells.weights(e.map);
-        for (const double most : {.05, .02, .01}) {
+        for (const double max_error : {.05, .02, .01}) {
           const SplitLight split = method.split(set.directions, weights);
-          const auto fitted = reduction.choose(split.rest, weights, most);
+          const auto fitted = reduction.choose(split.rest, weights, max_error);
           std::printf("| %s | %s | %s | %.1f %% | %zu | %.2f %% | %zu | %zu |\n", set.name.c_str(),
-                      method.name, e.name.c_str(), 100 * most, fitted.lights.size(),
+                      method.name, e.name.c_str(), 100 * max_error, fitted.lights.size(),
                       100 * judge.error(fitted, split.rest, weights),
-                      fewest(judge, set.directions, weights, most, by_clusters),
-                      fewest(judge, set.directions, weights, most, brightest));
+                      min_lights(judge, set.directions, weights, max_error, by_clusters),
+                      min_lights(judge, set.directions, weights, max_error, brightest));
           std::fflush(stdout);
         }
       }

@@ -46,10 +46,10 @@ OlatSet scaled(const OlatSet& set, double by) {
   return result;
 }
 
-void print(const std::string& method, Extent extent, const std::string& most, const Mean& lights,
+void print(const std::string& method, Extent extent, const std::string& limit, const Mean& lights,
            double frame_ms, double light_ms, const Mean& error) {
   std::printf("| %s | %u x %u | %s | %.0f | %.1f | %.1f | %.2f %% |\n", method.c_str(),
-              extent.width, extent.height, most.c_str(), lights.value(), frame_ms, light_ms,
+              extent.width, extent.height, limit.c_str(), lights.value(), frame_ms, light_ms,
               100 * error.value());
   std::fflush(stdout);
 }
@@ -90,7 +90,7 @@ void lobes(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet
 void network(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatSet>& sets,
              const std::vector<NamedEnvironment>& environments, double scale,
              const Network& network, int runs) {
-  for (const double most : {.2, .05, .02, 0.0}) {
+  for (const double max_error : {.2, .05, .02, 0.0}) {
     Mean lights, error, light_ms;
     double features_ms = 0;
     Extent extent;
@@ -107,7 +107,7 @@ void network(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       for (const NamedEnvironment& e : environments) {
         const auto weights = subject.stage().cells.weights(e.map);
         const SplitLight split = SplitLight::of(set.directions, weights);
-        const auto choice = reduction.choose(split.rest, weights, most);
+        const auto choice = reduction.choose(split.rest, weights, max_error);
         lights.add(static_cast<double>(choice.lights.size()));
         error.add(
             error_of(subject.sum(choice.lights, split.measured), true_sum(set, weights), set));
@@ -117,7 +117,7 @@ void network(const std::shared_ptr<gpu::Device>& device, const std::vector<OlatS
       }
     }
     char limit[16];
-    std::snprintf(limit, sizeof limit, "%.0f %%", 100 * most);
+    std::snprintf(limit, sizeof limit, "%.0f %%", 100 * max_error);
     print(network.name, extent, limit, lights, features_ms + light_ms.value(), light_ms.value(),
           error);
   }

@@ -18,8 +18,7 @@ struct NamedEnvironment {
   LightCells::Map map;
 };
 
-/// One subject on the device, by one method. Frames of another size than the set's are made by
-/// repeating pixels.
+/// One subject on the device with one method. Frames of another size than the set's repeat pixels.
 class Subject {
  public:
   Subject(const std::shared_ptr<gpu::Device>& device, const OlatSet& set, Extent extent,
@@ -39,7 +38,7 @@ class Subject {
     });
   }
 
-  /// What lights give, light by light, and by the network what was measured, too.
+  /// Responses to lights, summed one by one; the network adds the measured light, too.
   Image sum(std::span<const WeightedLight> lights, const MeasuredLight& measured = {}) {
     run([&] { record_sum(lights, measured); });
     return picture();
@@ -57,7 +56,7 @@ class Subject {
     });
     return picture();
   }
-  /// What every light gives these pixels.
+  /// Responses of these pixels to every light.
   std::vector<float> responses(const std::vector<uint32_t>& pixels) {
     const auto words =
         gpu::Buffer::create(device_, gpu::Element::word, pixels.size(), gpu::Memory::upload);
@@ -131,17 +130,17 @@ class Subject {
   gpu::Commands commands_;
 };
 
-/// Says so where none are named.
+/// Prints a message if no set is named.
 std::vector<OlatSet> read_sets(const std::vector<std::string>& paths);
-/// The studio where none are named.
+/// The studio if no environment is named.
 std::vector<NamedEnvironment> read_environments(const std::vector<std::string>& paths);
 /// All lights of a stage with their weights.
 std::vector<WeightedLight> weighted(const RelightStage& stage, std::span<const Rgb> weights);
 /// The subject under all lights of the set, weighted.
 Image true_sum(const OlatSet& set, std::span<const Rgb> weights);
-/// Mean absolute difference over the subject, in parts of the mean of `truth`.
+/// Mean absolute difference over the subject, relative to the mean of `truth`.
 double relative(const Image& got, const Image& truth, const Image& mask);
-/// A picture of another size: means of pixels where it is smaller, bilinear where it is larger.
+/// An image at another size: box means if smaller, bilinear if larger.
 Image resized(const Image& image, int width, int height);
 
 }  // namespace inverse::bench

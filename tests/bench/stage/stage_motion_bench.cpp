@@ -1,7 +1,7 @@
-// What moving B onto A, and single lights onto the last tracking frame, is worth: a head on the
-// virtual stage that sways, against the same frames of a head that was there. Through the elements.
-// Options: --motion PIXELS (of the top of the picture, either way), --lights N, --width W, --height
-// H, --noise SHARE.
+// Benefit of motion compensation, of B to A and of single lights to the last tracking frame: a
+// swaying head on the virtual stage, compared with the same frames of a static head. Through the
+// elements. Options: --motion PIXELS (of the top of the image, either way), --lights N, --width W,
+// --height H, --noise SHARE.
 #include <gst/app/gstappsink.h>
 #include <gst/video/video.h>
 
@@ -31,7 +31,7 @@ struct Frame {
 };
 using Frames = std::map<uint64_t, Frame>;  // by trigger
 
-/// Frames that reach the end of a line, labeled.
+/// Labeled frames at the end of a pipeline.
 Frames run(const std::string& line) {
   GError* error = nullptr;
   GstElement* pipeline =
@@ -73,7 +73,7 @@ Frames run(const std::string& line) {
   return frames;
 }
 
-/// Sum of differences over the sum of what should be there, in linear light.
+/// Sum of differences over the sum of the expected values, in linear light.
 class Error {
  public:
   void add(const float* seen, const float* truth, size_t count) {
@@ -109,7 +109,7 @@ void captures(const Stage& stage) {
   uint64_t last = 0;
   for (uint64_t n = 0; n < *steps.triggers(); ++n)
     if (steps.kind(steps.at(n)) == StepKind::tracking) last = n;
-  // The head is where it is without motion when the last tracking frame is taken.
+  // The last tracking frame shows the head in its rest position.
   const double period = static_cast<double>(last) / 60;
   const auto frames = static_cast<int>(*steps.triggers());
   const std::string moving =
@@ -139,7 +139,7 @@ void pairs(const Stage& stage) {
       performance(stage_lights(geodesic_directions(static_cast<uint32_t>(stage.lights))));
   const std::string forth = folder / "ab.json", back = folder / "ba.json";
   program.save(forth);
-  // B's light when it is A's turn: what B would have been.
+  // The light of B at A's time: the ideal B.
   std::swap(program.steps[0], program.steps[1]);
   program.save(back);
   const std::string source =
@@ -163,7 +163,7 @@ void pairs(const Stage& stage) {
               errors[1].share(), errors[0].share() / errors[1].share());
 }
 
-/// Ways to measure the motion from A to B, without the element: errors of the moved B.
+/// Ways to measure the motion from A to B without the element: errors of the moved B.
 void ways(const Stage& stage) {
   constexpr uint64_t kFrames = 123;
   const testing::TemporaryFolder folder;

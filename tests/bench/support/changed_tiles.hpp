@@ -1,4 +1,4 @@
-// What the elements tell a method of a frame that continues a video.
+// Change information that the elements pass to a method with each frame of a video.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace inverse::bench {
 
-/// Tiles of 16 x 16 pixels, row by row, 1 where two frames of one size differ, as the elements find
-/// them in bytes.
+/// Tiles of 16 x 16 pixels, row by row, 1 if two frames of one size differ, as the elements compare
+/// bytes.
 inline std::vector<std::uint8_t> changed_tiles(const Image& before, const Image& frame) {
   constexpr int kTile = 16;
   const int columns = (frame.width + kTile - 1) / kTile, rows = (frame.height + kTile - 1) / kTile;

@@ -1,5 +1,5 @@
 #pragma once
-// What is drawn over frames of a clip (NV12, system memory) for benchmarks through the elements.
+// Drawing over frames of a clip (NV12, system memory) for benchmarks through the elements.
 #include <gst/video/video.h>
 
 #include <algorithm>
@@ -9,8 +9,7 @@
 
 namespace inverse::bench {
 
-/// Calls work(frame) on the pixels of a buffer, which must be writable; nothing where it cannot be
-/// mapped.
+/// Calls work(frame) with the pixels of a writable buffer; does nothing if it cannot be mapped.
 template <typename Work>
 void on_pixels(GstBuffer* buffer, int width, int height, const Work& work) {
   GstVideoInfo info;
@@ -22,8 +21,8 @@ void on_pixels(GstBuffer* buffer, int width, int height, const Work& work) {
   gst_video_frame_unmap(&frame);
 }
 
-/// Draws a shaded ball, a tenth of the frame's width across: the `number`th place on its way, on
-/// which it bounces off the frame's borders.
+/// Draws a shaded ball with a diameter of a tenth of the frame's width at position `number` of a
+/// path that bounces off the frame's borders.
 inline void draw_ball(GstBuffer* buffer, int width, int height, int number) {
   const double radius = width / 20.0;
   const auto bounce = [](double way, double room) {

@@ -9,7 +9,7 @@
 
 namespace inverse::bench {
 
-/// What to do with an option: with the word after it, where `takes_value`; false refuses the word.
+/// Action of an option: receives the next word if `takes_value`; false rejects the word.
 struct Option {
   bool takes_value;
   std::function<bool(const char* value)> take;
@@ -32,8 +32,8 @@ inline Option flag(std::function<void()> set) {
   return {false, [set = std::move(set)](const char*) { return set(), true; }};
 }
 
-/// Reads a command line; false where something in it is unknown, and says so. `source` is the file
-/// whose head lists the options. Words that are no options go to `files`, where it takes any.
+/// Parses a command line; prints a message and returns false for unknown words. `source` is the
+/// file whose head lists the options. Words that are not options go to `files`, if given.
 inline bool read(const Options& options, int argc, char** argv, const char* source,
                  std::vector<std::string>* files = nullptr) {
   for (int i = 1; i < argc; ++i) {

@@ -9,7 +9,7 @@ namespace inverse::bench {
 
 namespace {
 
-/// Direct light is the white share of S, indirect light is what the light's color leaves beside it.
+/// Direct light is the white share of S; indirect light is the remainder of the light's color.
 void split_light(const float* intrinsic, const float* light, Decomposition& d) {
   d.direct = d.indirect = Image(d.shading.width, d.shading.height, 3);
   for (std::size_t i = 0; i < d.shading.data.size(); ++i) {
@@ -71,7 +71,7 @@ Decomposition DeviceSession::run(const Image& frame, const Record& record, Cost&
     commands_.submit();
     commands_.wait();
   });
-  // Where there were more stages than are timed, the device's time is not known.
+  // With more stages than timestamps the device time is unknown.
   if (!commands_.stages().empty() && commands_.stages().size() < gpu::Commands::kMaxStages) {
     cost.device = 0;
     for (const gpu::StageTime& stage : commands_.stages()) {
@@ -113,9 +113,9 @@ class LowerResolution final : public Solver {
 
  private:
   Decomposition enlarge(const Image& shading, const Image& frame) const {
-    constexpr float kLeast = 1e-6F;
+    constexpr float kMinShading = 1e-6F;
     Image logs = shading;
-    for (float& v : logs.data) v = std::log(std::max(v, kLeast));
+    for (float& v : logs.data) v = std::log(std::max(v, kMinShading));
     Decomposition d{Image(frame.width, frame.height, 3), Image(frame.width, frame.height, 1)};
     const float scale = 1.0F / float(1 << times_);
     const auto place = [&](int at, int count) {

@@ -1,4 +1,4 @@
-// Frames' way to the device and back, for methods of kernels/.
+// Transfers frames to the device and back, for methods of kernels/.
 #pragma once
 
 #include <functional>
@@ -13,17 +13,17 @@ namespace inverse::bench {
 /// One device for all methods of a program.
 class DeviceSession {
  public:
-  /// `select` as gpu::Device::open takes it.
+  /// `select` as in gpu::Device::open.
   explicit DeviceSession(const std::string& select);
   const std::shared_ptr<gpu::Device>& device() const { return device_; }
 
-  /// A frame (3 channels) as a plane of its own, w = 1.
+  /// A frame (3 channels) as a new plane, w = 1.
   PlanePtr upload(const Image& frame) const;
 
   /// Uploads a frame, records a method's work on it, submits, waits and downloads the layers
-  /// Role::intrinsic and, of a method that tells direct from indirect light, Role::light. The cost
-  /// is from the first command recorded to the layers in memory that the host can read; to and from
-  /// the bench's images is not part of it.
+  /// Role::intrinsic and, if the method separates direct and indirect light, Role::light. The cost
+  /// is from the first recorded command to the layers in host-readable memory, without conversion
+  /// to and from the benchmark's images.
   using Record = std::function<Layers(gpu::Commands&, const PlanePtr&)>;
   Decomposition run(const Image& frame, const Record& record, Cost& cost);
 
@@ -36,8 +36,8 @@ class DeviceSession {
   gpu::BufferPtr output_, light_;
 };
 
-/// The same method on a frame halved `times` times: shading is enlarged again (bilinearly, its
-/// logarithm), and reflectance is what it leaves of the full frame. The cost includes both.
+/// The same method on a frame halved `times` times: log shading is upsampled bilinearly, and
+/// reflectance is the remainder of the full frame. The cost includes both.
 std::unique_ptr<Solver> at_lower_resolution(
     Size size, int times, const std::function<std::unique_ptr<Solver>(Size)>& make);
 

@@ -1,4 +1,4 @@
-// Just enough JSON for the benchmark's results.
+// Minimal JSON output for the benchmark's results.
 #pragma once
 
 #include <cmath>
@@ -32,7 +32,7 @@ inline std::string list(const std::vector<double>& values) {
   return out + "]";
 }
 
-/// An object whose values are JSON already.
+/// An object whose values are already JSON.
 class Object {
  public:
   Object& add(const std::string& key, const std::string& value) {

@@ -73,20 +73,20 @@ struct Row {
   std::vector<double> wall, processor, device;
   std::map<std::string, std::vector<double>> stages;
   std::map<std::string, std::vector<double>> errors;  // by measure, frame by frame
-  std::optional<Decomposition> found;                 // of a frame, until it is judged
+  std::optional<Decomposition> found;                 // of a frame, until it is scored
   std::optional<double> flicker, jitter;
-  std::string failure;             // why nothing more was measured
+  std::string failure;             // cause of an aborted measurement
   std::vector<Image> reflectance;  // of a video
   bool warm = false;               // the solver has run
-  bool slow = false;               // once a frame is enough
+  bool slow = false;               // one pass per frame suffices
   bool failed() const { return !failure.empty(); }
-  /// How many frames are shown, and how many of them, the last ones, are judged.
+  /// Number of frames to play, and of last frames to score.
   std::size_t shown() const {
     const bool longer = scene->video && scene->frames.size() > 1;
     return longer ? std::max(setting->frames, judged()) : judged();
   }
   std::size_t judged() const { return scene->frames.size(); }
-  /// The frame of the scene that is shown k-th.
+  /// Index of the k-th frame.
   std::size_t at(std::size_t k) const { return to_and_fro(k, scene->frames.size()); }
 
   void sample(const Cost& cost) {
@@ -176,8 +176,8 @@ class Bench {
     return options_.converged + "/" + name;
   }
 
-  /// Every method's converged reflectance of the project's own stills, with --full of all of them,
-  /// else of the first, as some methods take seconds to converge.
+  /// Every method's converged reflectance of the project's own stills; of all with --full, else of
+  /// the first, because some methods take seconds to converge.
   Converged converge(const Scene& scene) {
     Converged all;
     if (scene.video || scene.set != "own" || options_.brief) return all;
@@ -224,21 +224,21 @@ class Bench {
             rows.back().solver = solver;
           });
         }
-    // All settings take turns on every frame, so that what disturbs the machine disturbs all alike.
+    // All settings take turns on every frame, so that other load affects all alike.
     for (int round = 0;; ++round) {
       std::vector<Row*> turns;
-      std::size_t most = 0;
+      std::size_t count = 0;
       for (Row& row : rows)
         if (!row.failed() && (round == 0 || again(row, round))) {
           turns.push_back(&row);
-          most = std::max(most, row.shown());
+          count = std::max(count, row.shown());
         }
       if (turns.empty()) break;
-      for (std::size_t k = 0; k < most; ++k) {
+      for (std::size_t k = 0; k < count; ++k) {
         for (Row* row : turns)
           if (k < row->shown() && !row->failed())
             attempt(*row, [&] { step(*row, k, round == 0 && !options_.brief); });
-        std::reverse(turns.begin(), turns.end());  // so that nobody always follows the same one
+        std::reverse(turns.begin(), turns.end());  // so that none always follows the same one
         if (round == 0)
           in_parallel(rows.size(),
                       [&](std::size_t n) { judge(rows[n], rows[n].at(k), converged); });
@@ -248,7 +248,7 @@ class Bench {
     for (Row& row : rows) write(row);
   }
 
-  /// A setting that fails takes no other with it.
+  /// An error of a setting does not affect others.
   void attempt(Row& row, const std::function<void()>& work) {
     try {
       work();
@@ -274,8 +274,8 @@ class Bench {
                             .str());
   }
 
-  /// Whether a row gets another round: slow ones have enough samples after one, and so have videos'
-  /// many frames, but with --full those whose times are compared with each other.
+  /// Whether a row is measured again: slow ones and videos have enough samples after one round,
+  /// except, with --full, videos whose times are compared.
   bool again(const Row& row, int round) const {
     const Setting& setting = *row.setting;
     if (setting.lmse_only) return false;
@@ -294,19 +294,20 @@ class Bench {
     const TruthFrame& frame = row.scene->frames[row.at(k)];
     row.solver->show(frame);
     Decomposition d = row.solver->run(frame.input, video && k > 0, cost);
-    // The first frame of a solver compiles kernels and touches memory, which hardly matters to slow
-    // ones (fast settings of the same kernels ran before); the first frame of a video has no
-    // history, and the second finds things that it left.
+    // A solver's first frame compiles kernels and touches memory, which hardly matters for slow
+    // ones (fast settings of the same kernels ran before). A video's first frame has no history,
+    // and its second uses incomplete history.
     row.slow = row.slow || cost.wall > kSlow;
     if (video ? k >= kUntimed : row.warm || row.slow) row.sample(cost);
     row.warm = true;
     if (!judged || k + row.judged() < row.shown()) return;
     if (video) row.reflectance.push_back(d.reflectance);
-    if (video && k % 3 != 2) return;  // frames are alike, and scores are dear
+    if (video && k % 3 != 2) return;  // frames are similar, and scores are slow
     row.found = std::move(d);
   }
 
-  /// Scores what a row found in frame `k`. Runs beside others of its kind, while nothing is timed.
+  /// Scores the result of a row in frame `k`. Runs in parallel with other scoring, while nothing is
+  /// timed.
   void judge(Row& row, std::size_t k, const Converged& converged) const {
     if (!row.found) return;
     const Decomposition d = *std::exchange(row.found, std::nullopt);
@@ -324,7 +325,7 @@ class Bench {
     }
     for (const auto& [name, values] : d.figures)
       row.errors[name].insert(row.errors[name].end(), values.begin(), values.end());
-    // By layer; where the truth knows the color of light, wrong colors count.
+    // By layer; if the truth has the color of light, wrong colors count.
     const bool colored = !truth.direct.empty();
     const Image shading = colored ? colored_shading(d) : d.shading;
     const Image true_shading = colored ? sum(truth.direct, truth.indirect) : truth.shading;
@@ -404,8 +405,8 @@ class Bench {
     const Image still = static_pixels(truth);
     const double share =
         double(std::count(still.data.begin(), still.data.end(), 1.0F)) / double(still.data.size());
-    constexpr double kLeastShare = 0.3;  // a camera that moves leaves hardly any
-    if (share < kLeastShare) return;
+    constexpr double kMinShare = 0.3;  // a moving camera leaves hardly any
+    if (share < kMinShare) return;
     in_parallel(rows.size(), [&](std::size_t n) {
       Row& row = rows[n];
       if (row.reflectance.size() < scene.frames.size() || row.failed()) return;

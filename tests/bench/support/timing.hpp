@@ -1,4 +1,4 @@
-// What benchmarks measure time with.
+// Time measurement for benchmarks.
 #pragma once
 
 #include <sys/resource.h>
@@ -15,8 +15,8 @@ inline double milliseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-/// Processor time of all threads of this process so far, milliseconds: what else a shared machine
-/// does blurs it far less than the clock.
+/// Processor time of all threads of this process, milliseconds: less affected by other load on a
+/// shared machine than wall time.
 inline double processor_ms() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -1,4 +1,4 @@
-// What has to hold of direct and indirect light, reflectance and shading, whatever the input.
+// Invariants of direct and indirect light, reflectance and shading for any input.
 #include <algorithm>
 #include <cmath>
 
@@ -130,12 +130,12 @@ Check check_global_with(const Lab& lab) {
       const auto& found = method.found();
       if (!std::isfinite(found.tint)) return at("tint is not finite", frame, 0, 0);
       const float amount = global_params_of(one).amount;
-      constexpr float kLeast = 0.06F;
-      const float kMost = kLeast * std::pow(1.24F, 15.0F);
+      constexpr float kMinAmount = 0.06F;
+      const float kMaxAmount = kMinAmount * std::pow(1.24F, 15.0F);
       const bool fades = found.chroma < 1.001F * GlobalIntrinsic::Params{}.full_color;
-      if (amount > 0
-              ? found.amount != amount
-              : !(found.amount >= (fades ? 0 : 0.999F * kLeast) && found.amount <= 1.001F * kMost))
+      if (amount > 0 ? found.amount != amount
+                     : !(found.amount >= (fades ? 0 : 0.999F * kMinAmount) &&
+                         found.amount <= 1.001F * kMaxAmount))
         return at("amount beside its candidates", frame, 0, static_cast<double>(found.amount));
       if (!(found.confidence >= 0 && found.confidence <= 1))
         return at("confidence", frame, 0, static_cast<double>(found.confidence));

@@ -1,5 +1,4 @@
-// Bad input, one by one and in seeded mixtures, for both global methods: finite layers that say
-// what they claim to say.
+// Bad input, one by one and in seeded mixtures, for both global methods: finite, consistent layers.
 #include <gtest/gtest.h>
 
 #include <limits>

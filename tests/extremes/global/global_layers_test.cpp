@@ -1,5 +1,5 @@
-// Scenes of one color, of none, of fewer than asked for, and base colors that cannot be told apart:
-// layers go where there is nothing for them, and their cost goes with them.
+// Scenes of one color, of none, of fewer than requested, and indistinguishable base colors: unused
+// layers disappear with their cost.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -12,7 +12,7 @@ namespace {
 
 // rms over pixels from adaptive=false: of the light's color, log units, its mean over channels
 // taken out, and of its direct share.
-constexpr double kMostColor = 0.05, kMostShare = 0.05;
+constexpr double kMaxColor = 0.05, kMaxShare = 0.05;
 
 struct Counts {
   unsigned frames = 0, held = 0, listed = 0;  // with bad input in a tile
@@ -82,7 +82,7 @@ std::optional<std::string> wrong_light(const Lab& lab, const Case& small, Counts
     const Apart off = apart(got.light, all.light);
     counts.color = std::max(counts.color, off.color);
     counts.share = std::max(counts.share, off.share);
-    if (!(off.color < kMostColor && off.share < kMostShare))
+    if (!(off.color < kMaxColor && off.share < kMaxShare))
       return "light held in frame " + std::to_string(k) + " is off by " +
              std::to_string(off.color) + " in color and " + std::to_string(off.share) +
              " in direct share";

@@ -1,4 +1,4 @@
-// Both global methods, asked for one frame after the other in the same words.
+// Both global methods behind one interface for frame sequences.
 #pragma once
 #include <memory>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace inverse::extremes {
 
-/// The layers of a frame, as an editor gets them.
+/// The layers of a frame, as an editor receives them.
 struct GlobalLayers {
   Pixels intrinsic;            ///< R.rgb, S
   Pixels light;                ///< color, direct share
@@ -20,7 +20,7 @@ struct GlobalLayers {
   uint32_t colors() const;
 };
 
-/// A decomposer of one size and what the tests ask of it.
+/// A decomposer of one size with the operations of the tests.
 class GlobalMethod {
  public:
   GlobalMethod(const Lab& lab, Solver solver, Extent extent);

@@ -1,4 +1,4 @@
-// Pictures for the tests of direct and indirect light.
+// Images for the tests of direct and indirect light.
 #pragma once
 #include <array>
 #include <random>

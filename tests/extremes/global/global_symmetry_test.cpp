@@ -1,5 +1,5 @@
-// What an input's symmetries say about direct and indirect light: mirrored frames have mirrored
-// layers, brighter light changes shading alone, and no color is special.
+// Symmetries: mirrored frames have mirrored layers, brighter light changes shading alone, and
+// colors are interchangeable.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,14 +1,14 @@
-// What holds for any input and any parameters.
+// Invariants for any input and any parameters.
 #pragma once
 #include "tests/extremes/support/lab.hpp"
 #include "tests/extremes/support/shrink.hpp"
 
 namespace inverse::extremes {
 
-/// Decomposes a case's frames as a video and says what is wrong with what comes out: layers that
-/// are not finite or out of all proportion; layers of intrinsicdecomp that do not multiply to the
-/// input, or that are not the reference's; a model of the thesis' that does not explain the input
-/// at large. `lab` must outlive the check.
+/// Decomposes a case's frames as a video and describes the first fault: layers that are not finite
+/// or out of range; layers of intrinsicdecomp that do not multiply to the input or differ from the
+/// reference; a model of the thesis' method that does not explain most of the input. `lab` must
+/// outlive the check.
 Check check_with(const Lab& lab);
 
 /// The first of these for one frame's layers (R.rgb, S).

@@ -1,4 +1,4 @@
-// Bad input, one by one and in seeded mixtures, for every solver: a finite, sensible picture.
+// Bad input, one by one and in seeded mixtures, for every solver: a finite, plausible result.
 #include <gtest/gtest.h>
 
 #include "check.hpp"

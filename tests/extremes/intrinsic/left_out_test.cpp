@@ -51,7 +51,7 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
 // Log shading from that of adaptive=false, rms over pixels: with tiles left out; and at resolutions
 // that change, once a scene has stayed for kKnown frames, as what it needs is only known some
 // frames after it came.
-constexpr double kMostByTiles = 0.2, kMostAcross = 0.5;
+constexpr double kMaxByTiles = 0.2, kMaxAcross = 0.5;
 constexpr uint32_t kScene = 9, kKnown = 6;
 
 struct Counts {
@@ -88,7 +88,7 @@ std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts
     whole.play(frame, all);
     const double apart = rms(some.log_shading, whole.log_shading);
     counts.worst = std::max(counts.worst, apart);
-    if (!(apart < kMostByTiles))
+    if (!(apart < kMaxByTiles))
       return "log shading " + std::to_string(apart) + " rms from adaptive=false in frame " +
              std::to_string(k) + (listed ? ", by tiles" : "");
   }
@@ -123,7 +123,7 @@ std::optional<std::string> wrong_crossings(const Lab& lab, const Case& one, Coun
     const double apart = rms(some.log_shading, whole.log_shading);
     if (k % kScene < kKnown) continue;
     counts.worst = std::max(counts.worst, apart);
-    if (!(apart < kMostAcross))
+    if (!(apart < kMaxAcross))
       return "log shading " + std::to_string(apart) + " rms from adaptive=false in frame " +
              std::to_string(k);
   }

@@ -1,4 +1,4 @@
-// Both methods, asked for one frame after the other in the same words.
+// Both methods behind one interface for frame sequences.
 #pragma once
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 namespace inverse::extremes {
 
-/// A decomposer of one size and what the tests ask of it.
+/// A decomposer of one size with the operations of the tests.
 class Method {
  public:
   Method(const Lab& lab, Solver solver, Extent extent);

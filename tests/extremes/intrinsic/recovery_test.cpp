@@ -1,5 +1,4 @@
-// What a stream of extremes leaves behind: a decomposer that went through them decomposes a picture
-// as a fresh one does.
+// After a stream of extreme frames a decomposer decomposes an image as a new one does.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What an input's symmetries say about its layers: a mirrored frame has mirrored layers, brighter
-// light brighter shading, and no color is special.
+// Symmetries: a mirrored frame has mirrored layers, brighter light brighter shading, and colors are
+// interchangeable.
 #include <gtest/gtest.h>
 
 #include <algorithm>

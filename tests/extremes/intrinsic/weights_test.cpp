@@ -1,5 +1,5 @@
-// The corners of intrinsicdecomp's weights: more cycles come closer to the solution whatever the
-// user's factors make of the system, over twelve decades of their products.
+// Extreme weights of intrinsicdecomp: more cycles come closer to the solution for all user factors,
+// over twelve decades of their products.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace inverse::extremes {
 namespace {
 
-/// Squares of strong colors, a third of their channels nearly black: patches that hold together
-/// firmly and each other hardly.
+/// Squares of strong colors with a third of their channels nearly black: strong coupling within
+/// patches, weak coupling between them.
 Pixels mosaic(Extent extent, uint32_t square) {
   std::mt19937 random(square);
   std::uniform_real_distribution<float> unit(0, 1);

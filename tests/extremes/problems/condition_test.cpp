@@ -1,4 +1,4 @@
-// The ladder of stiff systems: what single precision keeps of their solutions.
+// The ladder of stiff systems: accuracy of solutions in single precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -10,8 +10,8 @@
 namespace inverse::extremes {
 namespace {
 
-/// How much pixel `at` of `count` counts in the mean of its cell of four along one axis: nested
-/// means of two, the last pixel of an odd border twice.
+/// Weight of pixel `at` of `count` in the mean of its cell of four along one axis: nested means of
+/// two, the last pixel of an odd border twice.
 double share(uint32_t at, uint32_t count) {
   const uint32_t size = std::min(count - at / 4 * 4, 4U);
   constexpr double kShares[4][4] = {
@@ -39,7 +39,7 @@ Dense matrix_of(const GridSystem& system) {
     for (uint32_t x = 0; x < width; ++x) {
       const size_t n = system.at(x, y), cell = system.cell(x, y);
       matrix.at(n, n) +=
-          static_cast<double>(system.anchor[cell]) + static_cast<double>(reference::kLeastDiagonal);
+          static_cast<double>(system.anchor[cell]) + static_cast<double>(reference::kMinDiagonal);
       if (x + 1 < width) edge(n, n + 1, static_cast<double>(system.right[n]));
       if (y + 1 < height) edge(n, n + width, static_cast<double>(system.down[n]));
       for (uint32_t v = y / 4 * 4; v < std::min(height, y / 4 * 4 + 4); ++v)

@@ -1,5 +1,5 @@
-// Symmetric systems small enough to know everything about: their spectrum, their exact solution,
-// and what single precision makes of them without any preconditioner.
+// Symmetric systems of small size: spectrum, exact solution, and solution in single precision
+// without preconditioner.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -23,14 +23,14 @@ class Dense {
 /// Loan, Matrix Computations, 8.3).
 std::vector<double> eigenvalues(Dense matrix);
 
-/// Largest over smallest eigenvalue of a positive definite matrix; infinity where it is none.
+/// Largest over smallest eigenvalue of a positive definite matrix; else infinity.
 double condition_number(const Dense& matrix);
 
-/// D^−1/2 A D^−1/2 with D the diagonal: what Jacobi's preconditioner makes of A.
+/// D^−1/2 A D^−1/2 with D the diagonal: A with Jacobi's preconditioner.
 Dense scaled_by_diagonal(const Dense& matrix);
 
 /// The solution of A x = b by Cholesky's factorization in extended precision. Throws
-/// std::domain_error where A is not positive definite.
+/// std::domain_error if A is not positive definite.
 std::vector<double> solve(const Dense& matrix, const std::vector<double>& b);
 
 /// At most `iterations` steps of conjugate gradients without preconditioner from 0, everything in

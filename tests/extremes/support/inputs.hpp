@@ -1,4 +1,4 @@
-// Bad input, one by one and mixed: frames that a camera, a decoder or a bug may hand over.
+// Bad input, one by one and mixed, as a camera, a decoder or a bug may produce it.
 #pragma once
 #include <string>
 

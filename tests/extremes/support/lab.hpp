@@ -1,4 +1,4 @@
-// A device and the means to move numbers to and fro, for tests and for the report.
+// A device with transfer functions, for tests and for the report.
 #pragma once
 #include <cstring>
 #include <memory>

@@ -1,5 +1,4 @@
-// One linear system with everything that a table of conditions needs: what is solved, its exact
-// solution, and how our solver does it.
+// A linear system for the table of conditions: matrix, exact solution, and the project's solver.
 #pragma once
 #include <functional>
 #include <string>
@@ -17,9 +16,9 @@ enum class Solver : uint8_t {
   global,     ///< globalintrinsic's: what it finds around a solve by multigrid
   global_thesis,
 };
-/// What solves one system for each frame.
+/// Solvers of one system per frame.
 inline constexpr Solver kSolvers[] = {Solver::multigrid, Solver::pcg, Solver::schwarz};
-/// What finds direct and indirect light beside it (global_methods.hpp).
+/// Methods that find direct and indirect light as well (global_methods.hpp).
 inline constexpr Solver kGlobalMethods[] = {Solver::global, Solver::global_thesis};
 const char* name_of(Solver solver);
 
@@ -34,7 +33,7 @@ struct Problem {
   int iterations = 0;  ///< that this takes: cycles, or steps of conjugate gradients
 };
 
-/// What came of one.
+/// Results for one system.
 struct Outcome {
   double condition = 0;                 ///< of A
   double condition_preconditioned = 0;  ///< of D^−1/2 A D^−1/2, D the diagonal of A

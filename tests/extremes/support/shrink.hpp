@@ -10,8 +10,8 @@
 
 namespace inverse::extremes {
 
-/// One random case, which its numbers describe whole: what a test makes of it depends on nothing
-/// else. `faults` and `knobs` are sets of bits (inputs.hpp), each of which makes the case harder.
+/// One random case, fully determined by its numbers. `faults` and `knobs` are sets of bits
+/// (inputs.hpp), each of which makes the case harder.
 struct Case {
   Solver solver = Solver::multigrid;
   uint32_t width = 1, height = 1, frames = 1;
@@ -19,7 +19,7 @@ struct Case {
   uint32_t faults = 0, knobs = 0;
 
   bool operator==(const Case&) const = default;
-  /// "pcg 17x5 frames=2 seed=3 faults=0x12 knobs=0x1", which `parse_case` reads.
+  /// "pcg 17x5 frames=2 seed=3 faults=0x12 knobs=0x1", as parsed by `parse_case`.
   std::string text() const;
 };
 
@@ -29,7 +29,7 @@ Case parse_case(const std::string& text);
 /// A random case of at most `largest` pixels a side, needles among them.
 Case random_case(Solver solver, uint32_t seed, uint32_t largest);
 
-/// What is wrong with a case, or nothing.
+/// Description of a case's failure, or empty.
 using Check = std::function<std::optional<std::string>(const Case&)>;
 
 /// The smallest case found that still fails, and why: from a failing one, as long as one of these

@@ -1,4 +1,4 @@
-// A window in which bad input comes while the rest of a picture stays.
+// A window of bad input in an otherwise unchanged image.
 #pragma once
 #include <algorithm>
 #include <cstring>

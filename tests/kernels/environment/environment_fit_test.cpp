@@ -240,7 +240,7 @@ TEST(EnvironmentFit, BadPointsAreLeftOut) {
   }
   EXPECT_EQ(fitted(points)->rgb(), clean->rgb());
   EXPECT_FALSE(fitted({}));
-  EXPECT_FALSE(fitted(std::vector<Point>(EnvironmentFit::kFewest - 1, {{0, 0, 1}, {1, 1, 1}})));
+  EXPECT_FALSE(fitted(std::vector<Point>(EnvironmentFit::kMinPoints - 1, {{0, 0, 1}, {1, 1, 1}})));
 }
 
 TEST(EnvironmentFit, ViewsAreAveraged) {

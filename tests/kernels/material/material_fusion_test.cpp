@@ -59,9 +59,9 @@ TEST(MaterialFusion, TheMeanOfManyThatScatterIsAsSteadyAsThatOfAFewThatDoNot) {
   MaterialFusion even, noisy;
   for (uint64_t i = 1; i <= 100; ++i) {
     even.add(material(.5F, .4F, 2), {});
-    EXPECT_EQ(even.steady(kLimit), i >= MaterialFusion::kFewest) << i;
+    EXPECT_EQ(even.steady(kLimit), i >= MaterialFusion::kMinEstimates) << i;
     noisy.add(material(.5F + noise(random), .4F, 2), {});
-    EXPECT_EQ(noisy.steady(kLimit), i >= MaterialFusion::kFewest &&
+    EXPECT_EQ(noisy.steady(kLimit), i >= MaterialFusion::kMinEstimates &&
                                         noisy.spread() < kLimit * std::sqrt(static_cast<float>(i)))
         << i << ": what scatters drifts no further than its scatter explains";
   }

@@ -8,7 +8,7 @@ namespace inverse::reference {
 using Rgb = std::array<double, 3>;
 using Rgba = std::array<double, 4>;
 
-/// A value as the editors take it: 0 for what is negative or not a number, at most 65504.
+/// A value as read by the editors: 0 if negative or NaN, at most 65504.
 double finite(double value);
 Rgba finite(const Rgba& pixel);
 
@@ -18,7 +18,7 @@ struct RecolorSpec {
   double texture = 1, strength = 1;
 };
 
-/// How much of a pixel (R.rgb, S) the key selects, 0…1.
+/// Selection of a pixel (R.rgb, S) by the key, 0…1.
 double selection(const Rgba& layers, const RecolorSpec& spec);
 
 /// The same for the pixels nearest to a cluster: `own` is the ln of its color, `others` those of
@@ -26,10 +26,10 @@ double selection(const Rgba& layers, const RecolorSpec& spec);
 double selection(const Rgba& layers, const Rgb& own, const std::vector<Rgb>& others,
                  double softness);
 
-/// (R', S) for a pixel (R, S) that is selected by this much.
+/// (R', S) of a pixel (R, S) with this selection.
 Rgba recolor(const Rgba& layers, double selection, double key_value, const RecolorSpec& spec);
 
-/// The pixel whole, with its matte (1 where there is no mask).
+/// The edited pixel, with its matte (1 without a mask).
 Rgba recolor(const Rgba& layers, double matte, const RecolorSpec& spec);
 
 enum class Residual { add, ratio, none };

@@ -96,7 +96,7 @@ Rgb base_key(const std::vector<Rgba>& model, const std::vector<Base>& bases, siz
 }
 
 double sent_on(const std::vector<Rgba>& model, const std::vector<Rgba>& light) {
-  constexpr double kMost = 0.75;
+  constexpr double kMaxShare = 0.75;
   double all = 0, direct = 0;
   for (size_t n = 0; n < model.size(); ++n) {
     const Rgba l = finite(light[n]);
@@ -104,7 +104,7 @@ double sent_on(const std::vector<Rgba>& model, const std::vector<Rgba>& light) {
     all += std::min(shading * level, kLargest);
     direct += std::min(shading * std::min(l[3], level), kLargest);
   }
-  return 1 / (1 - std::clamp(1 - direct / (all + kLightFloor), 0.0, kMost));
+  return 1 / (1 - std::clamp(1 - direct / (all + kLightFloor), 0.0, kMaxShare));
 }
 
 double chosen(const Rgb& base, const Rgb& key, double tolerance, double softness) {

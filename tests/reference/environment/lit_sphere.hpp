@@ -1,5 +1,4 @@
-// How light that comes from far away is given back by a surface (thesis Eq. 6.1-6.3), by brute
-// force.
+// Reflection of distant light by a surface (thesis Eq. 6.1-6.3), by brute force.
 #pragma once
 
 #include <vector>
@@ -29,9 +28,9 @@ struct Shading {
 Shading shade(const LightMap& map, const Vec3& normal, double shininess, double turn = 0,
               int split = 2);
 
-/// What a table over normals n of length 1 that face the viewer says of one: the half sphere goes
-/// to the unit disc by Lambert's projection, of equal areas, p = n.xy / sqrt(1 + n.z), the disc to
-/// the square table, y up; between its points it is bilinear.
+/// Lookup of a unit normal n that faces the viewer in a table: the hemisphere is mapped to the unit
+/// disc by Lambert's equal-area projection, p = n.xy / sqrt(1 + n.z), and the disc to the square
+/// table, y up; bilinear between its points.
 Vec3 lit_lookup(const Plane& table, const Vec3& normal);
 
 }  // namespace inverse::reference

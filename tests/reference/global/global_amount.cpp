@@ -33,9 +33,9 @@ double smooth_step(double x) {
   return x * x * (3 - 2 * x);
 }
 
-/// Shading around every point of the grid, so that its errors average out.
+/// Mean shading around every point of the grid, so that its errors average out.
 std::vector<double> shading_around(const Grid& grid) {
-  constexpr double kLeastShading = 1e-4;
+  constexpr double kMinShading = 1e-4;
   std::vector<double> out(grid.size());
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) {
@@ -45,7 +45,7 @@ std::vector<double> shading_around(const Grid& grid) {
           const double share = std::exp(-double((u - x) * (u - x) + (v - y) * (v - y)));
           sum += share *
                  std::log(grid.shading[std::size_t(v) * std::size_t(grid.width) + std::size_t(u)] +
-                          kLeastShading);
+                          kMinShading);
           all += share;
         }
       out[std::size_t(y) * std::size_t(grid.width) + std::size_t(x)] = std::exp(sum / all);
@@ -55,7 +55,7 @@ std::vector<double> shading_around(const Grid& grid) {
 
 }  // namespace
 
-double candidate(int i) { return kLeastAmount * std::pow(kAmountRatio, i); }
+double candidate(int i) { return kMinAmount * std::pow(kAmountRatio, i); }
 
 AmountCost amount_cost(const Grid& grid, const std::vector<Vec3>& received,
                        const AmountParams& params) {

@@ -35,7 +35,7 @@ struct Split {
 };
 Split split(double shading, const Vec3& indirect);
 
-/// Light exp(s) tau in two layers: as much indirect light as gathered, and more where white direct
+/// Light exp(s) tau in two layers: the gathered indirect light, and more of it if white direct
 /// light cannot explain the color.
 struct PixelLight {
   double direct = 0;
@@ -46,14 +46,14 @@ PixelLight compose(double exp_s, const Vec3& tau, const Vec3& gathered);
 /// Log chroma of split(shading, indirect).
 Chroma tint_of(double shading, const Vec3& indirect);
 
-/// A grid of box means of a frame, and what every later step looks at there.
+/// Box means of a frame on a grid, the input of all later steps.
 struct Grid {
   int width = 0, height = 0;
   int factor = 1;               ///< Pixels along the side of one of its points.
   std::vector<Vec3> color;      ///< Mean I.
   std::vector<double> shading;  ///< Mean of exp(s_guess).
   std::vector<Chroma> chroma;   ///< Of the mean I.
-  std::vector<double> weight;   ///< Mean I where its color can be trusted, else 0.
+  std::vector<double> weight;   ///< Mean I if its color is reliable, else 0.
   std::size_t size() const { return color.size(); }
 };
 

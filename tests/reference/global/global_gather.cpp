@@ -7,7 +7,7 @@
 namespace inverse::reference::global {
 namespace {
 
-constexpr double kLeastNumber = 0.02;  // of emitters around a point
+constexpr double kMinNumber = 0.02;  // of emitters around a point
 
 /// Zero-padded Gaussian along rows, then columns; every value of T is a sum of doubles.
 template <class T>
@@ -81,7 +81,7 @@ Gather::Gather(const Grid& grid, const std::vector<int>& labels, int count,
 }
 
 double Gather::emitters(int label, std::size_t j) const {
-  return number_[j] - own_ * emitted_[std::size_t(label)][j][3] + kLeastNumber;
+  return number_[j] - own_ * emitted_[std::size_t(label)][j][3] + kMinNumber;
 }
 
 template <class Value>

@@ -1,5 +1,5 @@
-// What the image itself says about the indirect light in it: every surface in view is an emitter of
-// its own radiance, and what arrives at a point is a wide blur of the image beside its mean.
+// Estimate of the indirect light from the image itself: every visible surface is an emitter of its
+// own radiance, and the light at a point is a wide blur of the image plus its mean.
 #pragma once
 
 #include "global_color.hpp"
@@ -12,9 +12,9 @@ struct GatherParams {
   double own = 0.8;    ///< Share of a surface's own label that does not light it, 0 ... 1.
 };
 
-/// For every label k, on a grid of half the points: the blurred light of the surfaces of that label
-/// and their blurred number; and from them the indirect light that a surface of label j receives,
-/// up to the scene's amount.
+/// For every label k, on a grid of half the points: the blurred light and number of the surfaces of
+/// that label; and from them the indirect light that a surface of label j receives, up to the
+/// scene's amount.
 class Gather {
  public:
   Gather() = default;

@@ -12,12 +12,12 @@ Vec3 color_at(const std::vector<double>& rgb, std::size_t i) {
   return {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
 }
 
-constexpr double kLeastTau = 0.02;    // of a channel
-constexpr double kMostLight = 1e4;    // that the solve takes
+constexpr double kMinTau = 0.02;      // of a channel
+constexpr double kMaxLight = 1e4;     // that the solve takes
 constexpr double kRenewColor = 0.05;  // share of the newest frame in whether light has color
 
-/// What one look at the grid gives for the frame.
-struct Look {
+/// Result of one analysis of the grid.
+struct Analysis {
   std::vector<int> labels;
   BaseColors colors;
   Gather gather;
@@ -29,7 +29,7 @@ struct Look {
 
 ChromaHistogram empty_histogram(const PaletteParams& p) { return {p.bins, p.bin_width}; }
 
-/// Received light times the amount, of a color as far as that is believed.
+/// Received light times the amount, with its color weighted by its confidence.
 Vec3 indirect_of(const Amount& amount, const Vec3& received) {
   Vec3 light;
   for (std::size_t c = 0; c < 3; ++c)
@@ -37,15 +37,14 @@ Vec3 indirect_of(const Amount& amount, const Vec3& received) {
   return light;
 }
 
-/// Gathers the light that surfaces of the last frame's base colors send, weighs its amount, finds
-/// its tint and then the frame's own base colors. Cost and histogram take in the share `renew` of
-/// what this frame says.
-Look look(const Grid& grid, const GlobalParams& params, double renew, double spread,
-          GlobalScene& scene) {
+/// Gathers the light from surfaces of the last frame's base colors, estimates its amount and tint,
+/// then finds the frame's own base colors. This frame has weight `renew` in cost and histogram.
+Analysis analyze(const Grid& grid, const GlobalParams& params, double renew, double spread,
+                 GlobalScene& scene) {
   const std::size_t n = grid.size();
   scene.labels.resize(n, 0);
   std::vector<int>& labels = scene.labels;
-  Look out;
+  Analysis out;
   out.gather = Gather(grid, labels, params.palette.most, params.gather);
   std::vector<Vec3> received(n);
   for (int y = 0; y < grid.height; ++y)
@@ -100,29 +99,30 @@ Chroma blend(const std::vector<Chroma>& plane, const Grid& grid, int x, int y) {
          v.share * ((1 - u.share) * at(v.high, u.low) + u.share * at(v.high, u.high));
 }
 
-/// How much chroma changed since the frame before where there is light, 0 ... 1.
+/// Mean change of chroma since the frame before, where there is light, 0 ... 1.
 double change_of(const Grid& grid, const std::vector<Chroma>& before) {
-  constexpr double kMost = 0.5;
+  constexpr double kMaxDistance = 0.5;
   double sum = 0, all = 1e-9;
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    sum += grid.weight[i] * std::min(std::sqrt(norm2(grid.chroma[i] - before[i])) / kMost, 1.0);
+    sum +=
+        grid.weight[i] * std::min(std::sqrt(norm2(grid.chroma[i] - before[i])) / kMaxDistance, 1.0);
     all += grid.weight[i];
   }
   return sum / all;
 }
 
-/// How bright the light is as far as known before the solve: exp(s) in the scale of the layers.
+/// Estimated brightness of the light before the solve: exp(s) in the scale of the layers.
 std::vector<double> guess_shading(const std::vector<double>& rgb, const GlobalParams& params,
                                   const GlobalState* state) {
   const std::size_t n = rgb.size() / 3;
   std::vector<double> shading(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 color = color_at(rgb, i);
-    if (!state) {  // every albedo's largest channel alike
+    if (!state) {  // the same largest channel for every albedo
       shading[i] = *std::max_element(color.begin(), color.end()) / params.scale.white_level;
       continue;
     }
-    double m = 0;  // the reflectance that was there
+    double m = 0;  // of the previous reflectance
     for (const double v : color) m += std::log(v + kIntensityFloor) / 3;
     shading[i] = std::exp(m - state->solve.m[i] + state->solve.s[i] - state->log_scale);
   }
@@ -137,7 +137,7 @@ struct Light {
 };
 
 Light light_of(const std::vector<double>& rgb, const std::vector<double>& shading, int width,
-               int height, const Grid& grid, const Look& seen, const GlobalParams& params) {
+               int height, const Grid& grid, const Analysis& seen, const GlobalParams& params) {
   const std::size_t n = shading.size();
   const bool gray = seen.colors.used() < 2;
   const auto base = [&](int label) {
@@ -189,7 +189,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   std::vector<double> rgb(3 * n);
   for (std::size_t i = 0; i < 3 * n; ++i) rgb[i] = sanitize_linear(input[i]);
   const int factor = grid_factor(width, height, params.grid);
-  // Whether it is a cut is seen by what the camera saw.
+  // A cut is decided from the unprocessed frame.
   const Grid raw = make_grid(rgb, std::vector<double>(n, 1.0), width, height, factor);
   if (warm && change_of(raw, scene.chroma) > params.cut) {
     result.cut = true;
@@ -208,10 +208,10 @@ GlobalResult decompose_global(const double* input, int width, int height,
   const Grid grid = make_grid(rgb, shading, width, height, factor);
   const double spread = color_spread(grid), usable = usable_color(spread, params.amount);
   if (usable <= 0) scene = {.chroma = raw.chroma, .white = scene.white};
-  Look seen;
+  Analysis seen;
   Light light{std::vector<Vec3>(n), std::vector<Chroma>(n), std::vector<int>(n, 0)};
   if (usable > 0) {
-    seen = look(grid, params, renew, spread, scene);
+    seen = analyze(grid, params, renew, spread, scene);
     ++scene.frames;
     light = light_of(rgb, shading, width, height, grid, seen, params);
   }
@@ -222,7 +222,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
     const Vec3 color = color_of(light.tint[i]);
     for (std::size_t c = 0; c < 3; ++c) {
       const double in = rgb[3 * i + c];
-      tau[i][c] = std::max({color[c], kLeastTau, in / kMostLight});
+      tau[i][c] = std::max({color[c], kMinTau, in / kMaxLight});
       plain[3 * i + c] = in / tau[i][c];
     }
   }
@@ -249,7 +249,7 @@ GlobalResult decompose_global(const double* input, int width, int height,
   }
   result.label = light.label;
   result.colors = seen.colors;
-  // Layers are of the frame's own base colors, which the gather before does not know yet.
+  // Layers use the frame's own base colors, which are newer than those of the gather.
   if (usable > 0) result.gather = Gather(grid, seen.labels, params.palette.most, params.gather);
   result.gather_factor = 2 * factor;
   result.amount = seen.amount;

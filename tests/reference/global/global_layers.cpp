@@ -7,7 +7,7 @@ namespace {
 
 using namespace global;
 
-constexpr double kLeast = 1e-6;
+constexpr double kTiny = 1e-6;
 
 Vec3 base_color(const Chroma& chroma) {
   Vec3 b = color_of(chroma);
@@ -44,12 +44,12 @@ IndirectLayers split_indirect(const GlobalResult& frame, int width, int height, 
                                                                       frame.gather_factor)) /
                               dot(out.base[k], out.base[k])
                         : 0.0;
-      const double scale = mean(light) / std::max(mean(sum_of(out.base, amount)), kLeast);
+      const double scale = mean(light) / std::max(mean(sum_of(out.base, amount)), kTiny);
       for (double& t : amount) t *= scale;
       for (int step = 0; step < steps; ++step) {
         const Vec3 sum = sum_of(out.base, amount);
         for (std::size_t k = 0; k < slots; ++k)
-          amount[k] *= dot(out.base[k], light) / std::max(dot(out.base[k], sum), kLeast);
+          amount[k] *= dot(out.base[k], light) / std::max(dot(out.base[k], sum), kTiny);
       }
       const Vec3 sum = sum_of(out.base, amount);
       for (std::size_t k = 0; k < slots; ++k) out.amount[k][i] = amount[k];
@@ -64,7 +64,7 @@ Recolored recolor(const GlobalResult& frame, const IndirectLayers& layers, std::
   for (std::size_t i = 0; i < frame.direct.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       if (frame.label[i] == int(k))
-        out.reflectance[3 * i + c] *= color[c] / std::max(layers.base[k][c], kLeast);
+        out.reflectance[3 * i + c] *= color[c] / std::max(layers.base[k][c], kTiny);
       out.indirect[3 * i + c] += (color[c] - layers.base[k][c]) * layers.amount[k][i];
     }
   return out;

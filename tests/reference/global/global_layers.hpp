@@ -1,5 +1,5 @@
-// Indirect light as one scalar layer per base color, E = sum over k of b_k T_k and a remainder, for
-// editors: who recolors a base color recolors the light that it throws.
+// Indirect light as one scalar layer per base color, E = sum over k of b_k T_k plus a remainder,
+// for editors: recoloring a base color recolors its indirect light.
 #pragma once
 
 #include "global_intrinsic.hpp"
@@ -12,11 +12,11 @@ struct IndirectLayers {
   std::vector<double> remainder;            ///< 3 interleaved channels, of any sign.
 };
 
-/// Splits the indirect layer of a frame: T_k starts as what the surfaces of base color k send to
-/// the pixel, projected onto b_k, and takes `steps` multiplicative steps of non-negative least
-/// squares (Lee and Seung 2001), T_k <- T_k (b_k . E) / (b_k . sum over l of b_l T_l). Who sends is
-/// known by the base colors of the frame before: on a first frame and after a cut all light counts
-/// as slot 0's, so a still is decomposed twice.
+/// Splits the indirect layer of a frame. T_k starts as the light from surfaces of base color k,
+/// projected onto b_k, and takes `steps` multiplicative steps of non-negative least squares (Lee
+/// and Seung 2001), T_k <- T_k (b_k . E) / (b_k . sum over l of b_l T_l). The emitters are labeled
+/// with the base colors of the frame before. On a first frame and after a cut all light belongs to
+/// slot 0, so a still is decomposed twice.
 IndirectLayers split_indirect(const GlobalResult& frame, int width, int height, int steps = 3);
 
 /// Reflectance and indirect light after base color k becomes `color` (linear, any scale): pixels of

@@ -133,7 +133,7 @@ double mass_around(const ChromaHistogram& h, const Chroma& c, int reach) {
   return sum;
 }
 
-/// A slot that is nobody's, or whose color has been away for longest.
+/// A free slot, or the one whose color has been absent for longest.
 std::size_t free_slot(const BaseColors& colors, const std::vector<std::size_t>& used) {
   std::size_t best = kNone;
   for (std::size_t s = 0; s < colors.memory.size(); ++s) {

@@ -1,4 +1,4 @@
-// Base colors: modes of the log chroma that is left when the tint of the light is divided out.
+// Base colors: modes of the log chroma after the light's tint is divided out.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,7 @@
 
 namespace inverse::reference::global {
 
-/// A square histogram over log chroma, with hat functions; gray is a bin's center, or it would be
-/// the corner of four.
+/// A square histogram over log chroma with hat functions; gray is at the center of a bin.
 class ChromaHistogram {
  public:
   ChromaHistogram(int bins, double width);
@@ -35,33 +34,33 @@ struct PaletteParams {
   int bins = 64;
   double bin_width = 0.08;
   double smoothing = 1.2;      ///< Standard deviation, bins.
-  double least_share = 0.004;  ///< Of all mass, for a mode to count.
+  double least_share = 0.004;  ///< Of all mass, for a mode.
   int most = 16;               ///< Base colors at most, 1 ... 16.
   double same = 0.3;           ///< Log chroma up to which a mode continues a base color.
-  double follow = 0.1;         ///< Share of the newest frame in where a base color usually is.
-  int keep = 50;     ///< Frames that a base color without a mode stays, where half of the least
-                     ///< share is left ...
-  int around = 2;    ///< ... in bins up to so many away from where it usually is.
-  int forget = 250;  ///< Frames after which its slot is another's.
+  double follow = 0.1;         ///< Weight of the newest frame in a base color's mean position.
+  int keep = 50;   ///< Frames for which a base color without a mode remains, if half of least_share
+                   ///< is left
+  int around = 2;  ///< in this many bins around its mean position.
+  int forget = 250;  ///< Frames after which its slot is free.
 };
 
 /// Base colors in slots that keep their number over time.
 struct BaseColors {
-  /// Of a slot, while it is one color's, seen or not.
+  /// State of a slot in use.
   struct Memory {
-    Chroma usual;    ///< Where its modes were, on a decaying average.
+    Chroma usual;    ///< Running mean of the positions of its modes.
     int absent = 0;  ///< Frames since it had one.
   };
-  std::vector<std::optional<Chroma>> color;   ///< Per slot, where there is such a color.
+  std::vector<std::optional<Chroma>> color;   ///< Per slot; empty without a mode.
   std::vector<std::optional<Memory>> memory;  ///< Per slot.
   std::vector<int> label;                     ///< Per bin of the histogram: its slot.
   int used() const;
 };
 
-/// Modes of the histogram: every bin of its smoothed self climbs to its largest neighbor; peaks of
-/// little mass fall to the nearest center. `before` gives slots to what it already knew, nearest
-/// pairs first; a color that it knew and that has no mode now stays a while, in the basin that it
-/// fell into, and bins of a basin belong to the nearest of its colors.
+/// Modes of the histogram: every bin of the smoothed histogram climbs to its largest neighbor;
+/// small peaks are merged into the nearest center. Modes continue the slots of `before`, nearest
+/// pairs first. A base color without a mode remains for a while in the basin that contains it; bins
+/// of a basin belong to the nearest of its colors.
 BaseColors find_modes(const ChromaHistogram& histogram, const BaseColors& before,
                       const PaletteParams& params);
 

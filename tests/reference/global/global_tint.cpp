@@ -24,7 +24,7 @@ std::vector<double> box(int width, int height, int radius, const Value& value) {
   return out;
 }
 
-constexpr double kLeastBelief = 0.05;  // of a window's points
+constexpr double kMinConfidence = 0.05;  // of a window's points
 
 }  // namespace
 
@@ -62,7 +62,7 @@ Residual residual_field(const std::vector<Chroma>& raw, const std::vector<double
     const auto sum = box(width, height, radius, [&](std::size_t i) { return c[i] * raw[i][d]; });
     std::vector<double> e(n), slope(n), offset(n);
     for (std::size_t i = 0; i < n; ++i) {
-      out.smooth[i][d] = sum[i] / (believed[i] + kLeastBelief * windows[i]);
+      out.smooth[i][d] = sum[i] / (believed[i] + kMinConfidence * windows[i]);
       e[i] = c[i] * raw[i][d] + (1 - c[i]) * out.smooth[i][d];
     }
     const auto first = box(width, height, radius, [&](std::size_t i) { return c[i] * e[i]; });

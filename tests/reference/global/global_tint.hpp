@@ -1,5 +1,5 @@
-// The tint of the light at every pixel: that of the gathered indirect light, and what the image's
-// chroma has beyond it and its base color, where it varies slowly (like a bias field).
+// The tint of the light at every pixel: that of the gathered indirect light, plus the slowly
+// varying part of the remaining chroma beyond its base color (like a bias field).
 #pragma once
 
 #include "global_gather.hpp"
@@ -16,19 +16,19 @@ struct TintParams {
   double residual = 1;      ///< Share of the residual that is taken; 0: none.
 };
 
-/// What the whole scene says of its tint.
+/// Tint statistics of the whole scene.
 struct TintStatistics {
   double full = 0;  ///< Rms tint where all light is indirect: rms(t) / rms(fraction).
   double gate = 0;  ///< Share of the residual, st2 / (st2 + gate).
 };
 
-/// Residual as a linear function of a pixel's own, at the points of the grid: a e + b; and e
-/// smoothed, for pixels that are not believed.
+/// Residual as a linear function of a pixel's own, at the points of the grid: a e + b; and smoothed
+/// e, for unreliable pixels.
 struct Residual {
   std::vector<Chroma> slope, offset, smooth;
 };
 
-/// How far a pixel's residual is believed.
+/// Confidence in a pixel's residual.
 double belief(const Chroma& residual, double fraction, const TintStatistics& statistics,
               const TintParams& params);
 

@@ -1,5 +1,4 @@
-// Four pictures in one, in double precision. This is the specification of
-// kernels/image/view/mosaic.
+// Four images in one, in double precision. The specification of kernels/image/view/mosaic.
 #pragma once
 
 #include <array>

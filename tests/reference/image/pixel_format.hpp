@@ -7,8 +7,8 @@
 
 namespace inverse::reference {
 
-/// What the samples of a frame mean, written pixel by pixel from the definitions in double
-/// precision. Interleaved pixels of four numbers throughout.
+/// Meaning of a frame's samples, pixel by pixel from the definitions, in double precision. Pixels
+/// are four interleaved numbers.
 
 /// Codes of one row position: luma or R, G, B, and alpha (0 where there is none).
 struct Codes {

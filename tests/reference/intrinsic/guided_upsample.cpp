@@ -6,13 +6,13 @@
 namespace inverse::reference {
 namespace {
 
-constexpr double kFlatVariance = 3e-3, kFloor = 2e-3, kMostLight = 1e4, kDarkest = -16;
+constexpr double kFlatVariance = 3e-3, kFloor = 2e-3, kMaxLight = 1e4, kDarkest = -16;
 
 double log_intensity(const double* rgb) {
   double sum = 0;
   for (int c = 0; c < 3; ++c) {
     const double v = std::isinf(rgb[c]) && rgb[c] > 0 ? 1 : rgb[c];
-    sum += std::log((v > 0 ? std::min(v, kMostLight) : 0) + kFloor);
+    sum += std::log((v > 0 ? std::min(v, kMaxLight) : 0) + kFloor);
   }
   return sum / 3;
 }

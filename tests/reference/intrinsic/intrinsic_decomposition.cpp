@@ -48,11 +48,11 @@ GridPoint grid_point(double c0, double c1) {
 
 double square(double v) { return v * v; }
 
-constexpr double kLittleLight = 0.02;      // where chroma says half as much
-constexpr double kLittleStructure = 0.02;  // variance of ln I in a cell that counts half
-constexpr double kFrameStructure = 5;      // beside a neighborhood's, for the whole frame
+constexpr double kHalfLight = 0.02;      // at which chroma has half weight
+constexpr double kHalfStructure = 0.02;  // variance of ln I in a cell, at half weight
+constexpr double kFrameStructure = 5;    // of the whole frame, relative to a neighborhood
 
-/// How much the anchor is believed at every cell, and the frame's mean mismatch.
+/// Weight of the anchor at every cell, and the frame's mean mismatch.
 struct Gate {
   std::vector<double> value, alike;  // alike: of the cell alone
   double mismatch = 0;
@@ -71,12 +71,12 @@ double variance(double sum, double squares, double count) {
   return std::max(0.0, squares / count - square(sum / count));
 }
 
-/// How differently the pixels of every cell changed since the frame before, the variance of the
-/// change of m; and its structure, the variance of m in both frames.
-struct Unrest {
+/// Variation of the change within every cell since the frame before (variance of the change of m),
+/// and its structure (variance of m in both frames).
+struct Variation {
   std::vector<double> change, structure;
 };
-Unrest unrest_of(const Guide& guide, const IntrinsicState& state) {
+Variation variation_of(const Guide& guide, const IntrinsicState& state) {
   const GuideLevel &fine = guide.level[0], &l = guide.level[kCellLevel];
   struct Sums {
     double change = 0, changes = 0, now = 0, nows = 0, then = 0, thens = 0, count = 0;
@@ -92,16 +92,16 @@ Unrest unrest_of(const Guide& guide, const IntrinsicState& state) {
       s.then += then, s.thens += square(then);
       s.count += 1;
     }
-  Unrest unrest;
+  Variation variation;
   for (const Sums& s : sums) {
-    unrest.change.push_back(variance(s.change, s.changes, s.count));
-    unrest.structure.push_back(variance(s.now, s.nows, s.count) +
-                               variance(s.then, s.thens, s.count));
+    variation.change.push_back(variance(s.change, s.changes, s.count));
+    variation.structure.push_back(variance(s.now, s.nows, s.count) +
+                                  variance(s.then, s.thens, s.count));
   }
-  return unrest;
+  return variation;
 }
 
-/// What moved of all the structure of 5 x 5 tiles and, as a little of it, of the whole frame.
+/// Moving share of the structure of 5 x 5 tiles and, with little weight, of the whole frame.
 double moved_around(const std::vector<double>& moved, const std::vector<double>& structure,
                     int width, int height, int tx, int ty) {
   const double of_all = std::accumulate(structure.begin(), structure.end(), 0.0);
@@ -118,7 +118,7 @@ double moved_around(const std::vector<double>& moved, const std::vector<double>&
 Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
                    const IntrinsicState& state, const IntrinsicParams& params) {
   const GuideLevel& l = guide.level[kCellLevel];
-  const Unrest unrest = unrest_of(guide, state);
+  const Variation variation = variation_of(guide, state);
   Gate gate;
   gate.value.resize(l.m.size());
   gate.alike.resize(l.m.size());
@@ -128,17 +128,17 @@ Gate temporal_gate(const Guide& guide, const std::vector<double>& detail,
   for (int y = 0; y < l.height; ++y)
     for (int x = 0; x < l.width; ++x) {
       const std::size_t i = l.index(x, y), t = tile_of(x, y);
-      const double light = std::exp(l.m[i]), trust = light / (light + kLittleLight);
+      const double light = std::exp(l.m[i]), trust = light / (light + kHalfLight);
       const double q = square((detail[i] - state.detail[i]) / params.anchor_detail) +
                        (square(l.c0[i] - state.c0[i]) + square(l.c1[i] - state.c1[i])) *
                            square(trust / params.anchor_chroma) +
-                       unrest.change[i] / square(params.anchor_texture);
-      const double counts = unrest.structure[i] / (unrest.structure[i] + kLittleStructure);
+                       variation.change[i] / square(params.anchor_texture);
+      const double counts = variation.structure[i] / (variation.structure[i] + kHalfStructure);
       gate.value[i] = gate.alike[i] = 1 / (1 + q);
       tile[t] += q / (1 + q);
       count[t] += 1;
-      moved[t] += counts * unrest.change[i];
-      structure[t] += counts * unrest.structure[i];
+      moved[t] += counts * variation.change[i];
+      structure[t] += counts * variation.structure[i];
       gate.mismatch += q / (1 + q) / double(l.m.size());
     }
   for (int ty = 0; ty < th; ++ty)
@@ -257,7 +257,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
 
   multigrid::Level fine(width, height);
   for (std::size_t i = 0; i < n; ++i) {
-    fine.mass[i] = kLeastDiagonal;
+    fine.mass[i] = kMinDiagonal;
     fine.right[i] = prior.a_right[i] + prior.b_right[i];
     fine.down[i] = prior.a_down[i] + prior.b_down[i];
     const std::size_t x = i % w;
@@ -288,31 +288,31 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     }
   std::vector<multigrid::Level> levels = multigrid::hierarchy(fine, terms.screen, kCoarseScale);
 
-  // What the cells want, at the bins' present means, and the force with which they pull.
-  std::vector<double> wanted(cell_count), rho(cell_count), coarse(cell_count);
+  // Targets of the cells at the bins' present means, and the source terms from them.
+  std::vector<double> target(cell_count), rho(cell_count), coarse(cell_count);
   const multigrid::CellTerms cell_terms{
       [&](const std::vector<double>& far, const std::vector<double>& means,
           multigrid::Level& level) {
         for (std::size_t i = 0; i < cell_count; ++i) rho[i] = cells.m[i] - means[i] - level.s[i];
         const ChromaBins bins = splat_bins(cells, terms.g, rho);
         for (std::size_t i = 0; i < cell_count; ++i) {
-          wanted[i] = terms.pull[i] +
+          target[i] = terms.pull[i] +
                       terms.g[i] * (cells.m[i] - slice_bins(bins, cells.c0[i], cells.c1[i]));
-          level.f[i] = far[i] + wanted[i] - terms.screen[i] * means[i];
+          level.f[i] = far[i] + target[i] - terms.screen[i] * means[i];
         }
       },
       [&](const std::vector<double>& means, const multigrid::Level& level) {
         std::vector<double> force(cell_count);
         for (std::size_t i = 0; i < cell_count; ++i) {
           coarse[i] = means[i] + level.s[i];
-          force[i] = wanted[i] - terms.screen[i] * coarse[i];
+          force[i] = target[i] - terms.screen[i] * coarse[i];
         }
         return force;
       }};
   std::vector<double> force(cell_count, 0.0);
   if (result.stats.anchored)
     for (std::size_t i = 0; i < cell_count; ++i) force[i] = gate.value[i] * state->force[i];
-  // One cycle has none to be combined with.
+  // A single cycle cannot be combined.
   multigrid::Extrapolation extrapolation(params.cycles > 1 ? params.slowest : 0);
   for (int k = 0; k < params.cycles; ++k) {
     const std::vector<double> before = levels[0].s;
@@ -323,7 +323,7 @@ IntrinsicResult decompose(const double* rgb, int width, int height, const Intrin
     extrapolation.apply(k, before, levels[0].s);
   }
 
-  // Where all is still, reflectance moves only part of the way from the frame before.
+  // Where nothing moves, reflectance changes only partly from the frame before.
   std::vector<double>& s = levels[0].s;
   if (result.stats.anchored) {
     std::vector<double> hold(cell_count);

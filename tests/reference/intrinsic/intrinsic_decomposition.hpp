@@ -1,13 +1,12 @@
-// The plain specification of intrinsicdecomp: one log-shading unknown a pixel, r = i - s.
+// The specification of intrinsicdecomp: one unknown per pixel, log shading s; r = i - s.
 //
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant
 //        + sum over cells  v (S - V)^2                    value prior: pins scale, low frequencies
 //                        + g (M - S - rho_bin(c))^2       equal chroma, equal reflectance (soft)
 //        + sum over pixels t (s - s_before)^2             temporal anchor
 //
-// over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the step across an
-// edge. a, b, v, V and g come from
-// EdgePrior: here a small fitted function of local cues; the seam where a network may go. See
+// over 4 x 4 cells with means S of s and M of m; m is the mean log intensity, d the difference
+// across an edge. a, b, v, V and g come from EdgePrior, a small fitted function of local cues. See
 // docs/reference/methods/intrinsicdecomp.md. Double precision, no dependencies.
 #pragma once
 
@@ -39,16 +38,16 @@ struct IntrinsicParams {
   int cell_cycles = 2;  ///< Cycles from the cell level down within each; bins renewed before each.
 };
 
-inline constexpr int kBins = 48;             ///< Cells of the chroma grid along each axis.
-inline constexpr double kBinWidth = 0.1;     ///< Natural log units.
-inline constexpr double kCoarseScale = 0.6;  ///< Of summed edge weights, per level.
-inline constexpr double kCellArea = 16;      ///< Weights of cell terms are per pixel, times this.
-inline constexpr double kLeastDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
-inline constexpr double kLogLow = -4.5;  ///< Least ln of a, b, v, g before the user's factors.
-inline constexpr double kLogHigh = 3;    ///< Largest.
+inline constexpr int kBins = 48;              ///< Cells of the chroma grid along each axis.
+inline constexpr double kBinWidth = 0.1;      ///< Natural log units.
+inline constexpr double kCoarseScale = 0.6;   ///< Of summed edge weights, per level.
+inline constexpr double kCellArea = 16;       ///< Weights of cell terms are per pixel, times this.
+inline constexpr double kMinDiagonal = 1e-6;  ///< Keeps a 1 x 1 frame regular.
+inline constexpr double kLogLow = -4.5;       ///< Least ln of a, b, v, g before the user's factors.
+inline constexpr double kLogHigh = 3;         ///< Largest.
 
-/// What the prior says: about each pixel's right and lower edge (width x height), and about each
-/// cell of guide level kCellLevel.
+/// Weights of the prior: of each pixel's right and lower edge (width x height), and of each cell of
+/// guide level kCellLevel.
 struct EdgePrior {
   std::vector<double> a_right, b_right, a_down, b_down;
   std::vector<double> v, V, g;
@@ -57,11 +56,11 @@ struct EdgePrior {
 /// Evaluates the fitted prior.
 EdgePrior edge_prior(const Guide& guide, const IntrinsicParams& params);
 
-/// Carried from frame to frame.
+/// State between frames.
 struct IntrinsicState {
   int width = 0, height = 0;
-  /// Of the previous frame; empty after a reset: cells; the multigrid's force and the mean shading
-  /// at its end; and of pixels m, s and the brightness of reflectance.
+  /// Of the previous frame; empty after a reset. Of cells; the multigrid's source term and mean
+  /// shading at its end; of pixels m, s and the brightness of reflectance.
   std::vector<double> detail, c0, c1, mean, force, coarse, m, s, rho;
   int frames = 0;  ///< Anchored since the last reset or cut.
 };

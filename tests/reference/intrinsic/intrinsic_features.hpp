@@ -1,5 +1,5 @@
-// What the edge prior of intrinsicdecomp looks at: a guide pyramid and the cues read from it.
-// Plain C++ in double precision; docs/reference/methods/intrinsicdecomp.md has the same equations.
+// Input of intrinsicdecomp's edge prior: a guide pyramid and its cues. Double precision;
+// docs/reference/methods/intrinsicdecomp.md has the same equations.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ struct Guide {
   std::array<double, kFrameStatistics> statistics{};
 };
 
-/// What an input value counts as: NaN and negatives 0, at most 1e4.
+/// Sanitizes an input value: NaN and negative values become 0; at most 1e4.
 double sanitize_linear(double v);
 
 inline constexpr double kIntensityFloor = 2e-3;  ///< Added to light before its logarithm is taken.

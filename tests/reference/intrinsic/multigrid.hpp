@@ -1,5 +1,5 @@
-// The plain specification of kernels/intrinsic's multigrid: checkerboard blocks whose rows are
-// solved exactly, piecewise constant corrections, cell terms on level 2. Double precision, no
+// The specification of kernels/intrinsic's multigrid: checkerboard blocks whose rows are solved
+// exactly, piecewise constant corrections, cell terms on level 2. Double precision, no
 // dependencies.
 #pragma once
 
@@ -35,8 +35,8 @@ void solve_row(Level& level, int first, int y);
 /// upwards.
 void smooth(Level& level, int color, int rows);
 
-/// The next coarser operator: masses add up; edges that cross the aggregates' borders add up and
-/// stand in series with the aggregates' own, at least with the share `least`.
+/// The next coarser operator: masses add up; edges across the aggregates' borders add up, in series
+/// with the aggregates' inner edges, with at least the share `least`.
 Level coarsen(const Level& fine, double least);
 
 /// 2 x 2 means; the last row or column of an odd border counts twice.
@@ -45,14 +45,14 @@ std::vector<double> halve(const std::vector<double>& fine, int width, int height
 /// All levels down to a single pixel. `screen` is added to the masses of level 2.
 std::vector<Level> hierarchy(const Level& finest, const std::vector<double>& screen, double scale);
 
-/// What the cells' terms do in a cycle, as functions of what the finer levels left of the
-/// right-hand side (`far`), the cell means of s and the level of the cells.
+/// Cell terms within a cycle, as functions of the residual after the finer levels (`far`), the cell
+/// means of s and the level of the cells.
 struct CellTerms {
   /// Sets the right-hand side of level 2, before each of its V-cycles.
   std::function<void(const std::vector<double>& far, const std::vector<double>& means,
                      Level& cells)>
       before;
-  /// The force with which the cells pull after the last of them.
+  /// The cells' source term after the last V-cycle.
   std::function<std::vector<double>(const std::vector<double>& means, const Level& cells)> after;
 };
 

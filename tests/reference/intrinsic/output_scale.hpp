@@ -1,6 +1,5 @@
-// The scale in which intrinsicdecomp's layers go out, R c and S / c, in double precision. This is
-// the specification of kernels/intrinsic/output/output_scale, which counts in bins of 1/32 where
-// this sorts.
+// Scale of intrinsicdecomp's output layers, R c and S / c, in double precision. The specification
+// of kernels/intrinsic/output/output_scale, which counts in bins of 1/32 instead of sorting.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// What lies between the networks of limematerial (thesis chapter 6), in double precision: the
-// square that they look at, what each hands to the next, and the layers of the frame.
+// The steps between the networks of limematerial (thesis chapter 6), in double precision: the
+// analyzed square, inputs of each network, and the layers of the frame.
 #pragma once
 
 #include <cstdint>
@@ -8,51 +8,52 @@
 
 namespace inverse::reference {
 
-/// side × side points of a square of the frame, which may reach over its borders.
+/// side × side points of a square of the frame, which may extend beyond it.
 struct LimeSquare {
   double x = 0, y = 0;  ///< top left corner, pixels
   double pixels = 1;    ///< of the frame along a point
   int side = 0;
 };
 
-/// sRGB of the mean light on each point: of 12 × 12 places in it at most.
+/// sRGB of the mean light of each point, from at most 12 × 12 samples.
 Plane lime_crop(const Plane& frame, const LimeSquare& square);
 
-/// Probabilities without points that are foreign: of no object, or of another.
+/// Probabilities without masked-out points: of no object, or of another one.
 Plane lime_drop_foreign(const Plane& probability, const std::vector<uint32_t>& foreign);
 
-/// SpecularNet's input: the picture where the object is, w = mask.
+/// SpecularNet's input: the image on the object, w = mask.
 Plane lime_to_specular(const Plane& image, const Plane& probability);
 
-/// What SpecularNet gave (x; what is no number, or below 0, is 0), where the object is: MirrorNet's
-/// input in x, and AlbedoNet's, the picture and the code in w.
+/// SpecularNet's output on the object (x; NaN or negative values become 0): MirrorNet's input in x,
+/// and AlbedoNet's input, the image and the code in w.
 struct LimeSpecular {
   Plane mirror_in, albedo_in;
 };
 LimeSpecular lime_to_mirror_and_albedo(const Plane& masked, const Plane& specular);
 
-/// ExponentNet's input: the code that MirrorNet saw (x), and in y what MirrorNet gave (x, as
-/// above), where the object is.
+/// ExponentNet's input on the object: the code of the specular layer (x), and MirrorNet's output in
+/// y (x, as above).
 Plane lime_to_exponent(const Plane& masked, const Plane& specular, const Plane& mirror);
 
-/// A frame with a sphere before it, at (x, y) pixels. `table`: how the sphere looks by its normal
+/// A frame with a sphere in front of it, at (x, y) pixels. `table`: shading of the sphere by normal
 /// (lit_lookup).
 Plane lime_preview(const Plane& frame, const Plane& table, double x, double y, double radius);
 
 /// Linear light of codes ln(1 + 4 x) / 2.
 double lime_decode(double code);
 
-/// The diffuse light of the object at every point, in linear RGB: the picture without the specular
-/// layer where the camera tells it, else filled in from there by a pyramid of means. `codes`: that
-/// of the specular layer in x.
+/// The diffuse light of the object at every point, linear RGB: the image minus the specular layer
+/// at valid points, else interpolated from these by a pyramid of means. `codes`: of the specular
+/// layer in x.
 Plane lime_under_highlights(const Plane& masked, const Plane& codes);
 
-/// The specular layer around every point as a line of the picture's least channel: slope (x) and
-/// offset (y), means of the lines of 5 × 5 points that a guided filter finds. `codes`: as above.
+/// The specular layer around every point as a linear function of the image's smallest channel:
+/// slope (x) and offset (y), means of the guided filter's lines over 5 × 5 points. `codes`: as
+/// above.
 Plane lime_guided_specular(const Plane& masked, const Plane& codes);
 
-/// The probability (x) around every point as a plane of the roots of linear RGB, slopes and offset
-/// (w), likewise. Points of probability 0 do not count and have zeros.
+/// The probability (x) around every point as a linear function of sqrt(linear RGB), slopes and
+/// offset (w), likewise. Points of probability 0 are ignored and get zeros.
 Plane lime_guided_mask(const Plane& image, const Plane& probability);
 
 struct LimeLayers {

@@ -19,8 +19,7 @@ struct Image {
   }
 };
 
-/// What every output of a network is for these inputs: node by node, in double precision, nothing
-/// fused.
+/// Every output of a network for these inputs: node by node, in double precision, without fusion.
 std::vector<Image> run_network(const network::Graph& graph, std::span<const Image> inputs);
 
 }  // namespace inverse::reference

@@ -94,7 +94,7 @@ void Palette::update(const Plane& log_reflectance) {
 }
 
 void Palette::seed_clusters() {
-  // k-means++ for clusters without pixels: all of them on the first frame, later those that died.
+  // k-means++ for clusters without pixels: all on the first frame, later those that lost theirs.
   clusters_.resize(static_cast<std::size_t>(params_.clusters));
   for (std::size_t k = 0; k < clusters_.size(); ++k) {
     if (clusters_[k].weight > 0) continue;

@@ -15,7 +15,7 @@ struct PaletteParams {
   int iterations = 8;
   double decay = 0.1;
   double apart = 0;
-  double fade = 0.1;  ///< of bins that a frame leaves empty
+  double fade = 0.1;  ///< for bins that are empty in a frame
   double tau_cc = 0.05;
   double tau_intensity = 0.15;
   double chroma_floor = 3e-3;
@@ -41,7 +41,7 @@ class Palette {
 
   explicit Palette(const PaletteParams& params) : params_(params) {}
 
-  /// Takes in a frame's log reflectance (rgb) and updates gauge, histogram and clusters.
+  /// Adds a frame's log reflectance (rgb) and updates scale, histogram and clusters.
   void update(const Plane& log_reflectance);
 
   /// Representatives with pixels, as log reflectance in the solver's gauge.
@@ -52,10 +52,10 @@ class Palette {
   const std::vector<Cluster>& clusters() const { return clusters_; }
   const std::vector<HistogramBin>& histogram() const { return histogram_; }
 
-  /// The gauge of one frame, before averaging over time.
+  /// The scale of one frame, before averaging over time.
   double frame_gauge(const Plane& log_reflectance) const;
 
-  /// The parts of update, apart for the tests.
+  /// The parts of update, for the tests.
   std::vector<HistogramBin> count(const Plane& log_reflectance) const;
   void seed_clusters();
   void lloyd();

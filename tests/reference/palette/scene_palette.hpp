@@ -1,5 +1,5 @@
-// What a scene's palette looks at and what it shows, in double precision. This is the specification
-// of pick.comp and paint.comp in kernels/palette.
+// Input and output of a scene's palette in double precision. The specification of pick.comp and
+// paint.comp in kernels/palette.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace inverse::reference {
 
-inline constexpr double kReflectanceFloor = 1e-3;  ///< What ln R is taken of at least.
+inline constexpr double kReflectanceFloor = 1e-3;  ///< Lower bound of R before the logarithm.
 
-/// ln R of every stride-th pixel of every stride-th row; `model` is (R.rgb, S). Not-a-numbers and
-/// negatives count as 0, infinity as 65504.
+/// ln R of every stride-th pixel of every stride-th row; `model` is (R.rgb, S). NaN and negative
+/// values become 0, infinity 65504.
 Plane pick(const Plane& model, int stride);
 
 /// Every pixel in the color nearest to it in ln R, linear, w = 1. `log_colors` not empty.

@@ -1,4 +1,4 @@
-// What of triangles is seen at given points, by brute force.
+// Visibility of triangles at given points, by brute force.
 #pragma once
 
 #include <array>
@@ -14,30 +14,30 @@ using Triangle = std::array<Vec3, 3>;
 struct Hit {
   int triangle = -1;  ///< the nearest one; −1: none
   double depth = 0;
-  double margin = 1e300;  ///< how far the point is from the next edge of any triangle, in pixels
+  double margin = 1e300;  ///< distance of the point to the nearest edge of any triangle, pixels
 };
 
-/// What is seen at a point; triangles without area have no inside.
+/// The visible triangle at a point; triangles without area have no inside.
 Hit look(const std::vector<Triangle>& triangles, double x, double y);
 
 /// The eight points of a pixel, from its upper left corner.
 extern const std::array<std::array<double, 2>, 8> kSamplePoints;
 
-/// The light of an even sky that a patch of `area`, at height h and distance r along the ground,
-/// hides from a point of the ground: the form factor of two patches that face each other, and of a
-/// disc where they are near.
+/// Light of a uniform sky that a patch of `area`, at height h and distance r along the ground,
+/// blocks from a point of the ground: the form factor of two parallel patches, or of a disc if they
+/// are close.
 double hidden_by(double area, double height, double distance);
 
 /// The grids around an object of radius 1 on the ground, x right, rows towards the camera: its
-/// underside from -1 to 1, and the light that is hidden from -2 to 2.
+/// underside from -1 to 1, and the blocked light from -2 to 2.
 constexpr int kUnderside = 32, kGround = 64;
 
-/// What share of the light of an even sky an object hides from the points of the ground (x), down
-/// to nothing at a distance of 2. underside: depth from below in cells (x), coverage (y); ground:
-/// its height; soft: added to heights.
+/// Share of a uniform sky's light that an object blocks from the points of the ground (x), faded to
+/// 0 at distance 2. underside: depth from below in cells (x), coverage (y); ground: its height;
+/// soft: added to heights.
 Plane hidden_light(const Plane& underside, double ground, double soft);
 
-/// Where the ground is in the picture.
+/// Position of the ground in the image.
 struct GroundView {
   double x, y;      ///< the object's center, pixels
   double radius;    ///< of the object, pixels
@@ -46,10 +46,10 @@ struct GroundView {
   double yaw;       ///< of the object, radians
   double strength;  ///< of the shadow
 };
-/// How dark the ground is that a point of the picture shows.
+/// Shadow at a point of the image.
 double darkness(const Plane& hidden, const GroundView& view, double x, double y);
-/// An object (RGB times coverage, coverage) over its shadow, black that covers as much as light is
-/// missing, over a pixel (RGB, alpha).
+/// Composes an object (RGB times coverage, coverage) and its shadow, black with the missing light
+/// as opacity, over a pixel (RGB, alpha).
 Vec4 over(const Vec4& object, double dark, const Vec4& below);
 
 }  // namespace inverse::reference

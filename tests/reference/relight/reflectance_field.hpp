@@ -1,5 +1,5 @@
-// One cosine lobe a pixel from two color gradients (Fyffe et al. 2009), for the lights of a stage,
-// by the equations alone: no tables.
+// One cosine lobe per pixel from two color gradients (Fyffe et al. 2009), for the lights of a
+// stage, from the equations, without tables.
 #pragma once
 
 #include <vector>
@@ -19,11 +19,11 @@ struct Lamp {
 struct CosineLobe {
   Vec3 full{};          ///< A + B
   Vec3 direction{};     ///< u, of length 1
-  double share = 0;     ///< of the lobe; the rest comes from everywhere
+  double share = 0;     ///< of the lobe; the rest is uniform
   double exponent = 0;  ///< p
 };
 
-/// A stage: where its lights are, and the largest exponent that they can tell.
+/// A stage: directions of its lights, and the largest exponent that they can resolve.
 struct Stage {
   std::vector<Vec3> lights;
   double largest_exponent = 63;
@@ -31,21 +31,26 @@ struct Stage {
 
 /// (A − B) F / (F² + noise²) by channel, of length 1 at most.
 Vec3 mean_direction(const Vec3& a, const Vec3& b, double noise);
-/// The mean direction under the stage's lights of light that under even light has the mean
-/// direction v.
+/// The mean direction under the stage's lights of a lobe with mean direction v under uniform light.
 Vec3 seen_mean(const Vec3& v, const Stage& stage);
-/// The lobe whose mean direction under even light is v: u = v / |v|, |v| = (p + 1) / (p + 2), below
-/// |v| = 1/2 mixed with light from everywhere.
+/// The lobe with mean direction v under uniform light: u = v /
+/// v
+/// ,
+/// v
+/// = (p + 1) / (p + 2), mixed with uniform light below
+/// v
+/// = 1/2.
 CosineLobe lobe_of(const Vec3& full, const Vec3& v, const Stage& stage);
 /// S(u, p) = Σ max(0, u·w)^p over the stage's lights, at least a quarter of N / (2 (p + 1)).
 double lobe_sum(const Vec3& u, double p, const Stage& stage);
 /// F ((1 − s) Σ weight / N + s Σ weight max(0, u·w)^p / S(u, p)).
 Vec3 relit(const CosineLobe& lobe, const std::vector<Lamp>& lamps, const Stage& stage);
 
-/// The even part and the one along each component of the directions, by channel, that lights'
-/// weights have in common with what gradients measure: Σ |w − e − a·ω|^1.4 is the least (by
-/// reweighting, distances below 2 % of the mean weight counting as that); components other than the
-/// channel's own by 0.7.
+/// The measured part of the lights' weights, by channel: an even part and one along each component
+/// of the directions. Minimizes Σ
+/// w − e − a·ω
+/// ^1.4 by reweighting, with distances of at least 2 % of the mean weight; components of other
+/// channels have weight 0.7.
 struct Measured {
   Vec3 even{};
   std::vector<Vec3> along = std::vector<Vec3>(3);  ///< by component

@@ -15,7 +15,7 @@ class ScaleNormalization {
   /// Cells a row and rows.
   ScaleNormalization(int width, int height);
 
-  /// What a frame alone asks for: ln c less ln(white level); `dark` if no cell of it counts.
+  /// Target of a single frame: ln c minus ln(white level); `dark` if no cell of it counts.
   struct Wanted {
     double offset = 0;
     bool dark = false;
@@ -23,7 +23,7 @@ class ScaleNormalization {
   /// ln c of a frame. `carries`: it continues the one before. `frozen`: the scale stays.
   double update(const std::vector<ScaleCell>& cells, const Wanted& wanted, bool carries,
                 double white_level, bool frozen = false);
-  /// Shares of the points that were found again, and of those that are bright.
+  /// Shares of the points that were tracked, and of those that are bright.
   double found() const { return found_; }
 
  private:

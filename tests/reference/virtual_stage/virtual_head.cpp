@@ -41,7 +41,7 @@ double smooth_min(double a, double b, double k) {
   return std::min(a, b) - h * h * k / 4;
 }
 
-/// At whole points a random number in [-1, 1), between them smoothly between.
+/// Random values in [-1, 1) at integer points, smoothly interpolated.
 double noise(const Vec3& p) {
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -62,7 +62,7 @@ Vec3 mix(const Vec3& a, const Vec3& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
-/// The white of an eye that looks along +z, its iris and its pupil.
+/// White of an eye that faces +z, its iris and its pupil.
 Vec3 eye_color(const Vec3& out) {
   const double across = std::hypot(out[0], out[1]);
   const Vec3 white{.72, .68, .65}, iris{.10, .16, .17}, pupil{.01, .01, .01};
@@ -94,7 +94,7 @@ std::optional<HeadPoint> see_head(const Head& head, const HeadCamera& camera, in
   const Vec3 to_axis{-eye[0], 0, -eye[2]},
       sideways{std::cos(camera.turn), 0, -std::sin(camera.turn)};
   const Vec3 ray = normalized(along(along(to_axis, sideways, right), {0, 1, 0}, up));
-  // The first point where the distance is nothing, in short steps.
+  // The first point of distance 0, in short steps.
   double t = camera.distance - 2, d = 1;
   for (int i = 0; i < 1000 && t < camera.distance + 2; ++i) {
     d = head_distance(head, along(eye, ray, t));

@@ -9,7 +9,7 @@
 
 namespace inverse::reference {
 
-/// An ellipsoid that is joined to the head or taken out of it. `rows` take an offset from the
+/// An ellipsoid that is joined to the head or subtracted from it. `rows` map an offset from the
 /// center to the unit ball.
 struct HeadSolid {
   std::array<Vec3, 3> rows;
@@ -37,10 +37,10 @@ struct HeadPoint {
   Vec3 position, normal, albedo;
   double roughness, f0;
 };
-/// What a pixel of a picture sees; nothing where it sees none of the head.
+/// The surface in a pixel; empty if the pixel misses the head.
 std::optional<HeadPoint> see_head(const Head& head, const HeadCamera& camera, int width, int height,
                                   int x, int y);
-/// How it looks from `eye` under a white light of irradiance pi from this direction.
+/// Its radiance seen from `eye` under a white light of irradiance pi from this direction.
 Vec3 shade_head(const Head& head, const HeadPoint& point, const Vec3& eye, const Vec3& light);
 
 struct CameraShot {

@@ -40,7 +40,7 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
   throw Error(ErrorKind::output, "cannot write " + path + ": " + error.what());
 }
 
-constexpr double kMuchClipped = 0.1;
+constexpr double kMaxClipped = 0.1;
 constexpr double kWhole = 0.9;  // of the pictures: frames are lost now and then
 
 /// How much of what is lit is at the end of the scale in all channels.
@@ -181,7 +181,7 @@ GstFlowReturn OlatAssembler::assemble(bool ended) {
     clipped = std::max(clipped, clipped_share(light));
     tracking[held.label.trigger] = Motion::gray(light);
   }
-  if (clipped > kMuchClipped)
+  if (clipped > kMaxClipped)
     post_warning(
         log_of(element_), GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
         "%d %% of what is lit in a tracking frame is as bright as the camera can tell: motion is "

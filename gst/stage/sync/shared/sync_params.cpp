@@ -131,7 +131,7 @@ const PropertyTable<SyncParams>& sync_properties() {
           "backend=serial: step the program from here; else the rig's own trigger does",
           Mutable::ready)),
       tuning(number<P>(
-          "serial-timeout", [](P & p) -> auto& { return p.lights.serial.patience; }, 0.01, 3600,
+          "serial-timeout", [](P & p) -> auto& { return p.lights.serial.timeout; }, 0.01, 3600,
           "backend=serial: seconds to wait for an answer of the controller", Mutable::ready)),
   };
   return table;
