@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "decomposer.hpp"
+#include "kernels/intrinsic/reuse/skip_error.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
@@ -11,6 +12,17 @@ struct SolveParams : DecomposerParams {
   uint32_t seed = 1;
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
   float keep_tolerance = 1e-3F;
+  float skip_error = kSkipError;  ///< rms log shading
+};
+
+/// The parameters of such an element: the method's and those.
+template <typename MethodParams>
+struct SolveElementParams : MethodParams, SolveParams {
+  void derive() {
+    const float factor = skip_error / kSkipError;
+    this->scale_tolerances(factor);
+    keep_tolerance *= factor;
+  }
 };
 
 /// The properties of ScaledIntrinsic::Params and SolveParams, from both of which P derives.
@@ -22,6 +34,10 @@ PropertyTable<P> solve_properties() {
           "Leave out what a frame does not need: tiles where little changed keep what was decided "
           "about their edges, cycles end when little changes, and a picture that comes again keeps "
           "its layers once they have settled"),
+      number<P>(
+          "skip-error", &P::skip_error, 0.f, 1.f,
+          "Maximum error of shading that skipping work may add, rms of its natural logarithm; "
+          "0 = skip nothing that changes the result"),
       number<P>("settled", &P::settled, 0.f, 1.f,
                 "Change of log shading by a cycle, rms in natural log units, from which on no "
                 "further one follows; 0 = all run"),
