@@ -30,6 +30,8 @@ struct DecomposerParams {
   Quality quality = Quality::medium;
   double target_fps = 0;      ///< frames a second to hold; 0: any
   double latency_budget = 0;  ///< ms that a frame may take; 0: any time
+  /// Computes what follows from the properties, once all are read.
+  void derive() {}
 };
 
 /// What every decomposer of reflectance and shading shares: `show`, keeping the layers of pictures
@@ -148,7 +150,7 @@ class Decomposer : public Filter {
   uint64_t shown_ = 0, shown_before_ = 0;  // frames of this picture, and of the one before
   std::optional<uint64_t> same_;  // the first frame (FrameContext's number) of this picture with
                                   // these parameters
-  uint64_t last_method_ = 0;                   // the last frame's number
+  uint64_t last_method_ = 0;      // the last frame's number
   std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
   uint64_t kept_ = 0;                          // frames since `configure`
   LiveTrade trade_;
@@ -164,7 +166,11 @@ class MethodDecomposer : public Decomposer {
   MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder)
       : Decomposer(ladder.costs()), parameters_(table, preset_of(ladder)), ladder_(ladder) {}
   PropertyStore& parameters() override { return parameters_; }
-  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+  bool looks_for_repeats() const override {
+    P now = parameters_.snapshot();
+    now.derive();
+    return now.adaptive;
+  }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     Decomposer::configure(device, extent);
@@ -185,6 +191,7 @@ class MethodDecomposer : public Decomposer {
     trade.aim({next.target_fps, next.latency_budget}, ladder_.top(next.quality));
     if (trade.level() != ladder_.top(next.quality))
       next = parameters_.snapshot(ladder_.levels[trade.level()].set);
+    next.derive();
     const typename Method::Params &before = params_, &now = next;
     const bool changed = before != now;
     params_ = next;

@@ -6,7 +6,7 @@
 namespace inverse {
 namespace {
 
-struct Params : GlobalIntrinsic::Params, SolveParams {};
+using Params = SolveElementParams<GlobalIntrinsic::Params>;
 
 class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
  public:

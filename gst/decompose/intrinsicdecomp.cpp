@@ -5,7 +5,7 @@
 namespace inverse {
 namespace {
 
-struct Params : ScaledIntrinsic::Params, SolveParams {};
+using Params = SolveElementParams<ScaledIntrinsic::Params>;
 
 class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params> {
  public:

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "decomposer.hpp"
+#include "kernels/intrinsic/reuse/skip_error.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 
 namespace inverse {
@@ -10,6 +11,17 @@ namespace inverse {
 struct SolveParams : DecomposerParams {
   /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
   float keep_tolerance = 1e-3F;
+  float skip_error = kSkipError;  ///< rms log shading
+};
+
+/// The parameters of such an element: the method's and those.
+template <typename MethodParams>
+struct SolveElementParams : MethodParams, SolveParams {
+  void derive() {
+    const float factor = skip_error / kSkipError;
+    this->scale_tolerances(factor);
+    keep_tolerance *= factor;
+  }
 };
 
 /// The properties of ScaledIntrinsic::Params and SolveParams, from both of which P derives.
@@ -18,28 +30,37 @@ PropertyTable<P> solve_properties() {
   return {
       flag<P>("adaptive", &P::adaptive,
               "Skip work that changes nothing visible; turn off to compare"),
-      number<P>("settled", &P::settled, 0.f, 1.f,
-                "Change of log shading by a cycle, rms in natural log units, from which on no "
-                "further one follows; 0 = all run"),
+      number<P>("skip-error", &P::skip_error, 0.f, 1.f,
+                "Maximum error that skipped work may add (rms log shading); 0 skips nothing that "
+                "changes the result"),
+      tuning(
+          number<P>("settled", &P::settled, 0.f, 1.f,
+                    "Change of log shading by a cycle, rms in natural log units, from which on no "
+                    "further one follows; 0 = all run")),
       tuning(flag<P>("half-resolution", &P::half_resolution,
                      "Solve at half width and height, for speed")),
       tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
                      "With half-resolution: solve at a quarter of width and height")),
-      number<P>("half-resolution-bound", &P::half_bound, 0.f, 1.f,
-                "Change of log shading, rms in natural log units, that half resolution may make "
-                "on a scene to be chosen by itself; 0 = never"),
-      number<P>("chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
-                "Change of log shading, rms in natural log units, below which equal chroma is "
-                "not looked for, as it cannot make more; 0 = always looked for"),
-      number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
-                "Share of reflectance that could stay what it was, rms over the frame, below "
-                "which pixels are not compared with the frame before; 0 = always compared"),
-      number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
-                "Change of log shading by the last cycle, rms in natural log units, below which "
-                "the layers of a picture that comes again are kept; 0 = never"),
-      number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
-                "Change of intensity or chroma, natural log units, from which on a tile counts "
-                "as changed"),
+      tuning(number<P>(
+          "half-resolution-bound", &P::half_bound, 0.f, 1.f,
+          "Change of log shading, rms in natural log units, that half resolution may make "
+          "on a scene to be chosen by itself; 0 = never")),
+      tuning(
+          number<P>("chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
+                    "Change of log shading, rms in natural log units, below which equal chroma is "
+                    "not looked for, as it cannot make more; 0 = always looked for")),
+      tuning(
+          number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
+                    "Share of reflectance that could stay what it was, rms over the frame, below "
+                    "which pixels are not compared with the frame before; 0 = always compared")),
+      tuning(number<P>(
+          "keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+          "Change of log shading by the last cycle, rms in natural log units, below which "
+          "the layers of a picture that comes again are kept; 0 = never")),
+      tuning(
+          number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
+                    "Change of intensity or chroma, natural log units, from which on a tile counts "
+                    "as changed")),
       tuning(
           number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
       tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
@@ -93,22 +114,22 @@ PropertyTable<P> solve_properties() {
       tuning(number<P>(
           "white-quantile", [](P& p) -> float& { return p.scale.quantile; }, 0.f, 1.f,
           "Share of the frame darker than the surfaces that white-level scales")),
-      number<P>(
+      tuning(number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
           "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
-          "scene"),
+          "scene")),
   };
 }
 
 /// That of decomposers that tell the solve what has changed.
 template <typename P>
 Property<P> tile_tolerance_property() {
-  return number<P>(
+  return tuning(number<P>(
       "tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
       "What a tile whose input stays the same may lack, rms in natural log units of shading, of "
       "what frames that left it out would have changed, before one works on it again; all are "
       "worked on every 32 frames. At the default of 0.02 the solved shading so stays within 0.04 "
-      "rms of that of adaptive=false. 0 = none is left out");
+      "rms of that of adaptive=false. 0 = none is left out"));
 }
 
 /// What of those `quality` stands for.

@@ -33,6 +33,13 @@ class ScaledIntrinsic {
       half_resolution = halvings > 0;
       quarter_resolution = halvings > 1;
     }
+    /// Scales all tolerances of skipped work; 0 skips nothing that changes the result.
+    void scale_tolerances(float factor) {
+      adaptive = adaptive && factor > 0;
+      for (float* tolerance : {&settled, &still_tolerance, &chroma_tolerance, &hold_tolerance,
+                               &tile_tolerance, &half_bound})
+        *tolerance *= factor;
+    }
     bool operator==(const Params&) const = default;
   };
   using FrameInfo = IntrinsicDecomposition::FrameInfo;

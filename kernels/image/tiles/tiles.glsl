@@ -1,5 +1,5 @@
 // Work on a list of tiles of 16 x 16 pixels instead of a whole frame. Before including this file, a kernel defines
-// TILE_CONSTANT, the first of two specialization constants, and TILE_BINDING, the binding of the list (TileKernel).
+// TILE_CONSTANT, the first of two specialization constants, and TILE_BINDING, the binding of the list (TileProgram).
 //
 // The list, in words: the number of tiles; from LIST_ARGUMENTS on the workgroup counts, three words each, of kernels
 // with 1, 2, 4 … 64 invocations per tile; from LIST_TILES on the tiles, column + 65536 row.

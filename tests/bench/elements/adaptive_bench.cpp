@@ -54,11 +54,11 @@ std::vector<Setting> settings(const std::string& element, bool parts) {
       {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "hold-tolerance"},
       {"half resolution", "half-resolution-bound"}};
   for (const auto& [name, kept] : named) {
-    std::string line = element;
-    for (const auto& [other, property] : named)
-      if (property != kept) line += std::string(" ") + property + "=0";
-    all.push_back({name, line, true});
-    all.push_back({std::string("all but ") + name, element + " " + kept + "=0", false});
+    std::string others;
+    for (const auto& [other, entry] : named)
+      if (entry != kept) others += (others.empty() ? "" : ":") + std::string(entry) + "=0";
+    all.push_back({name, element + " tuning=" + others, true});
+    all.push_back({std::string("all but ") + name, element + " tuning=" + kept + "=0", false});
   }
   return all;
 }

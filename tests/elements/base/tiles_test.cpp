@@ -95,12 +95,11 @@ TEST(TilesOfAVideo, PropertiesAndLightThatChangeConcernEveryTile) {
   g_object_set(harness.find("intrinsicdecomp"), "show", 2, nullptr);  // input
   way += 2;
   EXPECT_EQ(harness.process(frame(way)), frame(way));
-  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.0F, nullptr);
+  g_object_set(harness.find("intrinsicdecomp"), "tuning", "tile-tolerance=0", nullptr);
   for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
   // Half the resolution has no such tiles.
-  g_object_set(harness.find("intrinsicdecomp"), "tile-tolerance", 0.02F, "tuning",
-               "half-resolution=true", nullptr);
+  g_object_set(harness.find("intrinsicdecomp"), "tuning", "half-resolution=true", nullptr);
   for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
   EXPECT_TRUE(harness.errors().empty());

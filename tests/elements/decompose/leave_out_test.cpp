@@ -1,5 +1,7 @@
 // What the decomposers leave out by what a scene shows, as stats tell it.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "tests/elements/element_test.hpp"
 
@@ -79,7 +81,7 @@ TEST(LeaveOut, HalfResolutionFollowsItsBound) {
   EXPECT_FALSE(sharp.half);
   EXPECT_GT(sharp.distance, 0.06);
   for (const char* line :
-       {"intrinsicdecomp half-resolution-bound=0", "intrinsicdecomp adaptive=false"}) {
+       {"intrinsicdecomp tuning=half-resolution-bound=0", "intrinsicdecomp adaptive=false"}) {
     const Told never = after(line, "intrinsicdecomp", true, 32);
     EXPECT_FALSE(never.half) << line;
     EXPECT_EQ(never.distance, 0) << line;
@@ -117,6 +119,68 @@ TEST(LeaveOut, BouncedLightOfVideoInBlackAndWhite) {
   }
   EXPECT_GT(seen, 0) << "color came back";
   EXPECT_TRUE(all.errors().empty());
+}
+
+/// A video in which everything, little, and nothing changes; frame by frame.
+std::vector<std::vector<uint8_t>> mixed_video() {
+  std::vector<std::vector<uint8_t>> frames;
+  for (int k = 0; k < 8; ++k) frames.push_back(picture(false, 4 * k));
+  for (int k = 0; k < 24; ++k) frames.push_back(frames.back());
+  for (int k = 0; k < 24; ++k) {
+    auto frame = picture(false, 28);
+    for (int y = 40; y < 52; ++y)
+      std::fill_n(&frame[4 * static_cast<size_t>(y * kWidth + 20 + 2 * k)], 48, uint8_t{200});
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+/// Rms difference of the logarithm of sRGB codes, as linear light.
+double log_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  const auto light = [](uint8_t code) {
+    const double v = code / 255.0;
+    return std::log((v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)) + 0.02);
+  };
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::pow(light(a[i]) - light(b[i]), 2);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+class SkipError : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, SkipError, ::testing::Values("intrinsicdecomp", "globalintrinsic"));
+
+TEST_P(SkipError, ZeroSkipsNothingThatChangesTheResult) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight), name = GetParam();
+  VideoHarness none(name + " show=shading skip-error=0", caps, caps);
+  VideoHarness whole(name + " show=shading adaptive=false", caps, caps);
+  for (const auto& frame : mixed_video()) ASSERT_EQ(none.process(frame), whole.process(frame));
+}
+
+TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
+  const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight), name = GetParam();
+  VideoHarness whole(name + " show=shading adaptive=false", caps, caps);
+  std::vector<std::vector<uint8_t>> wanted;
+  for (const auto& frame : mixed_video()) wanted.push_back(whole.process(frame));
+  guint64 before = UINT64_MAX;
+  for (const char* error : {"0.3", "0.1", "0.02"}) {
+    VideoHarness harness(name + " show=shading skip-error=" + error, caps, caps);
+    double worst = 0;
+    guint64 skipped = 0;  // tiles
+    size_t k = 0;
+    for (const auto& frame : mixed_video()) {
+      worst = std::max(worst, log_difference(harness.process(frame), wanted[k++]));
+      GstElement* element = harness.find(name);
+      const bool kept = stat<gboolean>(element, "kept", G_TYPE_BOOLEAN);
+      const guint tiles = stat<guint>(element, "tiles", G_TYPE_UINT);
+      skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-active", G_TYPE_UINT);
+    }
+    std::printf("%s skip-error=%s: at most %.4f rms log shading, %" G_GUINT64_FORMAT
+                " tiles skipped\n",
+                name.c_str(), error, worst, skipped);
+    EXPECT_LE(worst, std::atof(error)) << error;
+    EXPECT_LE(skipped, before) << error;
+    before = skipped;
+  }
 }
 
 }  // namespace inverse::testing

@@ -108,9 +108,10 @@ TEST(Live, WhatIsSetExplicitlyStays) {
   send_until(harness, source, [](const Live& l) { return l.on && l.level == 0; });
   harness.process(source.next());
   EXPECT_EQ(live_of(harness).cycles, 3u);
-  gfloat tolerance = 0;
-  g_object_get(harness.find("intrinsicdecomp"), "still-tolerance", &tolerance, nullptr);
-  EXPECT_FLOAT_EQ(tolerance, 0.05F) << "properties show what was set, not what is done";
+  gchar* tuning = nullptr;
+  g_object_get(harness.find("intrinsicdecomp"), "tuning", &tuning, nullptr);
+  EXPECT_STREQ(tuning, "warm-cycles=3") << "properties show what was set, not what is done";
+  g_free(tuning);
 }
 
 // The artificial load is the frame: two hundred times as many pixels.
