@@ -12,7 +12,7 @@ enum class Role : uint8_t {
   input,  ///< linear RGB of the frame, 1 = full scale; w = alpha
   model,  ///< R.rgb and S of the decomposer, before any edit; needed for the residual input − R·S
   intrinsic,  ///< reflectance R.rgb (may exceed 1) and shading S, changed by editors; R·S ≈ input
-  mask,  ///< x = matte 0…1 for the next editor
+  mask,       ///< x = matte 0…1 for the next editor
   model_light,  ///< light of the decomposer, before any edit
   light,  ///< of frames with indirect light: rgb = color of the light, with R·S·rgb ≈ input (mean
           ///< or geometric mean 1 before edits), changed by editors; w = direct share of S, 0…1
@@ -21,10 +21,10 @@ enum class Role : uint8_t {
   bases = indirect + 4,  ///< kMaxBases × 1: color of light after bouncing off surfaces of base
                          ///< color k (linear, largest channel 1, changed by editors); w = 1, or 0
                          ///< if there is no such color
-  model_bases,  ///< bases of the decomposer, before any edit
-  lamp,  ///< 1 × 1: color of direct light, linear, geometric mean 1; absent if white
-  diffuse,  ///< of frames with separated highlights: linear RGB without them; w = mask of the
-            ///< object, 0…1
+  model_bases,           ///< bases of the decomposer, before any edit
+  lamp,      ///< 1 × 1: color of direct light, linear, geometric mean 1; absent if white
+  diffuse,   ///< of frames with separated highlights: linear RGB without them; w = mask of the
+             ///< object, 0…1
   specular,  ///< of the same frames: highlights, linear RGB, diffuse + specular = input; w = mirror
              ///< image: what a mirror of the object's specular albedo would reflect
   gradient_a,  ///< of pairs from a light stage: linear RGB under gradient A, 1 = full scale; w =

@@ -32,8 +32,8 @@ void validate_weights(const Graph& graph, const Node& node, uint64_t from) {
   if (node.fan_in < 1) refuse(named(node), "no input channels");
   const uint64_t count = node.weight_count() + node.channels;
   if (node.weights > graph.weights.size() || count > graph.weights.size() - node.weights)
-    refuse(named(node), "its weights are outside of the graph's " +
-                            std::to_string(graph.weights.size()));
+    refuse(named(node),
+           "its weights are outside of the graph's " + std::to_string(graph.weights.size()));
   if (node.weights < from)
     refuse(named(node), "its weights do not lie behind those of the nodes before it");
   const auto first = graph.weights.begin() + static_cast<ptrdiff_t>(node.weights);

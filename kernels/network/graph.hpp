@@ -9,13 +9,13 @@ namespace inverse::network {
 /// Operation of a node. Images have channels, height and width; a vector is an image of one pixel.
 enum class Op : uint32_t {
   convolution,  ///< 3 x 3 (zeros around the image) or 1 x 1, stride 1 or 2
-  max_pool,  ///< 2 x 2, stride 2; an odd last row or column is dropped
+  max_pool,     ///< 2 x 2, stride 2; an odd last row or column is dropped
   upsample,     ///< bilinear, twice as large; pixel centers at halves, clamped at the border
-  concat,  ///< channels of the first input, then of the second
-  dense,  ///< over the whole input, channel by channel, row by row
+  concat,       ///< channels of the first input, then of the second
+  dense,        ///< over the whole input, channel by channel, row by row
   global_mean,  ///< mean of every channel: a vector
   softmax,      ///< over the channels, at every pixel
-  activation,  ///< `Node::activation` only
+  activation,   ///< `Node::activation` only
 };
 constexpr uint32_t kOps = 8;
 

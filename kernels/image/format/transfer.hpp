@@ -14,8 +14,8 @@ enum class TransferFunction : uint8_t {
   gamma20,
   gamma22,
   gamma28,
-  pq,  ///< SMPTE ST 2084: unsupported
-  hlg,  ///< ARIB STD-B67: unsupported
+  pq,      ///< SMPTE ST 2084: unsupported
+  hlg,     ///< ARIB STD-B67: unsupported
   log100,  ///< unsupported
   log316,  ///< unsupported
 };

@@ -11,9 +11,9 @@ class LightPicture {
  public:
   enum class What : uint8_t {
     all,       ///< direct and indirect light, in color
-    direct,  ///< directly from the lamps, in their color
+    direct,    ///< directly from the lamps, in their color
     indirect,  ///< the rest, in color
-    layer,  ///< light that bounced off one base color; black if there is no such color
+    layer,     ///< light that bounced off one base color; black if there is no such color
   };
   explicit LightPicture(const std::shared_ptr<gpu::Device>& device);
 
