@@ -76,7 +76,7 @@ class Filter {
   virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) = 0;
   /// Drops everything on the device.
   virtual void release() = 0;
-  /// Forgets what it knows of earlier frames.
+  /// Forgets earlier frames.
   virtual void reset() {}
   /// Whether frames are to be compared with the ones before them, for FrameContext::repeated and
   /// `changed`.

@@ -23,7 +23,7 @@ void Decomposer::configure(const std::shared_ptr<gpu::Device>& device, Extent ex
   planes_.emplace(device, extent);
   past_ = {};
   kept_ = 0;
-  trade_.forget();
+  rate_controller_.forget();
 }
 
 void Decomposer::release() {
@@ -76,14 +76,15 @@ Decomposer::Decision Decomposer::decide(const FrameContext& frame, const Setting
 }
 
 void Decomposer::process(FrameContext& frame) {
-  const Settings settings = next_settings(trade_);
+  const Settings settings = next_settings(rate_controller_);
   const auto [kept, reason] = decide(frame, settings);
   GST_CAT_DEBUG_OBJECT(log().category, log().object, "frame %" G_GUINT64_FORMAT " %s: %s",
                        frame.number, kept ? "skipped, layers reused" : "decomposed", reason);
-  if (const size_t level = trade_.level(); level != std::exchange(logged_level_, level))
+  if (const size_t level = rate_controller_.level(); level != std::exchange(logged_level_, level))
     GST_CAT_INFO_OBJECT(log().category, log().object, "quality level changed to %zu: %s", level,
-                        trade_.report().reason.empty() ? "quality or target was set"
-                                                       : trade_.report().reason.c_str());
+                        rate_controller_.report().reason.empty()
+                            ? "quality or target was set"
+                            : rate_controller_.report().reason.c_str());
   if (kept) {
     frame.layers = *held_;
     ++kept_;
@@ -95,7 +96,7 @@ void Decomposer::process(FrameContext& frame) {
     held_ = frame.layers;
   else
     held_.reset();
-  past_[frame.number] = {last_method_, kept, trade_.level(), kept_};
+  past_[frame.number] = {last_method_, kept, rate_controller_.level(), kept_};
   if (!frame.draw) return;
   draw(frame, settings);
   // Clusters follow the last frames, also those that are alike.
@@ -108,12 +109,12 @@ void Decomposer::process(FrameContext& frame) {
 
 void Decomposer::took(uint64_t number, double milliseconds) {
   if (!past(number).kept) done(past(number).method);
-  // What costs nothing says nothing of what other frames will cost.
+  // What costs nothing does not predict what other frames cost.
   if (!past(number).kept && typical(past(number).method))
-    trade_.frame(seconds_now(), milliseconds, past(number).level);
+    rate_controller_.frame(seconds_now(), milliseconds, past(number).level);
 }
 
-void Decomposer::late(double milliseconds) { trade_.late(seconds_now(), milliseconds); }
+void Decomposer::late(double milliseconds) { rate_controller_.late(seconds_now(), milliseconds); }
 
 void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   const Past& frame = past(number);
@@ -131,12 +132,12 @@ void Decomposer::describe(GstStructure* stats, uint64_t number) const {
   if (gst_structure_get_boolean(stats, "cut", &cut) && cut)
     GST_CAT_INFO_OBJECT(log().category, log().object, "scene cut at frame %" G_GUINT64_FORMAT,
                         number);
-  const LiveTrade::Report& trade = trade_.report();
-  if (trade.budget_ms > 0)
+  const RateController::Report& report = rate_controller_.report();
+  if (report.budget_ms > 0)
     gst_structure_set(stats, "live-level", G_TYPE_UINT, static_cast<guint>(frame.level),
-                      "live-budget-ms", G_TYPE_DOUBLE, trade.budget_ms, "live-predicted-ms",
-                      G_TYPE_DOUBLE, trade.predicted_ms, "live-moves", G_TYPE_UINT64, trade.moves,
-                      "live-reason", G_TYPE_STRING, trade.reason.c_str(), nullptr);
+                      "live-budget-ms", G_TYPE_DOUBLE, report.budget_ms, "live-predicted-ms",
+                      G_TYPE_DOUBLE, report.predicted_ms, "live-moves", G_TYPE_UINT64, report.moves,
+                      "live-reason", G_TYPE_STRING, report.reason.c_str(), nullptr);
 }
 
 void Decomposer::draw(FrameContext& frame, const Settings& settings) {

@@ -5,9 +5,9 @@
 #include "gst/base/filter.hpp"
 #include "gst/base/frames/light_pictures.hpp"
 #include "kernels/image/view/mosaic.hpp"
-#include "kernels/ladder.hpp"
 #include "kernels/palette/scene_palette.hpp"
-#include "live_trade.hpp"
+#include "kernels/quality_levels.hpp"
+#include "rate_controller.hpp"
 
 namespace inverse {
 
@@ -45,7 +45,7 @@ struct DecomposerParams {
 class Decomposer : public Filter {
  public:
   explicit Decomposer(std::span<const double> level_costs)
-      : trade_(level_costs), logged_level_(trade_.level()) {}
+      : rate_controller_(level_costs), logged_level_(rate_controller_.level()) {}
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
   void process(FrameContext& frame) final;
@@ -62,7 +62,7 @@ class Decomposer : public Filter {
     bool changed = false;  ///< the method's differ from those of the frame before
   };
   /// Takes the parameters for the next frame, and chooses the level of work by them.
-  virtual Settings next_settings(LiveTrade& trade) = 0;
+  virtual Settings next_settings(RateController& controller) = 0;
   /// Runs the method: fills `frame.layers` from its input layer. Returns the method's own number
   /// for the frame.
   virtual uint64_t decompose(FrameContext& frame) = 0;
@@ -133,7 +133,7 @@ class Decomposer : public Filter {
   struct Past {
     uint64_t method = 0;  // the method's number of the frame whose layers it has
     bool kept = false;
-    size_t level = 0;  // of LiveTrade
+    size_t level = 0;  // of RateController
     uint64_t kept_so_far = 0;
   };
   const Past& past(uint64_t number) const { return past_[number]; }
@@ -153,7 +153,7 @@ class Decomposer : public Filter {
   uint64_t last_method_ = 0;      // the last frame's number
   std::optional<std::pair<Show, int>> drawn_;  // how the frame before was drawn
   uint64_t kept_ = 0;                          // frames since `configure`
-  LiveTrade trade_;
+  RateController rate_controller_;
   size_t logged_level_;
 };
 
@@ -163,8 +163,11 @@ class Decomposer : public Filter {
 template <typename Method, typename P>
 class MethodDecomposer : public Decomposer {
  public:
-  MethodDecomposer(const PropertyTable<P>& table, const Ladder<typename Method::Params>& ladder)
-      : Decomposer(ladder.costs()), parameters_(table, preset_of(ladder)), ladder_(ladder) {}
+  MethodDecomposer(const PropertyTable<P>& table,
+                   const QualityLevels<typename Method::Params>& quality_levels)
+      : Decomposer(quality_levels.costs()),
+        parameters_(table, preset_of(quality_levels)),
+        quality_levels_(quality_levels) {}
   PropertyStore& parameters() override { return parameters_; }
   bool looks_for_repeats() const override {
     P now = parameters_.snapshot();
@@ -186,11 +189,11 @@ class MethodDecomposer : public Decomposer {
   }
 
  protected:
-  Settings next_settings(LiveTrade& trade) override {
+  Settings next_settings(RateController& controller) override {
     P next = parameters_.snapshot();
-    trade.aim({next.target_fps, next.latency_budget}, ladder_.top(next.quality));
-    if (trade.level() != ladder_.top(next.quality))
-      next = parameters_.snapshot(ladder_.levels[trade.level()].set);
+    controller.aim({next.target_fps, next.latency_budget}, quality_levels_.top(next.quality));
+    if (controller.level() != quality_levels_.top(next.quality))
+      next = parameters_.snapshot(quality_levels_.levels[controller.level()].set);
     next.derive();
     const typename Method::Params &before = params_, &now = next;
     const bool changed = before != now;
@@ -205,16 +208,17 @@ class MethodDecomposer : public Decomposer {
 
  private:
   /// What a quality stands for.
-  static typename Parameters<P>::Preset preset_of(const Ladder<typename Method::Params>& ladder) {
-    return [&ladder](const P& set) {
+  static typename Parameters<P>::Preset preset_of(
+      const QualityLevels<typename Method::Params>& quality_levels) {
+    return [&quality_levels](const P& set) {
       P params;
       params.quality = set.quality;
-      ladder.set(params, set.quality);
+      quality_levels.set(params, set.quality);
       return params;
     };
   }
 
-  const Ladder<typename Method::Params>& ladder_;
+  const QualityLevels<typename Method::Params>& quality_levels_;
   P params_;
 };
 

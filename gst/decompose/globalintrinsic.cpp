@@ -1,6 +1,6 @@
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
 #include "gst/base/color.hpp"
-#include "kernels/global/ladder.hpp"
+#include "kernels/global/quality_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {
@@ -10,7 +10,7 @@ using Params = SolveElementParams<GlobalIntrinsic::Params>;
 
 class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
  public:
-  GlobalElement() : SolvingDecomposer(table(), global_ladder()) {}
+  GlobalElement() : SolvingDecomposer(table(), global_levels()) {}
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {
@@ -41,9 +41,9 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     return method_->stats(number).solve;
   }
 
-  Settings next_settings(LiveTrade& trade) override {
+  Settings next_settings(RateController& controller) override {
     const bool had_shares = shows_layer_;
-    Settings settings = SolvingDecomposer::next_settings(trade);
+    Settings settings = SolvingDecomposer::next_settings(controller);
     shows_layer_ = settings.show == Show::layer;
     settings.changed |= shows_layer_ && !had_shares;  // a kept frame may have none
     return settings;
@@ -64,7 +64,7 @@ class GlobalElement final : public SolvingDecomposer<GlobalIntrinsic, Params> {
     method_->draw_labels(frame.commands, *frame.layers[Role::input], target);
   }
 
-  // A frame whose light was found before says nothing of others.
+  // A frame whose light was found before is not typical.
   bool typical(uint64_t number) const override {
     return SolvingDecomposer::typical(number) && !method_->stats(number).held;
   }

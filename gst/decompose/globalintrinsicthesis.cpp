@@ -7,7 +7,7 @@
 #include "gst/base/color.hpp"
 #include "kernels/image/view/mosaic.hpp"
 #include "kernels/thesis/chapter5/correction/warm_up.hpp"
-#include "kernels/thesis/chapter5/ladder.hpp"
+#include "kernels/thesis/chapter5/quality_levels.hpp"
 #include "region_messages.hpp"
 #include "region_requests.hpp"
 
@@ -22,7 +22,7 @@ struct Params : GlobalThesisParams, DecomposerParams {
 
 class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
  public:
-  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_ladder()) {}
+  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_levels()) {}
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
     MethodDecomposer::configure(device, extent);
@@ -81,7 +81,8 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   bool settled(std::optional<uint64_t> done) const override {
     return done.value_or(0) >= method_->scene_since() && messages_.empty() &&
            !regions_->has_lost() && !method_->refining() && !correction_->busy() &&
-           requests_.empty() && !proposals_->pending(params().propose) && since_click_ > kPatience;
+           requests_.empty() && !proposals_->pending(params().propose) &&
+           since_click_ > kClickFrames;
   }
 
   void done(uint64_t number) override {
@@ -161,7 +162,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
 
  private:
   // Frames after a click in which its region is found and its colors are begun to be tried.
-  static constexpr uint64_t kPatience = 50;
+  static constexpr uint64_t kClickFrames = 50;
 
   /// Clicks on what `marks` names, when it was set anew.
   void take_marks(FrameContext& frame) {
@@ -344,11 +345,11 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   gpu::FrameRing<Numbers> numbers_;
   RegionMessages messages_;
   Extent extent_{};
-  int most_colors_ = 0;                   // that the device has room for
-  int reported_limit_ = 0;                // base-colors when it was said that they are too many
-  bool seen_ = false;                     // a frame since the stream began
-  bool started_ = false;                  // the scene's base colors are known
-  uint64_t since_click_ = kPatience + 1;  // frames
+  int most_colors_ = 0;                      // that the device has room for
+  int reported_limit_ = 0;                   // base-colors when it was said that they are too many
+  bool seen_ = false;                        // a frame since the stream began
+  bool started_ = false;                     // the scene's base colors are known
+  uint64_t since_click_ = kClickFrames + 1;  // frames
   RegionRequests requests_;
   std::string marks_;  // that were taken
 };

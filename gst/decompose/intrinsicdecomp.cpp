@@ -1,5 +1,5 @@
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
-#include "kernels/intrinsic/ladder.hpp"
+#include "kernels/intrinsic/quality_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {
@@ -9,7 +9,7 @@ using Params = SolveElementParams<ScaledIntrinsic::Params>;
 
 class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params> {
  public:
-  IntrinsicElement() : SolvingDecomposer(table(), intrinsic_ladder()) {}
+  IntrinsicElement() : SolvingDecomposer(table(), intrinsic_levels()) {}
 
  protected:
   bool settled(std::optional<uint64_t> done) const override {

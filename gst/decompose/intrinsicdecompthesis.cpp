@@ -1,6 +1,6 @@
 // intrinsicdecompthesis: chapter 3 of the thesis.
 #include "decomposer.hpp"
-#include "kernels/thesis/chapter3/ladder.hpp"
+#include "kernels/thesis/chapter3/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 
 namespace inverse {
@@ -12,7 +12,7 @@ struct Params : ThesisParams, DecomposerParams {
 
 class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
  public:
-  ThesisElement() : MethodDecomposer(table(), thesis_ladder()) {}
+  ThesisElement() : MethodDecomposer(table(), thesis_levels()) {}
 
  protected:
   // It does not start from the frame before: the same picture again would gain nothing but another

@@ -33,34 +33,28 @@ PropertyTable<P> solve_properties() {
       number<P>("skip-error", &P::skip_error, 0.f, 1.f,
                 "Maximum error that skipped work may add (rms log shading); 0 skips nothing that "
                 "changes the result"),
-      tuning(
-          number<P>("settled", &P::settled, 0.f, 1.f,
-                    "Change of log shading by a cycle, rms in natural log units, from which on no "
-                    "further one follows; 0 = all run")),
+      tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+                       "Change by a multigrid cycle after which no other follows (rms log "
+                       "shading); 0 = all run")),
       tuning(flag<P>("half-resolution", &P::half_resolution,
                      "Solve at half width and height, for speed")),
       tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
                      "With half-resolution: solve at a quarter of width and height")),
       tuning(number<P>(
           "half-resolution-bound", &P::half_bound, 0.f, 1.f,
-          "Change of log shading, rms in natural log units, that half resolution may make "
-          "on a scene to be chosen by itself; 0 = never")),
-      tuning(
-          number<P>("chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
-                    "Change of log shading, rms in natural log units, below which equal chroma is "
-                    "not looked for, as it cannot make more; 0 = always looked for")),
-      tuning(
-          number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
-                    "Share of reflectance that could stay what it was, rms over the frame, below "
-                    "which pixels are not compared with the frame before; 0 = always compared")),
+          "Maximum error at which half resolution is chosen (rms log shading); 0 = never")),
       tuning(number<P>(
-          "keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
-          "Change of log shading by the last cycle, rms in natural log units, below which "
-          "the layers of a picture that comes again are kept; 0 = never")),
-      tuning(
-          number<P>("still-tolerance", &P::still_tolerance, 0.f, 1.f,
-                    "Change of intensity or chroma, natural log units, from which on a tile counts "
-                    "as changed")),
+          "chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
+          "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
+      tuning(number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
+                       "Maximum share of held reflectance at which the last frame is not compared; "
+                       "0 = always compared")),
+      tuning(number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+                       "Change by the last cycle below which a repeated picture reuses its layers "
+                       "(rms log shading)")),
+      tuning(number<P>(
+          "still-tolerance", &P::still_tolerance, 0.f, 1.f,
+          "Change of a tile at which its edges are evaluated again (log intensity or chroma)")),
       tuning(
           number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
       tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
@@ -116,20 +110,16 @@ PropertyTable<P> solve_properties() {
           "Share of the frame darker than the surfaces that white-level scales")),
       tuning(number<P>(
           "cut-fraction", [](P& p) -> float& { return p.anchor.cut_fraction; }, 0.f, 1.f,
-          "Mean mismatch of a frame with the one before from which on it counts as a cut of the "
-          "scene")),
+          "Mean mismatch with the previous frame at which a scene cut is detected")),
   };
 }
 
 /// That of decomposers that tell the solve what has changed.
 template <typename P>
 Property<P> tile_tolerance_property() {
-  return tuning(number<P>(
-      "tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
-      "What a tile whose input stays the same may lack, rms in natural log units of shading, of "
-      "what frames that left it out would have changed, before one works on it again; all are "
-      "worked on every 32 frames. At the default of 0.02 the solved shading so stays within 0.04 "
-      "rms of that of adaptive=false. 0 = none is left out"));
+  return tuning(number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+                          "Maximum estimated error of a skipped static tile before it is "
+                          "recomputed (rms log shading)"));
 }
 
 /// What of those `quality` stands for.
@@ -163,7 +153,7 @@ class SolvingDecomposer : public MethodDecomposer<Method, P> {
  protected:
   virtual const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const = 0;
 
-  // A frame of which only tiles were worked on, or that was solved twice, says nothing of others.
+  // A frame of which only tiles were worked on, or that was solved twice, is not typical.
   bool typical(uint64_t number) const override {
     const ScaledIntrinsic::Stats& stats = solve_stats(number);
     return !stats.listed && !stats.crossed && !stats.compared;

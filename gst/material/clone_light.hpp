@@ -15,7 +15,7 @@ namespace inverse {
 class CloneLight {
  public:
   /// Before a stream: reads the file, if one is named. Throws Error as load_environment; `warning`
-  /// gets what is amiss with the file and does not hinder.
+  /// gets what is misconfigured with the file and does not hinder.
   void start(const std::string& file, std::string& warning);
   /// Lights a sphere that has no light yet.
   void begin(LitSphere& sphere);

@@ -11,14 +11,14 @@
 #include "kernels/global_gather_received.spv.hpp"
 #include "kernels/global_gather_summary.spv.hpp"
 #include "kernels/global_grid_grid.spv.hpp"
-#include "kernels/global_grid_look.spv.hpp"
+#include "kernels/global_grid_scene_statistics.spv.hpp"
 #include "kernels/global_grid_white.spv.hpp"
-#include "kernels/global_light_believe.spv.hpp"
 #include "kernels/global_light_direct.spv.hpp"
+#include "kernels/global_light_divide_tint.spv.hpp"
 #include "kernels/global_light_fit.spv.hpp"
+#include "kernels/global_light_label_confidence.spv.hpp"
 #include "kernels/global_light_labels.spv.hpp"
 #include "kernels/global_light_shares.spv.hpp"
-#include "kernels/global_light_untint.spv.hpp"
 #include "kernels/global_scene_amount.spv.hpp"
 #include "kernels/global_scene_modes.spv.hpp"
 #include "kernels/global_scene_statistics.spv.hpp"
@@ -186,7 +186,7 @@ class GlobalIntrinsic {
   /// Named as their shaders.
   struct Kernels {
     using Grid = gpu::Program<shaders::global_grid_grid>;
-    using Look = gpu::Program<shaders::global_grid_look>;
+    using Look = gpu::Program<shaders::global_grid_scene_statistics>;
     Grid grid[2], plain_grid;              // in white light and in the lamps'; of colors alone
     Look decide_and_start, decide, start;  // whole and in two halves
     gpu::Program<shaders::global_grid_white> white;
@@ -200,9 +200,9 @@ class GlobalIntrinsic {
     gpu::Program<shaders::global_scene_tint> tint;
     gpu::Program<shaders::global_scene_statistics> statistics;
     gpu::Program<shaders::global_scene_modes> modes;
-    gpu::Program<shaders::global_light_believe> believe;
+    gpu::Program<shaders::global_light_label_confidence> believe;
     gpu::Program<shaders::global_light_fit> fit[3];
-    TileProgram<shaders::global_light_untint> untint;
+    TileProgram<shaders::global_light_divide_tint> untint;
     TileProgram<shaders::global_light_direct> direct;
   } kernels_;
   gpu::BufferPtr memory_;                                                        // pixels

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "global_intrinsic.hpp"
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 
 /// What the parts of GlobalIntrinsic share with each other and with model.glsl.
 namespace inverse::global_model {

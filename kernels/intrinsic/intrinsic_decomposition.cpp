@@ -48,17 +48,17 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       anchored_assemble_(device_, {.anchored = true}, 4, 16),
       layers_(device_, {}, 0, 0),
       anchored_layers_(device_, {.anchored = true}, 4, 4),
-      take_over_(device_),
+      warm_start_(device_),
       total_(device_) {
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device_, gpu::Element::vec4, count);
   };
-  const uint64_t cell_quads = quads_of(guide_.cell_extent());
-  flux_ = buffer(quads_of(extent) * EdgePrior::kFluxStride);
-  value_ = buffer(cell_quads * EdgePrior::kValueStride);
-  terms_ = buffer(cell_quads * Multigrid::kTermsStride);
-  start_ = buffer(cell_quads * TemporalAnchor::kStartStride);
-  gate_sums_ = buffer(gpu::partial_count(*looking_terms_kernel_.whole(), line_of(cell_quads)));
+  const uint64_t cell_packs = pack4_count(guide_.cell_extent());
+  flux_ = buffer(pack4_count(extent) * EdgePrior::kFluxStride);
+  value_ = buffer(cell_packs * EdgePrior::kValueStride);
+  terms_ = buffer(cell_packs * Multigrid::kTermsStride);
+  start_ = buffer(cell_packs * TemporalAnchor::kStartStride);
+  gate_sums_ = buffer(gpu::partial_count(*looking_terms_kernel_.whole(), line_of(cell_packs)));
   gate_total_ = buffer(1);
 }
 
@@ -94,7 +94,7 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .motion = 1 / params.anchor_motion,
                  .hold = params.hold,
                  .light = 1 / params.hold_light},
-                line_of(quads_of(cells)));
+                line_of(pack4_count(cells)));
   if (look)
     commands.dispatch(total_, {.sums = gate_sums_, .total = gate_total_},
                       {.count = static_cast<uint32_t>(gate_sums_->count())}, {});
@@ -109,7 +109,7 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .system = multigrid_.system(),
                  .shading = gpu::aliased(multigrid_.field()),
                  .now = anchor_.now()},
-                {.size = extent_}, line_of(quads_of(extent_)));
+                {.size = extent_}, line_of(pack4_count(extent_)));
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
@@ -230,12 +230,12 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return intrinsic_layers(input, intrinsic);
 }
 
-std::optional<LeaveOut::Found> IntrinsicDecomposition::found_before() const {
+std::optional<ReusePolicy::Found> IntrinsicDecomposition::found_before() const {
   if (recorded_ < reports_.size()) return {};
   const uint64_t number = recorded_ - reports_.size();  // done, or this frame could not begin
   const Report& done = report(number);
   const Findings findings = this->findings(number);
-  LeaveOut::Found found;
+  ReusePolicy::Found found;
   found.cycles = findings.cycles;
   found.cycles_recorded = done.stats.cycles;
   found.change = findings.change;
@@ -275,7 +275,7 @@ void IntrinsicDecomposition::take_over(gpu::Commands& commands, const IntrinsicD
 }
 
 void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const PlanePtr& input) {
-  commands.dispatch(take_over_,
+  commands.dispatch(warm_start_,
                     {.frame = input->buffer,
                      .intrinsic = (*taken_)->buffer,
                      .cells = guide_.cells(),
@@ -288,7 +288,7 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
                      .means = multigrid_.cell_means(),
                      .correction = multigrid_.cell_correction(),
                      .force = multigrid_.cell_force()},
-                    {.size = extent_}, line_of(quads_of(guide_.cell_extent())));
+                    {.size = extent_}, line_of(pack4_count(guide_.cell_extent())));
   commands.keep(*taken_);
   commands.stage("take-over");
 }

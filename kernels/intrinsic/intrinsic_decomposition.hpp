@@ -14,11 +14,11 @@
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
 #include "kernels/intrinsic/reuse/active_tiles.hpp"
-#include "kernels/intrinsic/reuse/leave_out.hpp"
+#include "kernels/intrinsic/reuse/reuse_policy.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 #include "kernels/intrinsic_energy_assemble.spv.hpp"
 #include "kernels/intrinsic_energy_cell_terms.spv.hpp"
-#include "kernels/intrinsic_energy_take_over.spv.hpp"
+#include "kernels/intrinsic_energy_warm_start.spv.hpp"
 #include "kernels/intrinsic_output_layers.spv.hpp"
 #include "kernels/solve_total.spv.hpp"
 
@@ -127,13 +127,13 @@ class IntrinsicDecomposition {
     gpu::BufferPtr found;  // Numbers
   };
   /// What the last frame that is sure to be done has found, if there is one.
-  std::optional<LeaveOut::Found> found_before() const;
+  std::optional<ReusePolicy::Found> found_before() const;
   /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   const Report& report(uint64_t frame) const { return reports_[frame]; }
   void record_report(gpu::Commands& commands);
-  bool listed() const { return plan_.mode == LeaveOut::Mode::listed; }
-  bool whole() const { return plan_.mode == LeaveOut::Mode::whole; }
+  bool listed() const { return plan_.mode == ReusePolicy::Mode::listed; }
+  bool whole() const { return plan_.mode == ReusePolicy::Mode::whole; }
   const TileList* list() const { return listed() ? &active_.list() : nullptr; }
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
   void solve(gpu::Commands& commands, const Params& params);
@@ -153,7 +153,7 @@ class IntrinsicDecomposition {
       looking_terms_kernel_;
   TileProgram<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
   TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_;
-  gpu::Program<shaders::intrinsic_energy_take_over> take_over_;
+  gpu::Program<shaders::intrinsic_energy_warm_start> warm_start_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   gpu::FrameRing<Report> reports_;
@@ -163,10 +163,10 @@ class IntrinsicDecomposition {
   std::optional<PlanePtr> taken_;  // layers to start from
   Params params_;                  // that the frames so far have been found with
   bool cleared_ = false;           // unused slots of sums
-  LeaveOut leave_out_;
-  LeaveOut::Plan plan_;  // of the frame being recorded
-  PlanePtr last_;        // the layers of the frame before, where the next one might go on from them
-  Stats stats_;          // of the frame being recorded
+  ReusePolicy leave_out_;
+  ReusePolicy::Plan plan_;  // of the frame being recorded
+  PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
+  Stats stats_;    // of the frame being recorded
 };
 
 }  // namespace inverse

@@ -5,16 +5,16 @@
 
 // One invocation: collapses duplicate clusters into the one of lowest index, so that indices stay the same from frame to
 // frame. Writes two vectors a cluster: (merged color, index that it was merged into, −1 without pixels) and, kMaxClusters
-// later, (ln color in the solver's gauge, 1 where it stands for itself).
+// later, (ln color in the solver's scale, 1 where it stands for itself).
 PLANE_IN(0, clusters);
-SCALAR_IN(1, gauge);
+SCALAR_IN(1, scale);
 PLANE_OUT(2, palette);
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
 
 void main() {
   if (gl_GlobalInvocationID.x != 0u) return;
-  float g = FETCH1(gauge, 0);
+  float g = FETCH1(scale, 0);
   uint merged = 0u;  // bit per cluster that is done
   for (int a = 0; a < push.clusters; ++a) {
     vec4 into = FETCH(clusters, a);

@@ -12,8 +12,8 @@ constexpr uint32_t kOneGroup = 128;  // invocations of the kernels that run as a
 }  // namespace
 
 Palette::Palette(const std::shared_ptr<gpu::Device>& device)
-    : gauge_count_(device),
-      gauge_kernel_(device, {}, kOneGroup),
+    : scale_count_(device),
+      scale_kernel_(device, {}, kOneGroup),
       count_(device),
       average_(device),
       compact_(device, {}, kOneGroup),
@@ -24,8 +24,8 @@ Palette::Palette(const std::shared_ptr<gpu::Device>& device)
   const auto buffer = [&](gpu::Element element, uint64_t count) {
     return gpu::Buffer::create(device, element, count);
   };
-  gauge_counts_ = buffer(gpu::Element::word, shaders::palette_gauge::kGaugeBins);
-  gauge_ = buffer(gpu::Element::scalar, 1);
+  scale_counts_ = buffer(gpu::Element::word, shaders::palette_scale::kScaleBins);
+  scale_ = buffer(gpu::Element::scalar, 1);
   counts_ = buffer(gpu::Element::word, 4 * kBinCount);
   list_ = buffer(gpu::Element::vec4, kBinCount);
   list_length_ = buffer(gpu::Element::word, 1);
@@ -45,8 +45,8 @@ void Palette::set_params(const Params& params) {
   params_.tau_cc = std::clamp(params.tau_cc, 0.0f, 3.0f);
   params_.tau_intensity = std::max(params.tau_intensity, 0.0f);
   params_.chroma_floor = std::max(params.chroma_floor, 1e-6f);
-  params_.gauge_quantile = std::clamp(params.gauge_quantile, 0.0f, 1.0f);
-  params_.gauge_value = std::max(params.gauge_value, 1e-3f);
+  params_.white_quantile = std::clamp(params.white_quantile, 0.0f, 1.0f);
+  params_.white_level = std::max(params.white_level, 1e-3f);
 }
 
 Palette::Push Palette::push_for(Extent extent, float fraction_scale) const {
@@ -62,8 +62,8 @@ Palette::Push Palette::push_for(Extent extent, float fraction_scale) const {
           .tau_cc = params_.tau_cc,
           .tau_intensity = params_.tau_intensity,
           .chroma_floor = params_.chroma_floor,
-          .gauge_quantile = params_.gauge_quantile,
-          .gauge_value = params_.gauge_value,
+          .white_quantile = params_.white_quantile,
+          .white_level = params_.white_level,
           .fraction_scale = fraction_scale};
 }
 
@@ -79,7 +79,7 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
   }
   if (!cleared_) {
     for (const auto& buffer :
-         {gauge_counts_, gauge_, counts_, clusters_, palette_, histogram_[0], histogram_[1]}) {
+         {scale_counts_, scale_, counts_, clusters_, palette_, histogram_[0], histogram_[1]}) {
       commands.fill(buffer);
     }
     cleared_ = true;
@@ -89,11 +89,11 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
   ++frame_;
   const gpu::Items pixels{extent.width, extent.height};
   const gpu::Items one_group{kOneGroup};
-  commands.dispatch(gauge_count_, {.reflectance = log_reflectance.buffer, .counts = gauge_counts_},
+  commands.dispatch(scale_count_, {.reflectance = log_reflectance.buffer, .counts = scale_counts_},
                     push, pixels);
-  commands.dispatch(gauge_kernel_, {.counts = gauge_counts_, .gauge = gauge_}, push, one_group);
+  commands.dispatch(scale_kernel_, {.counts = scale_counts_, .scale = scale_}, push, one_group);
   commands.dispatch(count_,
-                    {.reflectance = log_reflectance.buffer, .gauge = gauge_, .counts = counts_},
+                    {.reflectance = log_reflectance.buffer, .scale = scale_, .counts = counts_},
                     push, pixels);
   std::swap(histogram_[0], histogram_[1]);
   commands.dispatch(average_,
@@ -108,7 +108,7 @@ void Palette::record_update(gpu::Commands& commands, const Plane& log_reflectanc
       cluster_,
       {.list = list_, .list_length = list_length_, .clusters = clusters_, .labels = labels_}, push,
       one_group);
-  commands.dispatch(merge_, {.clusters = clusters_, .gauge = gauge_, .palette = palette_}, push,
+  commands.dispatch(merge_, {.clusters = clusters_, .scale = scale_, .palette = palette_}, push,
                     {1});
   first_ = false;
 }

@@ -2,14 +2,14 @@
 // k-means over its bins, and merging of duplicates. Everything is summed in integers or in a fixed order: the same input
 // gives the same clusters.
 //
-//   gauge    g: e^(r + g) has its quantile at gauge_value; g ← g + decay (g_frame − g)
+//   scale    g: e^(r + g) has its quantile at white_level; g ← g + decay (g_frame − g)
 //   bins     h ← h + decay (h_frame − h), h = (pixels, Σ R); fade instead of decay where h_frame is 0
 //   k-means  argmin_k |R_bin − C_k|², C_k ← Σ h R / Σ h
 //   merge    b into the lower a where |c(C_a) − c(C_b)| < τ_cc and |ln mean C_a − ln mean C_b| < τ_intensity
 
 const int kBins = 30;                       // per channel
 const int kBinCount = kBins * kBins * kBins;
-const int kGaugeBins = 2048;                // of ln R from −16 to 16
+const int kScaleBins = 2048;                // of ln R from −16 to 16
 const int kMaxClusters = 16;
 
 layout(push_constant) uniform Push {
@@ -22,6 +22,6 @@ layout(push_constant) uniform Push {
   float decay, fade;
   float apart;
   float tau_cc, tau_intensity, chroma_floor;
-  float gauge_quantile, gauge_value;
+  float white_quantile, white_level;
   float fraction_scale;  // fixed point inside a bin
 } push;

@@ -10,9 +10,9 @@
 #include "kernels/palette_cluster.spv.hpp"
 #include "kernels/palette_compact.spv.hpp"
 #include "kernels/palette_count.spv.hpp"
-#include "kernels/palette_gauge.spv.hpp"
-#include "kernels/palette_gauge_count.spv.hpp"
 #include "kernels/palette_merge.spv.hpp"
+#include "kernels/palette_scale.spv.hpp"
+#include "kernels/palette_scale_count.spv.hpp"
 #include "kernels/palette_seed.spv.hpp"
 
 namespace inverse {
@@ -29,7 +29,7 @@ class Palette {
   struct Params {
     int clusters = 10;     ///< K, 1…16
     int iterations = 8;    ///< of k-means a frame, 1…64
-    float decay = 0.1f;    ///< share of the newest frame in histogram and gauge, 0…1
+    float decay = 0.1f;    ///< share of the newest frame in histogram and scale, 0…1
     float fade = 0.1f;     ///< the same for bins that the newest frame leaves empty: 0.3 retires a
                            ///< color that is gone from 20 000 pixels in two seconds, 0.1 in six
     float apart = 0;       ///< chromaticity distance (mean 1) that a cluster which starts after the
@@ -38,15 +38,15 @@ class Palette {
     float tau_cc = 0.05f;  ///< merge below this chromaticity distance (mean 1), 0…3
     float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
     float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0
-    float gauge_quantile = 0.995f;  ///< the gauge puts this quantile of R, 0…1,
-    float gauge_value = 0.95f;      ///< at this value, > 0
+    float white_quantile = 0.995f;  ///< the scale puts this quantile of R, 0…1,
+    float white_level = 0.95f;      ///< at this value, > 0
     uint32_t seed = 1;              ///< of the k-means++ start
   };
 
   /// A cluster as the host sees it.
   struct Cluster {
-    std::array<float, 3> color;  ///< linear reflectance in the gauge of `gauge()`, after merging
-    std::array<float, 3> log_color;  ///< ln R in the gauge of the planes given to `record_update`
+    std::array<float, 3> color;  ///< linear reflectance in the scale of `scale()`, after merging
+    std::array<float, 3> log_color;  ///< ln R in the scale of the planes given to `record_update`
     int index;                       ///< of the cluster that stands for it; −1: no pixels
   };
 
@@ -57,7 +57,7 @@ class Palette {
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// Takes a frame in: rgb of `log_reflectance` is ln R in any gauge, as long as it is the same one
+  /// Takes a frame in: rgb of `log_reflectance` is ln R in any scale, as long as it is the same one
   /// over time. Throws Error(limit) beyond 2³² / 255 pixels, where the histogram's sums would end.
   void record_update(gpu::Commands& commands, const Plane& log_reflectance);
 
@@ -66,11 +66,11 @@ class Palette {
   void record_assign(gpu::Commands& commands, const Plane& log_reflectance,
                      const Plane& clusters) const;
 
-  /// Forgets histogram, gauge and clusters.
+  /// Forgets histogram, scale and clusters.
   void reset() { first_ = true; }
 
-  /// One scalar: ln of the factor that brings R into the palette's gauge.
-  const gpu::BufferPtr& gauge() const { return gauge_; }
+  /// One scalar: ln of the factor that brings R into the palette's scale.
+  const gpu::BufferPtr& scale() const { return scale_; }
   /// 2 · kMaxClusters vec4, as merge.comp describes them.
   const gpu::BufferPtr& colors() const { return palette_; }
   /// Reads what `colors()` holds, given a copy of it in host memory.
@@ -80,8 +80,8 @@ class Palette {
   using Push = shaders::palette_count::Push;  // that of all
   Push push_for(Extent extent, float fraction_scale) const;
 
-  gpu::Program<shaders::palette_gauge_count> gauge_count_;
-  gpu::Program<shaders::palette_gauge> gauge_kernel_;
+  gpu::Program<shaders::palette_scale_count> scale_count_;
+  gpu::Program<shaders::palette_scale> scale_kernel_;
   gpu::Program<shaders::palette_count> count_;
   gpu::Program<shaders::palette_average> average_;
   gpu::Program<shaders::palette_compact> compact_;
@@ -89,7 +89,7 @@ class Palette {
   gpu::Program<shaders::palette_cluster> cluster_;
   gpu::Program<shaders::palette_merge> merge_;
   gpu::Program<shaders::palette_assign> assign_;
-  gpu::BufferPtr gauge_counts_, gauge_, counts_, list_, list_length_, clusters_, labels_, palette_;
+  gpu::BufferPtr scale_counts_, scale_, counts_, list_, list_length_, clusters_, labels_, palette_;
   std::array<gpu::BufferPtr, 2> histogram_;
   Params params_;
   uint32_t frame_ = 0;

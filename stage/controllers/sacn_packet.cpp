@@ -29,7 +29,7 @@ class Writer {
     octet(static_cast<uint8_t>(value >> 8));
     octet(static_cast<uint8_t>(value));
   }
-  void quad(uint32_t value) {
+  void pack(uint32_t value) {
     word(static_cast<uint16_t>(value >> 16));
     word(static_cast<uint16_t>(value));
   }
@@ -41,7 +41,7 @@ class Writer {
   void root(uint32_t vector, const Cid& cid) {
     copy(kStart);
     flags_and_length();
-    quad(vector);
+    pack(vector);
     copy(cid);
   }
   std::vector<uint8_t> take() { return std::move(bytes_); }
@@ -56,7 +56,7 @@ class Reader {
   explicit Reader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
   uint8_t octet(size_t at) const { return bytes_[at]; }
   uint16_t word(size_t at) const { return static_cast<uint16_t>(octet(at) << 8 | octet(at + 1)); }
-  uint32_t quad(size_t at) const { return uint32_t{word(at)} << 16 | word(at + 2); }
+  uint32_t pack(size_t at) const { return uint32_t{word(at)} << 16 | word(at + 2); }
   /// Whether the length of the layer at `at` reaches exactly to the end of the packet.
   bool layer(size_t at, size_t end) const { return word(at) == (0x7000 | (end - at)); }
 
@@ -69,7 +69,7 @@ std::optional<DataPacket> parse_data(std::span<const uint8_t> bytes) {
   const size_t size = bytes.size();
   if (size < kData || size > kData + kSlots) return {};
   if (!read.layer(16, size) || !read.layer(38, size) || !read.layer(115, size)) return {};
-  if (read.quad(40) != kFramingData) return {};
+  if (read.pack(40) != kFramingData) return {};
   if (read.octet(117) != kSetProperty || read.octet(118) != kAddressType) return {};
   if (read.word(119) != 0 || read.word(121) != 1) return {};
   if (read.word(123) != size - 125) return {};  // the start code counts
@@ -94,7 +94,7 @@ std::optional<DataPacket> parse_data(std::span<const uint8_t> bytes) {
 std::optional<SyncPacket> parse_sync(std::span<const uint8_t> bytes) {
   const Reader read(bytes);
   if (bytes.size() != kSync || !read.layer(16, kSync) || !read.layer(38, kSync)) return {};
-  if (read.quad(40) != kFramingSync) return {};
+  if (read.pack(40) != kFramingSync) return {};
   SyncPacket packet;
   memcpy(packet.cid.data(), &bytes[22], packet.cid.size());
   packet.sequence = read.octet(44);
@@ -110,7 +110,7 @@ std::vector<uint8_t> write(const DataPacket& packet) {
   Writer out(kData + slots);
   out.root(kRootData, packet.cid);
   out.flags_and_length();  // framing layer
-  out.quad(kFramingData);
+  out.pack(kFramingData);
   uint8_t name[kNameSize] = {};  // ends with a zero
   std::copy_n(packet.source_name.begin(), std::min(packet.source_name.size(), kNameSize - 1), name);
   out.copy(name);
@@ -136,7 +136,7 @@ std::vector<uint8_t> write(const SyncPacket& packet) {
   Writer out(kSync);
   out.root(kRootExtended, packet.cid);
   out.flags_and_length();
-  out.quad(kFramingSync);
+  out.pack(kFramingSync);
   out.octet(packet.sequence);
   out.word(packet.address);
   out.word(0);  // reserved
@@ -146,7 +146,7 @@ std::vector<uint8_t> write(const SyncPacket& packet) {
 Parsed parse(std::span<const uint8_t> datagram) {
   if (datagram.size() < kRoot + 6) return {};
   if (!std::equal(std::begin(kStart), std::end(kStart), datagram.begin())) return {};
-  const uint32_t vector = Reader(datagram).quad(18);
+  const uint32_t vector = Reader(datagram).pack(18);
   if (vector == kRootData) return {parse_data(datagram), {}};
   if (vector == kRootExtended) return {{}, parse_sync(datagram)};
   return {};

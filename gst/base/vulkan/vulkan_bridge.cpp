@@ -297,7 +297,7 @@ void VulkanNeighbor::settle() const {
   }
   if (!handles) return;
   // A fence instead of vkQueueWaitIdle, which would wait for a hung device without end.
-  constexpr uint64_t kPatience = 10'000'000'000;  // nanoseconds
+  constexpr uint64_t kTimeout = 10'000'000'000;  // nanoseconds
   const VkDevice device = handles->device->device;
   const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
   VkFence fence = VK_NULL_HANDLE;
@@ -306,7 +306,7 @@ void VulkanNeighbor::settle() const {
   const VkResult submitted = vkQueueSubmit(handles->queue->queue, 0, nullptr, fence);
   gst_vulkan_queue_submit_unlock(handles->queue.get());
   const bool done = submitted != VK_SUCCESS ||
-                    vkWaitForFences(device, 1, &fence, VK_TRUE, kPatience) != VK_TIMEOUT;
+                    vkWaitForFences(device, 1, &fence, VK_TRUE, kTimeout) != VK_TIMEOUT;
   if (done) vkDestroyFence(device, fence, nullptr);  // else the device may still signal it
 }
 

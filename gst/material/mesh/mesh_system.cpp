@@ -26,9 +26,10 @@ class BoundedStream final : public Assimp::IOStream {
   ~BoundedStream() override { system_.Close(inner_); }
 
   size_t Read(void* to, size_t size, size_t count) override {
-    constexpr int kPatience = 1000;
+    constexpr int kMaxEmptyReads = 1000;
     const size_t got = inner_->Read(to, size, count);
-    if (got == 0 && ++in_vain_ > kPatience) throw std::runtime_error("it ends too early");
+    if (got == 0 && ++in_vain_ > kMaxEmptyReads)
+      throw std::runtime_error("the file ends too early");
     return got;
   }
   size_t Write(const void*, size_t, size_t) override { return 0; }

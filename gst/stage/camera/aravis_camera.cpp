@@ -196,8 +196,9 @@ GstCaps* AravisCamera::caps(bool triggered) const {
   Owned<const char*> names(
       arv_camera_dup_available_pixel_formats_as_strings(get(), &count, nullptr));
   for (guint i = 0; names && i < count; ++i) list += (i ? ", " : "") + std::string(names.get()[i]);
-  throw Error(ErrorKind::unsupported,
-              "the camera " + name_ + " has no pixel format that GStreamer knows; it has: " + list);
+  throw Error(
+      ErrorKind::unsupported,
+      "the camera " + name_ + " has no pixel format that GStreamer supports; it has: " + list);
 }
 
 GstCaps* AravisCamera::fixate(GstCaps* caps, bool triggered) const {

@@ -57,7 +57,7 @@ void AravisSource::open() {
   auto opened = std::make_shared<AravisCamera>(name, [kept = shared_from_this()] {
     const Lock lock(kept->mutex);
     kept->lost_ = true;
-    kept->news.notify_all();
+    kept->changed.notify_all();
   });
   const uint32_t bits = opened->frame_id_bits();
   GstCaps* reference = opened->has_shared_clock()
@@ -120,7 +120,7 @@ void AravisSource::begin(const GstCaps* caps) {
   const FrameLayout agreed = sender->configure(caps, wanted);
   auto begun = std::make_unique<AravisStream>(*sender, agreed, count, [this] {
     const Lock lock(mutex);
-    news.notify_all();
+    changed.notify_all();
   });
   {
     const Lock lock(mutex);
@@ -133,7 +133,7 @@ void AravisSource::begin(const GstCaps* caps) {
 void AravisSource::set_flushing(bool flush) {
   const Lock lock(mutex);
   flushing_ = flush;
-  news.notify_all();
+  changed.notify_all();
 }
 
 /// The time of frames without one of their own is when they came.
@@ -210,15 +210,15 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
     }
     if (flushing_ || lost_) continue;
     if (timeout == 0) {
-      news.wait(lock);
+      changed.wait(lock);
       continue;
     }
     // Slow cameras have the time of three frames.
     const double rate = layout.frame_rate;
-    const auto patience = std::chrono::duration_cast<Time::duration>(
+    const auto limit = std::chrono::duration_cast<Time::duration>(
         std::chrono::duration<double>(std::max(timeout * 1e-3, rate > 0 ? 3 / rate : 0)));
-    if (Time::now() < quiet_since + patience) {
-      news.wait_until(lock, quiet_since + patience);
+    if (Time::now() < quiet_since + limit) {
+      changed.wait_until(lock, quiet_since + limit);
       continue;
     }
     ++timeouts_;

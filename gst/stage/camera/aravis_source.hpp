@@ -33,7 +33,7 @@ struct AravisSource : std::enable_shared_from_this<AravisSource> {
   GstStructure* stats();
 
   std::mutex mutex;  ///< of all below
-  std::condition_variable news;
+  std::condition_variable changed;
   std::string camera_name;
   CameraSettings settings;
   guint buffers = 16, timeout = 2000;

@@ -35,8 +35,8 @@ class TestSource {
   std::string device_name() const;
   void set_device_name(const char* name);
 
-  /// READY → PAUSED: reads program and folder, opens the port. Returns what is amiss in words,
-  /// empty where nothing is. Throws.
+  /// READY → PAUSED: reads program and folder, opens the port. Returns what is misconfigured in
+  /// words, empty where nothing is. Throws.
   std::string start();
   void stop();
 

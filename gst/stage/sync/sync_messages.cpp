@@ -20,16 +20,16 @@ double seconds(SyncCamera::Clock::duration time) {
 void SyncElement::warn(const std::string& text) { warnings_.push_back(text); }
 
 void SyncElement::report_event(const char* event, const SyncCamera& camera, GstStructure* more) {
-  GstStructure* news = gst_structure_new("lightstagesync", "event", G_TYPE_STRING, event, "camera",
-                                         G_TYPE_STRING, camera.name().c_str(), nullptr);
+  GstStructure* fields = gst_structure_new("lightstagesync", "event", G_TYPE_STRING, event,
+                                           "camera", G_TYPE_STRING, camera.name().c_str(), nullptr);
   if (more) {
     for (gint i = 0; i < gst_structure_n_fields(more); ++i) {
       const char* field = gst_structure_nth_field_name(more, static_cast<guint>(i));
-      gst_structure_set_value(news, field, gst_structure_get_value(more, field));
+      gst_structure_set_value(fields, field, gst_structure_get_value(more, field));
     }
     gst_structure_free(more);
   }
-  messages_.push_back(gst_message_new_element(GST_OBJECT(element_), news));
+  messages_.push_back(gst_message_new_element(GST_OBJECT(element_), fields));
 }
 
 /// Says on the bus what has come up. The mutex is not held meanwhile: who listens may ask for

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "global/model/model.glsl"
 
 // What share of light is direct and white, T0 / S: what the indirect light leaves of it, at most its weakest channel; its color is then the lamps', too. And
@@ -9,7 +9,7 @@
 PLANE_IN(0, frame);  // without tint
 PLANE_IN(1, intrinsic);
 PLANE_IN(2, scene);
-PLANE_IN(3, tau);     // untint.comp
+PLANE_IN(3, tau);     // divide_tint.comp
 PLANE_OUT(4, light);  // may be the same buffer
 SCALAR_OUT(5, memory);
 #define TILE_CONSTANT 1

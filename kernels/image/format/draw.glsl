@@ -9,9 +9,9 @@ vec4 sanitized(vec4 value, float top) {
   return intBitsToFloat(clamp(bits, ivec4(0), ivec4(floatBitsToInt(top))));
 }
 
-struct Quad { vec4 r, g, b; };
-Quad encoded(vec4 r, vec4 g, vec4 b) {
-  return Quad(encode(sanitized(r * push.gain, push.ceiling), push.curve, push.power),
+struct Pack { vec4 r, g, b; };
+Pack encoded(vec4 r, vec4 g, vec4 b) {
+  return Pack(encode(sanitized(r * push.gain, push.ceiling), push.curve, push.power),
               encode(sanitized(g * push.gain, push.ceiling), push.curve, push.power),
               encode(sanitized(b * push.gain, push.ceiling), push.curve, push.power));
 }
@@ -21,7 +21,7 @@ vec4 color_at(uint row, uint column) {
   return (push.flags & kFlagShading) != 0u ? pixel.wwww : pixel;
 }
 
-Quad quad_at(uint row, uint column) {
+Pack pack_at(uint row, uint column) {
   vec4 p = color_at(row, column), q = color_at(row, column + 1u), s = color_at(row, column + 2u),
        t = color_at(row, column + 3u);
   return encoded(vec4(p.x, q.x, s.x, t.x), vec4(p.y, q.y, s.y, t.y), vec4(p.z, q.z, s.z, t.z));

@@ -34,9 +34,9 @@ void main() {
   uint last = min(first + ROWS, push.size.y);
   for (uint row = first; row < last; ++row) {
     uint x = block * 4u;
-    Quad quad = quad_at(row, x);
+    Pack pack = pack_at(row, x);
     if (PIXEL <= 2u) {
-      vec4 y = push.matrix.x * quad.r + (1.0 - push.matrix.x - push.matrix.y) * quad.g + push.matrix.y * quad.b;
+      vec4 y = push.matrix.x * pack.r + (1.0 - push.matrix.x - push.matrix.y) * pack.g + push.matrix.y * pack.b;
       uvec4 code = code_of(y, push.codes.x, push.codes.y);
       if (PIXEL == 1u) {
         store(row, block, word_of_bytes(code));
@@ -46,9 +46,9 @@ void main() {
       }
       continue;
     }
-    uvec4 r = code_of(BGR ? quad.b : quad.r, push.codes.x, push.codes.y);
-    uvec4 g = code_of(quad.g, push.codes.x, push.codes.y);
-    uvec4 b = code_of(BGR ? quad.r : quad.b, push.codes.x, push.codes.y);
+    uvec4 r = code_of(BGR ? pack.b : pack.r, push.codes.x, push.codes.y);
+    uvec4 g = code_of(pack.g, push.codes.x, push.codes.y);
+    uvec4 b = code_of(BGR ? pack.r : pack.b, push.codes.x, push.codes.y);
     uvec4 a = uvec4(uint(push.largest));
     if (ALPHA) {
       vec4 alpha = vec4(alpha_at(row, x), alpha_at(row, x + 1u), alpha_at(row, x + 2u), alpha_at(row, x + 3u));

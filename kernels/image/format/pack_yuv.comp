@@ -20,7 +20,7 @@ void store(uint plane, uint row, uint index, uint word) {
   STORE(raw, push.offset[plane] + row * push.stride[plane] + index, word);
 }
 
-vec4 luma(Quad q) {
+vec4 luma(Pack q) {
   return push.matrix.x * q.r + (1.0 - push.matrix.x - push.matrix.y) * q.g + push.matrix.y * q.b;
 }
 
@@ -52,15 +52,15 @@ void store_packed(uint row, uint x, vec4 y, vec2 cb, vec2 cr) {
 // Writes a row of four pixels (if `own`) and returns its contribution to their two chroma samples.
 struct Chroma { vec2 cb, cr; };
 Chroma draw(uint row, uint x, bool own) {
-  Quad quad = quad_at(row, x);
-  vec4 y = luma(quad);
+  Pack pack = pack_at(row, x);
+  vec4 y = luma(pack);
   vec2 left = vec2(0.0);  // of the pixel left of the four
   if (COSITED_X) {
     vec4 beside = color_at(row, max(x, 1u) - 1u);
     beside = encode(sanitized(beside * push.gain, push.ceiling), push.curve, push.power);
-    left = beside.zx - luma(Quad(beside.xxxx, beside.yyyy, beside.zzzz)).x;
+    left = beside.zx - luma(Pack(beside.xxxx, beside.yyyy, beside.zzzz)).x;
   }
-  Chroma chroma = Chroma(downsample(left.x, quad.b - y) * push.matrix.z, downsample(left.y, quad.r - y) * push.matrix.w);
+  Chroma chroma = Chroma(downsample(left.x, pack.b - y) * push.matrix.z, downsample(left.y, pack.r - y) * push.matrix.w);
   if (own && PACKED) store_packed(row, x, y, chroma.cb, chroma.cr);
   if (own && !PACKED) store_luma(row, x, y);
   return chroma;

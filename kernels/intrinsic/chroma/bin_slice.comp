@@ -6,7 +6,7 @@
 #include "bins.glsl"
 
 // The cells' right-hand side for a correction of s': f = far + wanted - screen s', wanted = pull + g (m' - r_bin), `far`
-// being what the finer levels left. Without kPulls g is 0 and wanted = pull. One quad of cells an invocation.
+// being what the finer levels left. Without kPulls g is 0 and wanted = pull. One pack of cells an invocation.
 layout(constant_id = 1) const bool kPulls = true;
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
@@ -18,10 +18,10 @@ PLANE_OUT(6, wanted);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
 void main() {
-  uint quads = QUADS(push.size.x);
-  uvec2 position = grid_position(quads);
+  uint packs = QUADS(push.size.x);
+  uvec2 position = grid_position(packs);
   if (position.y >= push.size.y) return;
-  int at = int(position.y * quads + position.x);
+  int at = int(position.y * packs + position.x);
   vec4 s = FETCH(mean, at), found = s, m = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN);
   for (uint k = 0u; kPulls && k < 4u; ++k) {
     uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);

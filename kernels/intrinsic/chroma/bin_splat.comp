@@ -6,8 +6,8 @@
 #include "bins.glsl"
 
 // Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r at the present solution,
-// r = m' - s' - (correction of s'). One quad of cells an invocation, and all invocations share the bins through atomics; or,
-// where kTables > 1, kTables invocations go over all quads and each has bins of its own: a CPU takes longer for an atomic
+// r = m' - s' - (correction of s'). One pack of cells an invocation, and all invocations share the bins through atomics; or,
+// where kTables > 1, kTables invocations go over all packs and each has bins of its own: a CPU takes longer for an atomic
 // addition than for all else here. Sums in fixed point are the same either way.
 layout(constant_id = 1) const bool kWeights = false;
 layout(constant_id = 2) const uint kTables = 1;
@@ -29,9 +29,9 @@ void add(uint bin, int share) {
 }
 
 void main() {
-  uint quads = QUADS(push.size.x), all = quads * push.size.y;
+  uint packs = QUADS(push.size.x), all = packs * push.size.y;
   for (uint i = gl_GlobalInvocationID.x; i < all; i += kTables > 1u ? kTables : all) {
-    uvec2 position = grid_place(i, quads);
+    uvec2 position = grid_place(i, packs);
     int at = int(i);
     vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);
     if (!kWeights) {

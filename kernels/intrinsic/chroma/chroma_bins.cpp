@@ -22,20 +22,20 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       mean_(device, {.tables = static_cast<int32_t>(tables_)}),
       slice_(device),
       pull_(device, {.pulls = false}),
-      force_(device),
+      source_term_(device),
       looking_force_(device, {.look = true}),
       total_(device),
       weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       means_(gpu::Buffer::create(device, gpu::Element::scalar, kBins)),
-      wanted_(gpu::Buffer::create(device, gpu::Element::vec4, quads_of(cells))),
+      wanted_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
       sums_(gpu::Buffer::create(
           device, gpu::Element::vec4,
-          gpu::partial_count(*looking_force_.kernel(), line_of(quads_of(cells))))),
+          gpu::partial_count(*looking_force_.kernel(), line_of(pack4_count(cells))))),
       binding_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 gpu::Items ChromaBins::splat_items() const {
-  return line_of(tables_ > 1 ? tables_ : quads_of(cells_));
+  return line_of(tables_ > 1 ? tables_ : pack4_count(cells_));
 }
 
 void ChromaBins::record_weights(gpu::Commands& commands, const Guide& guide,
@@ -74,20 +74,20 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                      .means = means_,
                      .system = state.system,
                      .wanted = wanted_},
-                    {.size = cells_}, line_of(quads_of(cells_)));
+                    {.size = cells_}, line_of(pack4_count(cells_)));
 }
 
 void ChromaBins::record_force(gpu::Commands& commands, const State& state, bool look) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
-  commands.dispatch(look ? looking_force_ : force_,
+  commands.dispatch(look ? looking_force_ : source_term_,
                     {.terms = state.terms,
                      .wanted = wanted_,
                      .mean = state.means,
                      .correction = state.correction,
                      .force = state.force,
                      .sums = sums_},
-                    {.size = cells_}, line_of(quads_of(cells_)));
+                    {.size = cells_}, line_of(pack4_count(cells_)));
   if (look)
     commands.dispatch(total_, {.sums = sums_, .total = binding_},
                       {.count = static_cast<uint32_t>(sums_->count())}, {});

@@ -5,7 +5,7 @@
 #include "kernels/intrinsic_chroma_bin_means.spv.hpp"
 #include "kernels/intrinsic_chroma_bin_slice.spv.hpp"
 #include "kernels/intrinsic_chroma_bin_splat.spv.hpp"
-#include "kernels/intrinsic_chroma_force.spv.hpp"
+#include "kernels/intrinsic_chroma_source_term.spv.hpp"
 #include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
@@ -47,7 +47,7 @@ class ChromaBins {
   gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
   gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
   gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, pull_;
-  gpu::Program<shaders::intrinsic_chroma_force> force_, looking_force_;
+  gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, looking_force_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
   bool cleared_ = false;  // the sums' unused slots

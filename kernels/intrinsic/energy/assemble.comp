@@ -6,7 +6,7 @@
 #include "intrinsic/temporal/temporal.glsl"
 
 // The pixels' right-hand side, from the edges' flux and, with kAnchored, the frame before; and where the solve starts: at
-// max_c i, shifted to the start of the pixels' cell, or as far as the frame before may be believed at its reflectance. One quad
+// max_c i, shifted to the start of the pixels' cell, or as far as the frame before may be believed at its reflectance. One pack
 // an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, flux);
@@ -24,15 +24,15 @@ PLANE_OUT(8, now);          // m
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uint quads = QUADS(push.size.x);
-  uvec2 position = tile_position(quads);
+  uint packs = QUADS(push.size.x);
+  uvec2 position = tile_position(packs);
   if (position.y >= push.size.y) return;
-  int at = int(position.y * quads + position.x);
+  int at = int(position.y * packs + position.x);
   vec4 right = FETCH(flux, FLUX_STRIDE * at + FLUX_RIGHT);
   float left = position.x > 0u ? FETCH(flux, FLUX_STRIDE * (at - 1) + FLUX_RIGHT).w : 0.0;
   vec4 sum = right - SHIFT_RIGHT(right, vec4(left)) + FETCH(flux, FLUX_STRIDE * at + FLUX_DOWN);
-  if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(quads)) + FLUX_DOWN);
-  int cells = int((position.y / 4u) * QUADS(quads) + position.x / 4u);
+  if (position.y > 0u) sum -= FETCH(flux, FLUX_STRIDE * (at - int(packs)) + FLUX_DOWN);
+  int cells = int((position.y / 4u) * QUADS(packs) + position.x / 4u);
   vec4 m = vec4(0.0), s = vec4(FETCH(start, START_STRIDE * cells + START_VALUE)[position.x & 3u]);
   for (uint k = 0u; k < 4u; ++k) {
     uint x = min(4u * position.x + k, push.size.x - 1u);

@@ -6,7 +6,7 @@
 #include "intrinsic/temporal/temporal.glsl"
 
 // The cells' part of the system (energy.glsl), from the prior; and, with kAnchored, how far their pixels may believe the
-// frame before, and where the solve starts. With kLook also sums up how far that is. One quad of cells, a row of a tile, an
+// frame before, and where the solve starts. With kLook also sums up how far that is. One pack of cells, a row of a tile, an
 // invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 layout(constant_id = 2) const bool kLook = false;
@@ -47,9 +47,9 @@ float moved(ivec2 tile, ivec2 tiles_size, float frame) {
   return sum.x / sum.y;
 }
 
-// The gates of a quad of cells.
-vec4 make(uint quads, uvec2 position) {
-  int at = int(position.y * quads + position.x), tile = int((position.y / 4u) * quads + position.x);
+// The gates of a pack of cells.
+vec4 make(uint packs, uvec2 position) {
+  int at = int(position.y * packs + position.x), tile = int((position.y / 4u) * packs + position.x);
   bvec4 inside = INSIDE(position.x, push.size.x);
   vec4 v = FETCH(value, VALUE_STRIDE * at + VALUE_WEIGHT), g = FETCH(value, VALUE_STRIDE * at + VALUE_CHROMA);
   vec4 target = FETCH(value, VALUE_STRIDE * at + VALUE_TARGET), mean = vec4(0.0), most = mean, gate = mean, change = mean, alike = mean;
@@ -57,7 +57,7 @@ vec4 make(uint quads, uvec2 position) {
   float quiet = 0.0;
   if (kAnchored) {
     float still = max(0.0, 1.0 - 2.0 * FETCH(tiles, tile).x);
-    float motion = push.motion * moved(ivec2(position.x, position.y / 4u), ivec2(quads, (push.size.y + 3u) / 4u), verdict_now.z);
+    float motion = push.motion * moved(ivec2(position.x, position.y / 4u), ivec2(packs, (push.size.y + 3u) / 4u), verdict_now.z);
     motion *= motion;
     quiet = verdict_now.y * still * still / (1.0 + motion * motion);
   }
@@ -101,9 +101,9 @@ vec4 make(uint quads, uvec2 position) {
 }
 
 void main() {
-  uint quads = QUADS(push.size.x);
-  uvec2 position = tile_position(quads);
+  uint packs = QUADS(push.size.x);
+  uvec2 position = tile_position(packs);
   vec4 gate = vec4(0.0);
-  if (position.y < push.size.y) gate = make(quads, position);
+  if (position.y < push.size.y) gate = make(packs, position);
   if (kLook) SUM_PARTIALS(sums, vec4(dot(gate, gate), 0.0, 0.0, 0.0));
 }

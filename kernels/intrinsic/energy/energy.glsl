@@ -12,17 +12,17 @@
 //
 //   pixels   A(x,x) = sum_N4 w + t + 1e-6    A(x,y) = -w = -(a + b)    f(x) = sum_N4 a (m_x - m_y) + t s_before
 //   cells    screen = v + g                  pull = v V                              (added on multigrid level 2)
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
-// The system of a quad: weights w of the edges to the right and down, the right-hand side f and, where a level has it,
+// The system of a pack: weights w of the edges to the right and down, the right-hand side f and, where a level has it,
 // the diagonal's own mass. Levels 0 and 1 have the same small mass everywhere and no plane for it.
 #define SYSTEM_RIGHT 0
 #define SYSTEM_DOWN 1
 #define SYSTEM_RHS 2
 #define SYSTEM_MASS 3
 
-// What EdgePrior writes beside the weights. Flux of a quad of pixels, two vec4: a (m_x - m_y) of its edges to the right
-// and down. Value of a quad of cells, three vec4: v, V, g.
+// What EdgePrior writes beside the weights. Flux of a pack of pixels, two vec4: a (m_x - m_y) of its edges to the right
+// and down. Value of a pack of cells, three vec4: v, V, g.
 #define FLUX_RIGHT 0
 #define FLUX_DOWN 1
 #define FLUX_STRIDE 2
@@ -31,14 +31,14 @@
 #define VALUE_CHROMA 2
 #define VALUE_STRIDE 3
 
-// What a quad of cells adds to the system: screen, pull, g and m'.
+// What a pack of cells adds to the system: screen, pull, g and m'.
 #define TERMS_SCREEN 0
 #define TERMS_PULL 1
 #define TERMS_CHROMA 2
 #define TERMS_MEAN 3
 #define TERMS_STRIDE 4
 
-// With how much force a quad of cells pulls at its pixels, screen (target - s'), and how that falls as they give way; and
+// With how much force a pack of cells pulls at its pixels, screen (target - s'), and how that falls as they give way; and
 // the anchor's t of each of their pixels.
 #define FORCE_PULL 0
 #define FORCE_SCREEN 1

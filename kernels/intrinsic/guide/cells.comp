@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "gpu/common.glsl"
 #include "guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // The guide's level 2 from its level 0: means over 4 x 4 pixels, and how active they are. One cell an invocation.
 PLANE_IN(0, fine);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // The guide's levels 0 and 1 from the frame: one level-1 cell, 2 x 2 pixels, an invocation.
 PLANE_IN(0, frame);

@@ -22,7 +22,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
       extent4_(half_of(half_of(extent2_))),
       guide_(device, {}, 8, 8),
       cells_kernel_(device, {}, 4, 4),
-      wide_kernel_(device, {}, 1, 1),
+      guide_coarse_kernel_(device, {}, 1, 1),
       sum_(device, {.rows = kRows}),
       frame_(device, {}, kSumLanes) {
   using gpu::Buffer;
@@ -31,7 +31,7 @@ Guide::Guide(const std::shared_ptr<gpu::Device>& device, Extent extent)
   level1_ = Buffer::create(device, Element::vec4, extent1_.pixels());
   cells_ = Buffer::create(device, Element::vec4,
                           extent2_.pixels() * shaders::intrinsic_guide_cells::CELL_STRIDE);
-  wide_ = Buffer::create(device, Element::vec4, extent4_.pixels());
+  guide_coarse_ = Buffer::create(device, Element::vec4, extent4_.pixels());
   statistics_ = Buffer::create(device, Element::vec4, 2);
   for (auto& sums : sums_)
     sums = Buffer::create(device, Element::vec4,
@@ -46,8 +46,8 @@ void Guide::record(gpu::Commands& commands, const gpu::BufferPtr& frame, const T
                   {.size = extent_}, line_of(extent1_.pixels()));
   cells_kernel_.dispatch(commands, listed, {.fine = level0_, .cells = cells_}, {.size = extent_},
                          line_of(extent2_.pixels()));
-  wide_kernel_.dispatch(commands, listed, {.cells = cells_, .wide = wide_}, {.size = extent2_},
-                        line_of(extent4_.pixels()));
+  guide_coarse_kernel_.dispatch(commands, listed, {.cells = cells_, .wide = guide_coarse_},
+                                {.size = extent2_}, line_of(extent4_.pixels()));
   commands.dispatch(sum_,
                     {.level = level1_,
                      .intensity_sums = sums_[0],

@@ -1,13 +1,13 @@
 #pragma once
 #include <memory>
 
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic_guide_cells.spv.hpp"
 #include "kernels/intrinsic_guide_frame.spv.hpp"
 #include "kernels/intrinsic_guide_guide.spv.hpp"
+#include "kernels/intrinsic_guide_guide_coarse.spv.hpp"
 #include "kernels/intrinsic_guide_statistics.spv.hpp"
-#include "kernels/intrinsic_guide_wide.spv.hpp"
 
 namespace inverse {
 
@@ -30,7 +30,9 @@ class Guide {
   const gpu::BufferPtr& cells() const {
     return cells_;
   }  ///< level 2, two vec4 a cell of 4 x 4 pixels
-  const gpu::BufferPtr& wide() const { return wide_; }  ///< level 4, vec4 a cell of 16 x 16 pixels
+  const gpu::BufferPtr& wide() const {
+    return guide_coarse_;
+  }  ///< level 4, vec4 a cell of 16 x 16 pixels
   const gpu::BufferPtr& statistics() const {
     return statistics_;
   }  ///< of the frame, two vec4 (frame.comp)
@@ -39,10 +41,10 @@ class Guide {
   Extent extent_, extent1_, extent2_, extent4_;
   TileProgram<shaders::intrinsic_guide_guide> guide_;
   TileProgram<shaders::intrinsic_guide_cells> cells_kernel_;
-  TileProgram<shaders::intrinsic_guide_wide> wide_kernel_;
+  TileProgram<shaders::intrinsic_guide_guide_coarse> guide_coarse_kernel_;
   gpu::Program<shaders::intrinsic_guide_statistics> sum_;
   gpu::Program<shaders::intrinsic_guide_frame> frame_;
-  gpu::BufferPtr level0_, level1_, cells_, wide_, statistics_;
+  gpu::BufferPtr level0_, level1_, cells_, guide_coarse_, statistics_;
   gpu::BufferPtr sums_[3];
   bool cleared_ = false;  // the sums' unused slots
 };

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // The sums behind the frame's statistics, over the cells of level 1 and their steps to the right and down. A strip of
 // kRows cells an invocation. Dark cells are trusted little.

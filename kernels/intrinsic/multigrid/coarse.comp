@@ -6,7 +6,7 @@
 
 // The coarse end of the multigrid in one dispatch of one workgroup: all levels from the first to a single pixel lie one
 // after another in the same two buffers. With kSetup their operators, once a frame (as coarsen.comp); else a V-cycle, with
-// single quads as blocks. Reads what it wrote itself, and so uses storage buffers.
+// single packs as blocks. Reads what it wrote itself, and so uses storage buffers.
 layout(constant_id = 1) const bool kSetup = false;
 layout(set = 0, binding = 0, std430) coherent restrict buffer system_block { vec4 system_data[]; };
 layout(set = 0, binding = 1, std430) coherent restrict buffer field_block { vec4 field_data[]; };
@@ -16,16 +16,16 @@ layout(push_constant) uniform Push {
 } push;
 
 #define SYNC memoryBarrierBuffer(); barrier()
-#define EVERY_QUAD(i, quads, height) for (uint i = gl_LocalInvocationID.x; i < (quads) * (height); i += gl_WorkGroupSize.x)
+#define EVERY_QUAD(i, packs, height) for (uint i = gl_LocalInvocationID.x; i < (packs) * (height); i += gl_WorkGroupSize.x)
 #define SYSTEM(at, slot) LOAD(system, 4u * (at) + slot)
 
-// Half a block Gauss-Seidel pass over the level of `size` that starts at quad `base`.
+// Half a block Gauss-Seidel pass over the level of `size` that starts at pack `base`.
 void smooth_color(uint base, uvec2 size, uint color) {
-  uint quads = QUADS(size.x), pairs = (quads + 1u) / 2u;
+  uint packs = QUADS(size.x), pairs = (packs + 1u) / 2u;
   EVERY_QUAD(i, pairs, size.y) {
     uint y = i / pairs, x = 2u * (i - y * pairs) + ((y + color) & 1u);
-    if (x < quads) {
-      uint at = base + y * quads + x;
+    if (x < packs) {
+      uint at = base + y * packs + x;
       vec4 right = SYSTEM(at, SYSTEM_RIGHT), down = SYSTEM(at, SYSTEM_DOWN);
       vec4 f = SYSTEM(at, SYSTEM_RHS), d = SYSTEM(at, SYSTEM_MASS);
       float left = 0.0;
@@ -33,28 +33,28 @@ void smooth_color(uint base, uvec2 size, uint color) {
         left = SYSTEM(at - 1u, SYSTEM_RIGHT).w;
         f.x += left * LOAD(field, at - 1u).w;
       }
-      if (x + 1u < quads) f.w += right.w * LOAD(field, at + 1u).x;
+      if (x + 1u < packs) f.w += right.w * LOAD(field, at + 1u).x;
       if (y > 0u) {
-        vec4 up = SYSTEM(at - quads, SYSTEM_DOWN);
-        f += up * LOAD(field, at - quads);
+        vec4 up = SYSTEM(at - packs, SYSTEM_DOWN);
+        f += up * LOAD(field, at - packs);
         d += up;
       }
-      if (y + 1u < size.y) f += down * LOAD(field, at + quads);
-      STORE(field, at, solve_quad(d + right + SHIFT_RIGHT(right, vec4(left)) + down, right, f));
+      if (y + 1u < size.y) f += down * LOAD(field, at + packs);
+      STORE(field, at, solve_pack(d + right + SHIFT_RIGHT(right, vec4(left)) + down, right, f));
     }
   }
   SYNC;
 }
 
-// One quad of the next level, at `to`, from the level of `size` at `base`: x, y are its place there.
+// One pack of the next level, at `to`, from the level of `size` at `base`: x, y are its place there.
 void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
-  uint quads = QUADS(size.x);
+  uint packs = QUADS(size.x);
   vec4 rhs = vec4(0.0), mass = vec4(0.0), across = vec4(0.0), inside = vec4(0.0), along[3];
   along[0] = along[1] = along[2] = vec4(0.0);
-  for (uint part = 0u; part < 4u; ++part) {  // two rows of two quads
+  for (uint part = 0u; part < 4u; ++part) {  // two rows of two packs
     uint qx = 2u * x + (part & 1u), qy = 2u * y + (part >> 1u);
-    if (qx < quads && qy < size.y) {
-      uint at = base + qy * quads + qx;
+    if (qx < packs && qy < size.y) {
+      uint at = base + qy * packs + qx;
       bool second = (part & 1u) != 0u;
       vec4 right = SYSTEM(at, SYSTEM_RIGHT), down = SYSTEM(at, SYSTEM_DOWN), m = SYSTEM(at, SYSTEM_MASS);
       if (kSetup) {
@@ -66,28 +66,28 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
         along[part >> 1u] += second ? vec4(0.0, 0.0, pair) : vec4(pair, 0.0, 0.0);
       } else {
         vec4 u = LOAD(field, at), f = SYSTEM(at, SYSTEM_RHS) - m * u;
-        vec4 flow = right * (SHIFT_LEFT(u, qx + 1u < quads ? LOAD(field, at + 1u) : u) - u);
+        vec4 flow = right * (SHIFT_LEFT(u, qx + 1u < packs ? LOAD(field, at + 1u) : u) - u);
         float left = 0.0;
         if (qx > 0u) left = SYSTEM(at - 1u, SYSTEM_RIGHT).w * (u.x - LOAD(field, at - 1u).w);
         f += flow - SHIFT_RIGHT(flow, vec4(left));
-        if (qy > 0u) f += SYSTEM(at - quads, SYSTEM_DOWN) * (LOAD(field, at - quads) - u);
-        if (qy + 1u < size.y) f += down * (LOAD(field, at + quads) - u);
+        if (qy > 0u) f += SYSTEM(at - packs, SYSTEM_DOWN) * (LOAD(field, at - packs) - u);
+        if (qy + 1u < size.y) f += down * (LOAD(field, at + packs) - u);
         rhs += second ? vec4(0.0, 0.0, f.xz + f.yw) : vec4(f.xz + f.yw, 0.0, 0.0);
       }
     }
   }
   if (kSetup) {
-    uint first = base + 2u * y * quads + 2u * x;
-    float next = 0.0;  // what holds the aggregate after this quad together
-    if (2u * x + 2u < quads) {
+    uint first = base + 2u * y * packs + 2u * x;
+    float next = 0.0;  // what holds the aggregate after this pack together
+    if (2u * x + 2u < packs) {
       next = SYSTEM(first + 2u, SYSTEM_RIGHT).x;
-      if (2u * y + 1u < size.y) next += SYSTEM(first + quads + 2u, SYSTEM_RIGHT).x;
+      if (2u * y + 1u < size.y) next += SYSTEM(first + packs + 2u, SYSTEM_RIGHT).x;
     }
     if (2u * y + 2u < size.y) {
-      vec4 a = SYSTEM(first + 2u * quads, SYSTEM_DOWN);
+      vec4 a = SYSTEM(first + 2u * packs, SYSTEM_DOWN);
       along[2].xy = a.xz + a.yw;
-      if (2u * x + 1u < quads) {
-        vec4 b = SYSTEM(first + 2u * quads + 1u, SYSTEM_DOWN);
+      if (2u * x + 1u < packs) {
+        vec4 b = SYSTEM(first + 2u * packs + 1u, SYSTEM_DOWN);
         along[2].zw = b.xz + b.yw;
       }
     }
@@ -112,11 +112,11 @@ void main() {
       size = (size + 1u) / 2u;
     }
     uvec2 half_size = (size + 1u) / 2u;
-    uint quads = QUADS(size.x), half_quads = QUADS(half_size.x), coarse = base + quads * size.y;
+    uint packs = QUADS(size.x), half_packs = QUADS(half_size.x), coarse = base + packs * size.y;
     if (up) {
-      EVERY_QUAD(i, quads, size.y) {
-        uint y = i / quads, x = i - y * quads;
-        vec4 pairs = LOAD(field, coarse + (y / 2u) * half_quads + x / 2u);
+      EVERY_QUAD(i, packs, size.y) {
+        uint y = i / packs, x = i - y * packs;
+        vec4 pairs = LOAD(field, coarse + (y / 2u) * half_packs + x / 2u);
         vec4 correction = (x & 1u) == 0u ? pairs.xxyy : pairs.zzww;
         STORE(field, base + i, LOAD(field, base + i) + MASKED(correction, INSIDE(x, size.x)));
       }
@@ -126,9 +126,9 @@ void main() {
       for (uint color = 0u; color < 2u; ++color) smooth_color(base, size, up ? 1u - color : color);
     bool single = size.x == 1u && size.y == 1u;
     if (!up && !single) {
-      EVERY_QUAD(i, half_quads, half_size.y) {
-        uint y = i / half_quads;
-        aggregate(base, size, i - y * half_quads, y, coarse + i);
+      EVERY_QUAD(i, half_packs, half_size.y) {
+        uint y = i / half_packs;
+        aggregate(base, size, i - y * half_packs, y, coarse + i);
       }
       SYNC;
       ++level;

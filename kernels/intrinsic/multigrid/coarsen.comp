@@ -7,12 +7,12 @@
 // The next coarser level's operator, once a frame: aggregates of 2 x 2 pixels add their masses up, and the edges between
 // two aggregates make theirs (relax.glsl). With kTerms that level is the cells' and gets their screen and their
 // pixels' anchors too.
-// One coarse quad an invocation.
+// One coarse pack an invocation.
 layout(constant_id = 1) const int kStride = 4;        // of the fine system
 layout(constant_id = 2) const int kCoarseStride = 4;
 layout(constant_id = 3) const bool kTerms = false;
 PLANE_IN(0, system);
-PLANE_IN(1, force);  // of quads of cells
+PLANE_IN(1, force);  // of packs of cells
 PLANE_OUT(2, coarse_system);
 #define TILE_CONSTANT 4
 #define TILE_BINDING 3
@@ -28,16 +28,16 @@ layout(push_constant) uniform Push {
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
-  int quads = int(QUADS(push.size.x));
-  uint half_quads = QUADS(half_size.x);
-  uvec2 position = tile_position(half_quads);
+  int packs = int(QUADS(push.size.x));
+  uint half_packs = QUADS(half_size.x);
+  uvec2 position = tile_position(half_packs);
   if (position.y >= half_size.y) return;
-  int x = 2 * int(position.x), second = x + 1 < quads ? 1 : 0, third = x + 2 < quads ? 2 : 0;
+  int x = 2 * int(position.x), second = x + 1 < packs ? 1 : 0, third = x + 2 < packs ? 2 : 0;
   vec4 across = vec4(0.0), inside = vec4(0.0), next = vec4(0.0), along[3], mass = vec4(0.0);  // along: of three rows
   for (uint k = 0u; k < 3u; ++k) {
     uint y = 2u * position.y + k;
     float has = y < push.size.y ? 1.0 : 0.0;
-    int row = kStride * (int(min(y, push.size.y - 1u)) * quads + x);
+    int row = kStride * (int(min(y, push.size.y - 1u)) * packs + x);
     vec4 da = FETCH(system, row + SYSTEM_DOWN), db = float(second) * FETCH(system, row + kStride * second + SYSTEM_DOWN);
     along[k] = has * PAIRS(da, db);
     if (k == 2u) break;
@@ -58,7 +58,7 @@ void main() {
   bvec4 last = equal(uvec4(8u * position.x) + uvec4(3, 5, 7, 9), uvec4(push.size.x));
   vec4 right = in_series(across, inside, SHIFT_LEFT(inside, next), last, push.scale);
   vec4 down = in_series(along[1], along[0], along[2], bvec4(2u * position.y + 3u == push.size.y), push.scale);
-  uint to = position.y * half_quads + position.x;
+  uint to = position.y * half_packs + position.x;
   STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_RIGHT, right);
   STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_DOWN, down);
   if (kCoarseStride > 3) {

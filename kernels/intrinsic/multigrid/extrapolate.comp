@@ -1,11 +1,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Chebyshev's step after a cycle that led from s_k to V(s_k): s_(k+1) = s_(k-1) + w (c (V(s_k) - s_k) + s_k - s_(k-1)), with
 // w and c from the range of error factors of a cycle (multigrid.cpp). In place. With kMeasure also sums up how much the cycle
-// changed, squared. One quad an invocation.
+// changed, squared. One pack an invocation.
 layout(constant_id = 1) const bool kMeasure = false;
 PLANE_IN(0, now);
 PLANE_IN(1, start);   // s_k
@@ -16,16 +16,16 @@ PLANE_OUT(4, sums);
 #define TILE_BINDING 5
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
-  uvec2 quads;  // a row, rows
+  uvec2 packs;  // a row, rows
   float w;
   float c;
 } push;
 
 void main() {
-  uvec2 position = tile_position(push.quads.x);
+  uvec2 position = tile_position(push.packs.x);
   vec4 change = vec4(0.0);
-  if (position.y < push.quads.y) {
-    uint i = position.y * push.quads.x + position.x;
+  if (position.y < push.packs.y) {
+    uint i = position.y * push.packs.x + position.x;
     vec4 s = FETCH(start, int(i)), old = FETCH(before, int(i));
     change = FETCH(now, int(i)) - s;
     STORE(next, i, old + push.w * (push.c * change + s - old));

@@ -9,11 +9,11 @@
 namespace inverse {
 namespace {
 
-constexpr uint64_t kTogether = 300;  // quads up to which levels run in one dispatch: 40 x 30 pixels
-constexpr uint64_t kCoarseStride = 4;  // vec4 a quad of the system from level 2 on
+constexpr uint64_t kTogether = 300;  // packs up to which levels run in one dispatch: 40 x 30 pixels
+constexpr uint64_t kCoarseStride = 4;  // vec4 a pack of the system from level 2 on
 constexpr float kLeastMass = 1e-6F;    // keeps a frame of one pixel regular
 constexpr size_t kCells = 2;           // the cells' level
-constexpr uint64_t kTileQuads = TileList::kTile / 4 * TileList::kTile;  // quads a tile
+constexpr uint64_t kTilePacks = TileList::kTile / 4 * TileList::kTile;  // packs a tile
 
 uint32_t stride_of(size_t level) { return level < kCells ? Multigrid::kFineStride : kCoarseStride; }
 
@@ -35,41 +35,42 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
                 {device, {.stride = kCoarseStride}, 0, 0}},
       extrapolate_(device, {}, 4, 16),
       measure_(device, {.measure = true}, 4, 16),
-      carry_(device, {}, 4, 16) {
+      copy_tiles_(device, {}, 4, 16) {
   const uint32_t lanes = device->variant().lone_workgroup;
   coarse_setup_ = {device, {.setup = true}, lanes};
   coarse_cycle_ = {device, {}, lanes};
-  settle_ = {device};
+  convergence_ = {device};
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
   float mass = kLeastMass;
-  for (; levels_.size() < kCells || quads_of(extent) > kTogether;
+  for (; levels_.size() < kCells || pack4_count(extent) > kTogether;
        extent = half_of(extent), ++depth_, mass *= 4)
-    levels_.push_back({extent, buffer(quads_of(extent) * stride_of(levels_.size())),
-                       buffer(quads_of(extent)), mass});
+    levels_.push_back({extent, buffer(pack4_count(extent) * stride_of(levels_.size())),
+                       buffer(pack4_count(extent)), mass});
   uint64_t together = 0;
   for (Extent level = extent;; level = half_of(level), ++depth_) {
-    together += quads_of(level);
+    together += pack4_count(level);
     if (level.pixels() == 1) break;
   }
   levels_.push_back({extent, buffer(together * kCoarseStride), buffer(together), 0});
-  half_means_ = buffer(quads_of(levels_[1].extent));
+  half_means_ = buffer(pack4_count(levels_[1].extent));
   const Extent finest = levels_[0].extent;
-  const uint64_t listed = uint64_t{TileList::count(finest)} * kTileQuads;
+  const uint64_t listed = uint64_t{TileList::count(finest)} * kTilePacks;
   sums_ =
-      buffer(gpu::partial_count(*measure_.whole(), line_of(std::max(quads_of(finest), listed))));
+      buffer(gpu::partial_count(*measure_.whole(), line_of(std::max(pack4_count(finest), listed))));
   progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
-  for (auto& start : starts_) start = buffer(quads_of(levels_[0].extent));
-  cell_means_ = buffer(quads_of(levels_[kCells].extent));
-  cell_far_ = buffer(quads_of(levels_[kCells].extent));
-  cell_force_ = buffer(quads_of(levels_[kCells].extent) * kForceStride);
+  for (auto& start : starts_) start = buffer(pack4_count(levels_[0].extent));
+  cell_means_ = buffer(pack4_count(levels_[kCells].extent));
+  cell_far_ = buffer(pack4_count(levels_[kCells].extent));
+  cell_force_ = buffer(pack4_count(levels_[kCells].extent) * kForceStride);
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level& level = levels_[i];
-  const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
-                                   ((level.extent.height + 3) / 4));
+  const gpu::Items items =
+      line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
+              ((level.extent.height + 3) / 4));
   for (const uint32_t color : {0U, 1U})
     smooth_[std::min(i, kCells)].dispatch(commands, listed,
                                           {.system = level.system,
@@ -87,8 +88,9 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed
 
 void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* listed) const {
   const Level& level = levels_[i];
-  const gpu::Items items = line_of(static_cast<uint64_t>((quads_of(level.extent.width) + 1) / 2) *
-                                   ((level.extent.height + 3) / 4));
+  const gpu::Items items =
+      line_of(static_cast<uint64_t>((pack4_count(level.extent.width) + 1) / 2) *
+              ((level.extent.height + 3) / 4));
   for (const uint32_t color : {1U, 0U})
     correct_[std::min(i, kCells)].dispatch(commands, listed,
                                            {.system = level.system,
@@ -121,7 +123,7 @@ void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* l
        .mass = fine.mass,
        .target_stride = to_cells ? 1 : stride_of(i + 1),
        .target_slot = to_cells ? 0 : shaders::intrinsic_multigrid_restrict::SYSTEM_RHS},
-      line_of(quads_of(coarse.extent)));
+      line_of(pack4_count(coarse.extent)));
 }
 
 void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
@@ -135,7 +137,7 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
          .finest = levels_[0].extent,
          .scale = params.scale,
          .mass = fine.mass},
-        line_of(quads_of(coarse.extent)));
+        line_of(pack4_count(coarse.extent)));
   }
   const Level& last = levels_.back();
   commands.dispatch(coarse_setup_, {.system = last.system, .field = last.field},
@@ -169,16 +171,17 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   cleared_ = true;
   const Extent extent = levels_[0].extent;
   (progress.measured ? measure_ : extrapolate_)
-      .dispatch(commands, listed,
-                {.now = field(),
-                 .start = starts_[k % 2],
-                 .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
-                 .next = gpu::aliased(field()),
-                 .sums = sums_},
-                {.quads = {quads_of(extent.width), extent.height}, .w = w, .c = 2 / (2 - slowest)},
-                line_of(quads_of(extent)));
+      .dispatch(
+          commands, listed,
+          {.now = field(),
+           .start = starts_[k % 2],
+           .before = starts_[(k == 0 || slowest <= 0 ? k : k + 1) % 2],
+           .next = gpu::aliased(field()),
+           .sums = sums_},
+          {.packs = {pack4_count(extent.width), extent.height}, .w = w, .c = 2 / (2 - slowest)},
+          line_of(pack4_count(extent)));
   if (!progress.measured) return;
-  commands.dispatch(settle_, {.sums = sums_, .progress = progress_},
+  commands.dispatch(convergence_, {.sums = sums_, .progress = progress_},
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .pixels = static_cast<float>(extent.pixels()),
                      .settled = progress.settled * progress.settled,
@@ -191,8 +194,9 @@ void Multigrid::record_cycle(gpu::Commands& commands, const Params& params, uint
                              const std::function<void()>& after, const TileList* listed) {
   const bool from_start = params.slowest > 0 || progress.measured;
   if (from_start && listed)
-    carry_.dispatch(commands, listed, {.from = field(), .to = starts_[k % 2]},
-                    {.quads = {quads_of(levels_[0].extent.width), levels_[0].extent.height}}, {});
+    copy_tiles_.dispatch(
+        commands, listed, {.from = field(), .to = starts_[k % 2]},
+        {.packs = {pack4_count(levels_[0].extent.width), levels_[0].extent.height}}, {});
   else if (from_start)
     commands.copy(field(), starts_[k % 2], field()->bytes());
   const auto cycle = [&] {

@@ -3,14 +3,14 @@
 #include <functional>
 #include <vector>
 
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
-#include "kernels/image_tiles_carry.spv.hpp"
+#include "kernels/image_tiles_copy_tiles.spv.hpp"
 #include "kernels/intrinsic_multigrid_coarse.spv.hpp"
 #include "kernels/intrinsic_multigrid_coarsen.spv.hpp"
+#include "kernels/intrinsic_multigrid_convergence.spv.hpp"
 #include "kernels/intrinsic_multigrid_extrapolate.spv.hpp"
 #include "kernels/intrinsic_multigrid_restrict.spv.hpp"
-#include "kernels/intrinsic_multigrid_settle.spv.hpp"
 #include "kernels/intrinsic_multigrid_smooth.spv.hpp"
 
 namespace inverse {
@@ -42,21 +42,21 @@ class Multigrid {
         false;          ///< left out where the one before was measured and is the last one needed
     float settled = 0;  ///< rms change by a cycle, log units, that no further one need follow
   };
-  static constexpr uint64_t kFineStride = 3;  ///< vec4 a quad of the system on levels 0 and 1
+  static constexpr uint64_t kFineStride = 3;  ///< vec4 a pack of the system on levels 0 and 1
   static constexpr uint64_t kForceStride =
-      shaders::intrinsic_multigrid_smooth::FORCE_STRIDE;  ///< vec4 a quad of cells of `cell_force`
+      shaders::intrinsic_multigrid_smooth::FORCE_STRIDE;  ///< vec4 a pack of cells of `cell_force`
   static constexpr uint64_t kTermsStride =
-      shaders::intrinsic_multigrid_smooth::TERMS_STRIDE;  ///< vec4 a quad of cells of `terms`
+      shaders::intrinsic_multigrid_smooth::TERMS_STRIDE;  ///< vec4 a pack of cells of `terms`
 
   /// Throws Error(limit) where a level does not fit the device.
   Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Pixels: edges' weights to the right and down and the right-hand side, three vec4 a quad.
+  /// Pixels: edges' weights to the right and down and the right-hand side, three vec4 a pack.
   const gpu::BufferPtr& system() const { return levels_[0].system; }
-  /// The unknown, one vec4 a quad; cycles improve it in place.
+  /// The unknown, one vec4 a pack; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
   /// The force with which the cells' terms pull at the pixels, their screen, and a mass of each of
-  /// their pixels, three vec4 a quad of cells; set before the operators are made, and the force
+  /// their pixels, three vec4 a pack of cells; set before the operators are made, and the force
   /// renewed by every cycle's `after`.
   const gpu::BufferPtr& cell_force() const { return cell_force_; }
   /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
@@ -82,8 +82,8 @@ class Multigrid {
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
                     const std::function<void()>& after, const TileList* listed = nullptr);
-  /// One vec4, of the last measured cycle (settle.comp): mean square change of the unknown, log
-  /// units²; whether further cycles are needed; measured cycles of this frame so far.
+  /// One vec4, of the last measured cycle (convergence.comp): mean square change of the unknown,
+  /// log units²; whether further cycles are needed; measured cycles of this frame so far.
   const gpu::BufferPtr& progress() const { return progress_; }
   /// How many levels there are, the single pixel included.
   uint32_t depth() const { return depth_; }
@@ -108,9 +108,9 @@ class Multigrid {
   TileProgram<shaders::intrinsic_multigrid_coarsen> coarsen_[3];
   TileProgram<shaders::intrinsic_multigrid_restrict> restrict_[3];
   TileProgram<shaders::intrinsic_multigrid_extrapolate> extrapolate_, measure_;
-  TileProgram<shaders::image_tiles_carry> carry_;
+  TileProgram<shaders::image_tiles_copy_tiles> copy_tiles_;
   gpu::Program<shaders::intrinsic_multigrid_coarse> coarse_setup_, coarse_cycle_;
-  gpu::Program<shaders::intrinsic_multigrid_settle> settle_;
+  gpu::Program<shaders::intrinsic_multigrid_convergence> convergence_;
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;

@@ -1,9 +1,9 @@
-// What the multigrid kernels share: the edges of coarse levels and the exact solve of one quad.
+// What the multigrid kernels share: the edges of coarse levels and the exact solve of one pack.
 
-// Solves the tridiagonal system of a quad's four pixels: diagonal d, couplings w.x, w.y, w.z between neighbors (w.w to
-// the next quad is in f already), right-hand side f. Pixels without equation (d = 0: padding) come out as 0. What little
-// holds a quad against edges millions of times as strong is lost to rounding in d: pivots keep as much as d is exact to.
-vec4 solve_quad(vec4 d, vec4 w, vec4 f) {
+// Solves the tridiagonal system of a pack's four pixels: diagonal d, couplings w.x, w.y, w.z between neighbors (w.w to
+// the next pack is in f already), right-hand side f. Pixels without equation (d = 0: padding) come out as 0. What little
+// holds a pack against edges millions of times as strong is lost to rounding in d: pivots keep as much as d is exact to.
+vec4 solve_pack(vec4 d, vec4 w, vec4 f) {
   d = max(d, vec4(1e-20));
   vec4 least = 2.4e-7 * d;
   float p0 = 1.0 / d.x;

@@ -4,13 +4,13 @@
 #include "intrinsic/energy/energy.glsl"
 
 // To the next coarser level: every aggregate's right-hand side is the sum of its 2 x 2 residuals, its correction starts at
-// zero. On levels 0 and 1 (kMeans) also the aggregates' mean of s as it stands. One coarse quad an invocation.
+// zero. On levels 0 and 1 (kMeans) also the aggregates' mean of s as it stands. One coarse pack an invocation.
 layout(constant_id = 1) const int kStride = 4;  // of the fine system
 layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of finer means and `now`, its correction
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, finer_means);
-PLANE_IN(3, force);  // of quads of cells: their pixels' mass
+PLANE_IN(3, force);  // of packs of cells: their pixels' mass
 PLANE_OUT(4, target);
 PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
@@ -21,19 +21,19 @@ layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
   uvec2 finest;  // size of level 0
   float mass;          // of every fine pixel where there is no plane of masses
-  uint target_stride;  // where the right-hand side goes in `target`: vec4 a quad, and which of them
+  uint target_stride;  // where the right-hand side goes in `target`: vec4 a pack, and which of them
   uint target_slot;
 } push;
 
 #define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
 
-int quads = int(QUADS(push.size.x));
+int packs = int(QUADS(push.size.x));
 
-// The anchors' mass of quad x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that stands for one of level 0.
+// The anchors' mass of pack x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that stands for one of level 0.
 vec4 anchors(int x, int y) {
-  int cell_quads = int(QUADS((push.finest.x + 3u) / 4u));
-  if (kMeans == 1) return vec4(FETCH(force, FORCE_STRIDE * ((y / 4) * cell_quads + x / 4) + FORCE_ANCHOR)[x & 3]);
-  vec4 four = FETCH(force, FORCE_STRIDE * ((y / 2) * cell_quads + x / 2) + FORCE_ANCHOR);
+  int cell_packs = int(QUADS((push.finest.x + 3u) / 4u));
+  if (kMeans == 1) return vec4(FETCH(force, FORCE_STRIDE * ((y / 4) * cell_packs + x / 4) + FORCE_ANCHOR)[x & 3]);
+  vec4 four = FETCH(force, FORCE_STRIDE * ((y / 2) * cell_packs + x / 2) + FORCE_ANCHOR);
   vec4 counts = vec4(clamp(ivec4(int(push.finest.x) - 8 * x) - ivec4(0, 2, 4, 6), 0, 2));
   return counts * ((x & 1) == 0 ? four.xxyy : four.zzww);
 }
@@ -42,16 +42,16 @@ float rows_of(int y) { return kMeans == 1 ? 1.0 : float(clamp(int(push.finest.y)
 
 void main() {
   uvec2 half_size = (push.size + 1u) / 2u;
-  uint half_quads = QUADS(half_size.x);
-  ivec2 position = ivec2(tile_position(half_quads));
+  uint half_packs = QUADS(half_size.x);
+  ivec2 position = ivec2(tile_position(half_packs));
   if (position.y >= int(half_size.y)) return;
   vec4 sum = vec4(0.0), mean = vec4(0.0);
   int top = 2 * position.y, count = min(int(push.size.y) - top, 2);
   for (int part = 0; part < 2; ++part) {
     int x = 2 * position.x + part;
-    if (x >= quads) break;
-    int at = top * quads + x, above = top > 0 ? at - quads : at, low = top + 1 < int(push.size.y) ? at + quads : at;
-    int left = x > 0 ? -1 : 0, right = x + 1 < quads ? 1 : 0;
+    if (x >= packs) break;
+    int at = top * packs + x, above = top > 0 ? at - packs : at, low = top + 1 < int(push.size.y) ? at + packs : at;
+    int left = x > 0 ? -1 : 0, right = x + 1 < packs ? 1 : 0;
     vec4 u = FETCH(now, at), under = FETCH(now, low);
     // What comes over the edge above a row, and leaves over the edge below it.
     vec4 fall = (top > 0 ? 1.0 : 0.0) * FETCH(system, kStride * above + SYSTEM_DOWN) * (FETCH(now, above) - u);
@@ -69,12 +69,12 @@ void main() {
       fall = next_fall;
       at = low;
       u = under;
-      under = FETCH(now, top + 2 < int(push.size.y) ? low + quads : low);
+      under = FETCH(now, top + 2 < int(push.size.y) ? low + packs : low);
     }
     sum += part == 0 ? vec4(total.xz + total.yw, 0.0, 0.0) : vec4(0.0, 0.0, total.xz + total.yw);
     mean += part == 0 ? vec4(s.xz + s.yw, 0.0, 0.0) : vec4(0.0, 0.0, s.xz + s.yw);
   }
-  uint to = uint(position.y) * half_quads + uint(position.x);
+  uint to = uint(position.y) * half_packs + uint(position.x);
   STORE(target, push.target_stride * to + push.target_slot, sum);
   STORE(coarse, to, vec4(0.0));
   if (kMeans > 0) {

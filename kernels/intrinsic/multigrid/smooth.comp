@@ -12,7 +12,7 @@
 // With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates, to the
 // block and to what it reads around it where push.around says that those blocks have not been corrected yet.
 //
-// On levels 0 and 1 the cells pull at their mean with a force (force.comp), which their pixels share. So that it gives way
+// On levels 0 and 1 the cells pull at their mean with a force (source_term.comp), which their pixels share. So that it gives way
 // as they do, a pixel feels it as if it were alone: screen (mean s)^2 <= screen mean(s^2), with equality where all agree.
 // A cell's pixels have the mass of its anchor.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
@@ -21,7 +21,7 @@ layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level alon
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, coarse);
-PLANE_IN(3, force);      // of quads of cells
+PLANE_IN(3, force);      // of packs of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
 #define TILE_CONSTANT 4
 #define TILE_BINDING 5
@@ -35,29 +35,29 @@ layout(push_constant) uniform Push {
 } push;
 
 ivec2 push_size = ivec2(push.size);
-int quads = int(QUADS(push.size.x)), coarse_quads = int(QUADS((push.size.x + 1u) / 2u));
+int packs = int(QUADS(push.size.x)), coarse_packs = int(QUADS((push.size.x + 1u) / 2u));
 
-// The correction of quad x by the aggregates of row y.
+// The correction of pack x by the aggregates of row y.
 vec4 lifted(int x, int y) {
   if (!kCorrect) return vec4(0.0);
-  vec4 pairs = FETCH(coarse, (y >> 1) * coarse_quads + (x >> 1));
+  vec4 pairs = FETCH(coarse, (y >> 1) * coarse_packs + (x >> 1));
   return (x & 1) == 0 ? pairs.xxyy : pairs.zzww;
 }
 
-// How much the pixels of row y of quad x, which is row `row` of its cells, count in the cells' means.
+// How much the pixels of row y of pack x, which is row `row` of its cells, count in the cells' means.
 vec4 shares(int x, int y, int row) {
   int rows = min(push_size.y - y + row, kCellPixels), columns = min(push_size.x - 4 * x, 4);
   if (kCellPixels == 4) return cell_weights(uint(rows))[row] * cell_weights(uint(columns));
   return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
                                     columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
 }
-// How many pixels of level 0 those of row y of quad x stand for.
+// How many pixels of level 0 those of row y of pack x stand for.
 vec4 counts(int x, int y) {
   if (kCellPixels == 4) return vec4(1.0);
   ivec2 size = ivec2(push.finest);
   return vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
 }
-// What (slot) of the cells reaches the pixels of row y of quad x.
+// What (slot) of the cells reaches the pixels of row y of pack x.
 vec4 of_cells(int x, int y, int slot) {
   int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
   vec4 four = FETCH(force, FORCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
@@ -65,22 +65,22 @@ vec4 of_cells(int x, int y, int slot) {
 }
 
 #define SOLVE_ROW(k, up, down) \
-  u[k] = solve_quad(diagonal[k], right[k], rhs[k] + fall[k] * (up) + fall[k + 1] * (down))
+  u[k] = solve_pack(diagonal[k], right[k], rhs[k] + fall[k] * (up) + fall[k + 1] * (down))
 
 void main() {
-  ivec2 position = ivec2(tile_position(uint(quads + 1) / 2u)), last = ivec2(quads, push.size.y) - 1;
+  ivec2 position = ivec2(tile_position(uint(packs + 1) / 2u)), last = ivec2(packs, push.size.y) - 1;
   int x = 2 * position.x + ((position.y + int(push.color)) & 1), first = 4 * position.y;
   if (x > last.x || first > last.y) return;
   int next = min(x + 1, last.x), before = max(x - 1, 0), top = max(first - 1, 0);
   float has_left = x > 0 ? 1.0 : 0.0;
   vec4 u[4], right[4], rhs[4], diagonal[4], fall[5];
-  vec4 above = FETCH(now, top * quads + x) + push.around * lifted(x, top);
+  vec4 above = FETCH(now, top * packs + x) + push.around * lifted(x, top);
   int bottom = min(first + 4, last.y);
-  vec4 below = FETCH(now, bottom * quads + x) + push.around * lifted(x, bottom);
+  vec4 below = FETCH(now, bottom * packs + x) + push.around * lifted(x, bottom);
   vec4 lift, lift_before, lift_next, pull, screen_of_cell, anchor;  // of two rows, or of all where cells have four
-  fall[0] = (first > 0 ? 1.0 : 0.0) * FETCH(system, kStride * (top * quads + x) + SYSTEM_DOWN);
+  fall[0] = (first > 0 ? 1.0 : 0.0) * FETCH(system, kStride * (top * packs + x) + SYSTEM_DOWN);
   [[unroll]] for (int k = 0; k < 4; ++k) {
-    int y = min(first + k, last.y), at = kStride * (y * quads + x);  // rows below the frame repeat the last, unused
+    int y = min(first + k, last.y), at = kStride * (y * packs + x);  // rows below the frame repeat the last, unused
     if (k % 2 == 0) {
       lift = lifted(x, y);
       lift_before = push.around * lifted(before, y);
@@ -91,11 +91,11 @@ void main() {
       screen_of_cell = of_cells(x, y, FORCE_SCREEN);
       anchor = of_cells(x, y, FORCE_ANCHOR);
     }
-    u[k] = FETCH(now, y * quads + x) + lift;
+    u[k] = FETCH(now, y * packs + x) + lift;
     right[k] = FETCH(system, at + SYSTEM_RIGHT);
     fall[k + 1] = FETCH(system, at + SYSTEM_DOWN);
     rhs[k] = FETCH(system, at + SYSTEM_RHS);
-    float left = has_left * FETCH(system, kStride * (y * quads + before) + SYSTEM_RIGHT).w;
+    float left = has_left * FETCH(system, kStride * (y * packs + before) + SYSTEM_RIGHT).w;
     diagonal[k] = (kStride > 3 ? FETCH(system, at + SYSTEM_MASS) : vec4(push.mass)) + right[k] +
                   SHIFT_RIGHT(right[k], vec4(left)) + fall[k] + fall[k + 1];
     if (kCellPixels > 0) {
@@ -103,8 +103,8 @@ void main() {
       diagonal[k] += screen + counts(x, y) * anchor;
       rhs[k] += share * pull + screen * u[k];
     }
-    rhs[k].x += left * (FETCH(now, y * quads + before).w + lift_before.w);
-    rhs[k].w += right[k].w * (FETCH(now, y * quads + next).x + lift_next.x);
+    rhs[k].x += left * (FETCH(now, y * packs + before).w + lift_before.w);
+    rhs[k].w += right[k].w * (FETCH(now, y * packs + next).x + lift_next.x);
   }
   SOLVE_ROW(0, above, u[1]);
   SOLVE_ROW(1, u[0], u[2]);
@@ -114,5 +114,5 @@ void main() {
   SOLVE_ROW(1, u[0], u[2]);
   SOLVE_ROW(0, above, u[1]);
   [[unroll]] for (int k = 0; k < 4; ++k)
-    if (first + k <= last.y) STORE(improved, uint((first + k) * quads + x), u[k]);
+    if (first + k <= last.y) STORE(improved, uint((first + k) * packs + x), u[k]);
 }

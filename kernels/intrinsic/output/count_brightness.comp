@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/output/brightness.glsl"
 
@@ -14,18 +14,18 @@ PLANE_OUT(3, scale_cells);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 void main() {
-  uint quads = QUADS(push.size.x);
-  uvec2 cell = grid_position(quads);
+  uint packs = QUADS(push.size.x);
+  uvec2 cell = grid_position(packs);
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
   vec4 columns = cell_weights(count.x), rows = cell_weights(count.y);
   float mean = 0.0;
   for (uint y = 0u; y < count.y; ++y) {
-    mean += rows.x * dot(columns, FETCH(shading, int((first + y) * quads + cell.x)));
+    mean += rows.x * dot(columns, FETCH(shading, int((first + y) * packs + cell.x)));
     rows = rows.yzwx;
   }
-  uint at = cell.y * quads + cell.x;
+  uint at = cell.y * packs + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
   STORE(scale_cells, at, vec4(guide.xyz, guide.x - mean));
   float brightest = guide.x + guide.w;

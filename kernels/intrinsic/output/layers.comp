@@ -30,21 +30,21 @@ layout(push_constant) uniform Push {
   float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
 } push;
 
-uint quads = QUADS(push.size.x);
+uint packs = QUADS(push.size.x);
 
-float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(quads)) + x / 4) + START_HOLD)[x & 3]; }
+float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(packs)) + x / 4) + START_HOLD)[x & 3]; }
 // Of a row of cells: this one and those beside it.
 vec3 holds_of(ivec2 cell, int y) {
-  return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(quads) - 1), y));
+  return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(packs) - 1), y));
 }
 
 void main() {
-  uvec2 cell = tile_position(quads);
+  uvec2 cell = tile_position(packs);
   uint first = 4u * cell.y;
   if (first >= push.size.y) return;
   uvec2 count = min(push.size - 4u * cell, uvec2(4u));
   float log_scale = FETCH(scale, 0).x;
-  uint at = cell.y * quads + cell.x;
+  uint at = cell.y * packs + cell.x;
   vec4 guide = FETCH(cells, int(CELL_STRIDE * at));
   float change = 0.0;
   vec3 above = vec3(0.0), here = above, below = above;
@@ -56,9 +56,9 @@ void main() {
     below = holds_of(ivec2(cell), min(y + 1, last));
   }
   for (uint y = 0u; y < count.y; ++y) {
-    uint quad = (first + y) * quads + cell.x;
-    int mean = int(MEMORY_STRIDE * quad) + MEMORY_MEAN, brightness = int(MEMORY_STRIDE * quad) + MEMORY_BRIGHTNESS;
-    vec4 s = FETCH(shading, int(quad)), bright = vec4(0.0);
+    uint pack = (first + y) * packs + cell.x;
+    int mean = int(MEMORY_STRIDE * pack) + MEMORY_MEAN, brightness = int(MEMORY_STRIDE * pack) + MEMORY_BRIGHTNESS;
+    vec4 s = FETCH(shading, int(pack)), bright = vec4(0.0);
     for (uint x = 0u; x < 4u; ++x) {
       vec3 rgb = sanitize(FETCH(frame, int((first + y) * push.size.x + min(4u * cell.x + x, push.size.x - 1u))).rgb);
       bright = vec4(bright.yzw, rgb.r + rgb.g + rgb.b);
@@ -71,7 +71,7 @@ void main() {
       vec4 off = push.texture * (FETCH(now, mean) - FETCH(before, mean) - change);
       hold /= 1.0 + off * off;
       s += MASKED(hold * (bright - FETCH(before, brightness) - s), INSIDE(cell.x, push.size.x));
-      STORE(held, quad, s);
+      STORE(held, pack, s);
     }
     STORE(memory, uint(brightness), bright - s);
     for (uint x = 0u; x < count.x; ++x) {
@@ -82,5 +82,5 @@ void main() {
       s = s.yzwx;
     }
   }
-  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(quads) + cell.x / 4u))));
+  STORE(kept, at, cell_state(guide, FETCH(wide, int((cell.y / 4u) * QUADS(packs) + cell.x / 4u))));
 }

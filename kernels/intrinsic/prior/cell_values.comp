@@ -4,7 +4,7 @@
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One quad of cells an invocation.
+// EdgePrior, cells: v, V and g of energy.glsl from a cell's cues. One pack of cells an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, wide);
 PLANE_IN(2, statistics);
@@ -24,8 +24,8 @@ layout(push_constant) uniform Push {
 const float kCellArea = 16.0;
 
 void main() {
-  int quads = int(QUADS(uint(push.size.x)));
-  ivec2 position = ivec2(tile_position(uint(quads)));
+  int packs = int(QUADS(uint(push.size.x)));
+  ivec2 position = ivec2(tile_position(uint(packs)));
   if (position.y >= push.size.y) return;
   int wide_columns = ((push.size.x + 1) / 2 + 1) / 2;
   float mean = FETCH(statistics, 0).x;
@@ -50,7 +50,7 @@ void main() {
     target = vec4(target.yzw, on * (p.x + p.w + result.y));
     g = vec4(g.yzw, on * kCellArea * push.chroma_weight * weight(result.z));
   }
-  int to = VALUE_STRIDE * (position.y * quads + position.x);
+  int to = VALUE_STRIDE * (position.y * packs + position.x);
   STORE(value, to + VALUE_WEIGHT, v);
   STORE(value, to + VALUE_TARGET, target);
   STORE(value, to + VALUE_CHROMA, g);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Flags the tiles whose edges have to be evaluated again: those where a cell of guide level 1, in the tile or up to two
 // cells around it, differs by more than the tolerance from what the edges were evaluated on; all of them where the frame's

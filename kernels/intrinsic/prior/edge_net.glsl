@@ -88,7 +88,7 @@ vec3 cell_net(float f[7], vec4 sums[3]) {
 }
 #else
 
-// For fold.comp: the biases of a frame, four at a time, from its own cues.
+// For fold_biases.comp: the biases of a frame, four at a time, from its own cues.
 #define FOLD_VECTORS 5
 void fold_biases(vec4 frame) {
   STORE(biases, 0, vec4(0.615092, 0.799037, 0.4383, -1.20996) +

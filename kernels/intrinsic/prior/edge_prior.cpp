@@ -4,14 +4,14 @@
 
 namespace inverse {
 EdgePrior::EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent)
-    : fold_(device),
+    : fold_biases_(device),
       change_(device),
       edges_{{device, {.down = false}, 4, 4}, {device, {.down = true}, 4, 4}},
       values_(device, {}, 1, 4),
-      keep_(device, {}, 8, 8),
+      save_reference_(device, {}, 8, 8),
       changes_(device, extent),
       biases_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                  shaders::intrinsic_prior_fold::FOLD_VECTORS)),
+                                  shaders::intrinsic_prior_fold_biases::FOLD_VECTORS)),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, half_of(extent).pixels())),
       kept_statistics_(gpu::Buffer::create(device, gpu::Element::vec4, 2)) {}
 
@@ -31,7 +31,7 @@ void EdgePrior::record_edges(gpu::Commands& commands, const Guide& guide, const 
         {.size = extent,
          .reflectance_weight = params.reflectance_weight,
          .shading_weight = params.shading_weight},
-        line_of(static_cast<uint64_t>(quads_of(extent.width)) * ((extent.height + 3) / 4)));
+        line_of(static_cast<uint64_t>(pack4_count(extent.width)) * ((extent.height + 3) / 4)));
 }
 
 void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -45,17 +45,17 @@ void EdgePrior::record_values(gpu::Commands& commands, const Guide& guide, const
        .tuning = biases_,
        .value = target.value},
       {.size = cells, .value_weight = params.value_weight, .chroma_weight = params.chroma_weight},
-      line_of(quads_of(cells)));
+      line_of(pack4_count(cells)));
 }
 
 void EdgePrior::record_keep(gpu::Commands& commands, const Guide& guide,
                             const TileList& listed) const {
-  keep_.dispatch(commands, &listed,
-                 {.level1 = guide.level1(),
-                  .statistics = guide.statistics(),
-                  .kept = kept_,
-                  .kept_statistics = kept_statistics_},
-                 {.size = guide.extent1(), .tiles = tiles()}, {});
+  save_reference_.dispatch(commands, &listed,
+                           {.level1 = guide.level1(),
+                            .statistics = guide.statistics(),
+                            .kept = kept_,
+                            .kept_statistics = kept_statistics_},
+                           {.size = guide.extent1(), .tiles = tiles()}, {});
 }
 
 void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target& target,
@@ -67,7 +67,7 @@ void EdgePrior::record(gpu::Commands& commands, const Guide& guide, const Target
     commands.copy(guide.level1(), kept_, kept_->bytes());
     commands.copy(guide.statistics(), kept_statistics_, kept_statistics_->bytes());
   }
-  commands.dispatch(fold_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, nullptr);
   record_values(commands, guide, target, params, nullptr);
 }
@@ -88,7 +88,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                     {.size = guide.extent1(), .tolerance = tolerance, .all = all},
                     line_of(tiles()));
   changes_.record(commands);
-  commands.dispatch(fold_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &changes_);
   record_keep(commands, guide, changes_);
   record_values(commands, guide, target, params, nullptr);
@@ -99,7 +99,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
 
 void EdgePrior::record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
                              const Params& params, const TileList& listed) const {
-  commands.dispatch(fold_, {.statistics = guide.statistics(), .biases = biases_}, {});
+  commands.dispatch(fold_biases_, {.statistics = guide.statistics(), .biases = biases_}, {});
   record_edges(commands, guide, target, params, &listed);
   record_keep(commands, guide, listed);
   record_values(commands, guide, target, params, &listed);

@@ -5,8 +5,8 @@
 #include "kernels/intrinsic_prior_cell_values.spv.hpp"
 #include "kernels/intrinsic_prior_change.spv.hpp"
 #include "kernels/intrinsic_prior_edges.spv.hpp"
-#include "kernels/intrinsic_prior_fold.spv.hpp"
-#include "kernels/intrinsic_prior_keep.spv.hpp"
+#include "kernels/intrinsic_prior_fold_biases.spv.hpp"
+#include "kernels/intrinsic_prior_save_reference.spv.hpp"
 
 namespace inverse {
 
@@ -32,9 +32,9 @@ class EdgePrior {
   };
   /// Where the prior writes. Edges stay there from frame to frame.
   struct Target {
-    gpu::BufferPtr system;  ///< three vec4 a quad; the first two are a + b to the right and down
-    gpu::BufferPtr flux;    ///< two vec4 a quad: a (m_x - m_y) to the right and down
-    gpu::BufferPtr value;   ///< three vec4 a quad of cells: v, V, g
+    gpu::BufferPtr system;  ///< three vec4 a pack; the first two are a + b to the right and down
+    gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
+    gpu::BufferPtr value;   ///< three vec4 a pack of cells: v, V, g
   };
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
@@ -70,11 +70,11 @@ class EdgePrior {
                      const Params& params, const TileList* listed) const;
   void record_keep(gpu::Commands& commands, const Guide& guide, const TileList& listed) const;
 
-  gpu::Program<shaders::intrinsic_prior_fold> fold_;
+  gpu::Program<shaders::intrinsic_prior_fold_biases> fold_biases_;
   gpu::Program<shaders::intrinsic_prior_change> change_;
   TileProgram<shaders::intrinsic_prior_edges> edges_[2];  // to the right, down
   TileProgram<shaders::intrinsic_prior_cell_values> values_;
-  TileProgram<shaders::intrinsic_prior_keep> keep_;
+  TileProgram<shaders::intrinsic_prior_save_reference> save_reference_;
   TileList changes_;
   gpu::BufferPtr biases_, kept_, kept_statistics_;
   Params known_params_;

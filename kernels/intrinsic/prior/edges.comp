@@ -41,8 +41,8 @@ vec4 pixel(ivec2 at) {
 }
 
 void main() {
-  int quads = int(QUADS(uint(push.size.x)));
-  ivec2 block = ivec2(tile_position(uint(quads))) * 4;
+  int packs = int(QUADS(uint(push.size.x)));
+  ivec2 block = ivec2(tile_position(uint(packs))) * 4;
   if (block.y > last.y) return;
   const ivec2 d = kDown ? ivec2(0, 1) : ivec2(1, 0);
   ivec2 size1 = (push.size + 1) / 2, size2 = (size1 + 1) / 2;
@@ -133,7 +133,7 @@ void main() {
     if (!kDown || run == 1)
       [[unroll]] for (int k = 0; k < (kDown ? 4 : 2); ++k) {
         int y = (kDown ? block.y : start.y) + k;
-        uint at = uint(y * quads + block.x / 4);
+        uint at = uint(y * packs + block.x / 4);
         if (y <= last.y) {
           STORE(system, 3u * at + (kDown ? SYSTEM_DOWN : SYSTEM_RIGHT), weights[k]);
           STORE(flux, FLUX_STRIDE * at + (kDown ? FLUX_DOWN : FLUX_RIGHT), fluxes[k]);

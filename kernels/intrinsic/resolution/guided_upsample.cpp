@@ -1,7 +1,7 @@
 #include "guided_upsample.hpp"
 
+#include "kernels/image/pack4.hpp"
 #include "kernels/image/pyramid.hpp"
-#include "kernels/image/quads.hpp"
 
 namespace inverse {
 

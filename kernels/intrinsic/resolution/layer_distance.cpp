@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernels/gpu/reduce.hpp"
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 
 namespace inverse {
 namespace {

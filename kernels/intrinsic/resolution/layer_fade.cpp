@@ -1,6 +1,6 @@
 #include "layer_fade.hpp"
 
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 
 namespace inverse {
 

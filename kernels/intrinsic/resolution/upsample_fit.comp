@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "upsample.glsl"
 
 // The line (a, b) of every half-size pixel. One an invocation.

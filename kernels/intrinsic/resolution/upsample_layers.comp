@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "upsample.glsl"
 
 // The frame's layers: lines averaged over 3 x 3, interpolated to the pixels, and read at their m. One half-size pixel, up to

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "upsample.glsl"
 
 // What the lines are fitted to: (mean m of the up to 2 x 2 pixels, log shading). One half-size pixel an invocation.

@@ -1,18 +1,18 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Flags the tiles that a frame has to work on: those where the input changed, and those that by now lack more than `tolerance`
 // of what frames that worked on them would have given them, by what the last one that did changed and by what the coarse solve,
 // which goes on for all, would. One tile an invocation.
 WORD_IN(0, changed);
-PLANE_IN(1, correction);  // of quads of cells: what the last cycle of the coarse solve added or, where left out, would add
+PLANE_IN(1, correction);  // of packs of cells: what the last cycle of the coarse solve added or, where left out, would add
 PLANE_INOUT(2, activity);
 WORD_OUT(3, flags);
 layout(push_constant) uniform Push {
   uvec2 tiles;
-  uvec2 cell_quads;  // a row, rows
+  uvec2 cell_packs;  // a row, rows
   float tolerance;   // log units; negative: all tiles
   float hold;        // share of reflectance that stays from frame to frame where the input does
 } push;
@@ -23,8 +23,8 @@ void main() {
   if (tile.y >= push.tiles.y) return;
   uint at = tile.y * push.tiles.x + tile.x;
   vec4 most = vec4(0.0);
-  for (uint y = 4u * tile.y; y < min(4u * tile.y + 4u, push.cell_quads.y); ++y)
-    most = max(most, abs(FETCH(correction, int(y * push.cell_quads.x + tile.x))));
+  for (uint y = 4u * tile.y; y < min(4u * tile.y + 4u, push.cell_packs.y); ++y)
+    most = max(most, abs(FETCH(correction, int(y * push.cell_packs.x + tile.x))));
   vec4 known = LOAD(activity, at);
   bool concerned = near_change(ivec2(tile), ivec2(push.tiles));
   float frames = concerned ? 1.0 : known.y + 1.0;

@@ -13,7 +13,7 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
       lists_{TileList(device, extent), TileList(device, extent)},
       drawn_(device, extent),
       active_(device),
-      spread_(device),
+      dilate_tiles_(device),
       look_(device, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
       busy_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
@@ -44,12 +44,12 @@ void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& cor
                      .activity = activity_,
                      .flags = list.flags()},
                     {.tiles = {list.columns(), list.rows()},
-                     .cell_quads = {quads_of(cells.width), cells.height},
+                     .cell_packs = {pack4_count(cells.width), cells.height},
                      .tolerance = tolerance,
                      .hold = hold},
                     line_of(tiles()));
   list.record(commands);
-  commands.dispatch(spread_, {.flags = list.flags(), .drawn = drawn_.flags()},
+  commands.dispatch(dilate_tiles_, {.flags = list.flags(), .drawn = drawn_.flags()},
                     {.tiles = {list.columns(), list.rows()}}, line_of(tiles()));
   drawn_.record(commands);
 }
@@ -65,7 +65,7 @@ void ActiveTiles::record_activity(gpu::Commands& commands, const gpu::BufferPtr&
                   .activity = activity_,
                   .busy = busy_},
                  {.tiles = {lists_[0].columns(), lists_[0].rows()},
-                  .quads = {quads_of(extent_.width), extent_.height},
+                  .packs = {pack4_count(extent_.width), extent_.height},
                   .size = extent_,
                   .tolerance = tolerance},
                  line_of(tiles()));

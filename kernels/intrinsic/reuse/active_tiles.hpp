@@ -3,11 +3,11 @@
 #include <memory>
 #include <span>
 
-#include "kernels/image/quads.hpp"
+#include "kernels/image/pack4.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
 #include "kernels/intrinsic_reuse_active.spv.hpp"
 #include "kernels/intrinsic_reuse_activity.spv.hpp"
-#include "kernels/intrinsic_reuse_spread.spv.hpp"
+#include "kernels/intrinsic_reuse_dilate_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -52,7 +52,7 @@ class ActiveTiles {
   size_t now_ = 0;
   bool listed_before_ = false;
   gpu::Program<shaders::intrinsic_reuse_active> active_;
-  gpu::Program<shaders::intrinsic_reuse_spread> spread_;
+  gpu::Program<shaders::intrinsic_reuse_dilate_tiles> dilate_tiles_;
   TileProgram<shaders::intrinsic_reuse_activity> look_;
   gpu::FrameRing<gpu::BufferPtr> changed_;
   uint64_t frame_ = 0;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/temporal/temporal.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // How much the log shading of tiles has changed by a frame, for each of those that it stood for, which shows in the brightness
 // of reflectance where the input is the same. Counts the tiles that the next frame will not leave out. One tile an invocation.
@@ -16,7 +16,7 @@ WORD_INOUT(4, busy);  // one word
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 tiles;
-  uvec2 quads;  // a row, rows
+  uvec2 packs;  // a row, rows
   uvec2 size;
   float tolerance;
 } push;
@@ -25,11 +25,11 @@ layout(push_constant) uniform Push {
 void main() {
   uvec2 tile = tile_position(push.tiles.x);
   if (tile.y >= push.tiles.y) return;
-  uvec2 first = uvec2(4u, 16u) * tile, last = min(first + uvec2(4u, 16u), push.quads);
+  uvec2 first = uvec2(4u, 16u) * tile, last = min(first + uvec2(4u, 16u), push.packs);
   vec4 sum = vec4(0.0);
   for (uint y = first.y; y < last.y; ++y)
     for (uint x = first.x; x < last.x; ++x) {
-      int at = int(MEMORY_STRIDE * (y * push.quads.x + x)) + MEMORY_BRIGHTNESS;
+      int at = int(MEMORY_STRIDE * (y * push.packs.x + x)) + MEMORY_BRIGHTNESS;
       vec4 step = FETCH(now, at) - FETCH(before, at);
       sum += MASKED(step * step, INSIDE(x, push.size.x));
     }

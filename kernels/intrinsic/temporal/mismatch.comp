@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 #include "temporal.glsl"
 
 // How far every cell differs from the frame before: squared differences, in units of those that halve the anchor, of its local
@@ -13,7 +13,7 @@ PLANE_IN(0, cells);
 PLANE_IN(1, wide);
 PLANE_IN(2, level0);
 PLANE_IN(3, before);  // cell_state
-PLANE_IN(4, memory);  // of quads of pixels
+PLANE_IN(4, memory);  // of packs of pixels
 PLANE_OUT(5, mismatch);  // difference, structure that moved, structure, -
 #define TILE_CONSTANT 1
 #define TILE_BINDING 6

@@ -5,10 +5,10 @@
 
 namespace inverse {
 namespace {
-constexpr uint32_t kSumLanes = 64;  // of verdict.comp
+constexpr uint32_t kSumLanes = 64;  // of cut_decision.comp
 /// One tile a 4 x 4 cells.
 constexpr uint64_t tiles_of(Extent cells) {
-  return static_cast<uint64_t>(quads_of(cells.width)) * ((cells.height + 3) / 4);
+  return static_cast<uint64_t>(pack4_count(cells.width)) * ((cells.height + 3) / 4);
 }
 }  // namespace
 
@@ -16,17 +16,18 @@ TemporalAnchor::TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Exten
     : extent_(extent),
       cells_(half_of(half_of(extent))),
       compare_(device, {}, 4, 4),
-      carry_(device, {.stride = kMemoryStride}, 4, 16),
-      calm_(device),
+      copy_tiles_(device, {.stride = kMemoryStride}, 4, 16),
+      static_tiles_(device),
       decide_(device, {}, kSumLanes),
       kept_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
-      memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
-      now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * quads_of(extent))),
+      memory_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * pack4_count(extent))),
+      now_(gpu::Buffer::create(device, gpu::Element::vec4, kMemoryStride * pack4_count(extent))),
       mismatch_(gpu::Buffer::create(device, gpu::Element::vec4, cells_.pixels())),
       tiles_(gpu::Buffer::create(device, gpu::Element::vec4, tiles_of(cells_))),
-      sums_(gpu::Buffer::create(device, gpu::Element::vec4,
-                                gpu::partial_count(*calm_.kernel(), line_of(tiles_of(cells_))))),
-      verdict_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
+      sums_(gpu::Buffer::create(
+          device, gpu::Element::vec4,
+          gpu::partial_count(*static_tiles_.kernel(), line_of(tiles_of(cells_))))),
+      cut_decision_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const Params& params,
                             bool continues, const TileList* listed) {
@@ -44,9 +45,9 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
                      .chroma = 1 / params.anchor_chroma,
                      .texture = 1 / params.anchor_texture},
                     line_of(cells_.pixels()));
-  commands.dispatch(calm_, {.mismatch = mismatch_, .tiles = tiles_, .sums = sums_},
+  commands.dispatch(static_tiles_, {.mismatch = mismatch_, .tiles = tiles_, .sums = sums_},
                     {.size = cells_}, line_of(tiles_of(cells_)));
-  commands.dispatch(decide_, {.sums = sums_, .verdict = verdict_},
+  commands.dispatch(decide_, {.sums = sums_, .verdict = cut_decision_},
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .cells = static_cast<float>(cells_.pixels()),
                      .cut_fraction = params.cut_fraction,
@@ -56,8 +57,8 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
 
 void TemporalAnchor::advance(gpu::Commands& commands, const TileList* listed) {
   if (listed)
-    carry_.dispatch(commands, listed, {.from = now_, .to = memory_},
-                    {.quads = {quads_of(extent_.width), extent_.height}}, {});
+    copy_tiles_.dispatch(commands, listed, {.from = now_, .to = memory_},
+                         {.packs = {pack4_count(extent_.width), extent_.height}}, {});
   else
     memory_.swap(now_);
 }

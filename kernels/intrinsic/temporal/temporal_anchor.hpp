@@ -1,11 +1,11 @@
 #pragma once
 #include <memory>
 
-#include "kernels/image_tiles_carry.spv.hpp"
+#include "kernels/image_tiles_copy_tiles.spv.hpp"
 #include "kernels/intrinsic/guide/guide.hpp"
-#include "kernels/intrinsic_temporal_calm.spv.hpp"
+#include "kernels/intrinsic_temporal_cut_decision.spv.hpp"
 #include "kernels/intrinsic_temporal_mismatch.spv.hpp"
-#include "kernels/intrinsic_temporal_verdict.spv.hpp"
+#include "kernels/intrinsic_temporal_static_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -43,9 +43,9 @@ class TemporalAnchor {
     bool operator==(const Params&) const = default;
   };
   static constexpr uint64_t kMemoryStride =
-      shaders::intrinsic_temporal_mismatch::MEMORY_STRIDE;  ///< vec4 a quad of pixels
+      shaders::intrinsic_temporal_mismatch::MEMORY_STRIDE;  ///< vec4 a pack of pixels
   static constexpr uint64_t kStartStride =
-      shaders::intrinsic_temporal_mismatch::START_STRIDE;  ///< vec4 a quad of cells
+      shaders::intrinsic_temporal_mismatch::START_STRIDE;  ///< vec4 a pack of cells
 
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
@@ -59,7 +59,7 @@ class TemporalAnchor {
   }  ///< vec4 a cell: d, c0, c1, m'; layers.comp writes it
   const gpu::BufferPtr& memory() const {
     return memory_;
-  }  ///< of quads of pixels: m and the brightness of reflectance
+  }  ///< of packs of pixels: m and the brightness of reflectance
   const gpu::BufferPtr& now() const {
     return now_;
   }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
@@ -69,18 +69,19 @@ class TemporalAnchor {
   const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
   const gpu::BufferPtr& tiles() const {
     return tiles_;
-  }  ///< vec4 a tile of 4 x 4 cells (calm.comp)
+  }  ///< vec4 a tile of 4 x 4 cells (static_tiles.comp)
   const gpu::BufferPtr& verdict() const {
-    return verdict_;
-  }  ///< one vec4 (verdict.comp): mean mismatch; 1 anchored or 0 cut; share of structure that moved
+    return cut_decision_;
+  }  ///< one vec4 (cut_decision.comp): mean mismatch; 1 anchored or 0 cut; share of structure that
+     ///< moved
 
  private:
   Extent extent_, cells_;
   TileProgram<shaders::intrinsic_temporal_mismatch> compare_;
-  TileProgram<shaders::image_tiles_carry> carry_;
-  gpu::Program<shaders::intrinsic_temporal_calm> calm_;
-  gpu::Program<shaders::intrinsic_temporal_verdict> decide_;
-  gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, verdict_;
+  TileProgram<shaders::image_tiles_copy_tiles> copy_tiles_;
+  gpu::Program<shaders::intrinsic_temporal_static_tiles> static_tiles_;
+  gpu::Program<shaders::intrinsic_temporal_cut_decision> decide_;
+  gpu::BufferPtr kept_, memory_, now_, mismatch_, tiles_, sums_, cut_decision_;
   bool cleared_ = false;
 };
 

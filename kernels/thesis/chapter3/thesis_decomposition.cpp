@@ -466,7 +466,7 @@ uint64_t ThesisDecomposition::record(gpu::Commands& commands, const Plane& frame
   const Extent cells = cells_of(extent_);
   commands.dispatch(scale_cells_,
                     {.solution = levels_[0].solution,
-                     .palette_scale = palette_.gauge(),
+                     .palette_scale = palette_.scale(),
                      .cells = scale_.cells(),
                      .wanted = wanted_scale_},
                     {.size = extent_}, pixels_of(cells));

@@ -311,7 +311,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
                                  : hints.fixed_regions ? hints.fixed_regions->buffer
                                                        : nullptr;
   push.mode = regions ? 1 : 0;
-  commands.dispatch(at_->aim,
+  commands.dispatch(at_->targets,
                     {.table = current_->table,
                      .features = features_,
                      .regions = regions ? regions : features_,
@@ -371,7 +371,7 @@ uint64_t GlobalThesis::record(gpu::Commands& commands, const Plane& frame, Layer
     commands.dispatch(at_->score, {.state = solution(), .regions = regions, .partials = partials_},
                       push, pixels);
     push.count = static_cast<int32_t>(gpu::partial_count(*at_->score.kernel(), pixels));
-    commands.dispatch(at_->outer_total, {.partials = partials_, .entries = score_}, push,
+    commands.dispatch(at_->normal_equations_total, {.partials = partials_, .entries = score_}, push,
                       {kOneGroup});
     commands.copy(score_, current_->buffer, 16, 0, 16 * kScoreAt);
     current_->scored = true;

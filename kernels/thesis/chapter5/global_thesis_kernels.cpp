@@ -14,7 +14,7 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
   held = std::make_shared<Kernels>(Kernels{
       .sanitize = {device_},
       .setup = {device_},
-      .aim = {device_},
+      .targets = {device_},
       .start = {device_, {.groups = groups}},
       .pack = {device_},
       .sample = {device_, {.slots = slots_}},
@@ -23,7 +23,7 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
       .mix = {device_, {.groups = groups}},
       .product = {device_, {.unit_exponent = unit}},
       .update = {device_, {.groups = groups}},
-      .settle = {device_},
+      .limit_step = {device_},
       .scalars = {device_, {}, kOneGroup},
       .energy = {device_, {.groups = groups}},
       .energy_pulls = {device_, {.slots = slots_}},
@@ -31,13 +31,13 @@ const GlobalThesis::Kernels& GlobalThesis::kernels(int groups) {
       .layers = {device_, {.groups = groups}},
       .indirect = {device_},
       .residual = {device_, {.groups = groups}},
-      .outer = {device_},
-      .outer_total = {device_, {}, kOneGroup},
+      .normal_equations = {device_},
+      .normal_equations_total = {device_, {}, kOneGroup},
       .score = {device_, {.groups = groups}},
       .cells = {device_},
       .change = {device_, {}, kOneGroup},
       .search = {device_, {}, kOneGroup},
-      .shorten = {device_},
+      .scale_step = {device_},
   });
   return *held;
 }

@@ -1,8 +1,8 @@
 // What both halves of GlobalThesis share: programs, sizes.
 #pragma once
 #include "global_thesis.hpp"
-#include "kernels/thesis_chapter5_colors_outer.spv.hpp"
-#include "kernels/thesis_chapter5_colors_outer_total.spv.hpp"
+#include "kernels/thesis_chapter5_colors_normal_equations.spv.hpp"
+#include "kernels/thesis_chapter5_colors_normal_equations_total.spv.hpp"
 #include "kernels/thesis_chapter5_colors_residual.spv.hpp"
 #include "kernels/thesis_chapter5_energy_energy.spv.hpp"
 #include "kernels/thesis_chapter5_energy_energy_pulls.spv.hpp"
@@ -13,19 +13,19 @@
 #include "kernels/thesis_chapter5_samples_pack.spv.hpp"
 #include "kernels/thesis_chapter5_samples_sample.spv.hpp"
 #include "kernels/thesis_chapter5_samples_sample_past.spv.hpp"
-#include "kernels/thesis_chapter5_setup_aim.spv.hpp"
 #include "kernels/thesis_chapter5_setup_cells.spv.hpp"
 #include "kernels/thesis_chapter5_setup_change.spv.hpp"
 #include "kernels/thesis_chapter5_setup_sanitize.spv.hpp"
 #include "kernels/thesis_chapter5_setup_setup.spv.hpp"
 #include "kernels/thesis_chapter5_setup_start.spv.hpp"
+#include "kernels/thesis_chapter5_setup_targets.spv.hpp"
+#include "kernels/thesis_chapter5_solve_limit_step.spv.hpp"
 #include "kernels/thesis_chapter5_solve_mix.spv.hpp"
 #include "kernels/thesis_chapter5_solve_product.spv.hpp"
 #include "kernels/thesis_chapter5_solve_reweight.spv.hpp"
 #include "kernels/thesis_chapter5_solve_scalars.spv.hpp"
+#include "kernels/thesis_chapter5_solve_scale_step.spv.hpp"
 #include "kernels/thesis_chapter5_solve_search.spv.hpp"
-#include "kernels/thesis_chapter5_solve_settle.spv.hpp"
-#include "kernels/thesis_chapter5_solve_shorten.spv.hpp"
 #include "kernels/thesis_chapter5_solve_update.spv.hpp"
 
 namespace inverse {
@@ -34,7 +34,7 @@ namespace inverse {
 struct GlobalThesis::Kernels {
   gpu::Program<shaders::thesis_chapter5_setup_sanitize> sanitize;
   gpu::Program<shaders::thesis_chapter5_setup_setup> setup;
-  gpu::Program<shaders::thesis_chapter5_setup_aim> aim;
+  gpu::Program<shaders::thesis_chapter5_setup_targets> targets;
   gpu::Program<shaders::thesis_chapter5_setup_start> start;
   gpu::Program<shaders::thesis_chapter5_samples_pack> pack;
   gpu::Program<shaders::thesis_chapter5_samples_sample> sample;
@@ -43,7 +43,7 @@ struct GlobalThesis::Kernels {
   gpu::Program<shaders::thesis_chapter5_solve_mix> mix;
   gpu::Program<shaders::thesis_chapter5_solve_product> product;
   gpu::Program<shaders::thesis_chapter5_solve_update> update;
-  gpu::Program<shaders::thesis_chapter5_solve_settle> settle;
+  gpu::Program<shaders::thesis_chapter5_solve_limit_step> limit_step;
   gpu::Program<shaders::thesis_chapter5_solve_scalars> scalars;
   gpu::Program<shaders::thesis_chapter5_energy_energy> energy;
   gpu::Program<shaders::thesis_chapter5_energy_energy_pulls> energy_pulls;
@@ -51,13 +51,13 @@ struct GlobalThesis::Kernels {
   gpu::Program<shaders::thesis_chapter5_output_layers> layers;
   gpu::Program<shaders::thesis_chapter5_output_indirect> indirect;
   gpu::Program<shaders::thesis_chapter5_colors_residual> residual;
-  gpu::Program<shaders::thesis_chapter5_colors_outer> outer;
-  gpu::Program<shaders::thesis_chapter5_colors_outer_total> outer_total;
+  gpu::Program<shaders::thesis_chapter5_colors_normal_equations> normal_equations;
+  gpu::Program<shaders::thesis_chapter5_colors_normal_equations_total> normal_equations_total;
   gpu::Program<shaders::thesis_chapter5_regions_score> score;
   gpu::Program<shaders::thesis_chapter5_setup_cells> cells;
   gpu::Program<shaders::thesis_chapter5_setup_change> change;
   gpu::Program<shaders::thesis_chapter5_solve_search> search;
-  gpu::Program<shaders::thesis_chapter5_solve_shorten> shorten;
+  gpu::Program<shaders::thesis_chapter5_solve_scale_step> scale_step;
 };
 
 namespace global_thesis {

@@ -118,11 +118,14 @@ void GlobalThesis::search(gpu::Commands& commands) {
   };
   judge(1);
   commands.when(shorten_, 0, [&] {
-    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
+    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
+                      field);
     judge(2);
-    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
+    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
+                      field);
     judge(3);
-    commands.dispatch(at_->shorten, {.state = from, .search = search_, .next = next}, push, field);
+    commands.dispatch(at_->scale_step, {.state = from, .search = search_, .next = next}, push,
+                      field);
   });
 }
 
@@ -200,7 +203,7 @@ void GlobalThesis::step(gpu::Commands& commands) {
     commands.dispatch(at_->scalars, {.partials = partials_, .scalars = scalars_}, push,
                       {kOneGroup});
   }
-  commands.dispatch(at_->settle, {.state = from, .next = next, .next_out = gpu::aliased(next)},
+  commands.dispatch(at_->limit_step, {.state = from, .next = next, .next_out = gpu::aliased(next)},
                     push, {extent_.width, extent_.height, planes});
   if (params_.line_search) search(commands);
   current_state_ = 1 - current_state_;
@@ -211,7 +214,7 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
   const gpu::Items pixels{extent_.width, extent_.height};
   const auto layers = static_cast<uint32_t>(colors_.layers());
   const gpu::Items items{kOuterLanes, layers, layers + 1};
-  const uint64_t partials = gpu::partial_count(*at_->outer.kernel(), items);
+  const uint64_t partials = gpu::partial_count(*at_->normal_equations.kernel(), items);
   if (!residuals_) {
     for (auto* buffer : {&residuals_, &reflectances_})
       *buffer = gpu::Buffer::create(device_, gpu::Element::vec4, extent_.pixels());
@@ -231,18 +234,18 @@ void GlobalThesis::record_refinement(gpu::Commands& commands) {
                      .residuals = residuals_,
                      .reflectances = reflectances_},
                     push, pixels);
-  const uint32_t workgroup = at_->outer.kernel()->workgroup();
+  const uint32_t workgroup = at_->normal_equations.kernel()->workgroup();
   push.count =
       static_cast<int32_t>((kOuterLanes - 1) / workgroup + 1) * static_cast<int32_t>(workgroup);
-  commands.dispatch(at_->outer,
+  commands.dispatch(at_->normal_equations,
                     {.state = solution(),
                      .residuals = residuals_,
                      .reflectances = reflectances_,
                      .partials = outer_partials_},
                     push, items);
   push.count = static_cast<int32_t>(partials / entries);
-  commands.dispatch(at_->outer_total, {.partials = outer_partials_, .entries = system_}, push,
-                    {kOneGroup * entries});
+  commands.dispatch(at_->normal_equations_total, {.partials = outer_partials_, .entries = system_},
+                    push, {kOneGroup * entries});
   commands.copy(system_, current_->buffer, 16 * static_cast<uint64_t>(entries), 0, 16 * kSystemAt);
   colors_.fix();
   current_->refining = true;

@@ -216,7 +216,7 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
       forgets{session, extent, {}};
   small.params.half_resolution = true;
   for (Run* run : {&stays, &small, &carried, &forgets}) run->params.half_bound = 0;
-  const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, gauge removed
+  const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, scale removed
     double sum = 0, squares = 0, count = 0;
     const auto bright = [](const Image& r, size_t i) {
       return std::log(double(r.data[3 * i]) + double(r.data[3 * i + 1]) +

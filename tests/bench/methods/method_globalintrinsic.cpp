@@ -1,6 +1,6 @@
 // globalintrinsic in the benchmark.
 #include "adaptive_settings.hpp"
-#include "kernels/global/ladder.hpp"
+#include "kernels/global/quality_levels.hpp"
 #include "ladder_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 
@@ -47,7 +47,7 @@ Method globalintrinsic(DeviceSession& session) {
     };
   };
   std::vector<Setting> all = ladder_settings(
-      global_ladder(), [&](const Params& params) { return make(params); }, Effort::full);
+      global_levels(), [&](const Params& params) { return make(params); }, Effort::full);
 
   const struct {
     const char* part;

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "kernels/thesis/chapter5/correction/misclustering_correction.hpp"
-#include "kernels/thesis/chapter5/ladder.hpp"
+#include "kernels/thesis/chapter5/quality_levels.hpp"
 #include "methods.hpp"
 #include "truth_clicks.hpp"
 
@@ -21,7 +21,7 @@ constexpr std::size_t kFewestPixels = 77;
 /// The default of the element.
 Params default_params() {
   Params params;
-  global_thesis_ladder().set(params, Quality::medium);
+  global_thesis_levels().set(params, Quality::medium);
   return params;
 }
 
@@ -303,7 +303,7 @@ Method globalintrinsicthesis(DeviceSession& session) {
     setting.effort = Effort::full;
     method.settings.push_back(setting);
   };
-  const auto& ladder = global_thesis_ladder();
+  const auto& ladder = global_thesis_levels();
   for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
     Params params = still_params();
     ladder.levels[k].set(params);

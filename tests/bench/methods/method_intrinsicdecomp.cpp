@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "adaptive_settings.hpp"
-#include "kernels/intrinsic/ladder.hpp"
+#include "kernels/intrinsic/quality_levels.hpp"
 #include "ladder_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 
@@ -52,7 +52,7 @@ class Settings {
   /// The levels of the element; presets are some of them.
   void add_ladder() {
     all = ladder_settings(
-        intrinsic_ladder(), [this](const Params& params) { return make(params); }, Effort::usual);
+        intrinsic_levels(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 
   /// Fixed numbers of multigrid cycles: convergence of the solve.

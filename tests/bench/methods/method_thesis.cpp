@@ -1,5 +1,5 @@
 // intrinsicdecompthesis in the benchmark: its two solvers are two methods.
-#include "kernels/thesis/chapter3/ladder.hpp"
+#include "kernels/thesis/chapter3/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
 #include "methods.hpp"
 
@@ -98,7 +98,7 @@ Method thesis(DeviceSession& session, ThesisParams::Solver solver) {
     const char* preset = "";
     for (const auto& [quality, name] : kQualities) {
       ThesisParams p;
-      thesis_ladder().set(p, quality);
+      thesis_levels().set(p, quality);
       if (p.solver == solver && p.irls_iterations == irls && p.pcg_iterations == iterations)
         preset = name;
     }

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "kernels/ladder.hpp"
+#include "kernels/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_params.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/scene.hpp"

@@ -101,16 +101,16 @@ struct Reference {
 
 /// The mean difference is a difference of scale.
 Difference difference(const reference::Plane& got, const reference::Plane& expected) {
-  double gauge = 0;
+  double scale = 0;
   for (size_t n = 0; n < expected.size(); ++n) {
-    for (size_t c = 0; c < 3; ++c) gauge += got.data[n][c] - expected.data[n][c];
+    for (size_t c = 0; c < 3; ++c) scale += got.data[n][c] - expected.data[n][c];
   }
-  gauge /= 3.0 * static_cast<double>(expected.size());
+  scale /= 3.0 * static_cast<double>(expected.size());
   std::vector<double> differences(expected.size());
   for (size_t n = 0; n < expected.size(); ++n) {
     for (size_t c = 0; c < 3; ++c) {
       differences[n] =
-          std::max(differences[n], std::abs(got.data[n][c] - expected.data[n][c] - gauge));
+          std::max(differences[n], std::abs(got.data[n][c] - expected.data[n][c] - scale));
     }
   }
   std::sort(differences.begin(), differences.end());

@@ -69,14 +69,14 @@ struct Distance {
   double tile = 0;   // largest mean of a tile
   double pixel = 0;  // largest of all
 };
-Distance distance(const Image& a, double gauge_a, const Image& b, double gauge_b) {
+Distance distance(const Image& a, double scale_a, const Image& b, double scale_b) {
   Distance all;
   const int columns = (a.width + kTile - 1) / kTile, rows = (a.height + kTile - 1) / kTile;
   std::vector<double> sums(size_t(columns) * size_t(rows)), counts(sums.size());
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x) {
       const double d =
-          std::log(double(a.at(x, y))) + gauge_a - std::log(double(b.at(x, y))) - gauge_b;
+          std::log(double(a.at(x, y))) + scale_a - std::log(double(b.at(x, y))) - scale_b;
       all.rms += d * d;
       all.pixel = std::max(all.pixel, std::abs(d));
       sums[size_t(y / kTile * columns + x / kTile)] += d;
@@ -165,7 +165,7 @@ void run(int argc, char** argv) {
     const Image still = first_frame(file);
     const Extent extent{uint32_t(still.width), uint32_t(still.height)};
     Run some(session, extent, params), all(session, extent, off);
-    std::printf("%s, %dx%d\nframe   rms  tile pixel | gauge | step (all) \n",
+    std::printf("%s, %dx%d\nframe   rms  tile pixel | scale | step (all) \n",
                 std::filesystem::path(file).stem().c_str(), still.width, still.height);
     Image before;
     for (int k = 0; k < frames; ++k) {

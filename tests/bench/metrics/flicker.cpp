@@ -43,11 +43,11 @@ double sample(const Image& image, double x, double y) {
 
 }  // namespace
 
-double flicker(const std::vector<Image>& reflectance, bool remove_gauge, const Image& mask) {
+double flicker(const std::vector<Image>& reflectance, bool remove_scale, const Image& mask) {
   if (reflectance.size() < 2) return 0.0;
   std::vector<double> sum, squares;
   for (const Image& r : reflectance) {
-    const std::vector<double> l = log_values(r, mask, remove_gauge);
+    const std::vector<double> l = log_values(r, mask, remove_scale);
     sum.resize(l.size()), squares.resize(l.size());
     for (std::size_t i = 0; i < l.size(); ++i) sum[i] += l[i], squares[i] += l[i] * l[i];
   }
@@ -58,7 +58,7 @@ double flicker(const std::vector<Image>& reflectance, bool remove_gauge, const I
 }
 
 double flicker_along(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
-                     bool remove_gauge) {
+                     bool remove_scale) {
   const std::size_t frames = reflectance.size();
   const double nowhere = std::nan("");
   std::vector<std::vector<double>> deviations;  // of every track from its own mean, by frame
@@ -74,7 +74,7 @@ double flicker_along(const std::vector<Image>& reflectance, const std::vector<Tr
     for (double& v : values) v -= sum / count;
     deviations.push_back(values);
   }
-  if (remove_gauge)
+  if (remove_scale)
     for (std::size_t k = 0; k < frames; ++k) {
       double sum = 0, count = 0;
       for (const auto& d : deviations)

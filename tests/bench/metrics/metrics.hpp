@@ -79,18 +79,18 @@ double whdr(const Image& reflectance, const std::vector<Judgment>& judgments, do
 
 /// Standard deviation over time, averaged over the pixels of the mask, which show the same true
 /// reflectance in every frame. The per-frame mean over these pixels is removed first when
-/// `remove_gauge` is set, since one global factor a frame is a matter of the gauge and not of the
+/// `remove_scale` is set, since one global factor a frame is a matter of the scale and not of the
 /// decomposition.
-double flicker(const std::vector<Image>& reflectance, bool remove_gauge, const Image& mask = {});
+double flicker(const std::vector<Image>& reflectance, bool remove_scale, const Image& mask = {});
 
 /// Where one surface point is seen, frame by frame, in pixels (the center of the first is 0, 0);
 /// not seen where a coordinate is NaN.
 using Track = std::vector<std::array<double, 2>>;
 
 /// The same along known motion, by bilinear sampling; points seen in fewer than two frames do not
-/// count. The gauge of a frame is the mean over its points of their deviation from their own mean.
+/// count. The scale of a frame is the mean over its points of their deviation from their own mean.
 double flicker_along(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
-                     bool remove_gauge);
+                     bool remove_scale);
 
 /// Change of the scale of what stays in view: mean over frames k of |median over points seen in
 /// both of ln R(k + span) - ln R(k)|. Frames that share fewer than 15 points do not count; 0 if
@@ -98,7 +98,7 @@ double flicker_along(const std::vector<Image>& reflectance, const std::vector<Tr
 double common_drift(const std::vector<Image>& reflectance, const std::vector<Track>& tracks,
                     std::size_t span);
 
-/// As flicker without the gauge, of changes from frame to frame: the root mean square of successive
+/// As flicker without the scale, of changes from frame to frame: the root mean square of successive
 /// differences over the square root of 2, which is the standard deviation where frames are
 /// independent. Slow drift, which nobody sees, hardly counts.
 double jitter(const std::vector<Image>& reflectance, const Image& mask = {});

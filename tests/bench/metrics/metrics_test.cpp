@@ -228,13 +228,13 @@ TEST(Flicker, IsTheStandardDeviationOfTheLogarithm) {
     frames.push_back(frame);
   }
   EXPECT_NEAR(flicker(frames, false), 0.5 * double(a), kNear);
-  // Less the gauge ± a / 2 every pixel alternates by a / 2.
+  // Less the scale ± a / 2 every pixel alternates by a / 2.
   EXPECT_NEAR(flicker(frames, true), 0.5 * double(a), kNear);
   Image right = left_mask(8, 4);
   for (float& v : right.data) v = 1 - v;
   EXPECT_NEAR(flicker(frames, false, right), double(a), kNear);
   EXPECT_NEAR(flicker(frames, true, right), 0, kNear);
-  // Differences of ± a about the gauge, every frame: the root mean square over the square root
+  // Differences of ± a about the scale, every frame: the root mean square over the square root
   // of 2.
   EXPECT_NEAR(jitter(frames), double(a) / std::sqrt(2), kNear);
   EXPECT_NEAR(jitter(frames, right), 0, kNear);
@@ -282,7 +282,7 @@ TEST(Flicker, StaticPixelsAreThoseWhoseTruthStays) {
   EXPECT_EQ(mask.data, (std::vector<float>{1, 0, 1}));
 }
 
-TEST(Score, OfTheTruthIsPerfectInAnyGauge) {
+TEST(Score, OfTheTruthIsPerfectAtAnyScale) {
   const Image reflectance = noise(48, 40, 3, 10), shading = noise(48, 40, 1, 11);
   const Scores s = score(scaled(reflectance, 2), scaled(shading, 0.5F), reflectance, shading, {});
   EXPECT_NEAR(s.lmse20 + s.lmse10 + s.mse + s.dssim + s.whdr, 0, kNear);
@@ -290,7 +290,7 @@ TEST(Score, OfTheTruthIsPerfectInAnyGauge) {
   EXPECT_GT(s.psnr, 100);
 }
 
-TEST(Score, LogDistanceForgetsTheGauge) {
+TEST(Score, LogDistanceIgnoresTheScale) {
   const Image r = noise(32, 20, 3, 12);
   EXPECT_NEAR(log_distance(scaled(r, 5), r, {}), 0, kNear);
   Image other = r;

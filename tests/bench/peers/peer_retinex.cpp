@@ -34,10 +34,10 @@ Decomposition retinex(const Image& input, const Thresholds& params) {
   }
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
-  constexpr double kGauge = 1e-8;  // pins the one-dimensional null space
+  constexpr double kScale = 1e-8;  // pins the one-dimensional null space
   for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, kGauge);
-    b[i] += kGauge * m[std::size_t(i)];
+    entries.emplace_back(i, i, kScale);
+    b[i] += kScale * m[std::size_t(i)];
   }
   const auto edge = [&](int i, int j) {
     const double dm = m[std::size_t(i)] - m[std::size_t(j)];

@@ -59,7 +59,7 @@ bool has(const Told& told, const char* what) {
 
 }  // namespace
 
-TEST(LeaveOut, TermsWithoutWeightAreNamed) {
+TEST(ReusePolicy, TermsWithoutWeightAreNamed) {
   EXPECT_FALSE(has(after("intrinsicdecomp", "intrinsicdecomp", true, 3), "chroma bins"));
   EXPECT_TRUE(has(after("intrinsicdecomp tuning=chroma-weight=0", "intrinsicdecomp", true, 3),
                   "chroma bins: their weight is 0"));
@@ -71,7 +71,7 @@ TEST(LeaveOut, TermsWithoutWeightAreNamed) {
   EXPECT_TRUE(has(thesis, "clusters: their weight is 0")) << thesis.skipped;
 }
 
-TEST(LeaveOut, HalfResolutionFollowsItsBound) {
+TEST(ReusePolicy, HalfResolutionFollowsItsBound) {
   const Told soft = after("intrinsicdecomp", "intrinsicdecomp", true, 32);
   EXPECT_TRUE(soft.half);
   EXPECT_EQ(soft.halvings, 1u);
@@ -92,7 +92,7 @@ TEST(LeaveOut, HalfResolutionFollowsItsBound) {
             2u);
 }
 
-TEST(LeaveOut, BouncedLightOfVideoInBlackAndWhite) {
+TEST(ReusePolicy, BouncedLightOfVideoInBlackAndWhite) {
   const std::string caps = VideoHarness::caps("RGBA", kWidth, kHeight);
   VideoHarness all("globalintrinsic show=mosaic", caps, caps);
   const auto in = [](int time, bool color) {

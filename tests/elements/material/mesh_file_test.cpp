@@ -17,7 +17,7 @@
 namespace inverse::testing {
 namespace {
 
-const char* kObj = R"(# a cube of quads, without normals
+const char* kObj = R"(# a cube of packs, without normals
 v -1 -1 -1
 v  1 -1 -1
 v  1  1 -1

@@ -76,7 +76,7 @@ class GlobalSymmetry : public testing::Test {
     method.set(params);
     method.decompose(frame);
     GlobalLayers got = method.decompose(frame);
-    gauge_ = method.found().solve.scale;
+    scale_ = method.found().solve.scale;
     amount_ = method.found().amount;
     return got;
   }
@@ -89,7 +89,7 @@ class GlobalSymmetry : public testing::Test {
     method.thesis().set_base_colors(colors);
     return method.decompose(frame);
   }
-  float gauge_ = 0, amount_ = 0;
+  float scale_ = 0, amount_ = 0;
 };
 
 TEST_F(GlobalSymmetry, MirroredFramesHaveMirroredLayers) {
@@ -135,7 +135,7 @@ TEST_F(GlobalSymmetry, BrighterLightIsBrighterShading) {
     for (size_t i = 0; i < frame.size(); ++i)
       if (i % 4 < 3) frame[i] *= camera ? 0.25F : 256;
     const GlobalLayers base = second(extent, frame, converged());
-    const float gauge = gauge_, amount = amount_;
+    const float scale = scale_, amount = amount_;
     for (const int n : {1, 2, 4}) {
       if (camera && n == 4) continue;
       Pixels brighter = frame;
@@ -145,10 +145,10 @@ TEST_F(GlobalSymmetry, BrighterLightIsBrighterShading) {
       for (size_t i = 3; i < got.intrinsic.size(); i += 4)
         got.intrinsic[i] = std::ldexp(got.intrinsic[i], -n);
       const Apart difference = apart(base, got);
-      printf("  %s 2^%d: rms %.2e, most %.2e; amount %.4f to %.4f, gauge %.4f to %.4f\n",
+      printf("  %s 2^%d: rms %.2e, most %.2e; amount %.4f to %.4f, scale %.4f to %.4f\n",
              camera ? "camera" : "far above", n, difference.rms, difference.most,
-             static_cast<double>(amount), static_cast<double>(amount_), static_cast<double>(gauge),
-             static_cast<double>(gauge_));
+             static_cast<double>(amount), static_cast<double>(amount_), static_cast<double>(scale),
+             static_cast<double>(scale_));
       EXPECT_LT(difference.rms, camera ? 0.05 : 2e-4) << n;
       EXPECT_NEAR(amount_, amount, (camera ? 0.1F : 1e-5F) * amount) << n;
     }

@@ -61,7 +61,7 @@ std::optional<std::string> far_from_reference(const Lab& lab, const Case& one,
   IntrinsicDecomposition::Params params;
   params.settled = 0;
   method.set(params);
-  const Pixels got = method.decompose_in_own_gauge(input);
+  const Pixels got = method.decompose_unscaled(input);
   const auto rgb = rgb_of(input);
   const auto expected = reference::decompose(rgb.data(), static_cast<int>(one.width),
                                              static_cast<int>(one.height), {}, nullptr);

@@ -27,10 +27,10 @@ class Player {
       layers = method.record(commands, input, params, {false, changed});
     });
     Pixels pixels = lab_.download(layers[Role::intrinsic]->buffer);
-    const float gauge = method.findings(method.recorded() - 1).scale;
+    const float scale = method.findings(method.recorded() - 1).scale;
     log_shading.clear();
     for (size_t i = 3; i < pixels.size(); i += 4)
-      log_shading.push_back(std::log(pixels[i]) + gauge);
+      log_shading.push_back(std::log(pixels[i]) + scale);
     return pixels;
   }
 

@@ -33,13 +33,13 @@ Pixels Method::decompose(const Pixels& frame) {
       number = thesis_->record(commands, *input, layers);
   });
   if (thesis_) stats_ = thesis_->stats(number);
-  gauge_ = intrinsic_ ? intrinsic_->findings().scale : stats_.scale;
+  scale_ = intrinsic_ ? intrinsic_->findings().scale : stats_.scale;
   return lab_.download(layers[Role::intrinsic]->buffer);
 }
 
-Pixels Method::decompose_in_own_gauge(const Pixels& frame) {
+Pixels Method::decompose_unscaled(const Pixels& frame) {
   Pixels pixels = decompose(frame);
-  const float scale = std::exp(gauge_);
+  const float scale = std::exp(scale_);
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] *= i % 4 == 3 ? scale : 1 / scale;
   return pixels;
 }

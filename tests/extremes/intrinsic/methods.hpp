@@ -16,12 +16,12 @@ class Method {
   /// With the parameters of a case.
   void set(const Case& one);
 
-  /// (R.rgb, S) of the next frame of a video, in the output's gauge.
+  /// (R.rgb, S) of the next frame of a video, in the output's scale.
   Pixels decompose(const Pixels& frame);
-  /// The same in the solver's own gauge.
-  Pixels decompose_in_own_gauge(const Pixels& frame);
+  /// The same in the solver's own scale.
+  Pixels decompose_unscaled(const Pixels& frame);
   /// ln of the factor from the solver's R to the layer's, of the last frame.
-  float gauge() const { return gauge_; }
+  float scale() const { return scale_; }
   ThesisDecomposition& thesis() { return *thesis_; }
   const ThesisDecomposition::Stats& thesis_stats() const { return stats_; }
 
@@ -32,7 +32,7 @@ class Method {
   std::unique_ptr<IntrinsicDecomposition> intrinsic_;
   std::unique_ptr<ThesisDecomposition> thesis_;
   ThesisDecomposition::Stats stats_;
-  float gauge_ = 0;
+  float scale_ = 0;
 };
 
 /// The most light that a method takes, full scale 1.

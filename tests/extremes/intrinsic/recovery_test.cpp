@@ -31,8 +31,8 @@ TEST(Recovery, ACutLeavesNothingOfWhatWasBefore) {
   IntrinsicDecomposition::Params params;
   params.warm_cycles = params.cycles;  // a cut is found on the device, after cycles were recorded
   used.set(params);
-  const Pixels got = used.decompose_in_own_gauge(picture);
-  const Pixels expected = fresh.decompose_in_own_gauge(picture);
+  const Pixels got = used.decompose_unscaled(picture);
+  const Pixels expected = fresh.decompose_unscaled(picture);
   double worst = 0;
   for (size_t i = 3; i < got.size(); i += 4)
     worst = std::max(worst, static_cast<double>(std::abs(std::log(got[i] / expected[i]))));

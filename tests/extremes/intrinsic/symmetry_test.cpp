@@ -80,8 +80,8 @@ TEST_F(Symmetry, MirroredFramesHaveMirroredLayersWithoutSamples) {
     Method one(lab_, Solver::pcg, extent), other(lab_, Solver::pcg, extent);
     one.set(without_samples(Solver::pcg));
     other.set(without_samples(Solver::pcg));
-    const Pixels a = one.decompose_in_own_gauge(frame);
-    const Pixels b = other.decompose_in_own_gauge(mirrored(extent, frame, vertically));
+    const Pixels a = one.decompose_unscaled(frame);
+    const Pixels b = other.decompose_unscaled(mirrored(extent, frame, vertically));
     EXPECT_LT(apart(a, mirrored(extent, b, vertically)).most, 1e-4) << vertically;
   }
 }
@@ -98,8 +98,8 @@ TEST_F(Symmetry, MirroredFramesHaveMirroredLayersInAlignedBlocks) {
     Method one(lab_, Solver::schwarz, extent), other(lab_, Solver::schwarz, extent);
     one.set(params);
     other.set(params);
-    const Pixels a = one.decompose_in_own_gauge(frame);
-    const Pixels b = other.decompose_in_own_gauge(mirrored(extent, frame, vertically));
+    const Pixels a = one.decompose_unscaled(frame);
+    const Pixels b = other.decompose_unscaled(mirrored(extent, frame, vertically));
     EXPECT_LT(apart(a, mirrored(extent, b, vertically)).most, 1e-4) << vertically;
   }
 }
@@ -144,8 +144,8 @@ TEST_F(Symmetry, MirroredFramesHaveMirroredLayers) {
     Method one(lab_, Solver::multigrid, extent), other(lab_, Solver::multigrid, extent);
     one.set(params);
     other.set(params);
-    const Pixels a = one.decompose_in_own_gauge(frame);
-    const Pixels b = other.decompose_in_own_gauge(mirrored(extent, frame, vertically));
+    const Pixels a = one.decompose_unscaled(frame);
+    const Pixels b = other.decompose_unscaled(mirrored(extent, frame, vertically));
     const Apart difference = apart(a, mirrored(extent, b, vertically));
     printf("  mirrored: rms %.2e, most %.2e\n", difference.rms, difference.most);
     EXPECT_LT(difference.rms, 1e-3) << vertically;
@@ -163,14 +163,14 @@ TEST_F(Symmetry, BrighterLightIsBrighterShading) {
   params.settled = 0;
   Method method(lab_, Solver::multigrid, extent);
   method.set(params);
-  const Pixels base = method.decompose_in_own_gauge(frame);
+  const Pixels base = method.decompose_unscaled(frame);
   for (const int n : {1, 2, 4}) {
     Pixels brighter = frame;
     for (size_t i = 0; i < frame.size(); ++i)
       if (i % 4 < 3) brighter[i] = std::ldexp(frame[i], n);
     Method fresh(lab_, Solver::multigrid, extent);
     fresh.set(params);
-    Pixels got = fresh.decompose_in_own_gauge(brighter);
+    Pixels got = fresh.decompose_unscaled(brighter);
     for (size_t i = 3; i < got.size(); i += 4) got[i] = std::ldexp(got[i], -n);
     const Apart difference = apart(base, got);
     printf("  2^%d: rms %.2e, most %.2e\n", n, difference.rms, difference.most);
@@ -194,12 +194,12 @@ TEST_F(Symmetry, NoColorIsSpecialWithoutBins) {
   params.settled = 0;
   Method method(lab_, Solver::multigrid, extent);
   method.set(params);
-  const Pixels base = method.decompose_in_own_gauge(frame);
+  const Pixels base = method.decompose_unscaled(frame);
   std::array<size_t, 3> order{0, 1, 2};
   while (std::next_permutation(order.begin(), order.end())) {
     Method fresh(lab_, Solver::multigrid, extent);
     fresh.set(params);
-    const Pixels got = fresh.decompose_in_own_gauge(permuted(frame, order));
+    const Pixels got = fresh.decompose_unscaled(permuted(frame, order));
     const Apart difference = apart(permuted(base, order), got);
     printf("  %zu%zu%zu: rms %.2e, most %.2e\n", order[0], order[1], order[2], difference.rms,
            difference.most);
@@ -216,12 +216,12 @@ TEST_F(Symmetry, NoColorIsSpecialWhereTheDataTermDoesNotWeighThem) {
     params.w_data = 0;
     Method method(lab_, solver, extent);
     method.set(params);
-    const Pixels base = method.decompose_in_own_gauge(frame);
+    const Pixels base = method.decompose_unscaled(frame);
     std::array<size_t, 3> order{0, 1, 2};
     while (std::next_permutation(order.begin(), order.end())) {
       Method fresh(lab_, solver, extent);
       fresh.set(params);
-      const Pixels got = fresh.decompose_in_own_gauge(permuted(frame, order));
+      const Pixels got = fresh.decompose_unscaled(permuted(frame, order));
       EXPECT_LT(apart(permuted(base, order), got).most, 1e-4) << name_of(solver);
     }
   }

@@ -68,24 +68,24 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
   Multigrid multigrid(lab.device(), extent);
   Guide guide(lab.device(), extent);
   ChromaBins bins(lab.device(), cells);
-  const uint32_t quads = quads_of(extent.width), cell_quads = quads_of(cells.width);
-  Pixels pixels(quads_of(extent) * 12, 0.0F), terms(quads_of(cells) * 16, 0.0F);
-  Pixels forces(quads_of(cells) * 12, 0.0F);
+  const uint32_t packs = pack4_count(extent.width), cell_packs = pack4_count(cells.width);
+  Pixels pixels(pack4_count(extent) * 12, 0.0F), terms(pack4_count(cells) * 16, 0.0F);
+  Pixels forces(pack4_count(cells) * 12, 0.0F);
   for (uint32_t y = 0; y < extent.height; ++y)
     for (uint32_t x = 0; x < extent.width; ++x) {
-      float* quad = &pixels[12 * (static_cast<size_t>(y) * quads + x / 4) + x % 4];
+      float* pack = &pixels[12 * (static_cast<size_t>(y) * packs + x / 4) + x % 4];
       const size_t n = system.at(x, y);
-      quad[0] = x + 1 < extent.width ? system.right[n] : 0;
-      quad[4] = y + 1 < extent.height ? system.down[n] : 0;
-      quad[8] = system.f[n];
+      pack[0] = x + 1 < extent.width ? system.right[n] : 0;
+      pack[4] = y + 1 < extent.height ? system.down[n] : 0;
+      pack[8] = system.f[n];
     }
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t n = static_cast<size_t>(y) * cells.width + x;
-      const size_t quad = static_cast<size_t>(y) * cell_quads + x / 4;
-      terms[16 * quad + x % 4] = forces[12 * quad + 4 + x % 4] = system.screen[n];
-      terms[16 * quad + 4 + x % 4] = system.pull[n];  // no chroma term: the bins have no say
-      forces[12 * quad + 8 + x % 4] = system.anchor[n];
+      const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4;
+      terms[16 * pack + x % 4] = forces[12 * pack + 4 + x % 4] = system.screen[n];
+      terms[16 * pack + 4 + x % 4] = system.pull[n];  // no chroma term: the bins have no say
+      forces[12 * pack + 8 + x % 4] = system.anchor[n];
     }
   const auto frame = lab.upload(Pixels(4 * extent.pixels(), 0.5F));
   const auto system_buffer = lab.upload(pixels), terms_buffer = lab.upload(terms),
@@ -115,7 +115,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x)
         solution.push_back(
-            static_cast<double>(got[4 * (static_cast<size_t>(y) * quads + x / 4) + x % 4]));
+            static_cast<double>(got[4 * (static_cast<size_t>(y) * packs + x / 4) + x % 4]));
   }
   return solutions;
 }

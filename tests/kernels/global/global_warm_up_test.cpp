@@ -1,5 +1,5 @@
 // No kernel of globalintrinsic is built in mid-stream.
-#include "kernels/global/ladder.hpp"
+#include "kernels/global/quality_levels.hpp"
 #include "tests/kernels/intrinsic/intrinsic_fixture.hpp"
 
 namespace inverse::testing {
@@ -49,7 +49,7 @@ class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
     params.white_balance = 0.5F;
     for (int k = 0; k < 4; ++k) show(still, params, k > 0, true);
     params = {};
-    for (const auto& level : global_ladder().levels) {
+    for (const auto& level : global_levels().levels) {
       level.set(params);
       for (int k = 0; k < 3; ++k) show(still, params, k > 0, false);
     }

@@ -60,14 +60,14 @@ class IntrinsicTest : public GpuTest {
   /// One frame through `method`; its intrinsic plane.
   Pixels decompose(IntrinsicDecomposition& method, const PlanePtr& frame,
                    const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
-    Pixels pixels = decompose_in_gauge(method, frame, params, reset);
+    Pixels pixels = decompose_scaled(method, frame, params, reset);
     // Back to the solver's own scale, which is the reference's.
     const float scale = std::exp(method.findings().scale);
     for (size_t i = 0; i < pixels.size(); ++i) pixels[i] *= i % 4 == 3 ? scale : 1 / scale;
     return pixels;
   }
-  Pixels decompose_in_gauge(IntrinsicDecomposition& method, const PlanePtr& frame,
-                            const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
+  Pixels decompose_scaled(IntrinsicDecomposition& method, const PlanePtr& frame,
+                          const IntrinsicDecomposition::Params& params = {}, bool reset = true) {
     Layers layers;
     run([&](gpu::Commands& commands) { layers = method.record(commands, frame, params, {reset}); });
     return download(layers[Role::intrinsic]->buffer);

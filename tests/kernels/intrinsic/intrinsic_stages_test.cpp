@@ -17,9 +17,9 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
     const auto buffer = [&](uint64_t count) {
       return gpu::Buffer::create(device, gpu::Element::vec4, count);
     };
-    const EdgePrior::Target target{buffer(quads_of(extent) * 3),
-                                   buffer(quads_of(extent) * EdgePrior::kFluxStride),
-                                   buffer(quads_of(cells) * EdgePrior::kValueStride)};
+    const EdgePrior::Target target{buffer(pack4_count(extent) * 3),
+                                   buffer(pack4_count(extent) * EdgePrior::kFluxStride),
+                                   buffer(pack4_count(cells) * EdgePrior::kValueStride)};
     const auto frame = plane(extent, pixels);
     run([&](gpu::Commands& commands) {
       commands.fill(target.system);
@@ -34,10 +34,11 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
     const Pixels system = download(target.system), flux = download(target.flux),
                  value = download(target.value);
     for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < 4 * quads_of(extent.width); ++x) {
-        const size_t quad = static_cast<size_t>(y) * quads_of(extent.width) + x / 4, lane = x % 4;
+      for (uint32_t x = 0; x < 4 * pack4_count(extent.width); ++x) {
+        const size_t pack = static_cast<size_t>(y) * pack4_count(extent.width) + x / 4,
+                     lane = x % 4;
         const auto at = [&](const Pixels& p, size_t stride, size_t k) {
-          return p[(stride * quad + k) * 4 + lane];
+          return p[(stride * pack + k) * 4 + lane];
         };
         const auto same = [&](double got, double want) {
           ASSERT_NEAR(got, want, 2e-3 * (std::abs(want) + 0.01))
@@ -59,10 +60,10 @@ TEST_F(IntrinsicTest, GuideAndPriorAgreeWithReference) {
           same(at(flux, 2, 1), expected.a_down[i] * step(i + extent.width));
       }
     for (uint32_t y = 0; y < cells.height; ++y)
-      for (uint32_t x = 0; x < 4 * quads_of(cells.width); ++x) {
+      for (uint32_t x = 0; x < 4 * pack4_count(cells.width); ++x) {
         const size_t i = static_cast<size_t>(y) * cells.width + x;
         const float* got =
-            &value[12 * (static_cast<size_t>(y) * quads_of(cells.width) + x / 4) + x % 4];
+            &value[12 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + x % 4];
         const bool inside = x < cells.width;
         const double want[] = {inside ? expected.v[i] : 0, inside ? expected.V[i] : 0,
                                inside ? expected.g[i] : 0};
@@ -100,36 +101,37 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     Multigrid multigrid(device, extent);
     Guide guide(device, extent);
     ChromaBins bins(device, cells);
-    const uint32_t quads = quads_of(extent.width), cell_quads = quads_of(cells.width);
-    Pixels system(quads_of(extent) * 12), field(quads_of(extent) * 4), terms(quads_of(cells) * 16);
+    const uint32_t packs = pack4_count(extent.width), cell_packs = pack4_count(cells.width);
+    Pixels system(pack4_count(extent) * 12), field(pack4_count(extent) * 4),
+        terms(pack4_count(cells) * 16);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x) {
         const size_t i = finest.at(static_cast<int>(x), static_cast<int>(y));
-        const size_t quad = static_cast<size_t>(y) * quads + x / 4, lane = x % 4;
-        system[12 * quad + lane] = static_cast<float>(finest.right[i]);
-        system[12 * quad + 4 + lane] = static_cast<float>(finest.down[i]);
-        system[12 * quad + 8 + lane] = static_cast<float>(finest.f[i]);
-        field[4 * quad + lane] = static_cast<float>(finest.s[i]);
+        const size_t pack = static_cast<size_t>(y) * packs + x / 4, lane = x % 4;
+        system[12 * pack + lane] = static_cast<float>(finest.right[i]);
+        system[12 * pack + 4 + lane] = static_cast<float>(finest.down[i]);
+        system[12 * pack + 8 + lane] = static_cast<float>(finest.f[i]);
+        field[4 * pack + lane] = static_cast<float>(finest.s[i]);
       }
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < cells.width; ++x) {
-        const size_t quad = static_cast<size_t>(y) * cell_quads + x / 4, lane = x % 4;
-        terms[16 * quad + lane] =
+        const size_t pack = static_cast<size_t>(y) * cell_packs + x / 4, lane = x % 4;
+        terms[16 * pack + lane] =
             static_cast<float>(screen[static_cast<size_t>(y) * cells.width + x]);
-        terms[16 * quad + 4 + lane] =
+        terms[16 * pack + 4 + lane] =
             static_cast<float>(pull[static_cast<size_t>(y) * cells.width + x]);
       }  // g = 0: the bins have no say
     const auto frame = plane(extent, scene(extent, 3));
     const auto system_buffer = upload(gpu::Element::vec4, system.data(), system.size() / 4);
     const auto field_buffer = upload(gpu::Element::vec4, field.data(), field.size() / 4);
     const auto terms_buffer = upload(gpu::Element::vec4, terms.data(), terms.size() / 4);
-    Pixels forces(quads_of(cells) * 12);
-    for (size_t quad = 0; quad < quads_of(cells); ++quad)
-      std::copy_n(&terms[16 * quad], 4, &forces[12 * quad + 4]);  // screen; no force yet
+    Pixels forces(pack4_count(cells) * 12);
+    for (size_t pack = 0; pack < pack4_count(cells); ++pack)
+      std::copy_n(&terms[16 * pack], 4, &forces[12 * pack + 4]);  // screen; no force yet
     for (uint32_t y = 0; y < cells.height; ++y)
       for (uint32_t x = 0; x < cells.width; ++x) {
         const float mass = unit(random) < 0.3 ? 0.0F : static_cast<float>(unit(random));
-        forces[12 * (static_cast<size_t>(y) * cell_quads + x / 4) + 8 + x % 4] = mass;
+        forces[12 * (static_cast<size_t>(y) * cell_packs + x / 4) + 8 + x % 4] = mass;
         for (uint32_t v = 4 * y; v < std::min(extent.height, 4 * y + 4); ++v)
           for (uint32_t u = 4 * x; u < std::min(extent.width, 4 * x + 4); ++u)
             finest.mass[finest.at(static_cast<int>(u), static_cast<int>(v))] +=
@@ -174,10 +176,10 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
     }
     const Pixels got = download(multigrid.field());
     for (uint32_t y = 0; y < extent.height; ++y)
-      for (uint32_t x = 0; x < 4 * quads; ++x) {
+      for (uint32_t x = 0; x < 4 * packs; ++x) {
         const double want =
             x < extent.width ? levels[0].s[finest.at(static_cast<int>(x), static_cast<int>(y))] : 0;
-        const double value = got[4 * (static_cast<size_t>(y) * quads + x / 4) + x % 4];
+        const double value = got[4 * (static_cast<size_t>(y) * packs + x / 4) + x % 4];
         ASSERT_NEAR(value, want, 1e-3 * (1 + std::abs(want)))
             << name_of(extent) << " at " << x << "," << y;
       }
@@ -195,25 +197,25 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const Extent cells = guide.cell_extent();
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
-  const uint64_t quads = quads_of(cells);
-  Pixels terms(quads * 16), means(quads * 4), correction(quads * 4), far(quads * 4);
+  const uint64_t packs = pack4_count(cells);
+  Pixels terms(packs * 16), means(packs * 4), correction(packs * 4), far(packs * 4);
   std::vector<double> g(cells.pixels()), rho(cells.pixels());
   const float most = EdgePrior::kMostChroma;
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t i = static_cast<size_t>(y) * cells.width + x;
-      const size_t quad = static_cast<size_t>(y) * quads_of(cells.width) + x / 4, lane = x % 4;
+      const size_t pack = static_cast<size_t>(y) * pack4_count(cells.width) + x / 4, lane = x % 4;
       g[i] = 16 * std::exp(7.5 * unit(random) - 4.5);
-      terms[16 * quad + 8 + lane] = static_cast<float>(g[i]);
-      terms[16 * quad + 12 + lane] = static_cast<float>(level.m[i]);
-      means[4 * quad + lane] = static_cast<float>(-3 * unit(random));
-      correction[4 * quad + lane] = static_cast<float>(0.1 * unit(random));
-      rho[i] = level.m[i] - means[4 * quad + lane] - correction[4 * quad + lane];
+      terms[16 * pack + 8 + lane] = static_cast<float>(g[i]);
+      terms[16 * pack + 12 + lane] = static_cast<float>(level.m[i]);
+      means[4 * pack + lane] = static_cast<float>(-3 * unit(random));
+      correction[4 * pack + lane] = static_cast<float>(0.1 * unit(random));
+      rho[i] = level.m[i] - means[4 * pack + lane] - correction[4 * pack + lane];
     }
   const auto buffer = [&](const Pixels& p) {
     return upload(gpu::Element::vec4, p.data(), p.size() / 4);
   };
-  const auto system = upload(gpu::Element::vec4, nullptr, quads * 4);
+  const auto system = upload(gpu::Element::vec4, nullptr, packs * 4);
   const ChromaBins::State state{buffer(terms), buffer(means), buffer(correction), buffer(far),
                                 system};
   ChromaBins bins(device, cells);
@@ -235,7 +237,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
       const double want =
           g[i] * (level.m[i] - reference::slice_bins(expected, level.c0[i], level.c1[i]));
       const double value =
-          got[16 * (static_cast<size_t>(y) * quads_of(cells.width) + x / 4) + 8 + x % 4];
+          got[16 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + 8 + x % 4];
       ASSERT_NEAR(value, want, 0.01 * g[i])
           << x << "," << y;  // fixed point: a hundredth in log reflectance
     }
@@ -265,16 +267,16 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
       std::uniform_real_distribution<float> value(-3, 0.5F);
       const Pixels pixels = frame.dark ? Pixels(extent.pixels() * 4, 0.001F) : scene(extent, seed);
       std::vector<double> shading(extent.pixels());
-      Pixels quads(quads_of(extent) * 4);
+      Pixels packs(pack4_count(extent) * 4);
       for (uint32_t y = 0; y < extent.height; ++y)
         for (uint32_t x = 0; x < extent.width; ++x) {
           const float s = value(random);
           shading[static_cast<size_t>(y) * extent.width + x] = static_cast<double>(s);
-          quads[4 * (static_cast<size_t>(y) * quads_of(extent.width) + x / 4) + x % 4] = s;
+          packs[4 * (static_cast<size_t>(y) * pack4_count(extent.width) + x / 4) + x % 4] = s;
         }
       const float verdict[] = {0, frame.same, 0, 0};
       const auto input = plane(extent, pixels);
-      const auto field = upload(gpu::Element::vec4, quads.data(), quads_of(extent));
+      const auto field = upload(gpu::Element::vec4, packs.data(), pack4_count(extent));
       const auto judged = upload(gpu::Element::vec4, verdict, 1);
       run([&](gpu::Commands& commands) {
         guide.record(commands, input.buffer);

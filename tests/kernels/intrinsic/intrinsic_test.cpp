@@ -19,20 +19,19 @@ TEST_F(IntrinsicTest, ScaleBringsBrightReflectanceToTheWhiteLevel) {
   Pixels pixels = scene(extent, 4);
   const PlanePtr frame = input(extent, pixels);
   // Counted over cells and here over pixels: near, not equal.
-  EXPECT_NEAR(bright_end(decompose_in_gauge(method, frame, params)), params.scale.white_level,
-              0.25F);
+  EXPECT_NEAR(bright_end(decompose_scaled(method, frame, params)), params.scale.white_level, 0.25F);
   const float first = method.findings().scale;
   // Another white level takes effect at once.
   params.scale.white_level = 0.45F;
-  decompose_in_gauge(method, frame, params, false);
+  decompose_scaled(method, frame, params, false);
   EXPECT_NEAR(method.findings().scale, first - std::log(2.0F), 0.01F);
-  decompose_in_gauge(method, frame, params, true);
+  decompose_scaled(method, frame, params, true);
   EXPECT_NEAR(method.findings().scale, first - std::log(2.0F), 1e-5F);
   // A black frame asks for no scale: the next one with light does, at once.
-  decompose_in_gauge(method, input(extent, Pixels(pixels.size(), 0.0F)), params, true);
+  decompose_scaled(method, input(extent, Pixels(pixels.size(), 0.0F)), params, true);
   EXPECT_EQ(method.findings().scale, 0.0F);
   params.scale.white_level = 0.9F;
-  decompose_in_gauge(method, frame, params, false);
+  decompose_scaled(method, frame, params, false);
   EXPECT_NEAR(method.findings().scale, first, 0.05F);
 }
 

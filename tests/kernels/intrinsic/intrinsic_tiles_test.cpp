@@ -119,15 +119,15 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
     // Operators, a cycle and its extrapolation, on a system such as the prior makes.
     Multigrid grids[] = {Multigrid(device, extent), Multigrid(device, extent)};
     const Extent cells = whole.cell_extent();
-    const auto flux = gpu::Buffer::create(device, gpu::Element::vec4, quads_of(extent) * 2);
-    const auto value = gpu::Buffer::create(device, gpu::Element::vec4, quads_of(cells) * 3);
+    const auto flux = gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(extent) * 2);
+    const auto value = gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells) * 3);
     EdgePrior prior(device, extent);
-    Pixels start(quads_of(extent) * 4);
+    Pixels start(pack4_count(extent) * 4);
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x)
-        start[4 * (size_t{y} * quads_of(extent.width) + x / 4) + x % 4] =
+        start[4 * (size_t{y} * pack4_count(extent.width) + x / 4) + x % 4] =
             -1.0F - 0.01F * static_cast<float>((x * 7 + y * 3) % 50);
-    const auto field = upload(gpu::Element::vec4, start.data(), quads_of(extent));
+    const auto field = upload(gpu::Element::vec4, start.data(), pack4_count(extent));
     for (size_t k = 0; k < 2; ++k)
       run([&](gpu::Commands& commands) {
         Multigrid& grid = grids[k];
@@ -164,7 +164,7 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
   Video video(extent);
   Pixels before;
   unsigned listed_frames = 0;
-  double worst = 0, worst_gauge = 0;
+  double worst = 0, worst_scale = 0;
   for (size_t k = 0; k < 30; ++k) {
     const size_t left = 40 + 5 * std::min<size_t>(k, 22);  // stops for the last frames
     const Pixels frame = with_patch(background, extent, left, 60);
@@ -175,8 +175,8 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
         ASSERT_NEAR(got[i] * got[i | 3], frame[i], 1e-5) << "R S must be I, frame " << k;
       }
     worst = std::max(worst, apart(got, want));
-    worst_gauge = std::max(
-        worst_gauge, static_cast<double>(std::abs(some.findings().scale - whole.findings().scale)));
+    worst_scale = std::max(
+        worst_scale, static_cast<double>(std::abs(some.findings().scale - whole.findings().scale)));
     if (listed(some)) {
       ++listed_frames;
       const auto found = some.findings();
@@ -192,11 +192,11 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
   }
   EXPECT_GT(listed_frames, 20U);
   EXPECT_LT(worst, 0.06);
-  EXPECT_LT(worst_gauge, 0.04);
+  EXPECT_LT(worst_scale, 0.04);
   std::printf(
       "%u of 30 frames by tiles, log shading at most %.4f rms from the whole solve, its scale "
       "%.4f\n",
-      listed_frames, worst, worst_gauge);
+      listed_frames, worst, worst_scale);
 }
 
 // What moves leaves shading behind that is wrong for what it uncovers, and that fades for as long

@@ -1,6 +1,6 @@
 // No kernel of intrinsicdecomp is built in mid-stream.
 #include "intrinsic_fixture.hpp"
-#include "kernels/intrinsic/ladder.hpp"
+#include "kernels/intrinsic/quality_levels.hpp"
 
 namespace inverse::testing {
 
@@ -44,7 +44,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
       show(input(kExtent, scene(kExtent, 40 + k)), params, false);  // cuts
     const PlanePtr gray = input(kExtent, Pixels(4 * kExtent.pixels(), 0.25F));
     for (int k = 0; k < 20; ++k) show(gray, params, k % 5 > 0);
-    for (const auto& level : intrinsic_ladder().levels) {
+    for (const auto& level : intrinsic_levels().levels) {
       level.set(params);
       for (int k = 0; k < 5; ++k) show(still, params, k > 0);
     }

@@ -91,8 +91,9 @@ TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
         return gpu::Buffer::create(device, gpu::Element::vec4, count);
       };
       const Extent cells = guide.cell_extent();
-      const EdgePrior::Target target{buffer(quads_of(extent) * 3), buffer(quads_of(extent) * 2),
-                                     buffer(quads_of(cells) * 3)};
+      const EdgePrior::Target target{buffer(pack4_count(extent) * 3),
+                                     buffer(pack4_count(extent) * 2),
+                                     buffer(pack4_count(cells) * 3)};
       run([&](gpu::Commands& commands) {
         guide.record(commands, in->buffer);
         prior.record(commands, guide, target, with.prior);
@@ -108,7 +109,7 @@ TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
                       std::log(static_cast<double>(free[4 * pixel + 3]));
           }
           const double v = static_cast<double>(
-              value[12 * (static_cast<size_t>(y) * quads_of(cells.width) + x / 4) + x % 4]);
+              value[12 * (static_cast<size_t>(y) * pack4_count(cells.width) + x / 4) + x % 4]);
           sum += v * change * change / 256;
           weights += v;
         }

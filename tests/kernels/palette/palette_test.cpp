@@ -57,7 +57,7 @@ TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
         const Pixels pixels = blobs(extent, std::abs(colors) + (t > 1 ? 1 : 0), 7, 0.02f);
         const auto got = update(palette, plane(extent, pixels));
         expected.update(to_reference(extent, pixels));
-        EXPECT_NEAR(download(palette.gauge())[0], expected.gauge(), 1e-4);
+        EXPECT_NEAR(download(palette.scale())[0], expected.scale(), 1e-4);
         ASSERT_EQ(got.size(), expected.clusters().size());
         for (size_t k = 0; k < got.size(); ++k) {
           const auto& cluster = expected.clusters()[k];

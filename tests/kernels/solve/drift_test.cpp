@@ -111,7 +111,7 @@ TEST_F(DriftTest, IntrinsicDecomposition) {
   check("intrinsicdecomp", [&] {
     auto method = std::make_shared<IntrinsicDecomposition>(device, kView);
     return [this, method](const PlanePtr& frame, bool first) {
-      return decompose_in_gauge(*method, frame, {}, first);
+      return decompose_scaled(*method, frame, {}, first);
     };
   });
 }

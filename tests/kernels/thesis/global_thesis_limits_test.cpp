@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "global_thesis_fixture.hpp"
-#include "kernels/thesis_chapter5_solve_shorten.spv.hpp"
+#include "kernels/thesis_chapter5_solve_scale_step.spv.hpp"
 
 namespace inverse::testing {
 
@@ -88,7 +88,7 @@ TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
   const Pixels from = random_pixels(extent, 1);
   Pixels to = random_pixels(extent, 2);
   for (size_t n = 0; n < to.size(); n += 3) to[n] = n % 2 ? nan : infinite;
-  using Shader = shaders::thesis_chapter5_solve_shorten;
+  using Shader = shaders::thesis_chapter5_solve_scale_step;
   auto push = std::bit_cast<Shader::Push>(std::array<std::byte, sizeof(Shader::Push)>{});
   push.size = extent;
   for (const float factor : {0.0f, 0.25f, 1.0f}) {

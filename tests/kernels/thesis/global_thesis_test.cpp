@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "global_thesis_fixture.hpp"
-#include "kernels/thesis/chapter5/ladder.hpp"
+#include "kernels/thesis/chapter5/quality_levels.hpp"
 
 namespace inverse::testing {
 
@@ -246,7 +246,7 @@ TEST_F(GlobalThesisTest, BetterQualityReachesLowerEnergy) {
   std::vector<double> energies;
   for (const Quality quality : {Quality::low, Quality::medium, Quality::high, Quality::best}) {
     GlobalThesisParams params;
-    global_thesis_ladder().set(params, quality);
+    global_thesis_levels().set(params, quality);
     params.energy = true;
     params.refine_rounds = 0;
     GlobalThesis method(device, extent);

@@ -74,21 +74,21 @@ class ThesisTest : public GpuTest {
       const reference::Plane x = expected.decompose(to_reference(extent, frames[t]));
       if (params.w_non_local > 0 && params.samples > 0)
         check_chromaticities(expected, chromaticities);
-      double gauge = 0;
+      double scale = 0;
       for (size_t n = 0; n < x.size(); ++n) {
-        for (size_t c = 0; c < 3; ++c) gauge += got[4 * n + c] - x.data[n][c];
+        for (size_t c = 0; c < 3; ++c) scale += got[4 * n + c] - x.data[n][c];
       }
-      gauge /= 3.0 * static_cast<double>(x.size());
+      scale /= 3.0 * static_cast<double>(x.size());
       double worst = 0;
       for (size_t n = 0; n < x.size(); ++n) {
         for (size_t c = 0; c < 3; ++c) {
-          worst = std::max(worst, std::abs(got[4 * n + c] - x.data[n][c] - gauge));
+          worst = std::max(worst, std::abs(got[4 * n + c] - x.data[n][c] - scale));
         }
       }
       worst_ = worst;
       solution_.clear();
       for (size_t i = 0; i < got.size(); ++i)
-        if (i % 4 != 3) solution_.push_back(static_cast<double>(got[i]) - gauge);
+        if (i % 4 != 3) solution_.push_back(static_cast<double>(got[i]) - scale);
       const double reference_energy = expected.energy(x).total();
       const double energy = expected.energy(to_reference(extent, got)).total();
       const std::string where = std::to_string(extent.width) + "x" + std::to_string(extent.height) +
@@ -103,7 +103,7 @@ class ThesisTest : public GpuTest {
     }
   }
   double worst_ = 0;              ///< of the last frame, log units
-  std::vector<double> solution_;  ///< the device's r of the last frame in the reference's gauge
+  std::vector<double> solution_;  ///< the device's r of the last frame in the reference's scale
 };
 
 const std::vector<Extent> kSizes = {{1, 1}, {2, 3}, {1, 40}, {17, 5}, {15, 10}, {64, 48}};

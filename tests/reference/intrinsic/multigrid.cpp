@@ -141,9 +141,9 @@ void correct(Level& fine, const Level& coarse, int rows) {
 
 void v_cycle(std::vector<Level>& levels, std::size_t k, std::size_t together) {
   Level& l = levels[k];
-  const std::size_t quads =
+  const std::size_t packs =
       static_cast<std::size_t>((l.width + 3) / 4) * static_cast<std::size_t>(l.height);
-  const int rows = quads > together ? 4 : 1;
+  const int rows = packs > together ? 4 : 1;
   smooth(l, 0, rows);
   if (k + 1 == levels.size()) return;
   smooth(l, 1, rows);

@@ -57,7 +57,7 @@ struct CellTerms {
 };
 
 /// One cycle, as Multigrid::record_cycle without extrapolation; `screen` is the cells', `force` is
-/// read and renewed. Levels of at most `together` quads have blocks of single rows.
+/// read and renewed. Levels of at most `together` packs have blocks of single rows.
 void cycle(std::vector<Level>& levels, int cell_cycles, const CellTerms& terms,
            const std::vector<double>& screen, std::vector<double>& force,
            std::size_t together = 300);

@@ -35,21 +35,21 @@ double chroma_distance(const Vec3& a, const Vec3& b, double floor) {
 
 }  // namespace
 
-double Palette::frame_gauge(const Plane& log_reflectance) const {
-  std::vector<std::uint32_t> counts(kGaugeBins, 0);
+double Palette::frame_scale(const Plane& log_reflectance) const {
+  std::vector<std::uint32_t> counts(kScaleBins, 0);
   for (const Vec4& r : log_reflectance.data) {
     for (int c = 0; c < 3; ++c) {
-      const double position = std::clamp((r[c] + 16) * (kGaugeBins / 32.0), 0.0, kGaugeBins - 1.0);
+      const double position = std::clamp((r[c] + 16) * (kScaleBins / 32.0), 0.0, kScaleBins - 1.0);
       ++counts[static_cast<std::size_t>(position)];
     }
   }
   // The quantile, linear inside its bin.
-  const double target = params_.gauge_quantile * 3 * static_cast<double>(log_reflectance.size());
+  const double target = params_.white_quantile * 3 * static_cast<double>(log_reflectance.size());
   double below = 0;
-  for (int bin = 0; bin < kGaugeBins; ++bin) {
+  for (int bin = 0; bin < kScaleBins; ++bin) {
     if (counts[bin] != 0 && below + counts[bin] >= target) {
       const double position = bin + (target - below) / counts[bin];
-      return std::log(params_.gauge_value) - (position * (32.0 / kGaugeBins) - 16);
+      return std::log(params_.white_level) - (position * (32.0 / kScaleBins) - 16);
     }
     below += counts[bin];
   }
@@ -62,7 +62,7 @@ std::vector<HistogramBin> Palette::count(const Plane& log_reflectance) const {
     Vec3 color{};
     std::size_t index = 0;
     for (int c = 0; c < 3; ++c) {
-      color[c] = std::clamp(std::exp(r[c] + gauge_), 0.0, 1.0);
+      color[c] = std::clamp(std::exp(r[c] + scale_), 0.0, 1.0);
       const double bin = std::min(std::floor(color[c] * kHistogramBins), kHistogramBins - 1.0);
       index = index * kHistogramBins + static_cast<std::size_t>(bin);
     }
@@ -73,8 +73,8 @@ std::vector<HistogramBin> Palette::count(const Plane& log_reflectance) const {
 }
 
 void Palette::update(const Plane& log_reflectance) {
-  const double gauge = frame_gauge(log_reflectance);
-  gauge_ = frame_ == 0 ? gauge : gauge_ + params_.decay * (gauge - gauge_);
+  const double scale = frame_scale(log_reflectance);
+  scale_ = frame_ == 0 ? scale : scale_ + params_.decay * (scale - scale_);
   const std::vector<HistogramBin> bins = count(log_reflectance);
   if (frame_ == 0) {
     histogram_ = bins;
@@ -187,7 +187,7 @@ std::vector<Vec3> Palette::log_colors() const {
     if (cluster.weight <= 0 || cluster.alias != static_cast<int>(k)) continue;
     Vec3 color{};
     for (int c = 0; c < 3; ++c)
-      color[c] = std::log(std::max(cluster.merged[c], kColorFloor)) - gauge_;
+      color[c] = std::log(std::max(cluster.merged[c], kColorFloor)) - scale_;
     colors.push_back(color);
   }
   return colors;

@@ -19,13 +19,13 @@ struct PaletteParams {
   double tau_cc = 0.05;
   double tau_intensity = 0.15;
   double chroma_floor = 3e-3;
-  double gauge_quantile = 0.995;
-  double gauge_value = 0.95;
+  double white_quantile = 0.995;
+  double white_level = 0.95;
   std::uint32_t seed = 1;
 };
 
 constexpr int kHistogramBins = 30;  ///< per channel
-constexpr int kGaugeBins = 2048;    ///< of ln R from −16 to 16
+constexpr int kScaleBins = 2048;    ///< of ln R from −16 to 16
 
 /// One bin of the histogram: number of pixels and the sum of their colors.
 using HistogramBin = Vec4;
@@ -33,7 +33,7 @@ using HistogramBin = Vec4;
 class Palette {
  public:
   struct Cluster {
-    Vec3 color{};       ///< linear reflectance in the palette's gauge
+    Vec3 color{};       ///< linear reflectance in the palette's scale
     double weight = 0;  ///< pixels; 0: the cluster is unused
     int alias = 0;      ///< the lower index that it was merged into, or its own
     Vec3 merged{};      ///< color after merging, for representatives
@@ -44,16 +44,16 @@ class Palette {
   /// Adds a frame's log reflectance (rgb) and updates scale, histogram and clusters.
   void update(const Plane& log_reflectance);
 
-  /// Representatives with pixels, as log reflectance in the solver's gauge.
+  /// Representatives with pixels, as log reflectance in the solver's scale.
   std::vector<Vec3> log_colors() const;
 
-  /// ln of the factor by which reflectance is scaled: e^(r + gauge) has its quantile at 0.95.
-  double gauge() const { return gauge_; }
+  /// ln of the factor by which reflectance is scaled: e^(r + scale) has its quantile at 0.95.
+  double scale() const { return scale_; }
   const std::vector<Cluster>& clusters() const { return clusters_; }
   const std::vector<HistogramBin>& histogram() const { return histogram_; }
 
   /// The scale of one frame, before averaging over time.
-  double frame_gauge(const Plane& log_reflectance) const;
+  double frame_scale(const Plane& log_reflectance) const;
 
   /// The parts of update, for the tests.
   std::vector<HistogramBin> count(const Plane& log_reflectance) const;
@@ -65,7 +65,7 @@ class Palette {
  private:
   PaletteParams params_;
   std::uint32_t frame_ = 0;
-  double gauge_ = 0;
+  double scale_ = 0;
   std::vector<HistogramBin> histogram_;
   std::vector<Cluster> clusters_;
 };

@@ -8,7 +8,7 @@ namespace inverse {
 /// and when to look again at what was left out. Knows neither device nor pixels: what was found
 /// comes from the caller, of the last frame that is sure to be done, so that the same video always
 /// gets the same plans.
-class LeaveOut {
+class ReusePolicy {
  public:
   /// What is done with a frame.
   enum class Mode : uint8_t {

@@ -9,7 +9,7 @@
 
 namespace inverse {
 
-/// Holds the time that frames take by choosing how much work goes into them: a level on a ladder of
+/// Holds the time that frames take by choosing how much work goes into them: a level of
 /// settings from cheap to good, each with what it costs in relation to the others.
 ///
 /// It goes down at once (when the median of the last frames is too long, as far as need be), and up
@@ -18,7 +18,7 @@ namespace inverse {
 /// that one again, so that it settles below what does not fit instead of swinging around it. A
 /// single slow frame moves nothing. Knows neither clock nor GStreamer: times come from the caller,
 /// in seconds that never go back. Not thread-safe.
-class LiveTrade {
+class RateController {
  public:
   struct Goal {
     double fps = 0;         ///< frames a second to hold; 0: any
@@ -37,7 +37,7 @@ class LiveTrade {
   };
 
   /// `costs` of the levels, positive and rising; only their ratios count.
-  explicit LiveTrade(std::span<const double> costs);
+  explicit RateController(std::span<const double> costs);
 
   /// What to hold from now on, and the best level that it may choose. Without a goal that is the
   /// level; a new goal starts there.
@@ -50,17 +50,17 @@ class LiveTrade {
   void frame(double now_s, double took_ms, size_t level);
   /// Whoever shows the frames said that one came so much too late; negative: early.
   void late(double now_s, double by_ms);
-  /// A stream starts: what frames took so far says nothing about the next ones.
+  /// A stream starts: forgets what frames took so far.
   void forget();
 
-  static constexpr double kRoom = 0.85;   ///< share of the budget that a level to go to may take
-  static constexpr double kPatience = 2;  ///< s that a level above has room before it is tried
-  static constexpr double kMostPatience = 32;  ///< s, after it failed again and again
+  static constexpr double kRoom = 0.85;    ///< share of the budget that a level to go to may take
+  static constexpr double kTrialWait = 2;  ///< s that a level above has room before it is tried
+  static constexpr double kMaxTrialWait = 32;  ///< s, after it failed again and again
   static constexpr double kTrial = 10;         ///< s that a level has to hold to count as a success
-  static constexpr double kEcho = 0.3;   ///< s after a change in which lateness is an old story
-  static constexpr size_t kWindow = 5;   ///< frames that count
-  static constexpr unsigned kStart = 3;  ///< first frames of a stream, which pay for its setup
-  static constexpr size_t kFewest = 3;   ///< of them after a change
+  static constexpr double kEcho = 0.3;     ///< s after a change in which lateness is an old story
+  static constexpr size_t kWindow = 5;     ///< frames that count
+  static constexpr unsigned kStart = 3;    ///< first frames of a stream, which pay for its setup
+  static constexpr size_t kMinFrames = 3;  ///< of them after a change
 
  private:
   double predicted(size_t level) const { return typical_ * costs_[level] / costs_[level_]; }
@@ -76,8 +76,8 @@ class LiveTrade {
   unsigned start_ = kStart;  // frames yet to be left out
   size_t frames_ = 0;        // at this level
   double typical_ = 0;
-  unsigned late_ = 0;             // reports in a row
-  std::vector<double> patience_;  // s that each level has to have room before it is tried
+  unsigned late_ = 0;               // reports in a row
+  std::vector<double> trial_wait_;  // s that each level has to have room before it is tried
   std::optional<double> moved_, climbed_, room_since_;  // s
   Report report_;
 };

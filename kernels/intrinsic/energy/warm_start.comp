@@ -6,7 +6,7 @@
 #include "intrinsic/temporal/temporal.glsl"
 
 // Makes a frame's layers, which another resolution has found, what the frame before left: the same frame will be solved
-// again and finds that nothing has changed but how far its solution has come. One quad of cells an invocation.
+// again and finds that nothing has changed but how far its solution has come. One pack of cells an invocation.
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // R.rgb, S
 PLANE_IN(2, cells);
@@ -25,8 +25,8 @@ const float kLeastShading = 1e-20;
 
 void main() {
   uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u;
-  uint quads = QUADS(push.size.x), cell_quads = QUADS(cell_size.x);
-  uvec2 position = grid_position(cell_quads);
+  uint packs = QUADS(push.size.x), cell_packs = QUADS(cell_size.x);
+  uvec2 position = grid_position(cell_packs);
   if (position.y >= cell_size.y) return;
   float log_scale = FETCH(scale, 0).x;
   vec4 mean = vec4(0.0);
@@ -45,17 +45,17 @@ void main() {
         s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kLeastShading)) + log_scale);
         bright = vec4(bright.yzw, log((rgb.r + rgb.g + rgb.b) / 3.0 + kIntensityFloor));
       }
-      uint quad = y * quads + cell.x;
-      STORE(memory, MEMORY_STRIDE * quad + MEMORY_MEAN, m);
-      STORE(memory, MEMORY_STRIDE * quad + MEMORY_BRIGHTNESS, bright - s);
-      STORE(shading, quad, MASKED(s, INSIDE(cell.x, push.size.x)));
+      uint pack = y * packs + cell.x;
+      STORE(memory, MEMORY_STRIDE * pack + MEMORY_MEAN, m);
+      STORE(memory, MEMORY_STRIDE * pack + MEMORY_BRIGHTNESS, bright - s);
+      STORE(shading, pack, MASKED(s, INSIDE(cell.x, push.size.x)));
       mean.w += rows.x * dot(columns, s);
       rows = rows.yzwx;
     }
     uint at = cell.y * cell_size.x + cell.x;
-    STORE(kept, at, cell_state(FETCH(cells, int(CELL_STRIDE * at)), FETCH(wide, int((cell.y / 4u) * cell_quads + cell.x / 4u))));
+    STORE(kept, at, cell_state(FETCH(cells, int(CELL_STRIDE * at)), FETCH(wide, int((cell.y / 4u) * cell_packs + cell.x / 4u))));
   }
-  uint to = position.y * cell_quads + position.x;
+  uint to = position.y * cell_packs + position.x;
   STORE(means, to, mean);
   STORE(correction, to, vec4(0.0));
   STORE(force, FORCE_STRIDE * to + FORCE_PULL, vec4(0.0));

@@ -1,21 +1,21 @@
 // What is left out of a frame, and when that is looked at again, without a device.
+#include "kernels/intrinsic/reuse/reuse_policy.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "kernels/intrinsic/reuse/leave_out.hpp"
-
 namespace inverse::testing {
 namespace {
 
-using Mode = LeaveOut::Mode;
+using Mode = ReusePolicy::Mode;
 
 /// A policy and the video that it plans.
 struct Video {
-  LeaveOut policy;
-  LeaveOut::Params params{true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
-  LeaveOut::Frame frame{true, false, true, 0.0F};
-  LeaveOut::Found found;
+  ReusePolicy policy;
+  ReusePolicy::Params params{true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
+  ReusePolicy::Frame frame{true, false, true, 0.0F};
+  ReusePolicy::Found found;
   unsigned frames = 0;
 
   Video() {
@@ -24,13 +24,13 @@ struct Video {
     found.tiles = 100;
     found.binding = found.gate = 1;  // everything binds
   }
-  LeaveOut::Plan next() {
-    LeaveOut::Frame now = frame;
+  ReusePolicy::Plan next() {
+    ReusePolicy::Frame now = frame;
     if (frames == 0) now.history = now.layers_kept = false;
     const bool known = frames++ >= 3;
     return policy.next(params, now, known ? std::optional(found) : std::nullopt);
   }
-  LeaveOut::Plan after(unsigned count) {
+  ReusePolicy::Plan after(unsigned count) {
     for (unsigned k = 1; k < count; ++k) next();
     return next();
   }
@@ -44,12 +44,12 @@ TEST(LeaveOutPolicy, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
   EXPECT_EQ(video.next().mode, Mode::whole) << "which held nothing";
   for (int k = 0; k < 3; ++k) EXPECT_EQ(video.next().mode, Mode::watched) << k;
   unsigned all = 0, since = 0;
-  for (unsigned k = 1; k <= 4 * LeaveOut::kAllEvery; ++k) {
+  for (unsigned k = 1; k <= 4 * ReusePolicy::kAllEvery; ++k) {
     const auto plan = video.next();
     ASSERT_EQ(plan.mode, Mode::listed);
     EXPECT_FALSE(plan.looks_at_bins || plan.looks_at_gate);
     since = plan.all_tiles ? 0 : since + 1;
-    EXPECT_LT(since, LeaveOut::kAllEvery) << "no tile is left out for longer";
+    EXPECT_LT(since, ReusePolicy::kAllEvery) << "no tile is left out for longer";
     all += plan.all_tiles;
   }
   EXPECT_EQ(all, 4U);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Of tiles of 4 x 4 cells (the cells of guide level 4): the mean of q / (1 + q), q the cells' difference from the frame before,
 // and the sums of the structure that moved and of all structure. And the frame's sums. One tile an invocation.

@@ -1,4 +1,4 @@
-#include "leave_out.hpp"
+#include "reuse_policy.hpp"
 
 #include <algorithm>
 
@@ -6,23 +6,23 @@
 
 namespace inverse {
 
-bool LeaveOut::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
+bool ReusePolicy::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
 
-void LeaveOut::judge(const Params& params, const Found& found) {
+void ReusePolicy::judge(const Params& params, const Found& found) {
   if (found.compared_edges && found.history) restless_ = 2 * found.tiles_evaluated > found.tiles;
   if (found.looked_at_bins) binds_ = found.cut || !(found.binding < params.chroma_tolerance);
   if (found.looked_at_gate) holds_ = !(found.gate < params.hold_tolerance);
 }
 
-bool LeaveOut::may_settle(const Params& params, const std::optional<Found>& found) const {
+bool ReusePolicy::may_settle(const Params& params, const std::optional<Found>& found) const {
   if (!old_enough() || !found) return true;  // of what was before a restart nothing follows
   if (found->cycles < found->cycles_recorded) return true;
   // A cycle changes about a third of what the one before it did.
   return found->change < params.settled / 3;
 }
 
-void LeaveOut::choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                           const std::optional<Found>& found) {
+void ReusePolicy::choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                              const std::optional<Found>& found) {
   // As many tiles as make a cut are none to leave the others out for.
   if (!params.adaptive || params.tile_tolerance <= 0 || !plan.holds || !before_.holds ||
       frame.taken || frame.changed > std::min(kMostChanged, 0.9F * params.cut_fraction)) {
@@ -40,8 +40,8 @@ void LeaveOut::choose_mode(Plan& plan, const Params& params, const Frame& frame,
   plan.mode = Mode::listed;
 }
 
-LeaveOut::Plan LeaveOut::next(const Params& params, const Frame& frame,
-                              const std::optional<Found>& found) {
+ReusePolicy::Plan ReusePolicy::next(const Params& params, const Frame& frame,
+                                    const std::optional<Found>& found) {
   if (since_restart_ == 0) {
     binds_ = holds_ = true;
     restless_ = false;

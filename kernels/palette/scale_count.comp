@@ -11,7 +11,7 @@ void main() {
   uvec2 at = gl_GlobalInvocationID.xy;
   if (at.x >= push.size.x) return;
   vec3 r = FETCH(reflectance, int(at.y * push.size.x + at.x)).rgb;
-  uvec3 bin = uvec3(clamp((r + 16.0) * (float(kGaugeBins) / 32.0), 0.0, float(kGaugeBins - 1)));
+  uvec3 bin = uvec3(clamp((r + 16.0) * (float(kScaleBins) / 32.0), 0.0, float(kScaleBins - 1)));
   atomicAdd(counts_data[bin.r], 1u);
   atomicAdd(counts_data[bin.g], 1u);
   atomicAdd(counts_data[bin.b], 1u);

@@ -1,4 +1,4 @@
-#include "live_trade.hpp"
+#include "rate_controller.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,20 +16,20 @@ std::string milliseconds(double value) {
 
 }  // namespace
 
-double LiveTrade::Goal::budget_ms() const {
+double RateController::Goal::budget_ms() const {
   double budget = std::numeric_limits<double>::infinity();
   if (fps > 0) budget = 1e3 / fps;
   if (latency_ms > 0) budget = std::min(budget, latency_ms);
   return budget;
 }
 
-LiveTrade::LiveTrade(std::span<const double> costs)
+RateController::RateController(std::span<const double> costs)
     : costs_(costs.begin(), costs.end()),
       level_(costs.size() - 1),
       top_(level_),
-      patience_(costs.size(), kPatience) {}
+      trial_wait_(costs.size(), kTrialWait) {}
 
-void LiveTrade::aim(const Goal& goal, size_t top) {
+void RateController::aim(const Goal& goal, size_t top) {
   const bool starts = goal.on() && !goal_.on();
   goal_ = goal;
   top_ = std::min(top, costs_.size() - 1);
@@ -37,7 +37,7 @@ void LiveTrade::aim(const Goal& goal, size_t top) {
     level_ = top_;
     clear();
     moved_.reset();
-    patience_.assign(costs_.size(), kPatience);
+    trial_wait_.assign(costs_.size(), kTrialWait);
     report_ = {};
   } else if (level_ > top_) {
     typical_ = predicted(top_);
@@ -50,7 +50,7 @@ void LiveTrade::aim(const Goal& goal, size_t top) {
   report_.budget_ms = goal.on() ? goal.budget_ms() : 0;
 }
 
-void LiveTrade::clear() {
+void RateController::clear() {
   frames_ = 0;
   typical_ = 0;
   late_ = 0;
@@ -58,31 +58,31 @@ void LiveTrade::clear() {
   room_since_.reset();
 }
 
-void LiveTrade::forget() {
+void RateController::forget() {
   clear();
   start_ = kStart;
   report_.predicted_ms = 0;
 }
 
-double LiveTrade::took_but(size_t above) const {
+double RateController::took_but(size_t above) const {
   std::array<double, kWindow> sorted = took_;
   const size_t count = std::min(frames_, kWindow);
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
   return sorted[count - 1 - above];
 }
 
-void LiveTrade::frame(double now_s, double took_ms, size_t level) {
+void RateController::frame(double now_s, double took_ms, size_t level) {
   if (!goal_.on() || level != level_) return;
   if (start_ > 0) {
     --start_;
     return;
   }
   took_[frames_++ % kWindow] = took_ms;
-  if (frames_ < kFewest) return;
+  if (frames_ < kMinFrames) return;
   report_.predicted_ms = typical_ = took_but(std::min(frames_, kWindow) / 2);
   if (climbed_ && now_s - *climbed_ > kTrial) {
     climbed_.reset();
-    patience_[level_] = kPatience;
+    trial_wait_[level_] = kTrialWait;
   }
   const double budget = goal_.budget_ms();
   if (typical_ > budget && level_ > 0) {
@@ -98,12 +98,12 @@ void LiveTrade::frame(double now_s, double took_ms, size_t level) {
     return;
   }
   if (!room_since_) room_since_ = now_s;
-  if (now_s - *room_since_ >= patience_[level_ + 1])
+  if (now_s - *room_since_ >= trial_wait_[level_ + 1])
     move(now_s, level_ + 1,
          "up: expects " + milliseconds(predicted(level_ + 1)) + " of " + milliseconds(budget));
 }
 
-void LiveTrade::late(double now_s, double by_ms) {
+void RateController::late(double now_s, double by_ms) {
   if (!goal_.on()) return;
   if (!(by_ms > 0)) {
     late_ = 0;
@@ -111,17 +111,17 @@ void LiveTrade::late(double now_s, double by_ms) {
   }
   room_since_.reset();
   if (moved_ && now_s - *moved_ < kEcho) return;
-  if (++late_ >= kFewest && level_ > 0)
+  if (++late_ >= kMinFrames && level_ > 0)
     move(now_s, level_ - 1, "down: " + milliseconds(by_ms) + " late downstream");
 }
 
-void LiveTrade::move(double now_s, size_t to, const std::string& reason) {
+void RateController::move(double now_s, size_t to, const std::string& reason) {
   if (to > level_) {
     climbed_ = now_s;
   } else if (climbed_) {
     // Whether it was the level itself or the load that grew meanwhile: it did not hold.
     climbed_.reset();
-    patience_[level_] = std::min(2 * patience_[level_], kMostPatience);
+    trial_wait_[level_] = std::min(2 * trial_wait_[level_], kMaxTrialWait);
   }
   report_.predicted_ms = typical_ = predicted(to);
   report_.level = level_ = to;

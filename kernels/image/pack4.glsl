@@ -10,8 +10,8 @@
 #define HAS_RIGHT(x, width) lessThan(uvec4(4u * (x)) + uvec4(1, 2, 3, 4), uvec4(width))
 #define MASKED(value, which) mix(vec4(0.0), (value), (which))
 // Right and left neighbors of four pixels.
-#define SHIFT_LEFT(quad, next) vec4((quad).yzw, (next).x)
-#define SHIFT_RIGHT(quad, before) vec4((before).w, (quad).xyz)
+#define SHIFT_LEFT(pack, next) vec4((pack).yzw, (next).x)
+#define SHIFT_RIGHT(pack, before) vec4((before).w, (pack).xyz)
 
 // Position of item i on a grid of `columns` per row. The float quotient may be off by one; correcting it is cheaper
 // than integer division.

@@ -1,5 +1,5 @@
 // The controller behind target-fps and latency-budget, against frames whose times are made up.
-#include "gst/decompose/live_trade.hpp"
+#include "gst/decompose/rate_controller.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ struct Ran {
 };
 
 /// Runs a source of 30 frames a second from `from` to `to` (seconds).
-Ran run(LiveTrade& trade, Machine& machine, double from, double to) {
+Ran run(RateController& trade, Machine& machine, double from, double to) {
   Ran result;
   double time = from;
   uint64_t moves = trade.report().moves;
@@ -56,14 +56,14 @@ Ran run(LiveTrade& trade, Machine& machine, double from, double to) {
   return result;
 }
 
-LiveTrade trade_for(double fps, double latency_ms = 0, size_t top = kTop) {
-  LiveTrade trade(kCosts);
+RateController trade_for(double fps, double latency_ms = 0, size_t top = kTop) {
+  RateController trade(kCosts);
   trade.aim({fps, latency_ms}, top);
   return trade;
 }
 
-TEST(LiveTrade, WithoutAGoalQualityDecides) {
-  LiveTrade trade(kCosts);
+TEST(RateController, WithoutAGoalQualityDecides) {
+  RateController trade(kCosts);
   for (const size_t top : {kTop, size_t{2}, size_t{3}}) {
     trade.aim({}, top);
     for (int i = 0; i < 100; ++i) trade.frame(i, 1e4, top);
@@ -72,37 +72,37 @@ TEST(LiveTrade, WithoutAGoalQualityDecides) {
   }
 }
 
-TEST(LiveTrade, TheStricterGoalIsTheBudget) {
-  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 0}).budget_ms(), 40);
-  EXPECT_DOUBLE_EQ((LiveTrade::Goal{0, 15}).budget_ms(), 15);
-  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 15}).budget_ms(), 15);
-  EXPECT_DOUBLE_EQ((LiveTrade::Goal{25, 60}).budget_ms(), 40);
+TEST(RateController, TheStricterGoalIsTheBudget) {
+  EXPECT_DOUBLE_EQ((RateController::Goal{25, 0}).budget_ms(), 40);
+  EXPECT_DOUBLE_EQ((RateController::Goal{0, 15}).budget_ms(), 15);
+  EXPECT_DOUBLE_EQ((RateController::Goal{25, 15}).budget_ms(), 15);
+  EXPECT_DOUBLE_EQ((RateController::Goal{25, 60}).budget_ms(), 40);
 }
 
-TEST(LiveTrade, WhatFitsStaysAtTheTop) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, WhatFitsStaysAtTheTop) {
+  RateController trade = trade_for(30);
   Machine machine{[](double) { return 10.; }, 0.1};  // 30 of 33 ms at the top
   run(trade, machine, 0, 60);
   EXPECT_EQ(trade.level(), kTop);
   EXPECT_EQ(trade.report().moves, 0u);
 }
 
-TEST(LiveTrade, GoesDownAtOnceAndAsFarAsNeeded) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, GoesDownAtOnceAndAsFarAsNeeded) {
+  RateController trade = trade_for(30);
   Machine machine{[](double time) { return time < 10 ? 8. : 30.; }};
   run(trade, machine, 0, 10);
   ASSERT_EQ(trade.level(), kTop);
   // 90 ms a frame: only 0.8 and below fit, and of those that leave room.
   const Ran under_load = run(trade, machine, 10, 10.5);
   EXPECT_EQ(trade.level(), 2u);
-  EXPECT_LE(under_load.over, LiveTrade::kWindow);
+  EXPECT_LE(under_load.over, RateController::kWindow);
   const Ran later = run(trade, machine, 10.5, 120);
   EXPECT_EQ(later.over, 0u);
   EXPECT_EQ(trade.level(), 2u);
 }
 
-TEST(LiveTrade, ReturnsWhenTheLoadGoesOneLevelAtATime) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, ReturnsWhenTheLoadGoesOneLevelAtATime) {
+  RateController trade = trade_for(30);
   Machine machine{[](double time) { return time < 60 ? 60. : 8.; }};
   run(trade, machine, 0, 60);
   ASSERT_EQ(trade.level(), 0u);
@@ -116,10 +116,10 @@ TEST(LiveTrade, ReturnsWhenTheLoadGoesOneLevelAtATime) {
   EXPECT_EQ(trade.level(), kTop);
 }
 
-TEST(LiveTrade, NoiseDoesNotMakeItSwing) {
+TEST(RateController, NoiseDoesNotMakeItSwing) {
   // Every load from what fits by far to what nothing fits; times vary by a third up and down.
   for (double ms = 5; ms < 90; ms *= 1.09) {
-    LiveTrade trade = trade_for(30);
+    RateController trade = trade_for(30);
     Machine machine{[ms](double) { return ms; }, 0.4};
     run(trade, machine, 0, 30);
     const uint64_t moves = trade.report().moves;
@@ -131,8 +131,8 @@ TEST(LiveTrade, NoiseDoesNotMakeItSwing) {
   }
 }
 
-TEST(LiveTrade, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
+  RateController trade = trade_for(30);
   // 20 ms where it settles; 25 expected above, and 40 found.
   Machine machine{[](double) { return 25.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(trade, machine, 0, 10);
@@ -143,26 +143,27 @@ TEST(LiveTrade, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
   EXPECT_LT(rest.over, rest.frames / 50);
 }
 
-TEST(LiveTrade, ReturnsAlsoAfterManyFailedTries) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, ReturnsAlsoAfterManyFailedTries) {
+  RateController trade = trade_for(30);
   Machine machine{
       [](double time) { return time < 300 ? 25. : 6.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(trade, machine, 0, 300);
   ASSERT_LT(trade.level(), 3u);
-  run(trade, machine, 300, 300 + LiveTrade::kMostPatience + 5 * 3 * LiveTrade::kPatience);
+  run(trade, machine, 300,
+      300 + RateController::kMaxTrialWait + 5 * 3 * RateController::kTrialWait);
   EXPECT_EQ(trade.level(), kTop);
 }
 
-TEST(LiveTrade, SingleSlowFramesMoveNothing) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, SingleSlowFramesMoveNothing) {
+  RateController trade = trade_for(30);
   int frame = 0;
   Machine machine{[&](double) { return ++frame % 10 == 0 ? 200. : 8.; }};
   run(trade, machine, 0, 60);
   EXPECT_EQ(trade.report().moves, 0u);
 }
 
-TEST(LiveTrade, TheFirstFramesOfAStreamMayTakeLonger) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, TheFirstFramesOfAStreamMayTakeLonger) {
+  RateController trade = trade_for(30);
   for (int stream = 0; stream < 3; ++stream) {
     trade.forget();
     for (int i = 0; i < 30; ++i) trade.frame(10 * stream + i / 30., i < 3 ? 400 : 20, kTop);
@@ -170,8 +171,8 @@ TEST(LiveTrade, TheFirstFramesOfAStreamMayTakeLonger) {
   EXPECT_EQ(trade.report().moves, 0u);
 }
 
-TEST(LiveTrade, FramesOfAnOlderLevelDoNotCount) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, FramesOfAnOlderLevelDoNotCount) {
+  RateController trade = trade_for(30);
   for (int i = -3; i < 0; ++i) trade.frame(i * 0.1, 8, kTop);
   for (int i = 0; i < 3; ++i) trade.frame(i * 0.1, 60, kTop);
   const size_t level = trade.level();
@@ -180,8 +181,8 @@ TEST(LiveTrade, FramesOfAnOlderLevelDoNotCount) {
   EXPECT_EQ(trade.level(), level);
 }
 
-TEST(LiveTrade, LatenessDownstreamCountsWhateverFramesTakeHere) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, LatenessDownstreamCountsWhateverFramesTakeHere) {
+  RateController trade = trade_for(30);
   Machine machine{[](double) { return 3.; }};
   run(trade, machine, 0, 1);
   double time = 1;
@@ -199,16 +200,16 @@ TEST(LiveTrade, LatenessDownstreamCountsWhateverFramesTakeHere) {
   EXPECT_EQ(trade.level(), kTop);
 }
 
-TEST(LiveTrade, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, LatenessOfFramesFromBeforeAChangeIsAnOldStory) {
+  RateController trade = trade_for(30);
   for (int i = 0; i < 12; ++i) trade.late(0.03 * i, 40);
   EXPECT_EQ(trade.report().moves, 1u);
   for (int i = 12; i < 24; ++i) trade.late(0.03 * i, 40);
   EXPECT_EQ(trade.report().moves, 2u);
 }
 
-TEST(LiveTrade, OneLateFrameIsForgiven) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, OneLateFrameIsForgiven) {
+  RateController trade = trade_for(30);
   for (int i = 0; i < 300; ++i) {
     trade.frame(i / 30., 8, trade.level());
     trade.late(i / 30., i % 3 == 0 ? 10 : -1);
@@ -216,8 +217,8 @@ TEST(LiveTrade, OneLateFrameIsForgiven) {
   EXPECT_EQ(trade.report().moves, 0u);
 }
 
-TEST(LiveTrade, QualityIsTheUpperEndAlsoWhileItIsChanged) {
-  LiveTrade trade = trade_for(30, 0, 3);
+TEST(RateController, QualityIsTheUpperEndAlsoWhileItIsChanged) {
+  RateController trade = trade_for(30, 0, 3);
   Machine machine{[](double) { return 3.; }};
   run(trade, machine, 0, 30);
   EXPECT_EQ(trade.level(), 3u);
@@ -231,8 +232,8 @@ TEST(LiveTrade, QualityIsTheUpperEndAlsoWhileItIsChanged) {
   EXPECT_EQ(trade.level(), 4u);
 }
 
-TEST(LiveTrade, SaysWhatItExpects) {
-  LiveTrade trade = trade_for(30);
+TEST(RateController, SaysWhatItExpects) {
+  RateController trade = trade_for(30);
   Machine machine{[](double) { return 30.; }};
   run(trade, machine, 0, 10);
   EXPECT_EQ(trade.report().level, trade.level());

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 #include "guide.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // The guide's level 4 from its level 2. One cell of level 4 an invocation.
 PLANE_IN(0, cells);

@@ -5,7 +5,7 @@
 
 // With how much force the cells' terms pull at s' as it stands after a correction: wanted - screen (s' + correction). The
 // finer levels relax against it. With kLook also sums up how hard the chroma bins pull, F = g (m' - r_bin - s'): without them
-// s' would change by less than F / v, in the mean over cells weighted by v. One quad of cells an invocation.
+// s' would change by less than F / v, in the mean over cells weighted by v. One pack of cells an invocation.
 layout(constant_id = 1) const bool kLook = false;
 PLANE_IN(0, terms);
 PLANE_IN(1, wanted);

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Keeps what the edges of listed tiles are evaluated on, and where all tiles are listed the frame's statistics. One cell of
 // guide level 1 an invocation.

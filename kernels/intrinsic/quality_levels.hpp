@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/ladder.hpp"
+#include "kernels/quality_levels.hpp"
 #include "scaled_intrinsic.hpp"
 
 namespace inverse {
@@ -15,9 +15,9 @@ void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.settled = kSettled;
 }
 
-/// The ladder of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
-inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
-  static const Ladder<ScaledIntrinsic::Params> ladder{
+/// The quality_levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
+inline const QualityLevels<ScaledIntrinsic::Params>& intrinsic_levels() {
+  static const QualityLevels<ScaledIntrinsic::Params> quality_levels{
       {{0.37, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},
        {0.46, intrinsic_level<1, 3, 1, 0.1F, 0.01F>},
        {0.52, intrinsic_level<1, 4, 2, 0.1F, 0.01F>},
@@ -30,7 +30,7 @@ inline const Ladder<ScaledIntrinsic::Params>& intrinsic_ladder() {
        {1.48, intrinsic_level<0, 12, 8, 0.05F, 0.001F>},
        {2.42, intrinsic_level<0, 24, 24, 0.05F, 1e-4F>}},
       {3, 6, 8, 10}};
-  return ladder;
+  return quality_levels;
 }
 
 }  // namespace inverse

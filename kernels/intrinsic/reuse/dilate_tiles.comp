@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
-#include "image/quad.glsl"
+#include "image/pack4.glsl"
 
 // Flags the tiles whose picture differs where the flagged ones do: those themselves and, as chroma is averaged with pixels to
 // the left and above, those to the right and below. One tile an invocation.

@@ -6,8 +6,8 @@
 
 namespace inverse {
 
-/// How much work goes into a frame. Every method says by its ladder which of its parameters that
-/// sets.
+/// How much work goes into a frame. Every method says by its quality levels which of its parameters
+/// that sets.
 enum class Quality : uint8_t { low, medium, high, best };
 
 /// A level of work between cheap and good.
@@ -21,7 +21,7 @@ struct Level {
 /// quality stands for. Not all lie on the front of error against time: by LMSE of single soft
 /// frames alone some are beaten by cheaper ones that flicker more or blur shadows.
 template <typename Params>
-struct Ladder {
+struct QualityLevels {
   std::vector<Level<Params>> levels;
   std::array<size_t, 4> qualities;
 
