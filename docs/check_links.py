@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Fails if a relative link of a committed page leads nowhere: docs/check_links.py [ROOT]. Checks files and headings."""
 import pathlib
 import re

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Fails where docs/reference/elements is not what the elements say of themselves; run ./dev docs then.
 set -euo pipefail
 fresh=$(mktemp -d)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Writes one Markdown page per element of the plugin, from the element's own description (as shown
 // by gst-inspect-1.0), after the hand-written docs/reference/elements/intro/<element>.md.
 //

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # The README's picture, docs/images/decomposition.jpg: a frame of what `./dev run --file` shows, 2 s into the bundled clip.
 #   docs/make_picture.sh [BUILD]     (default build, which ./dev build-only build makes)
 set -euo pipefail

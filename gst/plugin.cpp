@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The list of elements, nothing else.
 #include "gst/base/filter.hpp"
 #include "gst/base/meta/layers_meta.hpp"

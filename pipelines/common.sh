@@ -10,7 +10,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 
 # Prints the head comment of the script.
-usage() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$0"; exit "${1:-0}"; }
+usage() { sed -n '3,/^[^#]/{s/^# \{0,1\}//p}' "$0"; exit "${1:-0}"; }
 case "${1:-}" in -h | --help) usage ;; esac
 
 # The plugin: installed, on GST_PLUGIN_PATH (./dev shell), or built here.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Prints what failed and what was skipped in a build folder's last `meson test`, and as the last line
 "N passed, N failed". Exit status 1 where one failed or none ran.
 

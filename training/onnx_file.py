@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Networks as ONNX files that the project's own engine runs."""
 import contextlib
 import copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a training leaves behind: its checkpoint, and its log, a JSON object a line."""
 import json
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Weights of exported networks (onnx_file.write) as the start of another training: batch normalization is folded into them,
 and is put back."""
 import contextlib

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic: reflectance, direct light and light that bounced off surfaces, of live video.
 #include "gst/base/color.hpp"
 #include "kernels/global/quality_levels.hpp"

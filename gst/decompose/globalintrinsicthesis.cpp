@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsicthesis: chapter 5 of the thesis.
 #include <array>
 #include <tuple>

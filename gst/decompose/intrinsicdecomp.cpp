@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
 #include "kernels/intrinsic/quality_levels.hpp"
 #include "solve_properties.hpp"

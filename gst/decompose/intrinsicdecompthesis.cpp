@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecompthesis: chapter 3 of the thesis.
 #include "decomposer.hpp"
 #include "kernels/thesis/chapter3/quality_levels.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsiccompose: makes ordinary video again of decomposed video; the end of a chain of editors.
 #include <optional>
 #include <string>

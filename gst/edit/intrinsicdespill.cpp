@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdespill: takes light that bounced off surfaces of one color away, or gives it another
 // color.
 #include <optional>

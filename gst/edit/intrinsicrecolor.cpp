@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicrecolor: gives one color of the scene another; light and shadow stay.
 #include <cmath>
 #include <optional>

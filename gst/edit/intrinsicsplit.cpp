@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicsplit: sends single layers of decomposed video as ordinary video, one request pad each.
 #include <gst/gst.h>
 

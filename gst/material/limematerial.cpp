@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // limematerial: the material of the object in front of the camera (thesis chapter 6).
 #include <gst/gst.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // materialclone: an object of the material that was seen, drawn into the video (thesis 6.8, Figure
 // 6.11).
 #include <gst/gst.h>

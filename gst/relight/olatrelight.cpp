@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // olatrelight: a subject from a light stage, lit by any environment (thesis chapter 7).
 #include <gst/gst.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The elements of light stages, nothing else.
 #include <gst/gst.h>
 

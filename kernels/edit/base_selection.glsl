@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How much of a pixel a base color of bounced light selects: what is nearer to it in ln chromaticity, before any edit, than
 // to any other and to white, which need not have a layer. From 0 to 1 as (distance to the nearest other − distance to this
 // one) goes from −softness / 2 to softness / 2. Chromaticity is weighted with light as in recolor.comp. Planes take the

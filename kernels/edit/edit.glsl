@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Shared by the editing kernels.
 #include "image/finite.glsl"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What both recolor kernels share: R' = R + w (R_target − R), with
 //
 //   R_target = target · (mean R / value of the key)^texture

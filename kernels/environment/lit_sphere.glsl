@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Normals of a lit sphere's table and lookup (lit_sphere.hpp).
 //
 // Maps the hemisphere z > 0 to the unit disc with equal areas (Lambert): p = n.xy / sqrt(1 + n.z).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Environment maps in Radiance files, read with stb.
 #include <unistd.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What GlobalIntrinsic finds out about a scene, on its small grids.
 #include <algorithm>
 #include <array>

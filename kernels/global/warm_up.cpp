@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // GlobalIntrinsic::warm_up: short videos on small frames in which everything comes that can come.
 #include "kernels/intrinsic/warm_up.hpp"
 

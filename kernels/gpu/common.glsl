@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What every kernel includes first: workgroup size, and how planes and words are read and written.
 //
 // The build compiles each kernel twice. The fast variant reads through texel buffers (twice as fast as storage buffers

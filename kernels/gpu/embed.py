@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Compiles one .comp file into both variants of SPIR-V, validates them, and writes them as a C++ source, with a header by
 which C++ calls the shader: its buffers, push constants and specialization constants by name, and the constants of its GLSL.
 

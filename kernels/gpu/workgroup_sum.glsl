@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // workgroup_sum(v): the sum over the workgroup, in every invocation, always in the same order. Uniform control flow.
 shared vec4 workgroup_partials[256];
 

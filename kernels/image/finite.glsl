@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Input frames and layers from other elements may hold any value. Kernels make values finite when reading them, so that
 // NaN and infinity do not spread between pixels or frames.
 const float kLargest = 65504.0;  // the largest half float: far above any reflectance, shading or linear light

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Layout of scalar planes: four horizontally adjacent pixels in one vec4, rows padded to multiples of four. A plane of
 // w x h pixels has wq = ceil(w / 4) vec4 per row; vec4 (x, y) is at y * wq + x and holds pixels 4x … 4x + 3.
 //

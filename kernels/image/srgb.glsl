@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The sRGB curve on linear light and code values of 0…1.
 vec3 to_linear(vec3 srgb) {
   return mix(pow((max(srgb, vec3(0.0)) + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, lessThanEqual(srgb, vec3(0.04045)));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ScaledIntrinsic::warm_up: a short video on a small frame in which everything comes that can come.
 #include "warm_up.hpp"
 

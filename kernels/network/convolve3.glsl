@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A 3 x 3 convolution with zero padding, bias and activation. An invocation computes ROWS pixels, one below the other,
 // of one block of channels; a step reads one column of pixels of one input block: kernel-rules, 16.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A value: channels in blocks of four, one vec4 per pixel, block by block, row by row, after one vec4 of zeros. Pixels
 // outside of the image read that zero, so that a border costs one max of an index.
 #include "gpu/common.glsl"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reflectance clusters (thesis, 3.4.4): a 30³ histogram of the reflectance with exponential averaging over time, weighted
 // k-means over its bins, and merging of duplicates. Everything is summed in integers or in a fixed order: the same input
 // gives the same clusters.

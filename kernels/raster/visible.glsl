@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Visibility of a mesh at eight samples of a pixel: the nearest triangle at each. One invocation per pixel; 64 of them
 // are a block of 8 x 8, which reads the same groups of triangles.
 PLANE_IN(0, records);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What conjugate gradients with an inverse diagonal share, whatever the system.
 
 /// Jacobi preconditioner M⁻¹, zero where the diagonal is.

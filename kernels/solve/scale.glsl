@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The scale of reflectance is free: R c and S / c make the same picture. ln c = ln(white level) + offset. The offset keeps
 // what stays in view as bright as it was (scale_track.comp, scale_update.comp).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A head made of ellipsoids, ray-marched by surface.comp and lit by shade.comp. Needs SCENE(index), the vec4s of a
 // HeadScene.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs through olad, the daemon of the Open Lighting Architecture, which drives many
 // kinds of hardware. Its client library is LGPL; the build links it if present.
 #include <ola/DmxBuffer.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs over streaming ACN.
 #include <algorithm>
 #include <cerrno>

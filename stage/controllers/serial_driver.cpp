@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs stored in a controller, over a serial line.
 #include <fcntl.h>
 #include <poll.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // FrameLabeler: detection of the marker of a light program (black, full on, black).
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // FrameLabeler: frames that wait for a check frame. If the lights stop or restart among single
 // lights, no earlier image shows it.
 #include <algorithm>

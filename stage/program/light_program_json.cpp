@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs as JSON. Fields: docs/reference/light-program.md.
 #include <algorithm>
 #include <array>

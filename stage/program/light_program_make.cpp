@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Built-in stages and programs.
 #include <algorithm>
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Tests of the benchmark itself: layers of light through a device, scenes with layers through a
 // file, work on all cores.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The clip renderer against closed forms: light in a sphere, a lamp and a window over a plane; and
 // the committed ground truth of the clip.
 #include <gtest/gtest.h>

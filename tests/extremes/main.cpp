@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // extremes [--report FILE | --case TEXT | --search SOLVER FIRST COUNT] [GoogleTest's options]
 //
 // The stability suite. --case TEXT runs one random case, as a failure names it. --search runs COUNT

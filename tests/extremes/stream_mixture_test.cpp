@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Streams put together from everything that is listed as bad input for an element: seeded, and
 // shrunk to the fewest steps that fail. A frame comes out for every frame, or one clear error says
 // why not.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted light programs: an Error, or a program that can be written and read again.
 #include "stage/program/light_program.hpp"
 

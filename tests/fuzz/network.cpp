@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted network files with a valid header: an Error, or a graph whose shapes can be computed
 // and that is unchanged when written and read again.
 #include <cstdint>

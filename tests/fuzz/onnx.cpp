@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted ONNX models: an Error, or a graph that can be written and read again.
 #include <cstdint>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted Radiance pictures: an Error, or an environment map of finite light.
 #include <sys/mman.h>
 #include <unistd.h>

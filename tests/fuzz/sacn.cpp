@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted datagrams, one after another, each after a byte with its length (in fours) and a byte
 // with its time.
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Untrusted bytes of a serial line: the first byte determines the chunks.
 #include <algorithm>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The device and OpenCV's dnn with the same model in turn: onnx-bench [--layers] [--runs N] [--size
 // N] [MODEL.onnx …]. Without a model: U-Nets of three widths. --layers: node by node, by the
 // model's names.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ONNX models through the importer and the device, against OpenCV's dnn with the same model; and
 // the importer's errors.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Pipelines that begin with a camera. USB and libcamera need hardware: live videotestsrc replaces
 // them, in their formats. With INVERSE_TEST_CAMERA=/dev/videoN the webcam's pipeline also runs with
 // a real one. The industrial camera is Aravis' software camera.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The line that writes a static capture of a light stage.
 #include <filesystem>
 #include <fstream>

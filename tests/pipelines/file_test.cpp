@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lines that begin with a file or a pattern: file-to-file, batch, playbin, test-pattern, clone.
 #include <algorithm>
 #include <cmath>

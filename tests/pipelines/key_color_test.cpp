@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The color that ./dev run repaints, on images with an obvious one and on some without.
 #include "../../tools/runner/key_color.hpp"
 

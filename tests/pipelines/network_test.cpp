@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lines that begin or end in the network, over loopback.
 #include <arpa/inet.h>
 #include <netinet/in.h>

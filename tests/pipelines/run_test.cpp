@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ./dev run: output files without a display, the window with one, and error messages.
 #include <fstream>
 

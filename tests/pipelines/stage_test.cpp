@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lines of the virtual light stage.
 #include "pipeline_test.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The counter-based random numbers that references and shaders share bit by bit.
 #pragma once
 

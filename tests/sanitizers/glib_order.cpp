@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Happens-before relations of GLib's locks, for ThreadSanitizer. GLib is not instrumented and uses
 // futexes, so the sanitizer would report every field guarded by a GLib lock as a race. These
 // functions replace GLib's in a test program, annotate the order, and call GLib's own.

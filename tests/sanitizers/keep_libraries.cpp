@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // For LeakSanitizer: keeps libraries loaded to the end of the test program (Vulkan drivers are
 // unloaded with the last instance). A leak in an unloaded library has no name, so lsan.supp could
 // not match it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The measurement of growth: it must detect growth and ignore noise.
 #include "growth.hpp"
 

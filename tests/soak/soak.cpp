@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // soak [--quick] [--decomposer FACTORY] [--frames N] [--caps-changes N] [--cycles N] [--scenes N]
 //      [--device-slack MIB]
 //

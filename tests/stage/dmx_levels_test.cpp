@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stage/controllers/dmx_levels.hpp"
 
 #include <gtest/gtest.h>

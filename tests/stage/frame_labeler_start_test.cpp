@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Labels of streams that begin, break off and continue: the start of the count, and that each frame
 // is reported once.
 #include <array>

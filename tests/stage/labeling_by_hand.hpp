@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A FrameLabeler with frames pushed by the test.
 #pragma once
 #include <gtest/gtest.h>

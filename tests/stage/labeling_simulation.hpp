@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A simulated camera of a light stage: frames of a light program, with lost and duplicated ones,
 // time stamps with jitter and drift, and the result of labeling each.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light programs: their state at each trigger, and errors of invalid files.
 #include "stage/program/light_program.hpp"
 

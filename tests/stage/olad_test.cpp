@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The sent data, as received by the Open Lighting Architecture's daemon.
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // inverse-light-program, as a user runs it.
 #include <gtest/gtest.h>
 

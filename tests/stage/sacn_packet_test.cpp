@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Packets against the field tables of ANSI E1.31-2018, field by field: octets, and what they hold.
 #include "stage/controllers/sacn_packet.hpp"
 

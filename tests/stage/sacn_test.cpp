@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The sACN backend and the receiver, on loopback.
 #include <gtest/gtest.h>
 #include <poll.h>

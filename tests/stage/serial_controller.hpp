@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A light controller at the other end of a pseudo-terminal.
 #pragma once
 #include <fcntl.h>

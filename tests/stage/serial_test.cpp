@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The serial backend against a simulated controller on a pseudo-terminal.
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Cameras triggered in step with the lights, simulated by threads that lose, delay and invent
 // frames. In all cases, a labeled frame was exposed in that light.
 #include "stage/triggers/triggered_capture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic against truth: a room with a colored wall and colored things on the floor,
 // rendered with three bounces. The renderer is the bundled clip's, the room no other test's or
 // training's.

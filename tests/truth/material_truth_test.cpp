@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // limematerial's own networks against truth: objects of the corpus' test split, of a seed that
 // neither trainings nor choices nor reports have used.
 #include "kernels/material/lime_material.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // olatrelight against truth: the virtual stage's head, seen from a side that no other test uses,
 // under gradients of 42 lights; what it looks like under other light is the sum of its pictures
 // under single ones.

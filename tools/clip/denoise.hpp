@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Removes sampling noise from the soft layers of a rendered frame.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A 5 × 7 capital alphabet, so that the scene can carry printed text.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Bounding-volume hierarchy over the primitives of one frame.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the renderer writes: PNG, flat float dumps and raw video frames.
 #pragma once
 

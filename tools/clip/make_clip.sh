@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes everything that shows or tests with the bundled clip, from source to file:
 #
 #   media/clip.webm        5 s, 640×480, 25 frames a second, VP8 and Vorbis

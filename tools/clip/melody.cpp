@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Writes the sound of the bundled clip, a quiet plucked melody: melody OUT.wav SECONDS
 //
 // Mono, 48 kHz, 16-bit PCM. The strings are Karplus-Strong delay lines (Computer Music Journal

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Procedural reflectance: what is painted on the things in the scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Renders frames of the bundled clip with their ground truth. Usage:
 //
 //   render --size=WxH --frames=0,10,20 | --frames=0-124 --out=DIR [--samples=25] [--soft=8]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Correlated multi-jittered sample points (A. Kensler, Pixar TM 13-01, 2013): stratified in two
 // dimensions and in each alone, reproducible from a seed.
 #pragma once

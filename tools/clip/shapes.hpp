@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Analytic and signed-distance primitives, each posed by a rotation and a translation.
 #pragma once
 

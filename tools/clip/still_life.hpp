@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The scene of the bundled clip: a still life on a dark wooden table, a lamp that swings past and
 // a ball that rolls by.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light transport between diffuse surfaces, split into the layers of an intrinsic decomposition.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // inverse-onnx-import MODEL.onnx [GRAPH.net]: converts an ONNX model to the flat file that the
 // plugin loads, or, without a second name, describes the model.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // inverse-light-program PROGRAM [--rate STEPS] [FILE]: writes a light program as JSON
 // (docs/reference/light-program.md), such as "static:96" at 30 or 30000/1001 steps a second.
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // inverse-run: plays a file, URI or camera through a piece of a launch line. ./dev run calls it.
 #include <gst/gst.h>
 #include <gst/pbutils/pbutils.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Turns a fitted weight file (fit_edge_prior's output) into the C++ header of literal constants."""
 import sys
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Fits the edge prior: stochastic gradient descent through the solve.
 //
 //   fit_edge_prior --out weights.txt [--from weights.txt | --hidden 12] [--scenes 200] [--seconds

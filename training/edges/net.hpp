@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A one-hidden-layer network with skip connections over planes of cues, and its gradient.
 #pragma once
 

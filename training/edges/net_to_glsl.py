@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Turns the reference's literal weights into straight-line GLSL for the shaders of the edge prior.
 
 usage: net_to_glsl.py tests/reference/intrinsic/intrinsic_edge_weights.hpp > kernels/intrinsic/prior/edge_net.glsl

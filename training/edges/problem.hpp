@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // One frame's decomposition as a differentiable function of the edge prior: the energy of
 // docs/reference/methods/intrinsicdecomp.md with the chroma bins solved jointly, and its adjoint.
 #pragma once

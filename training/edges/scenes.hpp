@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Procedural scenes with known reflectance and shading, to fit the edge prior on.
 //
 // Three kinds: rooms and yards of boxes and balls ray-traced under sun, lamp or dapple with ambient

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Fits an edge prior of fewer hidden values to one that was fitted through the solve: regression of
 // its ln a and ln b on cues alone, which needs no truth and takes a minute.
 //

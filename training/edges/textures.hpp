@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Palettes and textures of the procedural training scenes, and the small vectors they are made of.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Files of fitted weights: hidden values of the edges' net and of the cells', how many numbers
 // follow, the numbers.
 #pragma once

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Ablations of thesis Table 6.1: ablate.py [--samples 40000]. Prints Markdown and writes OUT/ablations.md.
 
 ExponentNet and AlbedoNet anew, in variants side by side on the very same samples in the same order: ExponentNet with MirrorNet,

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Ablations of thesis Table 6.1, from end to end: ablate_all.py [--samples 250000]. Prints Markdown and writes OUT/ablations-all.md.
 
 All networks but SegmentationNet, which is the checkpoint's, from random weights (the same for all variants) as in 6.5.4, in

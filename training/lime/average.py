@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The mean of two trainings, one of which went on from the other: average.py BEFORE AFTER.pt --networks specular,mirror --out OUT.pt
 
 Where a training taught what another corpus wants, weights between its first and its last often do both better than either

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How well shininess could be told if layers were true: ceiling.py [--samples 24000]. Prints Markdown and writes OUT/ceiling.md.
 
 ExponentNet anew, side by side on the same samples, which are seen several times, half of them in a mirror: on the true

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Sanity of the corpus and the networks, in seconds: check.py. Prints what it measured, and stops at what is off."""
 import argparse
 import time

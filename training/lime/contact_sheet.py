@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Pictures of the corpus to look at, and its statistics beside those of the evaluation set: contact_sheet.py.
 
 Rows of image, mask, D, specular layer and mirror image, written to OUT/contact-{train,painted,everyday,whole,test,materials}.png.

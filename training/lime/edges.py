@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What lines of the picture's light (kernels/material/layers/guided_*.comp) are worth to the layers: edges.py [--checkpoint models/lime].
 Prints Markdown.
 

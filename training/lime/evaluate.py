@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Scores a checkpoint, or exported networks: evaluate.py [--checkpoint out/lime/checkpoint.pt | models/lime]. Prints Markdown and writes it with --report.
 
 Sets: held-out samples of the corpus, of a seed of their own (but with --seed); the rendered evaluation set `materials` and its

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Writes the networks of a checkpoint as ONNX files: export.py [--checkpoint …] [--models models/lime].
 
 Batch normalization is folded into the convolutions, SegmentationNet ends in a sigmoid, AlbedoNet too, ExponentNet in a

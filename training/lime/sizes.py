@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Error of the three U-Nets by the size of the square that they look at: sizes.py [--count 200] [--bench network-bench].
 
 The same held-out samples, rendered once at 384 × 384 and averaged down to each size; layers that come out are brought to

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Draws error against run time, by the size of the square and the width of SpecularNet: trade.py. The numbers are those of the
 model card's two tables (sizes.py and widths.py print them); writes docs/images/limematerial-trade.svg."""
 import argparse

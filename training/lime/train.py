@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Trains the five networks on the rendered corpus: train.py --minutes 60. See README.md.
 
 Writes OUT/checkpoint.pt (every minute and at the end of a stage), OUT/log.jsonl and OUT/curves.png. The same command with

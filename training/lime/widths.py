@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Error of SpecularNet by its width: widths.py [--samples 20000] [--build build --bench network-bench].
 
 Networks of several widths, anew and side by side on the very same samples in the same order, at 64 × 64 with the true mask.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What each part gives, as thesis Table 7.1: ablate.py [--steps 800]. Prints Markdown and writes OUT/ablations.md.
 
 Networks anew, side by side on the very same batches: whole; without the perceptual loss; without the alignment loss; without the

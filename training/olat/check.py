@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Sanity of the renderer, the networks and the exported files: check.py. Prints what it measured, and stops at what is off."""
 import argparse
 import pathlib

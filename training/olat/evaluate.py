@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Scores checkpoints: evaluate.py [--checkpoint late=out/olat/checkpoint.pt …]. Prints Markdown and writes it with --report.
 
 Sets: subjects of the corpus that were held out (331 lights), heads rendered by Cycles (`olat_head`), real faces (`yale_faces`).

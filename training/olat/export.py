@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Writes the late-fusion network of a checkpoint as ONNX files: export.py [--checkpoint …] [--models models/olat].
 
 features.onnx is the U-Net, batch normalization folded into its convolutions; light.onnx the two layers that every light goes

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Renders subjects to disk: make_corpus.py --subjects 300 [--threads 2]. Goes on where it was stopped.
 
 OUT/corpus/train: subjects under stages of 96 to 331 lights, whose gradients are of all lights, with --keep of their OLATs:

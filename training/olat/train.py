@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Trains a network on the rendered corpus: train.py --minutes 60. See README.md.
 
 First, for a tenth of the time, the DirectionNet whose features the perceptual loss compares; then the network itself.

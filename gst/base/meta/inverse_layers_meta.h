@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /* gst-inverse: the layers of a decomposed frame, for people who write their own elements.
  *
  * Buffers whose caps are `video/x-raw(meta:InverseLayers), format=RGBA, layers=(string)intrinsic`

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /* gst-inverse: which lights of a light stage lit a frame.
  *
  * This header is all that is needed: no library to link.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /* gst-inverse: the material of the object that limematerial sees in a frame.
  *
  * This header is all that is needed: no library to link.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // Between the files of the Vulkan bridge: what GStreamer knows an adopted device by.
 #include <gst/video/video.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames as images on a device of GStreamer's Vulkan library.
 #include <mutex>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The Vulkan bridge of a build without GStreamer's Vulkan library: there are no such neighbors,
 // and no template lets images in or out.
 #include "gst/base/frames/frame_io.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The camera of lightstagearavissrc, from its opening to its end.
 #include "aravis_source.hpp"
 

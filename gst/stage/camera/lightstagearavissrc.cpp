@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagearavissrc: frames of an industrial camera with the number and the time that the camera
 // gave them.
 #include <gst/base/gstpushsrc.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagetestsrc: a camera that looks at a head on a virtual light stage.
 #include <gst/base/gstpushsrc.h>
 

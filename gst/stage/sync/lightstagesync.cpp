@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: says of each frame of the cameras of a light stage which lights lit it, keeps the
 // cameras together, and assembles what belongs together.
 #include <gst/gst.h>

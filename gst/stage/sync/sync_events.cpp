@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Events and queries of lightstagesync's pads.
 #include <cmath>
 

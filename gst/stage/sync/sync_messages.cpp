@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What lightstagesync tells of its cameras: cameras that stop, frames that are lost, stats.
 #include <algorithm>
 

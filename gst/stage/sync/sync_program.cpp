@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Which cameras of lightstagesync count from the same start of the program.
 #include <algorithm>
 

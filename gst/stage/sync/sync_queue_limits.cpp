@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How many frames may wait in lightstagesync.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Histograms in fixed point, so that the order of additions does not matter. A point's weight is at most 1 or so, and there
 // are at most 40 x 40.
 const float kCountUnit = 65536.0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic's model (docs/reference/methods/globalintrinsic.md): I = R S tau, where S tau = T0 1 + E is white direct light and
 // colored indirect light. Colors are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and
 // (1, 1, -2) / √6; the tint t of light is the log chroma of T0 1 + E, and tau = exp(Aᵀ t) has geometric mean 1.

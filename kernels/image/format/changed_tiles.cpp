@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "changed_tiles.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Pixels of a plane as encoded R', G', B' ready for output: four in a row, component by component.
 PLANE_IN(0, picture);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Push constants of the kernels that convert between frames and planes (convert.cpp fills them from a FrameFormat).
 layout(push_constant) uniform Push {
   uvec2 size;       // pixels

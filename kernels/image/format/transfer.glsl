@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Transfer curves (transfer.hpp) on four values at once. CURVE is false for linear formats, which skip them.
 layout(constant_id = 1) const bool CURVE = true;
 const float kTiny = 1e-37;  // pow is undefined below zero, and slow or undefined for denormals

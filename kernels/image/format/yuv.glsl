@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Layouts of Y'CbCr frames, chroma interpolation and averaging, and matrices.
 layout(constant_id = 2) const uint LAYOUT = 0u;
 const uint kSemiPlanar = 0u, kPlanar = 1u, kYuy2 = 2u, kUyvy = 3u;

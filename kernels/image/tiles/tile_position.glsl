@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tiles.glsl"
 
 // Position of this invocation on a grid dispatched as one line, or within the listed tiles.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Work on a list of tiles of 16 x 16 pixels instead of a whole frame. Before including this file, a kernel defines
 // TILE_CONSTANT, the first of two specialization constants, and TILE_BINDING, the binding of the list (TileProgram).
 //

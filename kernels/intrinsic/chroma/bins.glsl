@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The chroma grid of the non-local term: kBins x kBins cells of kBinWidth over (c0, c1), bilinear hats. Sums are kept in
 // fixed point, so that their order does not matter and every run gives the same bits: weights in steps of 1 / scale,
 // weighted reflectance in steps of kMostReflectance / scale.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy that intrinsicdecomp minimizes (docs/reference/methods/intrinsicdecomp.md), one unknown a pixel, s = ln shading:
 //
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        paint is even here | light is even here

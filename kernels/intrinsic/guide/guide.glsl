@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Planes that say what a frame looks like. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01),
 // m = mean_c i, u = max_c i - m, c0 = √3/2 (k_R - k_G), c1 = (k_R + k_G) / 2 - k_B: axes of one scale, so that
 // a distance of chroma is the same whatever the channels are called. Level 0 is a pixel a vec4, levels above

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the multigrid kernels share: the edges of coarse levels and the exact solve of one pack.
 
 // Solves the tridiagonal system of a pack's four pixels: diagonal d, couplings w.x, w.y, w.z between neighbors (w.w to

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A histogram of ln max_c R over the cells of a frame. Dark cells do not count: their light says more of the sensor than of the
 // surface.
 const uint kBrightnessBins = 512u;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the fitted functions of EdgePrior are evaluated on and what their outputs mean
 // (docs/reference/methods/intrinsicdecomp.md, 2).
 const float kLogLow = -4.5, kLogHigh = 3.0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "layer_fade.hpp"
 
 #include "kernels/image/pack4.hpp"

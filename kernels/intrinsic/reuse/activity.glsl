@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What is known of a tile's activity from frame to frame, a vec4 a tile: how much its log shading (rms) changed a frame by the
 // last frame that worked on it, kBusy where its input changed, too; for how many frames the one at work has to stand, this one
 // and those before it that left the tile out (active.comp counts them); and for how many the last one that worked on it stood.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What a frame leaves to the next one. Of a cell: (d, c0, c1, m'), d = m' - m'_P4 its local log contrast (P4: its cell of guide
 // level 4). Chroma and local contrast survive a change of light, but not moving content.
 vec4 cell_state(vec4 cell, vec4 wide) { return vec4(cell.x - wide.x, cell.yz, cell.x); }

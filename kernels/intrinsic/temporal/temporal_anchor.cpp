@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "temporal_anchor.hpp"
 
 #include "kernels/gpu/reduce.hpp"

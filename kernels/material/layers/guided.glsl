@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gpu/common.glsl"
 
 // First and last column and row around point i of side x side ones: two in each direction, clamped to the grid.

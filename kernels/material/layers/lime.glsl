@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Inputs and outputs of the networks of thesis chapter 6. Colors are sRGB 0…1; the specular layer and the mirror image
 // are linear with high dynamic range, coded as ln(1 + 4 x) / 2 (training/lime/README.md).
 #include "gpu/common.glsl"

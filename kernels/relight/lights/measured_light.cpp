@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "measured_light.hpp"
 
 #include <Eigen/Dense>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A subject under two color gradients as one cosine lobe per pixel (Fyffe et al. 2009;
 // docs/reference/methods/olatrelight.md).
 //

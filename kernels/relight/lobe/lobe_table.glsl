@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lookup in a table over u and p (light_table.comp), bound by the kernel with the name lobe_values.
 vec4 lobe_table(vec3 u, float p) {
   float level = clamp(2.0 * log2(p + 1.0), 0.0, float(kLevels - 1));

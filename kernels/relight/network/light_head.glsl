@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The per-light layers of the relighting network (training/olat/README.md), for four lights at a time, so that weights
 // are read once for all of them.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy of chapter 3 of the thesis and the linear systems of its IRLS steps. Unknowns: one vec4 a pixel,
 // x = (r_R, r_G, r_B, s), natural logarithms of reflectance and shading. i = ln max(I, log_floor), |I| = mean of I.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels of GlobalThesis for a number of planes of indirect layers.
 #include "global_thesis_programs.hpp"
 

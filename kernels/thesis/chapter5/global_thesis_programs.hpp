@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What both halves of GlobalThesis share: programs, sizes.
 #pragma once
 #include "global_thesis.hpp"

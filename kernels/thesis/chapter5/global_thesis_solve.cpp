@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The solver of GlobalThesis: Gauss–Newton steps by conjugate gradients, and what follows from a
 // solution.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Spatio-temporal samples (3.4.3): the frames that they are drawn from, at bindings 0 to 5.
 //
 // A frame holds (r, packed chromaticity) a pixel, so that a sample costs one gather. The frames of a level lie one

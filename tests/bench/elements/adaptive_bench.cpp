@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time saved by skipping in intrinsicdecomp or globalintrinsic: whole elements, system memory in
 // and out, videos of some length. Every setting processes each frame in turn, in alternating order,
 // so that other load affects all settings alike.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Whether frames of globalintrinsicthesis wait for its background work: the time of each frame
 // without background work, while base colors are refined, and while the color of a marked region is
 // decided.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Cost of an element in an application: system memory in, system memory out. Frames are those of
 // the bundled clip, scaled; elements take turns, so that other load affects all alike.
 //

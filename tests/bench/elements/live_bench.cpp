@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Rate control under a varying load: frames of the bundled clip at a camera's rate; during the
 // second third, other threads keep the processor busy. Runs without and with a target alternate.
 //

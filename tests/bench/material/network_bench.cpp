@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time of a network, node by node: network-bench [--runs N] [--size N] [GRAPH.net …]. Without a
 // graph: a U-Net and its 3 x 3 convolutions one by one. Needs a Vulkan device.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Shared by the benchmarks of networks: command line and operation counts.
 #pragma once
 

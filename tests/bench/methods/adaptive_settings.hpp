@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time saved by skipping, as settings of the benchmark: in videos of some length, each mode is
 // compared with "off", which skips nothing.
 #pragma once

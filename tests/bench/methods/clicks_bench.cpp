@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Number and time of the clicks that the thesis' misclustering correction (5.5.2, Table 5.1) needs,
 // and the accuracy of its automatic mode.
 //

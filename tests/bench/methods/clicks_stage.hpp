@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsicthesis with a simulated user who has the truth: processes frames, compares
 // clusters with true reflectance, marks regions.
 #pragma once

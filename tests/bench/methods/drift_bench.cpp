@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // How the brightness of what stays in view changes while a camera zooms and pans.
 //
 //   drift-bench PICTURE… [--json FILE]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Edits against the truth: a frame is decomposed, edited and composed, and compared with the same
 // scene rendered again with other paint.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time of converting frames to planes and back: `image-bench [runs] [filter]`. Needs a Vulkan
 // device.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time and memory of IntrinsicDecomposition by stage and size.
 //
 //   intrinsic-bench [--frames N] [--size WxH]… [--dump IN [--out OUT]] [--warm N] [--cycles N]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // When the layers of an unchanged image can be reused: error against the truth once the change by
 // the last cycle falls below a bound (keep-tolerance), compared with further frames.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The quality levels of an element, as points of the benchmark.
 #pragma once
 

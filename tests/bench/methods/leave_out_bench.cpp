@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What intrinsicdecomp skips depending on the scene, one by one: chroma bins, the temporal anchor,
 // half of the resolution. Reports saved time, change of the result, and what was predicted; also
 // the visible change when the resolution switches.

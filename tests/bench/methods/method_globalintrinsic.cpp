@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic in the benchmark.
 #include "adaptive_settings.hpp"
 #include "kernels/global/quality_levels.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsicthesis in the benchmark.
 #include <algorithm>
 #include <map>

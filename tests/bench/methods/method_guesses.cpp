@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Baselines for direct and indirect light: estimates of indirect light without a solve, subtracted
 // from the shading of intrinsicdecomp.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The project's own methods in the benchmark. For a new one, add a function here, a file
 // method_*.cpp and a line in methods_main.cpp.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // bench-methods: the project's own methods on one Vulkan device. Needs only the kernels, libvulkan
 // and the C++ runtime, and reads flat dumps, so that it can be copied to another machine:
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Time and memory of ThesisDecomposition by stage.
 //
 //   thesis-bench [--dump IN [--out OUT]] [--size WxH] [--frames N] [--solver pcg|schwarz] [--levels

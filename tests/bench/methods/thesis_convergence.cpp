@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Convergence of the thesis' solvers, as in its figure 3.12: energy per pixel after every IRLS step
 // on every pyramid level, for pcg and schwarz, with the double-precision reference at the same
 // iterations and the converged energy. Ends with the difference from the reference.

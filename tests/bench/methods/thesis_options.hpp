@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // The command line of the benchmarks of the thesis' method.
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Cost of a small object moving over a static image with tiles skipped, and the distance of the
 // layers from those of adaptive=false. The object crosses the image, then keeps moving in a corner,
 // so that its former tiles have time to converge.

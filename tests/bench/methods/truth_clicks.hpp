@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Truth about base colors (thesis, chapter 5): misclustered pixels, clicks of a user who sees them,
 // and the distance of base colors from the paint.
 #pragma once

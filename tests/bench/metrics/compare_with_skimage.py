@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Compares the program `metrics` with scikit-image where both have the same measure: MSE, PSNR, SSIM.
 
     compare_with_skimage.py METRICS            compares; where scikit-image is not installed, with the committed values

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Flat dumps of images: no libraries, for programs that are copied to other machines.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Files that the metrics and the benchmark read and write.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Measures of direct and indirect light where their values are known in closed form.
 #include <gtest/gtest.h>
 

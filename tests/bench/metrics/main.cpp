@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // metrics A B [--mask M] [--srgb] [--frame N]
 //
 // Compares an estimate A with the truth B and prints every measure as JSON. Files are PNG or flat

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Error measures for intrinsic decompositions. A library of its own (`metrics`): no dependencies,
 // double precision inside. The program `metrics A B` gives them to scripts.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Every measure where its value is known in closed form.
 #include "metrics.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // PNG files, without libraries but zlib.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Other despill methods, pixel by pixel. Images are linear; the formulas use display codes (sRGB).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp's energy (tests/reference/intrinsic/intrinsic_decomposition.hpp) for a single
 // frame, minimized the way one would without a GPU: sparse matrix, double precision, Eigen. Two
 // solvers: conjugate gradients with an inverse diagonal, and conjugate gradients whose

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // OpenCV's edge-aware filters as decomposers: ln reflectance is ln of the mean channel, smoothed
 // where chromaticity is constant; shading is the remainder. The guide is the chromaticity I / sum
 // of I, which shadows do not change; l0 smoothing has no guide and smooths the image itself.

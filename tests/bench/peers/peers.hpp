@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Methods to compare with, measured in the same run: trivial ones, Retinex, edge-aware filters, and
 // a plain solver of intrinsicdecomp's own energy on the processor. None of them uses a mask.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // bench-peers: other methods on the processor, with Eigen and OpenCV. A program of its own, because
 // OpenCV's ximgproc loads libraries that the project's programs must not link.
 #include "peers.hpp"

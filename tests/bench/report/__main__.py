@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Measures every method and writes a report: ./dev bench [--full] [--data DIR] [--publish] [--against FILE] …"""
 import argparse
 import json

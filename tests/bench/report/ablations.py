@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What each term is worth: errors and times with one left out, and of weights that are chosen without a scene."""
 import statistics
 

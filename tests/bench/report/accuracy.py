@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Prints the tables of docs/reference/accuracy.md from a results.json of `./dev bench --full`: held-out sets first, training sets apart.
 
     tests/bench/report/accuracy.py out/report/results.json

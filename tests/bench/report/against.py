@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Compares two results: what got better or worse by more than the noise, one line for each setting and measure."""
 import statistics
 

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The short report that is committed, docs/report: a page, its plots and figures.json, from which both can be drawn again:
 
     tests/bench/report/brief.py docs/report

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """docs/images/edits.jpg, from the strips that edit-bench --png writes: edits.py STRIPS FILE.jpg"""
 import pathlib
 import sys

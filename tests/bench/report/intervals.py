@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """How sure differences between methods are: bootstrap intervals over scenes, regime by regime."""
 import random
 import statistics

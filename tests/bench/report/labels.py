@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Labels that stand beside what they name and keep out of each other's way."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The table "Measured" of docs/reference/methods/globalintrinsic.md, from what bench-methods and bench-peers wrote:
 layers.py FILE.json …   Videos: means over the frames that were judged; the MIT set: means over its objects, each a still."""
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The report's sections on methods with indirect light: errors of reflectance and of layers of light, base colors and marks,
 what each base color costs, and whether frames wait for background work."""
 import statistics

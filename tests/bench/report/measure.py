@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the measuring programs of a build folder and gathers what they say into one dictionary."""
 import json
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The full report, out/report/README.md: every table of a run. The short page that is committed is brief.py's."""
 import ablations
 import light

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the figures look like: layers of a scene by each method, as one picture."""
 import matplotlib.pyplot as plt
 import numpy as np

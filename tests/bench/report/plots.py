@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The report's plots, as PNG and SVG. Colors are Okabe and Ito's, which colorblind people can tell apart; every curve
 also has a marker of its own and is labeled where it lies."""
 import math

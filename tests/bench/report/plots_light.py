@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """More plots: fronts by what people see in video, methods that know of bounced light, what base colors cost, and frame
 times while something else is decided."""
 from matplotlib import pyplot as plt

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """A progress bar on the terminal; plain lines where there is none."""
 import sys
 import time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """docs/images/relighting-curves.svg, from the table that relight-curves prints: relight.py FILE.md TO.svg"""
 import pathlib
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """From raw samples to figures: medians with quartiles, means of errors, fronts, knees.
 
 Everything here takes and gives plain dictionaries, as results.json has them.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The tables of the report's page, as Markdown: figures in, text out."""
 import summary
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Ground-truth sets for scoring decompositions, by regime.
 //
 // Rendered sequences enter as their 8-bit sRGB frames (what a camera or a file would deliver),

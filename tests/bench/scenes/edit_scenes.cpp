@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // edit-scenes FOLDER STAMP: renders pairs of frames for edits with the renderer of the bundled
 // clip: a scene, and the same with repainted surfaces, including all bounces of light. Writes STAMP
 // when done. Deterministic.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // import-scenes FROM TO [--frames N] [--videos]: turns image folders with ground truth into the
 // benchmark's flat dumps. Prints a line for each set.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // own-scenes FOLDER STAMP: renders the project's own data for the benchmark with the renderer of
 // the bundled clip: four kinds of stills, and videos that differ in the work they need. Writes
 // STAMP when done. Takes about a minute of processor time; deterministic.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames with ground truth from the renderer of the bundled clip.
 #pragma once
 #include "tests/bench/support/scene.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // import-olat FROM TO: turns folders of OpenEXR pictures under one light at a time into flat dumps
 // for relight-bench. Any folder below FROM that holds lights.json, gradient1.exr, gradient2.exr,
 // alpha.png and olat/NNN.exr becomes TO/NAME.f32; lights are brought to the scale of the gradients.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Labels of a light stage's frames while some are lost, duplicated and stamped unevenly. Options:
 // --frames N, --seeds N, --jitter PERIODS, --drift PPM, --lost SHARE, --doubled SHARE, --late SHARE
 // (stamped 0.5 to 0.75 periods too late), --full-frame-lost 1 (of the marker, which otherwise is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Other ways to select few lights, from the environment alone, for comparison with LightReduction.
 #pragma once
 

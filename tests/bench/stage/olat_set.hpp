@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Images of a subject under one light at a time, and under a light stage's two gradients.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // relight-bench [options] SET.f32 …: how well olatrelight's methods relight, and what it costs.
 // Sets come from import-olat.
 //

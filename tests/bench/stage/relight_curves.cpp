@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // relight-curves [options] SET.f32 …: error of relit pictures against run time, over the number of
 // lights, the width of the network and the size of the frame. Sets come from import-olat.
 //

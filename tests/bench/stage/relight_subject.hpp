@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A subject of an OlatSet on the device, for the benchmarks of relighting.
 #pragma once
 

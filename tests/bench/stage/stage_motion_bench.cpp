@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Benefit of motion compensation, of B to A and of single lights to the last tracking frame: a
 // swaying head on the virtual stage, compared with the same frames of a static head. Through the
 // elements. Options: --motion PIXELS (of the top of the image, either way), --lights N, --width W,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Change information that the elements pass to a method with each frame of a video.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // Frames of a clip in memory, for benchmarks through the elements.
 #include <gst/app/gstappsink.h>

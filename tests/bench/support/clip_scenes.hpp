@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // Drawing over frames of a clip (NV12, system memory) for benchmarks through the elements.
 #include <gst/video/video.h>

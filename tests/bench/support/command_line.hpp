@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Command lines of benchmarks and of training, as a table of options.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Transfers frames to the device and back, for methods of kernels/.
 #pragma once
 

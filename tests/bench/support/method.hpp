@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Registration of a decomposition method in the benchmark, with its settings.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Measures every method x setting on every scene and writes one row of JSON for each: raw samples
 // of the times, scores against the truth, distance to the converged solution.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes for measurements: stills and videos with ground truth, one flat dump each, usable on
 // machines without image libraries.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What caps say of color, and what they leave open: the picture that is meant, or one clear error.
 #include "tests/elements/element_test.hpp"
 

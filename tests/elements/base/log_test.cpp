@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What GST_DEBUG=*intrinsic*:5 shows: device, caps, scene cuts, levels of quality, skipped frames.
 #include <algorithm>
 #include <mutex>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Devices that are not there, or go while frames are under way. In processes of their own, as
 // environment variables decide (INVERSE_LOSE_DEVICE=N loses the device with the Nth submit).
 #include <set>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Our metas on their way through elements of GStreamer's own.
 
 #include "gst/base/meta/inverse_light_stage_meta.h"

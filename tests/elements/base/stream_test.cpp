@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What an element makes of the stream around it: gaps, devices that go, latency, stats.
 #include <map>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Video of which only a small part changes: only tiles that need work are worked on.
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // memory:VulkanImage: whole lines with GStreamer's own Vulkan elements, on one device.
 #include <gst/app/gstappsrc.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Numbers of base colors over the bundled clip, in which a lamp and a ball move.
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the decomposers leave out by what a scene shows, as stats tell it.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // target-fps and latency-budget: the work for a frame follows what it may take.
 #include <chrono>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The controller behind target-fps and latency-budget, against frames whose times are made up.
 #include "gst/decompose/rate_controller.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Regions of globalintrinsicthesis that are clicked or proposed, while other things happen.
 #include <cmath>
 #include <thread>

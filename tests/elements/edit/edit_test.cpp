@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Editors and compose: what comes back unedited, what an edit touches, what is refused.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light with layers of its own through the editors: what each shows, changes and refuses. The
 // layers are made by hand, through the installed header.
 #include <gst/video/navigation.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicsplit: what each pad carries, and pads that come, go and stay unlinked.
 #include <algorithm>
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // materialclone.
 #include <ImfRgbaFile.h>
 #include <gst/app/gstappsrc.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // limematerial with input and networks of every bad kind.
 #include <algorithm>
 #include <limits>

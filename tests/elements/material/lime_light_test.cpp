@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The light around limematerial's object: who gets it, the file it goes to, normals, the preview.
 #include <sys/stat.h>
 

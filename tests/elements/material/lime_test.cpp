@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // limematerial, with networks whose results are known.
 #include <gst/base/gstbasetransform.h>
 

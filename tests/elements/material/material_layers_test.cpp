@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Layers of limematerial: what carries them, what draws them, and who refuses them.
 #include <algorithm>
 

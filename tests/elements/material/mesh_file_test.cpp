@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Mesh files, good and bad ones.
 #include "gst/material/mesh/mesh_file.hpp"
 

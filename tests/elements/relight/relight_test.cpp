@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // olatrelight.
 #include <gst/controller/controller.h>
 #include <gst/video/navigation.h>

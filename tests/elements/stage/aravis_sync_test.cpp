@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync camera-trigger=aravis-software with the camera in software, and lights that are
 // heard over streaming ACN on loopback.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagearavissrc with Aravis' camera in software.
 #include "aravis_fixture.hpp"
 #include "stage/triggers/frame_ids.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Lights and Aravis' camera in software in step: each software trigger is one frame, and each frame
 // is labeled with the light it was exposed in.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // From a camera's clock to the pipeline's, without a camera.
 #include "stage/triggers/camera_clock.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: pairs of gradients.
 
 #include "gst/base/meta/inverse_layers_meta.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: captures that are put together, and written.
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames of a light stage without one: a ball and a patterned ground that may move, under the
 // lights of a program, for the tests of lightstagesync.
 #pragma once

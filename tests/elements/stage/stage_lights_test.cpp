@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync as the one that drives the lights.
 #include <set>
 

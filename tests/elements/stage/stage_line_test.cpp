@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync behind the virtual stage, which knows what lit each frame.
 #include <map>
 #include <mutex>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: cameras that begin at different times, with a marker before every pass and
 // without.
 #include "stage_fixture.hpp"

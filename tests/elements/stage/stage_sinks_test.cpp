@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync in front of sinks that keep to the latency: frames wait there, cameras do not.
 #include <chrono>
 #include <future>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: streams that end, begin anew, break off and go on.
 #include <atomic>
 #include <thread>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagesync: labels, sets of several cameras, and what goes wrong.
 #include <thread>
 

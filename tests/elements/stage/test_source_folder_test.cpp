@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // lightstagetestsrc with folders of pictures in place of its head.
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>

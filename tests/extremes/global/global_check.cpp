@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Invariants of direct and indirect light, reflectance and shading for any input.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the steps of the thesis' global method promise of its energy, clusters fixed and nothing
 // sampled. The bound of the norms by weighted squares holds everywhere but in the penalty of
 // negative light: light that is positive has no weight, and a step may take it below zero. A step

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Bad input, one by one and in seeded mixtures, for both global methods: finite, consistent layers.
 #include <gtest/gtest.h>
 

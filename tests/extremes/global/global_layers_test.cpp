@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes of one color, of none, of fewer than requested, and indistinguishable base colors: unused
 // layers disappear with their cost.
 #include <gtest/gtest.h>

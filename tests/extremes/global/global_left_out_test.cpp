@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsic while it holds a scene's light and works on tiles, and bad input comes in one of
 // them: finite layers that say what they claim to say, and near those of adaptive=false.
 #include <gtest/gtest.h>

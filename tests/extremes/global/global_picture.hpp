@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Images for the tests of direct and indirect light.
 #pragma once
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Direct and indirect light of single pixels, needles, and the largest frame that the device
 // allows: as of any other frame, or one clear error.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Base colors over time: each keeps its slot while its surface changes slowly, a new saturated
 // object gets one, and gives it back when it is gone.
 #include <gtest/gtest.h>

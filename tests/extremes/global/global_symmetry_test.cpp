@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Symmetries: mirrored frames have mirrored layers, brighter light changes shading alone, and
 // colors are interchangeable.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Invariants for any input and any parameters.
 #pragma once
 #include "tests/extremes/support/lab.hpp"

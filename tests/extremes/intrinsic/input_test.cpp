@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Bad input, one by one and in seeded mixtures, for every solver: a finite, plausible result.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What intrinsicdecomp leaves out while frames hold anything: tiles of which a bad one changes, and
 // resolutions that it crosses with extreme content. Finite, R S = I, and near adaptive=false.
 #include <gtest/gtest.h>

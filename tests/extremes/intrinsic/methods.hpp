@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Both methods behind one interface for frame sequences.
 #pragma once
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // After a stream of extreme frames a decomposer decomposes an image as a new one does.
 #include <gtest/gtest.h>
 

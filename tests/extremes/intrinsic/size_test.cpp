@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Frames of a single pixel, needles, and the largest that the device allows: as any other frame, or
 // one clear error.
 #include <gtest/gtest.h>

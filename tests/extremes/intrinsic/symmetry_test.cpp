@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Symmetries: a mirrored frame has mirrored layers, brighter light brighter shading, and colors are
 // interchangeable.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Extreme weights of intrinsicdecomp: more cycles come closer to the solution for all user factors,
 // over twelve decades of their products.
 #include <gtest/gtest.h>

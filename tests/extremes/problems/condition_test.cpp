@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The ladder of stiff systems: accuracy of solutions in single precision.
 #include <gtest/gtest.h>
 

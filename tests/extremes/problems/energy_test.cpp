@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy of the thesis' method along IRLS, on one level, with samples and clusters frozen. A
 // consistent weight makes a step's system half the gradient of a bound of the energy. Conjugate
 // gradients only go down in it; so do additive blocks without overlap, each from the same start:

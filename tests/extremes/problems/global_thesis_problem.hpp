@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Systems of a Gauss–Newton step of globalintrinsicthesis
 // (tests/reference/thesis/global_thesis_energy.hpp), put to the kernels as they are.
 #pragma once

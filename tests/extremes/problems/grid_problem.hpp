@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Systems of intrinsicdecomp's multigrid (kernels/intrinsic/energy/energy.glsl) with any weights,
 // which the edge prior bounds.
 #pragma once

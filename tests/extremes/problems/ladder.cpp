@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The ladder of stiff systems. Strokes (Eq. 4.7: a weight on a pixel's diagonal, weight · target on
 // its right-hand side) are not a feature yet: a pull of one pixel towards a constant, which is the
 // same system, stands in for them in intrinsicdecompthesis, and the anchor of one cell in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Systems of an IRLS step of intrinsicdecompthesis
 // (tests/reference/thesis/intrinsic_thesis_energy.hpp), put to the kernels as they are.
 #pragma once

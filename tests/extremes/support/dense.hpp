@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Symmetric systems of small size: spectrum, exact solution, and solution in single precision
 // without preconditioner.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Bad input, one by one and mixed, as a camera, a decoder or a bug may produce it.
 #pragma once
 #include <string>

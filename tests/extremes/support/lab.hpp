@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A device with transfer functions, for tests and for the report.
 #pragma once
 #include <cstring>

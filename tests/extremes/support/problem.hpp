@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A linear system for the table of conditions: matrix, exact solution, and the project's solver.
 #pragma once
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Random cases that fail shrink to a small reproducer.
 #pragma once
 #include <cstdint>

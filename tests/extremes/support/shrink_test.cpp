@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The shrinking itself: it must arrive at the smallest case, and say what it found.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A window of bad input in an otherwise unchanged image.
 #pragma once
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Recoloring and composing against their specification, on ordinary and on hostile layers.
 #include "tests/reference/edit/edit.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light with layers: edits, pictures and composing against their specification.
 #include "tests/reference/edit/light_edit.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Light from what it does to an object: against light that is known, and where little is seen of
 // it.
 #include "kernels/environment/environment_fit.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Environment maps: what they are, and their files.
 #include "kernels/environment/environment.hpp"
 

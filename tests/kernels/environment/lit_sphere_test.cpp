@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Shading by the normal alone against brute-force integration. Errors are relative to the largest
 // value that D or S has anywhere.
 #include "kernels/environment/lit_sphere.hpp"

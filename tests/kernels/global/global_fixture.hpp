@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A room for globalintrinsic, and what the device makes of its frames.
 #pragma once
 #include <cmath>

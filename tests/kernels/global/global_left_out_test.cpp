@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What globalintrinsic leaves out: light of scenes without color, and of scenes that rest.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // No kernel of globalintrinsic is built in mid-stream.
 #include "kernels/global/quality_levels.hpp"
 #include "tests/kernels/intrinsic/intrinsic_fixture.hpp"

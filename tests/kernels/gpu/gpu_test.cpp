@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The device layer itself: barriers, partial sums, limits, sharing, devices that hang, validation.
 #include <signal.h>
 #include <unistd.h>

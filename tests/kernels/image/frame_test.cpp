@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What surrounds the conversion kernels: transfer curves, layouts, refusals, the mosaic.
 #include <cmath>
 #include <cstring>

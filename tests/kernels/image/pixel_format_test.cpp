@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Every pixel format against its reference, both ways.
 #include "tests/reference/image/pixel_format.hpp"
 

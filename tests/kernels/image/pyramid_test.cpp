@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kernels/image/pyramid.hpp"
 
 #include "tests/kernels/gpu_fixture.hpp"

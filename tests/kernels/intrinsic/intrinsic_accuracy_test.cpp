@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp against the committed ground truth of the bundled clip: that a change of the
 // method, its constants or its kernels does not silently cost accuracy or steadiness.
 #include <cstdlib>

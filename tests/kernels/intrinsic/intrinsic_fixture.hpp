@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes and means for the tests of intrinsicdecomp.
 #pragma once
 #include <algorithm>

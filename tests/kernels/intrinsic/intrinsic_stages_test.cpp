@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The stages of intrinsicdecomp one by one, against tests/reference/intrinsic_features.*,
 // multigrid.* and the bins of intrinsic_decomposition.*.
 #include "intrinsic_fixture.hpp"

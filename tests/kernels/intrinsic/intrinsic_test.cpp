@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp whole, against tests/reference/intrinsic_decomposition.*: stills, videos, bad
 // input.
 #include "intrinsic_fixture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Work by tiles: kernels over a list do what they do over a frame, and a video of which only tiles
 // are worked on stays near the one of which everything is.
 #include "intrinsic_fixture.hpp"

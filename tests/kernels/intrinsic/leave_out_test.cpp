@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: terms and resolution that a scene does not need are left out, and what was found
 // carries over.
 #include "intrinsic_fixture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What is left out of a frame, and when that is looked at again, without a device.
 #include "kernels/intrinsic/reuse/reuse_policy.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp at half the frame's resolution.
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Whether the picture of an object is still the one that its layers were found in.
 #include "kernels/material/object/crop_change.hpp"
 

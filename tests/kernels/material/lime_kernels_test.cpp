@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What lies between the networks of limematerial against its reference.
 #include <algorithm>
 #include <array>

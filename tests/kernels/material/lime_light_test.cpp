@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The light around one object, by networks whose results are known.
 #include <cmath>
 

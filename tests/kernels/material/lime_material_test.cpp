@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The material of one object, by networks whose results are known.
 #include <cmath>
 #include <limits>

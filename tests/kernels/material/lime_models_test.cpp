@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The five networks of limematerial as files.
 #include "lime_models.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Estimates of one object's material over time.
 #include "kernels/material/estimate/material_fusion.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The sphere that wears a material.
 #include "kernels/material/preview/material_preview.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Which networks run for a frame, and which are left out, without a device.
 #include "kernels/material/networks/network_schedule.hpp"
 

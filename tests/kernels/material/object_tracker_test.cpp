@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Where limematerial looks for its object.
 #include "kernels/material/object/object_tracker.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The palette on the device against the double-precision reference.
 #include "kernels/palette/palette.hpp"
 

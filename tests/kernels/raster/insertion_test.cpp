@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // An object and its shadow in a frame.
 #include "kernels/raster/insertion.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Meshes drawn by compute, against brute force and against areas that are known.
 #include "tests/reference/raster/raster.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Cosine lobes of pixels under two gradients against the equations, and what they are worth on
 // subjects that are known.
 #include "common/error.hpp"

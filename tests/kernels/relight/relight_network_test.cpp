@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The network that relights against its equations, its files, and few lights in place of many.
 #include "kernels/relight/network/relight_network.hpp"
 

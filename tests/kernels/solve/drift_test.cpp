@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reflectance of what a moving camera keeps in view: its common change over a second or two is the
 // camera's, not the decomposition's.
 #include <algorithm>

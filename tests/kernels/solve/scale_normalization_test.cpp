@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The scale of reflectance over a video: against its reference, and for what it promises.
 #include "kernels/solve/scale_normalization.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Base colors of the thesis' global decomposition: found, refined, overruled; and its state.
 #include <limits>
 

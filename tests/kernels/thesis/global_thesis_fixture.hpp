@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What the tests of the thesis' global decomposition share: a scene, and the comparison with the
 // double-precision reference.
 #pragma once

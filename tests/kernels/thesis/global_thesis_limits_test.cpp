@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The thesis' global decomposition at its limits: light that spans decades, and more layers than
 // the device can bind.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The thesis' global decomposition on the device against the double-precision reference.
 #include <limits>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Marked regions: filled over cluster ids, tracked, and overruled by a base color.
 #include "kernels/thesis/chapter5/regions/marked_regions.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Misclustered regions that are found without a click.
 #include "kernels/thesis/chapter5/correction/region_proposals.hpp"
 

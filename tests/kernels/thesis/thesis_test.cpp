@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The thesis' method on the device against the double-precision reference.
 #include <algorithm>
 #include <limits>

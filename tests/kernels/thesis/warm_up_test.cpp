@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Nothing is built in mid-stream: what other scenes, refinement and correction will need is there
 // before the first frame.
 #include "kernels/thesis/chapter5/correction/warm_up.hpp"

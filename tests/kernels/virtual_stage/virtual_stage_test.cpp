@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The virtual stage against its reference, and light that adds up.
 #include <algorithm>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The editing of layers in double precision: the specification of kernels/edit.
 #pragma once
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Edits of layered light in double precision: the specification of kernels/edit/light_edit.
 #pragma once
 #include <cstddef>

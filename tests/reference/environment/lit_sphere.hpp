@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reflection of distant light by a surface (thesis Eq. 6.1-6.3), by brute force.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The amount of indirect light of a scene: the factor kappa of the gathered light E0 that makes the
 // remaining chroma of the image sharp and neutral.
 #pragma once

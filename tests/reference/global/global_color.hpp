@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Colors of globalintrinsic's model: light on a pixel is white direct light T0 and colored indirect
 // light E, and its tint t is the log chroma of their sum. Plain C++ in double precision.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Estimate of the indirect light from the image itself: every visible surface is an emitter of its
 // own radiance, and the light at a point is a wide blur of the image plus its mean.
 #pragma once

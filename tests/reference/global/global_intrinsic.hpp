@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The specification of globalintrinsic: I = R (T0 1 + E), white direct light T0, colored indirect
 // light E. E is estimated from the image up to one amount for the scene (global_gather.hpp). The
 // amount makes chroma sharpest (global_amount.hpp); base colors are the modes of that chroma

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The gather-tint model on a frame whose light is known, and on frames that have no color to go by.
 #include "global_intrinsic.hpp"
 

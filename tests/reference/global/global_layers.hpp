@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Indirect light as one scalar layer per base color, E = sum over k of b_k T_k plus a remainder,
 // for editors: recoloring a base color recolors its indirect light.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Base colors: modes of the log chroma after the light's tint is divided out.
 #pragma once
 

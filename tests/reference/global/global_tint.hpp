@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The tint of the light at every pixel: that of the gathered indirect light, plus the slowly
 // varying part of the remaining chroma beyond its base color (like a bias field).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Four images in one, in double precision. The specification of kernels/image/view/mosaic.
 #pragma once
 

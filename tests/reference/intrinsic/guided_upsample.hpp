@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 // Guided upsampling of log shading (He and Sun, Fast Guided Filter, 2015), as
 // kernels/intrinsic/resolution/upsample.glsl does it.

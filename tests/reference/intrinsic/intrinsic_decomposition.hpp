@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The specification of intrinsicdecomp: one unknown per pixel, log shading s; r = i - s.
 //
 //   E(s) = sum over edges  a (ds - dm)^2 + b ds^2        reflectance constant | shading constant

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Input of intrinsicdecomp's edge prior: a guide pyramid and its cues. Double precision;
 // docs/reference/methods/intrinsicdecomp.md has the same equations.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The specification of kernels/intrinsic's multigrid: checkerboard blocks whose rows are solved
 // exactly, piecewise constant corrections, cell terms on level 2. Double precision, no
 // dependencies.

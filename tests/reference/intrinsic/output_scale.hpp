@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Scale of intrinsicdecomp's output layers, R c and S / c, in double precision. The specification
 // of kernels/intrinsic/output/output_scale, which counts in bins of 1/32 instead of sorting.
 #pragma once

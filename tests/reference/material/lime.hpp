@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The steps between the networks of limematerial (thesis chapter 6), in double precision: the
 // analyzed square, inputs of each network, and the layers of the frame.
 #pragma once

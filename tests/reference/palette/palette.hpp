@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Reflectance clusters (section 3.4.4) in double precision: histogram, temporal average, weighted
 // k-means, merging. This is the specification of kernels/palette.
 #pragma once

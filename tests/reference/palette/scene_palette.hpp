@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Input and output of a scene's palette in double precision. The specification of pick.comp and
 // paint.comp in kernels/palette.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Visibility of triangles at given points, by brute force.
 #pragma once
 

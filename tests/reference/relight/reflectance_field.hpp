@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // One cosine lobe per pixel from two color gradients (Fyffe et al. 2009), for the lights of a
 // stage, from the equations, without tables.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The scale of reflectance over a video, in double precision. This is the specification of
 // kernels/solve/scale_normalization (scale.glsl, scale_track.comp, scale_update.comp).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The solver of section 5.7 in double precision: Gauss–Newton steps, each solved by 16
 // Jacobi-preconditioned conjugate gradients, and the refinement of the base colors that alternates
 // with them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy of the global intrinsic decomposition (thesis, chapter 5, Eqs. 5.3–5.13) and the
 // linear systems of its Gauss–Newton steps, in double precision. This is the specification of
 // kernels/thesis/chapter5.

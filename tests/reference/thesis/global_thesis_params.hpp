@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 #include "global_thesis.hpp"
 #include "kernels/thesis/chapter5/global_thesis_params.hpp"

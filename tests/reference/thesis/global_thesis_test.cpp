@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The reference itself: is −2 b the gradient of every term, is A = JᵀJ, do the steps descend, is
 // the refinement's solution the minimum?
 #include "global_thesis.hpp"

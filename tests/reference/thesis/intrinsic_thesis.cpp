@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "intrinsic_thesis.hpp"
 
 #include <algorithm>

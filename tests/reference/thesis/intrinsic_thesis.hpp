@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The solver of section 3.5 in double precision: Gaussian pyramid, IRLS, and per IRLS step either
 // Jacobi-preconditioned conjugate gradients over the level or additive Schwarz on 16×16 blocks.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The decomposition energy of chapter 3 (Eqs. 3.3–3.15) and the linear systems of its IRLS steps,
 // in double precision. This is the specification of kernels/thesis/chapter3.
 //

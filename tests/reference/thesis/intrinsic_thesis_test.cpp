@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The reference itself: is A x − b half the gradient of the energy, do the solvers descend?
 #include "intrinsic_thesis.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The virtual head and its camera (kernels/virtual_stage), in double precision.
 #pragma once
 

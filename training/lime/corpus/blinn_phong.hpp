@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The shading integrals of Blinn-Phong (thesis Eq. 6.2 and 6.3) over an environment map, as sums
 // over its texels.
 #pragma once

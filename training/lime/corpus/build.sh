@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds the corpus library, out/lime/libcorpus.so in the project's root.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The corpus as a C library, for Python's ctypes (lime/corpus.py).
 #include <atomic>
 #include <exception>

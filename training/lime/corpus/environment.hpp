@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Environment maps: equirectangular, row 0 = +y (up), center column = +z (towards the camera), x
 // right.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Surfaces as closed grids of vertices: rows along a meridian or a curve, columns around it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Environment maps from a folder of Radiance files, with those that are kept for tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Random numbers of one sample: a function of (seed, index, stream) alone, so that sample i of seed
 // k is always the same, whichever thread draws it and whatever was drawn before.
 #pragma once

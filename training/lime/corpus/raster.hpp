@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Which part of an object every subpixel of a perspective camera sees.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Indoor environment maps without a photograph: a room with furniture and area lights.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Procedural objects, in families with a trait each that says which of them are kept for tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // Three floats, and rotations of them.
 #pragma once
 

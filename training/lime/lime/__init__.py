@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Live intrinsic material estimation (thesis chapter 6): corpus, networks, losses and scores."""
 import pathlib
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The variants of thesis Table 6.1: what scripts that compare them begin and end with."""
 import argparse
 import pathlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The corpus library (corpus/) through ctypes, and batches of it rendered ahead of the training."""
 import collections
 import ctypes

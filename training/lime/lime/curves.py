@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Loss curves of a training as a picture."""
 import matplotlib
 import records

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the networks are scored on, in one form. Nothing in here is ever trained on."""
 import dataclasses
 import json

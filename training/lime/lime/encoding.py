@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What numbers the networks see, and back.
 
 Colors go in as a camera gives them: sRGB, 8 bit, divided by 255. The specular layer and the mirror image are linear and of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the networks are trained by (thesis 6.5.2 and 6.5.3)."""
 import torch
 from torch.nn import functional

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The five networks of thesis Fig. 6.3, from operators that the project's own engine runs.
 
 Convolutions 3×3 with stride 1 or 2, batch normalization (folded at export), ReLU, 2×2 max-pooling, global means, bilinear ×2

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Predictions of the networks, and the columns of thesis Table 6.1."""
 import math
 

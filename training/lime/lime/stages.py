@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The order of the training (thesis 6.5.4): each network apart, with the true layers as its input, then chained step by step.
 In all of them but `segmentation` every second sample has the mask that SegmentationNet finds, as in use."""
 import dataclasses

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Scores (scores.score) as Markdown: the columns of thesis Table 6.1, and what else is known."""
 
 # Key of a score, title, format.

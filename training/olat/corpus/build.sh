@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds the corpus library, out/olat/libcorpus.so in the project's root. Random numbers and vectors are limematerial's.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A subject under one distant light at a time.
 #pragma once
 

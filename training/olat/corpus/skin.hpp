@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // What surfaces are made of, and where on a head.
 #pragma once
 

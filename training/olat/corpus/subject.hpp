@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // A subject: meshes and strands, posed before the camera.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Deep reflectance fields (thesis chapter 7): corpus, networks, losses and scores."""
 import pathlib
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The corpus library (corpus/) through ctypes, head shapes, stages of lights, and subjects kept on disk."""
 import ctypes
 import json

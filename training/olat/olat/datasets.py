@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What evaluate.py scores on: subjects of the corpus that were held out, rendered heads, and real faces."""
 import dataclasses
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What numbers the networks see, and back; and the analytic cosine lobe.
 
 Radiance P of a pixel under one light is scaled as if that light had the energy of the whole sphere of lights: the full-on

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the networks are trained by (thesis 7.4.2). All compare codes √P, in which a highlight 100 times as bright as skin
 counts ten times as much."""
 import torch

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Networks from gradient images and a light direction to the picture under that light, from operators of the project's engine."""
 import pathlib
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Batches: crops of stored subjects as a camera would show them, under a few lights each."""
 import queue
 import threading

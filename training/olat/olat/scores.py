@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Errors of predicted OLAT images, and predictions."""
 import numpy as np
 import torch

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What is learned in a step of training, which train.py and ablate.py share."""
 
 from . import losses

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gradient_layers.hpp"
 
 #include "gst/base/meta/layers_meta.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "camera_trigger.hpp"
 
 #include "gst/stage/camera/aravis_camera.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // In the place of camera_trigger.cpp where Aravis was not found.
 #include "camera_trigger.hpp"
 

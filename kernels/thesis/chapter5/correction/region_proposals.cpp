@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "region_proposals.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // GlobalThesis::warm_up and what corrects its clusters, run once on a tiny frame.
 #include "warm_up.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The energy of chapter 5 of the thesis and the linear systems of its Gauss-Newton steps. Unknowns of a pixel: r = ln R
 // (three), T_0 (direct light) and T_1...T_K (indirect light, one scalar for each base color b_k; b_0 is white).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The terms of the energy and their weights, for the kernels that need them.
 
 #include "solve/conjugate_gradients.glsl"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // The words that lead to the roots. Coherent: other invocations change them on the way.
 layout(set = 0, binding = ROOTS_SLOT, std430) coherent buffer roots_block { uint roots_data[]; };
 
