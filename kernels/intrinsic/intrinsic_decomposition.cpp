@@ -65,7 +65,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                                       const TemporalAnchor::Params& params) {
-  const bool look = plan_.looks_at_gate;
+  const bool look = plan_.measures_gate;
   if (stats_.history) anchor_.record(commands, guide_, params, continues_, list());
   if (look && !cleared_) {
     commands.fill(gate_sums_);
@@ -118,9 +118,7 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
   // would exaggerate again.
   if (stats_.cycles == 1) multigrid.slowest = 0;
-  // The cells' problem of tiles left out is that of the frame before, and its solution so far is
-  // kept: solving it again costs more than all else.
-  if (listed() && !plan_.all_tiles) multigrid.cell_cycles = 1;
+  if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
                        stats_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
@@ -136,40 +134,27 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
         commands, multigrid, cycle,
         {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_force(commands, state, plan_.looks_at_bins); }, list());
+        [&] { bins_.record_force(commands, state, plan_.measures_bins); }, list());
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
   const Params problem = but_for_effort(params);
-  if (!history_ || problem != params_) leave_out_.restart();
+  if (!history_ || problem != params_) planner_.restart();
   params_ = problem;
   if (!taken_) continues_ = stats_.history;
+  plan_ = planner_.next(
+      {params.adaptive, params.prior.chroma_weight > 0, params.anchor.anchor_weight > 0,
+       params.settled, params.still_tolerance, params.chroma_tolerance, params.hold_tolerance,
+       params.tile_tolerance, params.anchor.cut_fraction, params.cycles, params.warm_cycles},
+      {history_, taken_.has_value(), last_ != nullptr, active_.take(info.changed)}, found_before());
   const bool history = (history_ || taken_) && params.anchor.anchor_weight > 0;
-  const bool weighs = params.prior.chroma_weight > 0;
-  plan_ = leave_out_.next(
-      {params.adaptive, weighs, params.settled, params.still_tolerance, params.chroma_tolerance,
-       params.hold_tolerance, params.tile_tolerance, params.anchor.cut_fraction},
-      {history, taken_.has_value(), last_ != nullptr, active_.take(info.changed)}, found_before());
-  stats_ = {};
-  stats_.levels = multigrid_.depth();
-  stats_.history = history;
-  stats_.cycles = history ? params.warm_cycles : params.cycles;
-  stats_.stops = plan_.stops;
-  stats_.holds = plan_.holds;
-  stats_.bins = plan_.bins;
-  stats_.listed = listed();
-  if (!history)
-    stats_.skipped.emplace_back(history_ ? "anchor: its weight is 0" : "anchor: no frame before");
-  if (!plan_.bins)
-    stats_.skipped.emplace_back(weighs ? "chroma bins: they cannot bind"
-                                       : "chroma bins: their weight is 0");
-  if (history && !plan_.holds) stats_.skipped.emplace_back("anchor of pixels: nothing can be held");
+  stats_ = {plan_.cycles,          plan_.stops,   multigrid_.depth(), history,      plan_.bins,
+            plan_.compares_pixels, plan_.skipped, prior_.tiles(),     plan_.tiles()};
   EdgePrior::Params prior = params.prior;
   if (!plan_.bins) prior.chroma_weight = 0;
   if (listed()) {
-    stats_.skipped.emplace_back("tiles: those that stay as they are");
     active_.record_list(commands, multigrid_.cell_correction(),
                         plan_.all_tiles ? kAllTiles : params.tile_tolerance, params.anchor.hold);
     multigrid_.record_residual(commands, active_.list_before());
@@ -180,14 +165,19 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   commands.stage("guide");
   if (taken_) start_from_taken(commands, input);
   const EdgePrior::Target target{multigrid_.system(), flux_, value_};
-  stats_.tiles = prior_.tiles();
   if (!history_) prior_.reset();
-  if (listed())
-    prior_.record_tiles(commands, guide_, target, prior, active_.list());
-  else if (plan_.compares_edges)
-    prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
-  else
-    prior_.record(commands, guide_, target, prior, plan_.keeps_edges);
+  switch (plan_.edges) {
+    case Plan::Edges::tiles:
+      prior_.record_tiles(commands, guide_, target, prior, active_.list());
+      break;
+    case Plan::Edges::compare:
+      prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
+      break;
+    case Plan::Edges::all_save:
+    case Plan::Edges::all:
+      prior_.record(commands, guide_, target, prior, plan_.edges == Plan::Edges::all_save);
+      break;
+  }
   commands.stage("prior");
   assemble(commands, params.anchor);
   commands.stage("assemble");
@@ -216,14 +206,14 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                  .intrinsic = intrinsic->buffer},
                 {.size = extent_, .texture = 1 / params.anchor.hold_texture},
                 line_of(guide_.cell_extent().pixels()));
-  if (!whole())
+  if (!plan_.whole())
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
                             params.tile_tolerance);
   anchor_.advance(commands, list());
   record_report(commands);
   commands.stage("layers");
   active_.advance(listed());
-  last_ = whole() ? nullptr : intrinsic;
+  last_ = plan_.whole() ? nullptr : intrinsic;
   history_ = true;
   taken_.reset();
   commands.keep(input);
@@ -231,26 +221,26 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
   return intrinsic_layers(input, intrinsic);
 }
 
-std::optional<ReusePolicy::Found> IntrinsicDecomposition::found_before() const {
+std::optional<Planner::Found> IntrinsicDecomposition::found_before() const {
   if (recorded_ < reports_.size()) return {};
   const uint64_t number = recorded_ - reports_.size();  // done, or this frame could not begin
   const Report& done = report(number);
   const Findings findings = this->findings(number);
-  ReusePolicy::Found found;
+  Planner::Found found;
   found.cycles = findings.cycles;
   found.cycles_recorded = done.stats.cycles;
   found.change = findings.change;
   found.history = done.stats.history;
   found.cut = findings.cut;
   found.compared_edges = done.compared_edges;
-  found.looked_at_bins = done.looked_at_bins;
-  found.looked_at_gate = done.looked_at_gate;
+  found.measured_bins = done.measured_bins;
+  found.measured_gate = done.measured_gate;
   found.tiles = done.stats.tiles;
   found.tiles_evaluated = findings.tiles_evaluated;
   found.binding = findings.binding;
   found.gate = findings.gate;
   const Numbers& numbers = *done.found->map_as<Numbers>();
-  found.tiles_busy = numbers.busy;
+  found.tiles_moving = numbers.busy;
   // The statistics' first number is a mean, which may move four times as far.
   found.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
   for (size_t i = 0; i < 4; ++i)
@@ -297,9 +287,9 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
 void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
   Report& report = reports_[recorded_++];
   report.stats = stats_;
-  report.compared_edges = plan_.compares_edges && !listed();
-  report.looked_at_bins = plan_.looks_at_bins;
-  report.looked_at_gate = plan_.looks_at_gate;
+  report.compared_edges = plan_.edges == Plan::Edges::compare;
+  report.measured_bins = plan_.measures_bins;
+  report.measured_gate = plan_.measures_gate;
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
@@ -314,9 +304,9 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
   copy(scale_.value(), &Numbers::scale);
   if (listed()) copy(active_.list().words(), &Numbers::active);
   if (report.compared_edges) copy(prior_.evaluated(), &Numbers::evaluated);
-  if (report.looked_at_bins) copy(bins_.binding(), &Numbers::binding);
-  if (report.looked_at_gate) copy(gate_total_, &Numbers::gates);
-  if (!whole()) {
+  if (report.measured_bins) copy(bins_.binding(), &Numbers::binding);
+  if (report.measured_gate) copy(gate_total_, &Numbers::gates);
+  if (!plan_.whole()) {
     copy(active_.busy(), &Numbers::busy);
     copy(guide_.statistics(), &Numbers::statistics);
     copy(prior_.kept_statistics(), &Numbers::kept_statistics);
@@ -334,9 +324,9 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
     findings.cut = numbers.verdict[1] == 0;
   }
   findings.scale = numbers.scale[0];
-  if (of.looked_at_bins)
+  if (of.measured_bins)
     findings.binding = std::sqrt(numbers.binding[0] / std::max(numbers.binding[1], 1e-20F));
-  if (of.looked_at_gate)
+  if (of.measured_gate)
     findings.gate = std::sqrt(numbers.gates[0] / static_cast<float>(guide_.cell_extent().pixels()));
   findings.tiles_active = of.stats.listed ? numbers.active : of.stats.tiles;
   findings.tiles_evaluated = of.stats.listed     ? findings.tiles_active

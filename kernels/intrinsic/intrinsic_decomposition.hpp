@@ -15,7 +15,7 @@
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
 #include "kernels/intrinsic/reuse/active_tiles.hpp"
-#include "kernels/intrinsic/reuse/reuse_policy.hpp"
+#include "kernels/intrinsic/reuse/plan.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
 #include "kernels/intrinsic_energy_assemble.spv.hpp"
 #include "kernels/intrinsic_energy_cell_terms.spv.hpp"
@@ -124,17 +124,16 @@ class IntrinsicDecomposition {
   struct Report {
     Stats stats;
     bool compared_edges = false;  // tiles were compared with those that edges were decided on
-    bool looked_at_bins = false, looked_at_gate = false;
+    bool measured_bins = false, measured_gate = false;
     gpu::BufferPtr found;  // Numbers
   };
   /// What the last frame that is sure to be done has found, if there is one.
-  std::optional<ReusePolicy::Found> found_before() const;
+  std::optional<Planner::Found> found_before() const;
   /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
   PlanePtr layers_plane(gpu::Commands& commands);
   const Report& report(uint64_t frame) const { return reports_[frame]; }
   void record_report(gpu::Commands& commands);
-  bool listed() const { return plan_.mode == ReusePolicy::Mode::listed; }
-  bool whole() const { return plan_.mode == ReusePolicy::Mode::whole; }
+  bool listed() const { return plan_.tiles(); }
   const TileList* list() const { return listed() ? &active_.list() : nullptr; }
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
   void solve(gpu::Commands& commands, const Params& params);
@@ -164,8 +163,8 @@ class IntrinsicDecomposition {
   std::optional<PlanePtr> taken_;  // layers to start from
   Params params_;                  // that the frames so far have been found with
   bool cleared_ = false;           // unused slots of sums
-  ReusePolicy leave_out_;
-  ReusePolicy::Plan plan_;  // of the frame being recorded
+  Planner planner_;
+  Plan plan_;      // of the frame being recorded
   PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
   Stats stats_;    // of the frame being recorded
 };

@@ -15,44 +15,20 @@ void ScaledIntrinsic::set_up(size_t halvings) {
   if (!methods_[halvings]) methods_[halvings].emplace(device_, extent);
 }
 
-void ScaledIntrinsic::judge(const Params& params, bool cut) {
-  if (since_reset_ < taken_.size()) return;
+std::optional<ResolutionPlanner::Found> ScaledIntrinsic::found_before() const {
+  if (recorded_ < gpu::kFramesInFlight) return {};
   const Taken& done = taken(recorded_);  // the last frame that is sure to be done
-  // Of another scene nothing is known; at a cut it is looked at as soon as that is noticed.
-  if (cut) {
-    const uint64_t apart = was_ > 0 ? kAgain : kAgainAtFull;
-    compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + apart : 0);
-  }
-  if (done.stats.compared) half_distance_ = distance_->value(recorded_);
-  fits_ = half_distance_ > 0 && half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
-  if (!done.stats.compared) return;
-  // What is far from changing is looked at ever more rarely.
-  const bool far = !fits_ && half_distance_ > 1.5F * params.half_bound;
-  compare_at_ = since_reset_ + (far ? kMostNext : kNext);
-  // Half resolution is set up again when it is next looked at.
-  const bool used = std::any_of(taken_.begin(), taken_.end(),
-                                [](const Taken& frame) { return frame.stats.halvings == 1; });
-  if (far && !used && !stays_[1]) {
-    methods_[1].reset();
-    if (!methods_[2]) steps_[0].reset();
-  }
+  const auto& method = methods_[done.stats.halvings];
+  return ResolutionPlanner::Found{method && method->findings(done.number).cut, done.stats.compared,
+                                  done.stats.compared ? distance_->value(recorded_) : 0};
 }
 
-size_t ScaledIntrinsic::choose(const Params& params, const FrameInfo& info) {
-  if (info.reset || recorded_ == 0) start_anew();
-  bool cut = false;
-  if (since_reset_ >= taken_.size()) {
-    const Taken& done = taken(recorded_);  // the last frame that is sure to be done
-    cut = method(done.stats.halvings).findings(done.number).cut;
-  }
-  if (cut) fade_.stop();  // what fades is of the scene before
-  const size_t asked = params.halvings();
-  if (asked > 0 || !params.adaptive || params.half_bound <= 0) {
-    fits_ = false;
-    return asked;
-  }
-  judge(params, cut);
-  return fits_ ? 1 : 0;
+void ScaledIntrinsic::release_half() {
+  const bool used = std::any_of(taken_.begin(), taken_.end(),
+                                [](const Taken& frame) { return frame.stats.halvings == 1; });
+  if (used || stays_[1]) return;
+  methods_[1].reset();
+  if (!methods_[2]) steps_[0].reset();
 }
 
 PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const PlanePtr& input,
@@ -93,8 +69,13 @@ void ScaledIntrinsic::take_over(gpu::Commands& commands, size_t from, size_t to,
 
 Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                                const FrameInfo& info) {
-  const size_t now = choose(params, info);
-  const bool crossed = recorded_ > 0 && now != was_ && !info.reset;
+  if (info.reset) start_anew();
+  const auto choice =
+      planner_.next({params.adaptive, params.halvings(), params.half_bound}, found_before());
+  if (choice.cut) fade_.stop();
+  if (choice.half_far) release_half();
+  const size_t now = choice.halvings;
+  const bool crossed = choice.crosses && !info.reset;
   PlanePtr shown;
   if (crossed) {
     const PlanePtr old = solve(commands, was_, input, params, info);
@@ -109,22 +90,18 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   Taken& taken = taken_[recorded_];
   taken = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
            method(now).recorded() - 1,
-           half_distance_};
-  const bool decides = params.halvings() == 0 && params.adaptive && params.half_bound > 0;
-  if (decides && !crossed && since_reset_ >= compare_at_) {
+           planner_.half_distance()};
+  if (choice.compares) {
     // From nothing, as what it would come to by itself is asked for.
     const PlanePtr other = solve(commands, 1 - now, input, params, {true, {}});
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
     taken.stats.compared = true;
-    compared_at_ = since_reset_;
-    compare_at_ = since_reset_ + kMostNext;  // until its outcome is known
   }
   plain_ = now == 0 && !crossed && shown == intrinsic ? std::min(plain_ + 1, 2U) : 0;
   was_ = now;
   ++recorded_;
-  ++since_reset_;
   commands.keep(input);
   commands.keep(shown);
   return intrinsic_layers(input, shown);
@@ -137,11 +114,7 @@ void ScaledIntrinsic::reset() {
 }
 
 void ScaledIntrinsic::start_anew() {
-  since_reset_ = 0;
-  compare_at_ = kFirst;
-  compared_at_.reset();
-  fits_ = false;
-  half_distance_ = 0;
+  planner_.reset();
   fade_.stop();
 }
 

@@ -10,6 +10,7 @@
 #include "kernels/intrinsic/resolution/guided_upsample.hpp"
 #include "kernels/intrinsic/resolution/layer_distance.hpp"
 #include "kernels/intrinsic/resolution/layer_fade.hpp"
+#include "kernels/intrinsic/reuse/resolution_planner.hpp"
 
 namespace inverse {
 
@@ -80,15 +81,6 @@ class ScaledIntrinsic {
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
 
-  /// Share of the bound that half resolution has to keep to be chosen; from the bound on it is
-  /// left.
-  static constexpr float kEnter = 0.8F;
-  /// Frames after a reset to the first comparison, and from one to the next: kMostNext where half
-  /// is far from its bound. A cut has one at once, if so many frames have passed since the last
-  /// one.
-  static constexpr uint64_t kFirst = 24, kNext = 64, kMostNext = 512, kAgain = 16,
-                            kAgainAtFull = 128;
-
  private:
   static constexpr size_t kResolutions = 3;
   /// The way down to and up from one resolution, from the next finer one.
@@ -111,9 +103,10 @@ class ScaledIntrinsic {
   const Taken& taken(uint64_t frame) const { return taken_[frame]; }
   IntrinsicDecomposition& method(size_t halvings) { return *methods_[halvings]; }
   void set_up(size_t halvings);
-  size_t choose(const Params& params, const FrameInfo& info);
-  /// `cut`: found at the last frame that is sure to be done.
-  void judge(const Params& params, bool cut);
+  /// Of the last frame that is sure to be done; empty if there is none.
+  std::optional<ResolutionPlanner::Found> found_before() const;
+  /// Half resolution is set up again when it is next used.
+  void release_half();
   void start_anew();
   /// What warm_up does (warm_up.cpp). Whether all that can come came.
   bool play_all() const;
@@ -129,15 +122,11 @@ class ScaledIntrinsic {
   std::array<bool, kResolutions> stays_{};                   // set up for good
   std::optional<LayerDistance> distance_;
   LayerFade fade_;
+  ResolutionPlanner planner_;
   gpu::FrameRing<Taken> taken_;
   uint64_t recorded_ = 0;
-  size_t was_ = 0;            // halvings of the frame before
-  unsigned plain_ = 0;        // frames in a row that were solved at full resolution, and shown so
-  bool fits_ = false;         // half resolution keeps the bound
-  uint64_t since_reset_ = 0;  // frames
-  uint64_t compare_at_ = kFirst;
-  std::optional<uint64_t> compared_at_;
-  float half_distance_ = 0;
+  size_t was_ = 0;      // halvings of the frame before
+  unsigned plain_ = 0;  // frames in a row that were solved at full resolution, and shown so
 };
 
 }  // namespace inverse

@@ -58,7 +58,7 @@ bool ScaledIntrinsic::play_all() const {
   params.chroma_tolerance = 1;
   params.half_bound = 1e-6F;
   small.reset();
-  small.compare_at_ = 0;
+  small.planner_.compare_next();
   play(params, 5, false);
   // Tiles, while the output's scale moves, with cycles that end early and with such that do not.
   params.scale.white_level = 0.9F;

@@ -234,8 +234,8 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   };
   for (uint64_t i = 0; i < 40; ++i) {
     EXPECT_LT(step(soft, i), params.half_bound) << "frame " << i;
-    EXPECT_EQ(last(method).compared, i == ScaledIntrinsic::kFirst) << "frame " << i;
-    EXPECT_EQ(last(method).halvings, i < ScaledIntrinsic::kFirst + 3 ? 0U : 1U) << "frame " << i;
+    EXPECT_EQ(last(method).compared, i == ResolutionPlanner::kFirst) << "frame " << i;
+    EXPECT_EQ(last(method).halvings, i < ResolutionPlanner::kFirst + 3 ? 0U : 1U) << "frame " << i;
   }
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);

@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is left out of a frame, and when that is looked at again, without a device.
-#include "kernels/intrinsic/reuse/reuse_policy.hpp"
+#include "kernels/intrinsic/reuse/plan.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "kernels/intrinsic/reuse/resolution_planner.hpp"
+
 namespace inverse::testing {
 namespace {
 
-using Mode = ReusePolicy::Mode;
+using Mode = Plan::Mode;
 
 /// A policy and the video that it plans.
 struct Video {
-  ReusePolicy policy;
-  ReusePolicy::Params params{true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
-  ReusePolicy::Frame frame{true, false, true, 0.0F};
-  ReusePolicy::Found found;
+  Planner policy;
+  Planner::Params params{true, true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
+  Planner::Frame frame{true, false, true, 0.0F};
+  Planner::Found found;
   unsigned frames = 0;
 
   Video() {
@@ -25,13 +27,13 @@ struct Video {
     found.tiles = 100;
     found.binding = found.gate = 1;  // everything binds
   }
-  ReusePolicy::Plan next() {
-    ReusePolicy::Frame now = frame;
-    if (frames == 0) now.history = now.layers_kept = false;
+  Plan next() {
+    Planner::Frame now = frame;
+    if (frames == 0) now.history = now.layers_reusable = false;
     const bool known = frames++ >= 3;
     return policy.next(params, now, known ? std::optional(found) : std::nullopt);
   }
-  ReusePolicy::Plan after(unsigned count) {
+  Plan after(unsigned count) {
     for (unsigned k = 1; k < count; ++k) next();
     return next();
   }
@@ -39,32 +41,32 @@ struct Video {
 
 }  // namespace
 
-TEST(LeaveOutPolicy, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
+TEST(Plan, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
   Video video;
   EXPECT_EQ(video.next().mode, Mode::whole) << "there is no frame before";
   EXPECT_EQ(video.next().mode, Mode::whole) << "which held nothing";
   for (int k = 0; k < 3; ++k) EXPECT_EQ(video.next().mode, Mode::watched) << k;
   unsigned all = 0, since = 0;
-  for (unsigned k = 1; k <= 4 * ReusePolicy::kAllEvery; ++k) {
+  for (unsigned k = 1; k <= 4 * Planner::kAllEvery; ++k) {
     const auto plan = video.next();
-    ASSERT_EQ(plan.mode, Mode::listed);
-    EXPECT_FALSE(plan.looks_at_bins || plan.looks_at_gate);
+    ASSERT_EQ(plan.mode, Mode::tiles);
+    EXPECT_FALSE(plan.measures_bins || plan.measures_gate);
     since = plan.all_tiles ? 0 : since + 1;
-    EXPECT_LT(since, ReusePolicy::kAllEvery) << "no tile is left out for longer";
+    EXPECT_LT(since, Planner::kAllEvery) << "no tile is left out for longer";
     all += plan.all_tiles;
   }
   EXPECT_EQ(all, 4U);
 }
 
-TEST(LeaveOutPolicy, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
+TEST(Plan, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
   const auto mode = [](const auto& change) {
     Video video;
-    EXPECT_EQ(video.after(8).mode, Mode::listed);
+    EXPECT_EQ(video.after(8).mode, Mode::tiles);
     change(video);
     return video.next().mode;
   };
-  EXPECT_EQ(mode([](Video&) {}), Mode::listed);
-  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.2F; }), Mode::listed);
+  EXPECT_EQ(mode([](Video&) {}), Mode::tiles);
+  EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.2F; }), Mode::tiles);
   EXPECT_EQ(mode([](Video& v) { v.frame.changed = 0.26F; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) {
               v.frame.changed = 0.2F;
@@ -74,29 +76,29 @@ TEST(LeaveOutPolicy, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
   EXPECT_EQ(mode([](Video& v) { v.params.adaptive = false; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.params.tile_tolerance = 0; }), Mode::whole);
   EXPECT_EQ(mode([](Video& v) { v.frame.history = false; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.frame.taken = true; }), Mode::whole);
-  EXPECT_EQ(mode([](Video& v) { v.found.tiles_busy = 50; }), Mode::listed);
-  EXPECT_EQ(mode([](Video& v) { v.found.tiles_busy = 51; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.frame.warm_start = true; }), Mode::whole);
+  EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 50; }), Mode::tiles);
+  EXPECT_EQ(mode([](Video& v) { v.found.tiles_moving = 51; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.found.drift = 0.06F; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.found.drift = std::numeric_limits<float>::quiet_NaN(); }),
             Mode::watched);
-  EXPECT_EQ(mode([](Video& v) { v.frame.layers_kept = false; }), Mode::watched);
+  EXPECT_EQ(mode([](Video& v) { v.frame.layers_reusable = false; }), Mode::watched);
   EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
 }
 
-TEST(LeaveOutPolicy, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
+TEST(Plan, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
   const auto looks = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;
-    video.found.looked_at_bins = video.found.looked_at_gate = true;
+    video.found.measured_bins = video.found.measured_gate = true;
     if (!binds) video.found.binding = 0;
     unsigned count = 0;
     for (int k = 0; k < 65; ++k) {
       const auto plan = video.next();
       if (k < 1) continue;
-      count += plan.looks_at_bins;
+      count += plan.measures_bins;
       EXPECT_TRUE(plan.bins || !binds);
-      EXPECT_TRUE(plan.bins || !plan.looks_at_bins) << "what is looked at must be there";
+      EXPECT_TRUE(plan.bins || !plan.measures_bins) << "what is looked at must be there";
     }
     return count;
   };
@@ -105,24 +107,24 @@ TEST(LeaveOutPolicy, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
   EXPECT_EQ(looks(true, 0), 1U) << "over tiles alone there is nothing to be seen of the whole";
   Video off;
   off.frame.changed = 1;
-  off.found.looked_at_bins = off.found.looked_at_gate = true;
+  off.found.measured_bins = off.found.measured_gate = true;
   off.found.binding = off.found.gate = 0;
   off.after(5);
   const auto plan = off.next();
   EXPECT_FALSE(plan.bins);
-  EXPECT_FALSE(plan.holds);
+  EXPECT_FALSE(plan.compares_pixels);
   off.found.cut = true;  // of another scene nothing is known
   off.found.gate = 1;
   const auto cut = off.next();
   EXPECT_TRUE(cut.bins);
-  EXPECT_TRUE(cut.holds);
+  EXPECT_TRUE(cut.compares_pixels);
   off.params.adaptive = false;
   off.found.cut = false;
   off.found.gate = 0;
-  EXPECT_TRUE(off.next().bins && off.next().holds) << "adaptive=false leaves nothing out";
+  EXPECT_TRUE(off.next().bins && off.next().compares_pixels) << "adaptive=false leaves nothing out";
 }
 
-TEST(LeaveOutPolicy, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
+TEST(Plan, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
   Video video;
   video.frame.changed = 1;
   video.found.compared_edges = true;
@@ -132,19 +134,20 @@ TEST(LeaveOutPolicy, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
   bool kept = false;
   for (int k = 0; k < 32; ++k) {
     const auto plan = video.next();
-    compared += plan.compares_edges;
-    if (plan.compares_edges) {
+    const bool compares = plan.edges == Plan::Edges::compare;
+    compared += compares;
+    if (compares) {
       EXPECT_TRUE(kept) << "there must be something to compare with";
     }
-    kept = plan.keeps_edges || plan.compares_edges;
+    kept = compares || plan.edges == Plan::Edges::all_save;
   }
   EXPECT_EQ(compared, 4U);
   video.found.tiles_evaluated = 50;
   video.next();
-  EXPECT_TRUE(video.next().compares_edges);
+  EXPECT_EQ(video.next().edges, Plan::Edges::compare);
 }
 
-TEST(LeaveOutPolicy, CyclesEndEarlyWhereTheyDidOrWouldHave) {
+TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   Video video;
   video.frame.changed = 1;
   video.found.change = 0.004F;  // above a third of `settled`
@@ -158,6 +161,35 @@ TEST(LeaveOutPolicy, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   EXPECT_TRUE(video.next().stops);
   video.params.settled = 0;
   EXPECT_FALSE(video.next().stops);
+}
+
+TEST(ResolutionPlan, HalfIsChosenBelowItsBoundAndLeftAboveIt) {
+  // Distances that comparisons find, and what follows three frames later.
+  struct Row {
+    float distance;
+    bool half, far;
+  };
+  const ResolutionPlanner::Params params{true, 0, 0.06F};
+  for (const Row& row :
+       {Row{0.03F, true, false}, Row{0.047F, true, false}, Row{0.05F, false, false},
+        Row{0.07F, false, false}, Row{0.1F, false, true}}) {
+    ResolutionPlanner planner;
+    ResolutionPlanner::Found found;
+    ResolutionPlanner::Choice choice;
+    for (uint64_t k = 0; k <= ResolutionPlanner::kFirst; ++k) {
+      choice = planner.next(params, found);
+      EXPECT_EQ(choice.compares, k == ResolutionPlanner::kFirst) << k;
+    }
+    found = {false, true, row.distance};
+    choice = planner.next(params, found);
+    EXPECT_EQ(choice.halvings, row.half ? 1U : 0U) << row.distance;
+    EXPECT_EQ(choice.crosses, row.half) << row.distance;
+    EXPECT_EQ(choice.half_far, row.far) << row.distance;
+    // Nothing is chosen if it is asked for, or if nothing may be skipped.
+    EXPECT_EQ(planner.next({true, 2, 0.06F}, found).halvings, 2U);
+    EXPECT_EQ(planner.next({false, 0, 0.06F}, found).halvings, 0U);
+    EXPECT_EQ(planner.next({true, 0, 0}, found).halvings, 0U);
+  }
 }
 
 }  // namespace inverse::testing

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "plan.hpp"
+
+#include <algorithm>
+
+#include "kernels/gpu/commands.hpp"
+
+namespace inverse {
+
+bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
+
+void Planner::learn(const Params& params, const Found& found) {
+  if (found.compared_edges && found.history)
+    most_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
+  if (found.measured_bins) bins_matter_ = found.cut || !(found.binding < params.chroma_tolerance);
+  if (found.measured_gate) gate_matters_ = !(found.gate < params.hold_tolerance);
+}
+
+bool Planner::may_stop(const Params& params, const std::optional<Found>& found) const {
+  if (!old_enough() || !found) return true;  // findings before a restart do not count
+  if (found->cycles < found->cycles_recorded) return true;
+  // A cycle changes about a third of what the one before it did.
+  return found->change < params.settled / 3;
+}
+
+void Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                          const std::optional<Found>& found) {
+  // If so many tiles change that they make a cut, skipping the others is not worth it.
+  if (!params.adaptive || params.tile_tolerance <= 0 || !plan.compares_pixels ||
+      !compared_pixels_ || frame.warm_start ||
+      frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction)) {
+    static_frames_ = 0;
+    return;
+  }
+  // Skipped tiles reuse what was decided for them.
+  if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
+    static_frames_ = 0;
+  plan.mode = Plan::Mode::watched;
+  if (static_frames_++ < gpu::kFramesInFlight || !found) return;
+  const bool worth =
+      static_cast<float>(found->tiles_moving) <= kMaxMoving * static_cast<float>(found->tiles);
+  if (!worth || !(found->drift <= params.still_tolerance)) return;  // nor for NaN
+  plan.mode = Plan::Mode::tiles;
+}
+
+Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
+  if (since_restart_ == 0) {
+    bins_matter_ = gate_matters_ = true;
+    most_edges_change_ = false;
+  } else if (old_enough() && found) {
+    learn(params, *found);
+  }
+  const bool history = (frame.history || frame.warm_start) && params.anchor;
+  Plan plan;
+  plan.cycles = history ? params.warm_cycles : params.cycles;
+  plan.stops = params.adaptive && params.settled > 0 && (!history || may_stop(params, found));
+  plan.compares_pixels = history && (!params.adaptive || gate_matters_);
+  choose_mode(plan, params, frame, found);
+  tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;
+  plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
+  if (plan.tiles())
+    plan.edges = Plan::Edges::tiles;
+  else if (params.adaptive && (!most_edges_change_ || since_restart_ % kCompareEvery == 0))
+    plan.edges = Plan::Edges::compare;
+  else if (params.adaptive && (since_restart_ + 1) % kCompareEvery == 0)
+    plan.edges = Plan::Edges::all_save;
+  // A frame of Mode::tiles measures nothing of the whole.
+  const bool measure =
+      !plan.tiles() && params.adaptive &&
+      (since_restart_ == kMeasureSoon ||  // the first one with a converged history
+       since_restart_ % (bins_matter_ && gate_matters_ ? kMeasureEvery : kMeasureSoon) == 0);
+  ++since_restart_;
+  plan.bins = params.chroma && (!params.adaptive || bins_matter_ || measure);
+  plan.measures_bins = measure && params.chroma;
+  plan.measures_gate = measure && history;
+  compared_pixels_ = plan.compares_pixels;
+  bins_ = plan.bins;
+
+  const auto skip = [&](bool skipped, const char* why) {
+    if (skipped) plan.skipped.emplace_back(why);
+  };
+  skip(!history, frame.history ? "anchor: its weight is 0" : "anchor: no frame before");
+  skip(!plan.bins,
+       params.chroma ? "chroma bins: they cannot bind" : "chroma bins: their weight is 0");
+  skip(history && !plan.compares_pixels, "anchor of pixels: nothing can be held");
+  skip(plan.tiles(), "tiles: those that stay as they are");
+  return plan;
+}
+
+}  // namespace inverse

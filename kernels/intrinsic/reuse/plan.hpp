@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace inverse {
+
+/// What of a frame is run, and what is skipped. A plain value: stages obey it.
+struct Plan {
+  /// How tiles are worked on.
+  enum class Mode : uint8_t {
+    whole,    ///< all
+    watched,  ///< all, and it is measured which of them still move: few have changed
+    tiles,    ///< only those that need work
+  };
+  /// What is done about the weights of edges.
+  enum class Edges : uint8_t {
+    all,       ///< evaluated
+    all_save,  ///< evaluated, and saved for the next frame to compare with
+    compare,   ///< evaluated in tiles that changed, reused in others
+    tiles,     ///< evaluated in the tiles of Mode::tiles
+  };
+  Mode mode = Mode::whole;
+  bool all_tiles = false;  ///< Mode::tiles: this time all of them
+  Edges edges = Edges::all;
+  uint32_t cycles = 0;           ///< of the multigrid, at most
+  bool stops = false;            ///< cycles end where they change little
+  bool compares_pixels = false;  ///< with those of the frame before
+  bool bins = true;              ///< the chroma bins are part of the energy
+  bool measures_bins = false, measures_gate = false;
+  std::vector<std::string> skipped;  ///< what, and why
+
+  bool whole() const { return mode == Mode::whole; }
+  bool tiles() const { return mode == Mode::tiles; }
+  /// The tiles of Mode::tiles solve one cycle on cells: the others' problem there is that of the
+  /// frame before, and its solution so far is reused.
+  bool one_cell_cycle() const { return tiles() && !all_tiles; }
+  bool operator==(const Plan&) const = default;
+};
+
+/// Plans every frame of IntrinsicDecomposition by what frames before it found, and when to measure
+/// again what was skipped. Needs neither device nor pixels: findings come from the caller, of the
+/// last frame that is sure to be done, so that the same video always gets the same plans.
+class Planner {
+ public:
+  /// Of IntrinsicDecomposition::Params, where each is explained.
+  struct Params {
+    bool adaptive = true, chroma = true, anchor = true;  ///< chroma, anchor: have a weight
+    float settled = 0, still_tolerance = 0, chroma_tolerance = 0, hold_tolerance = 0,
+          tile_tolerance = 0, cut_fraction = 1;
+    uint32_t cycles = 4, warm_cycles = 2;
+  };
+  /// What is known of a frame before anything of it is recorded.
+  struct Frame {
+    bool history = false;          ///< there is a frame before, and it is compared with that
+    bool warm_start = false;       ///< the one before is of another resolution
+    bool layers_reusable = false;  ///< the layers of the one before are still there
+    float changed = 1;             ///< share of tiles, with those beside them; 1: not known
+  };
+  /// What the frame kFramesInFlight before it found. Each number counts only where it was measured.
+  struct Found {
+    uint32_t cycles = 0, cycles_recorded = 0;  ///< that ran, of so many
+    float change = 0;                          ///< of log shading by the last cycle, rms
+    bool history = false, cut = false;
+    bool compared_edges = false, measured_bins = false, measured_gate = false;
+    uint32_t tiles = 0, tiles_evaluated = 0;  ///< with compared_edges
+    float binding = 0, gate = 0;              ///< with measured_…
+    uint32_t tiles_moving = 0;  ///< watched or tiles: moved by more than tile_tolerance
+    float drift = 0;            ///< of its statistics from those that edges were evaluated with
+  };
+
+  /// The next frame is the first one of its kind: without a past, or with other parameters.
+  void restart() { since_restart_ = 0; }
+  /// Plans the next frame. `found` is empty where no frame that far back was recorded.
+  Plan next(const Params& params, const Frame& frame, const std::optional<Found>& found);
+
+  /// Frames from one measurement of bins and gate to the next, if something is skipped and if not.
+  static constexpr uint64_t kMeasureSoon = 4, kMeasureEvery = 16;
+  /// Where edges of most tiles are evaluated, comparing tiles costs more than it saves: frames from
+  /// one comparison to the next.
+  static constexpr uint64_t kCompareEvery = 8;
+  /// Share of tiles from which on a list of them saves too little: of those whose input changed,
+  /// and of all that need work.
+  static constexpr float kMaxChanged = 0.25F, kMaxMoving = 0.5F;
+  /// Frames of Mode::tiles from one that works on all tiles to the next.
+  static constexpr uint64_t kAllEvery = 32;
+
+ private:
+  void learn(const Params& params, const Found& found);
+  bool may_stop(const Params& params, const std::optional<Found>& found) const;
+  void choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                   const std::optional<Found>& found);
+  bool old_enough() const;
+
+  uint64_t since_restart_ = 0;  // frames
+  bool bins_matter_ = true, gate_matters_ = true, most_edges_change_ = false;
+  uint64_t static_frames_ = 0;                  // in a row, watched or tiles
+  uint64_t tile_frames_ = 0;                    // Mode::tiles since the last other one
+  bool compared_pixels_ = false, bins_ = true;  // the frame before
+};
+
+}  // namespace inverse
