@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const auto* bytes = reinterpret_cast<const char*>(data) + at;
     reader.take({bytes, std::min(piece, size - at)});
     while (const auto line = reader.next()) {
-      if (line->empty() || line->size() > kLongestReply) abort();
+      if (line->empty() || line->size() > kMaxReplyLength) abort();
       for (const char c : *line)
         if (c < ' ' || c > '~') abort();
       const Reply reply = parse_reply(*line);
