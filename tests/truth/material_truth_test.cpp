@@ -97,10 +97,12 @@ TEST_F(MaterialTruth, TheNetworksAreAsGoodAsTheyWere) {
       diffuse * share, alpha * share, stops * share, mask * share, gloss * share, mirror * share);
   EXPECT_LT(diffuse * share, 0.0864);  // 0.0823 when this was written
   EXPECT_LT(alpha * share, 0.1045);    // 0.0995
-  EXPECT_LT(stops * share, 1.40);      // 1.332
-  EXPECT_LT(mask * share, 0.0308);     // 0.0293
-  EXPECT_LT(gloss * share, 0.0381);    // 0.0363
-  EXPECT_LT(mirror * share, 0.0302);   // 0.0288
+  // From both sides: the network predicts too high a shininess here, and weights that are off lower
+  // that, so that an upper bound alone passes them.
+  EXPECT_NEAR(stops * share, 1.332, 0.03);
+  EXPECT_LT(mask * share, 0.0308);    // 0.0293
+  EXPECT_LT(gloss * share, 0.0381);   // 0.0363
+  EXPECT_LT(mirror * share, 0.0302);  // 0.0288
 }
 
 }  // namespace
