@@ -1,40 +1,48 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "errors.hpp"
 
-#include "log.hpp"
+#include <utility>
 
 namespace inverse {
 
-void post_error(GstElement* element, const Error& error) {
-  GST_CAT_ERROR_OBJECT(log_of(element).category, element, "%s", error.what());
-  // One macro call a code: GST_ELEMENT_ERROR pastes its domain and code.
-  switch (error.kind()) {
+namespace {
+
+/// The domain and code of GStreamer that fit.
+std::pair<GQuark, gint> code_of(ErrorKind kind) {
+  switch (kind) {
     case ErrorKind::no_device:
-      GST_ELEMENT_ERROR(element, RESOURCE, NOT_FOUND, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND};
     case ErrorKind::device_lost:
-      GST_ELEMENT_ERROR(element, RESOURCE, FAILED, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_FAILED};
     case ErrorKind::out_of_memory:
-      GST_ELEMENT_ERROR(element, RESOURCE, NO_SPACE_LEFT, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NO_SPACE_LEFT};
     case ErrorKind::limit:
     case ErrorKind::unsupported:
-      GST_ELEMENT_ERROR(element, STREAM, FORMAT, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT};
     case ErrorKind::file:
-      GST_ELEMENT_ERROR(element, RESOURCE, READ, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_READ};
     case ErrorKind::output:
-      GST_ELEMENT_ERROR(element, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE};
     case ErrorKind::connection:
-      GST_ELEMENT_ERROR(element, RESOURCE, OPEN_READ_WRITE, ("%s", error.what()), (nullptr));
-      break;
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_OPEN_READ_WRITE};
     case ErrorKind::internal:
-      GST_ELEMENT_ERROR(element, LIBRARY, FAILED, ("%s", error.what()), (nullptr));
       break;
   }
+  return {GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_FAILED};
+}
+
+}  // namespace
+
+void post_error(GstElement* element, const Error& error) {
+  GST_CAT_ERROR_OBJECT(log_of(element).category, element, "%s", error.what());
+  const auto [domain, code] = code_of(error.kind());
+  gst_element_message_full(element, GST_MESSAGE_ERROR, domain, code, g_strdup(error.what()),
+                           nullptr, __FILE__, __func__, __LINE__);
+}
+
+void post_warning(const Log& log, const Error& error) {
+  const auto [domain, code] = code_of(error.kind());
+  post_warning(log, domain, code, "%s", error.what());
 }
 
 }  // namespace inverse

@@ -4,8 +4,8 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/navigation.h>
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
+#include <vector>
 
 #include "errors.hpp"
 #include "filter_element.hpp"
@@ -68,7 +68,7 @@ void finalize(GObject* object) {
 GstStateChangeReturn change_state(GstElement* element, GstStateChange transition) {
   if (transition == GST_STATE_CHANGE_NULL_TO_READY && !element_of(element).open())
     return GST_STATE_CHANGE_FAILURE;
-  // Before anybody streams again and frees what was left over.
+  // Before streaming starts again and frees what is left.
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     element_of(element).context().settle();
     if (!element_of(element).restart()) return GST_STATE_CHANGE_FAILURE;
@@ -139,7 +139,7 @@ gboolean decide_allocation(GstBaseTransform* transform, GstQuery* query) {
   if (!gst_video_info_from_caps(&info, caps)) return FALSE;
   GstBufferPool* pool = nullptr;
   if (element_of(transform).sends_images()) {
-    // Other people's pools make images that not everybody can write to.
+    // Pools of other elements may make images that this one cannot write to.
     guint size = 0;
     if (!(pool = element_of(transform).image_pool(caps, &size))) return FALSE;
     while (gst_query_get_n_allocation_pools(query) > 0)
@@ -176,8 +176,7 @@ GstFlowReturn prepare_output_buffer(GstBaseTransform* transform, GstBuffer* in, 
 }
 
 gboolean transform_meta(GstBaseTransform* transform, GstBuffer*, GstMeta* meta, GstBuffer*) {
-  // Where the picture keeps its size, what is said about it stays true; what is said about its
-  // memory does not.
+  // Metas about the picture stay true if it keeps its size; metas about its memory do not.
   if (element_of(transform).resizes() &&
       gst_meta_api_type_has_tag(meta->info->api,
                                 g_quark_from_static_string(GST_META_TAG_VIDEO_SIZE_STR)))
@@ -187,7 +186,7 @@ gboolean transform_meta(GstBaseTransform* transform, GstBuffer*, GstMeta* meta, 
 }
 
 void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
-  // An appsrc or filesrc counts in bytes unless it is told otherwise.
+  // An appsrc or filesrc has segments in bytes by default.
   if (transform->segment.format != GST_FORMAT_TIME) return;
   const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
                                                        GST_BUFFER_TIMESTAMP(buffer));
@@ -195,8 +194,7 @@ void before_transform(GstBaseTransform* transform, GstBuffer* buffer) {
 }
 
 GstFlowReturn transform(GstBaseTransform* transform, GstBuffer* in, GstBuffer* out) {
-  // A gap stays one. A frame that is flagged so is still a frame, and what is made of it no
-  // silence.
+  // A gap stays one. A frame that is flagged so is still a frame, and its result is no gap.
   if (inverse::is_gap(in)) return GST_FLOW_OK;
   GST_BUFFER_FLAG_UNSET(out, GST_BUFFER_FLAG_GAP);
   return element_of(transform).transform(in, out);
@@ -211,37 +209,35 @@ gboolean sink_event(GstBaseTransform* transform, GstEvent* event) {
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
 
-/// A navigation event's coordinate, which may be anything, as a pixel's; −1 where it is none.
-int pixel_of(gdouble coordinate) {
-  if (std::isnan(coordinate)) return -1;
-  return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
-}
-
-/// Hands the mouse's doings on to a filter that follows it, and sets what does.
-void point(GstBaseTransform* transform, GstEvent* event) {
-  using Mouse = inverse::Filter::Mouse;
-  inverse::Filter& filter = element_of(transform).filter();
-  std::vector<inverse::Filter::Setting> settings;
+/// The mouse event in a navigation event of the first button or a move; empty for others.
+std::optional<inverse::MouseEvent> mouse_event(GstEvent* event) {
+  using Kind = inverse::MouseEvent::Kind;
   gint button = 0;
   gdouble x = 0, y = 0;
   switch (gst_navigation_event_get_type(event)) {
-    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
-      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-        settings = filter.point(Mouse::press, x, y);
-      break;
-    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
-      if (gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-        settings = filter.point(Mouse::release, x, y);
-      break;
     case GST_NAVIGATION_EVENT_MOUSE_MOVE:
-      if (gst_navigation_event_parse_mouse_move_event(event, &x, &y))
-        settings = filter.point(Mouse::move, x, y);
-      break;
+      if (!gst_navigation_event_parse_mouse_move_event(event, &x, &y)) return {};
+      return {{Kind::move, x, y}};
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
+    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_RELEASE:
+      if (!gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) || button != 1)
+        return {};
+      return {{gst_navigation_event_get_type(event) == GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS
+                   ? Kind::press
+                   : Kind::release,
+               x, y}};
     default:
-      break;
+      return {};
   }
+}
+
+/// Hands a navigation event to the filter, and sets the properties that follow it.
+void navigate(GstBaseTransform* transform, GstEvent* event) {
+  const auto mouse = mouse_event(event);
+  if (!mouse) return;
+  const auto settings = element_of(transform).filter().navigate(*mouse);
   if (settings.empty()) return;
-  // All are set before anybody is told of one.
+  // All are set before any is notified.
   g_object_freeze_notify(G_OBJECT(transform));
   for (const auto& [property, value] : settings) g_object_set(transform, property, value, nullptr);
   g_object_thaw_notify(G_OBJECT(transform));
@@ -256,27 +252,31 @@ gboolean src_event(GstBaseTransform* transform, GstEvent* event) {
     GstQOSType type{};
     GstClockTimeDiff late = 0;
     gst_event_parse_qos(event, &type, nullptr, &late, nullptr);
-    // Who throttles wants fewer frames, not cheaper ones.
+    // Throttling asks for fewer frames, not for cheaper ones.
     if (type != GST_QOS_TYPE_THROTTLE)
       element_of(transform).late(static_cast<double>(late) / GST_MSECOND);
   }
-  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).points)
-    point(transform, event);
-  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).marks) {
-    gint button = 0;
-    gdouble x = 0, y = 0;
-    if (gst_navigation_event_get_type(event) == GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS &&
-        gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y) && button == 1)
-      element_of(transform).filter().click(pixel_of(x), pixel_of(y));
-  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && info_of(transform).navigation)
+    navigate(transform, event);
   return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
 
-void mark(GstElement* element, gint x, gint y) { element_of(element).filter().mark(x, y); }
-void unmark(GstElement* element, gint region) { element_of(element).filter().unmark(region); }
-void refine(GstElement* element) { element_of(element).filter().refine(); }
-gboolean save_environment(GstElement* element, const gchar* path) {
-  return element_of(element).save_environment(path);
+/// The class closure of an action signal; its data is the Action.
+void run_action(GClosure* closure, GValue* result, guint, const GValue* values, gpointer,
+                gpointer) {
+  const bool done = element_of(g_value_get_object(values))
+                        .run(*static_cast<const inverse::Action*>(closure->data), values + 1);
+  if (result) g_value_set_boolean(result, done);
+}
+
+void add_action(GType type, const inverse::Action& action) {
+  GClosure* closure = g_closure_new_simple(sizeof(GClosure), const_cast<inverse::Action*>(&action));
+  g_closure_set_marshal(closure, run_action);
+  std::vector<GType> arguments = action.arguments;
+  g_signal_newv(action.name, type, static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION),
+                closure, nullptr, nullptr, nullptr,
+                action.returns_success ? G_TYPE_BOOLEAN : G_TYPE_NONE,
+                static_cast<guint>(arguments.size()), arguments.data());
 }
 
 gboolean query(GstBaseTransform* transform, GstPadDirection direction, GstQuery* query) {
@@ -358,19 +358,7 @@ void element_class_init(gpointer klass, gpointer data) {
           "stats", "stats", "Times (ms), memory (bytes) and results of the last completed frame",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   install_parameters(klass, info.create()->parameters(), PROP_TABLE);
-  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
-  const GType type = G_TYPE_FROM_CLASS(klass);
-  if (info.lights)
-    g_signal_new_class_handler("save-environment", type, kAction, G_CALLBACK(save_environment),
-                               nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_STRING);
-  if (info.marks) {
-    g_signal_new_class_handler("mark", type, kAction, G_CALLBACK(mark), nullptr, nullptr, nullptr,
-                               G_TYPE_NONE, 2, G_TYPE_INT, G_TYPE_INT);
-    g_signal_new_class_handler("unmark", type, kAction, G_CALLBACK(unmark), nullptr, nullptr,
-                               nullptr, G_TYPE_NONE, 1, G_TYPE_INT);
-    g_signal_new_class_handler("refine", type, kAction, G_CALLBACK(refine), nullptr, nullptr,
-                               nullptr, G_TYPE_NONE, 0);
-  }
+  for (const auto& action : info.actions) add_action(G_TYPE_FROM_CLASS(klass), action);
 }
 
 void instance_init(GTypeInstance* instance, gpointer klass) {
@@ -381,7 +369,7 @@ void instance_init(GTypeInstance* instance, gpointer klass) {
   gst_base_transform_set_gap_aware(GST_BASE_TRANSFORM(instance), TRUE);
 }
 
-/// What all elements of a plugin derive from: a type of its own for each plugin, as its code is.
+/// The base type of all elements of a plugin: one for each plugin, as each has its own code.
 GType filter_type(GstPlugin* plugin) {
   static const GType type = [plugin] {
     const std::string name = std::string("GstInverseFilter-") + gst_plugin_get_name(plugin);

@@ -27,41 +27,49 @@ using StructurePtr = std::unique_ptr<GstStructure, FreeStructure>;
 /// One frame on its way through a filter.
 struct FrameContext {
   gpu::Commands& commands;  ///< record here; submitted once by the base
-  Layers layers;  ///< in: `input` alone where pixels came in, else what the meta carried; out: what
-                  ///< to send on
+  Layers layers;  ///< in: `input` alone if pixels came in, else what the meta carried; out: what to
+                  ///< send on
   uint64_t number;          ///< frames since `configure`, from 0
   GstBuffer* in = nullptr;  ///< the buffer that came in, for its metas
-  /// Its stream time; none where its segment is not in time.
+  /// Its stream time; none if its segment is not in time.
   GstClockTime time = GST_CLOCK_TIME_NONE;
-  /// Of every tile of 16 x 16 pixels, row by row, 0 where its bytes are those of the frame before;
-  /// empty where that is not known.
+  /// Of every tile of 16 x 16 pixels, row by row, 0 if its bytes are those of the frame before;
+  /// empty if that is not known.
   std::span<const uint8_t> changed = {};
 
-  /// Out: what there is to tell the application, posted as element messages, also where
-  /// `process` throws.
+  /// Out: posted as element messages, also if `process` throws.
   std::vector<StructurePtr> messages = {};
   /// Out: read-only properties that changed (GObject::notify).
   std::vector<const char*> notify = {};
   /// Out: configuration warnings, posted on the bus; the filter adds each once.
   std::vector<std::string> warnings = {};
   Picture picture = {};  ///< out: what to draw
-  /// Out: the only tiles where it differs from the one that was drawn last; null: all may.
+  /// Out: the only tiles where the picture differs from the one drawn last; null: all may.
   const TileList* drawn = nullptr;
   /// Out: adds metas of the filter's own to the buffer that goes out.
   std::function<void(GstBuffer*)> decorate = {};
 
-  bool fresh = false;  ///< the filter was reset before this frame: start, other frames (caps that
-                       ///< differ in more than rate and shape of pixels), flush, seek, gap
+  bool fresh = false;  ///< the filter was reset before this frame: start, caps that differ in more
+                       ///< than frame rate and pixel aspect ratio, flush, seek, gap
   bool draw = false;   ///< pixels go out: set `picture`
   bool gray = false;   ///< the buffer's pixels have no color
-  bool repeated = false;  ///< the picture of the frame before came again, byte by byte
-  bool hold = false;  ///< that happens often: planes of this frame are worth keeping for the next
-  bool same_picture = false;  ///< out: it would come out as the one that was drawn last
+  bool repeated = false;      ///< the picture of the frame before came again, byte by byte
+  bool keep_planes = false;   ///< repeats are frequent: keep the planes of this frame for the next
+  bool same_picture = false;  ///< out: the picture is the one drawn last
+};
+
+/// The mouse over the picture (GstNavigation): its first button goes down, it moves, the button
+/// goes up. Position in pixels of the frame; may be any number, NaN included.
+struct MouseEvent {
+  enum class Kind { press, move, release };
+  Kind kind;
+  double x, y;
 };
 
 /// What an element does with frames. The base (filter.cpp) does the rest: caps, device, upload,
-/// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()`
-/// and `start()` come from the streaming thread; what they throw becomes an element error.
+/// download, properties, events, QoS, latency, stats, errors. All calls but `parameters()`,
+/// `start()` and `navigate()` come from the streaming thread; what they throw becomes an element
+/// error.
 class Filter {
  public:
   virtual ~Filter() = default;
@@ -81,48 +89,44 @@ class Filter {
   virtual void reset() {}
   /// Whether frames are to be compared with the ones before them, for FrameContext::repeated and
   /// `changed`.
-  virtual bool looks_for_repeats() const { return false; }
-  /// Whether it takes pixels to be square; where they are not, a warning says what to do.
-  virtual bool takes_pixels_for_square() const { return false; }
+  virtual bool compares_frames() const { return false; }
+  /// If so, pixels that are not square cause a warning that says what to do.
+  virtual bool needs_square_pixels() const { return false; }
   /// Records the work for one frame.
   virtual void process(FrameContext& frame) = 0;
-  /// What a completed frame took, its wait for the device included; `number` is FrameContext's.
+  /// A frame is completed: its time includes the wait for the device; `number` is FrameContext's.
   /// Called once for each, before `describe`.
-  virtual void took(uint64_t /*number*/, double /*milliseconds*/) {}
-  /// Who shows the frames said (QoS) that one came so much too late; negative: early.
+  virtual void completed(uint64_t /*number*/, double /*milliseconds*/) {}
+  /// Downstream reported by QoS how late a frame was; negative: early.
   virtual void late(double /*milliseconds*/) {}
-  /// Somebody marked a pixel of the frame, or clicked on one of the picture that is shown. From any
-  /// thread, as the three after it.
-  virtual void mark(int /*x*/, int /*y*/) {}
-  virtual void click(int /*x*/, int /*y*/) {}
-  /// The mouse over the picture (ElementInfo::points), in pixels of the frame: its first button
-  /// goes down, it moves, the button goes up. From any thread. Gives the properties (floats) that
-  /// follow it, within their ranges: the base sets them as an application does, so that whatever is
-  /// bound to them hears of it.
-  enum class Mouse { press, move, release };
+  /// A value for a property (float), within its range.
   struct Setting {
     const char* property;
     double value;
   };
-  virtual std::vector<Setting> point(Mouse, double /*x*/, double /*y*/) { return {}; }
-  virtual void unmark(int /*region*/) {}
-  virtual void refine() {}
-  /// What was marked and not seen to yet was in another scene: a flush, a new stream, a
-  /// discontinuity. From the streaming thread or while it rests; `reset` follows with the next
-  /// frame.
+  /// The mouse (ElementInfo::navigation), from any thread. Returns properties that follow it: the
+  /// base sets them as an application does, so that bindings and notify handlers see the change.
+  virtual std::vector<Setting> navigate(const MouseEvent& /*event*/) { return {}; }
+  /// A flush, a new stream or a discontinuity: pending requests of users belong to another scene.
+  /// From the streaming thread or while it is stopped; `reset` follows with the next frame.
   virtual void flushed() {}
-  /// The stream ended, or the element stops: the last frame is done (ElementInfo::lights). From the
-  /// streaming thread or while it rests; may come twice. What it throws becomes a warning.
+  /// The stream ended, or the element stops; all frames are completed. From the streaming thread or
+  /// while it is stopped; may come twice. What it throws becomes a warning.
   virtual void ended() {}
-  /// Writes the light that it found to a file (ElementInfo::lights). From any thread; throws
-  /// Error(output) where it cannot.
-  virtual void save_environment(const std::string& /*path*/) {}
-  /// Adds fields about a frame that is completed; `number` is FrameContext's, at most
-  /// kFramesInFlight back.
+  /// Adds fields about a completed frame; `number` is FrameContext's, at most kFramesInFlight back.
   virtual void describe(GstStructure*, uint64_t /*number*/) const {}
 
  private:
   Log log_ = log_of(nullptr);
+};
+
+/// An action signal of an element, emitted by applications.
+struct Action {
+  const char* name;
+  std::vector<GType> arguments;
+  /// From the thread that emits. What it throws becomes a warning.
+  void (*run)(Filter& filter, const GValue* arguments);
+  bool returns_success = false;  ///< FALSE after a warning
 };
 
 /// All that makes an element out of a Filter.
@@ -133,14 +137,13 @@ struct ElementInfo {
   const char* klass;        ///< "Filter/Effect/Video"
   const char* description;  ///< one sentence
   Flow sink, src;
-  /// Of a decomposer: the kind of layers that it makes. Of an editor: the kind that it needs, or
-  /// kAnyLayers or kAllLayers.
+  /// The kind of layers that it makes from pixels, or that it needs; kAnyLayers or kAllLayers.
   const char* layers;
-  /// What to insert before this element where an editor gets what it cannot work on.
+  /// What to insert before this element if it gets what it cannot work on.
   const char* needs;
 
-  /// Caps of its pads. New references. An editor's sink takes all layers of reflectance and
-  /// shading, to refuse what is not enough for it with a helpful error.
+  /// Caps of its pads. New references. The sink of an element that needs layers takes all layers of
+  /// reflectance and shading, to refuse what is not enough with a helpful error.
   GstCaps* sink_caps() const {
     const std::string_view kind = layers ? layers : "";
     const bool own = kind == kAllLayers || kind == kGradientLayers;
@@ -150,12 +153,8 @@ struct ElementInfo {
     return template_caps(src, sink == Flow::pixels ? layers : kAnyLayers);
   }
   std::unique_ptr<Filter> (*create)();
-  /// Whether it takes clicks: navigation events, and the action signals mark, unmark and
-  /// refine.
-  bool marks = false;
-  /// Whether it finds light: Filter::ended, and the action signal save-environment.
-  bool lights = false;
-  bool points = false;  ///< whether it follows the mouse: navigation events
+  std::vector<Action> actions = {};
+  bool navigation = false;  ///< whether it takes navigation events (Filter::navigate)
   /// Of an element that takes layers: so many pictures side by side in a plain frame do as well,
   /// and what it sends is as much narrower. 0: it refuses plain frames.
   uint32_t side_by_side = 0;

@@ -30,7 +30,7 @@ Extent extent_of(const GstVideoInfo& info) {
           static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
 }
 
-/// Posts what a filter had to say of a frame.
+/// Posts messages, property changes and warnings of a frame.
 void post_messages(const Log& log, FrameContext& frame) {
   GstElement* element = log.object;
   for (StructurePtr& message : frame.messages) {
@@ -70,7 +70,7 @@ bool FilterElement::restart() {
   if (!check_parameters(log_, filter_->parameters())) return false;
   return guarded(element_, [&] {
     context_.renew(device_name());
-    reported_shape_ = {1, 1};
+    reported_ratio_ = {1, 1};
     filter_->start();
   });
 }
@@ -81,7 +81,7 @@ void FilterElement::close() {
 }
 
 void FilterElement::finish_all() {
-  if (device_ && device_->silent()) return;  // somebody has waited for it already
+  if (device_ && device_->silent()) return;  // a wait for it timed out before
   try {
     for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[next_slot_ + i]);
   } catch (const std::exception& error) {
@@ -107,27 +107,16 @@ void FilterElement::stop() {
 }
 
 void FilterElement::ended() {
-  if (!info_.lights) return;
   finish_all();
-  try {
-    filter_->ended();
-  } catch (const std::exception& error) {
-    post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE, "%s", error.what());
-  }
+  warn_on_error(log_, [&] { filter_->ended(); });
 }
 
-bool FilterElement::save_environment(const char* path) {
-  try {
-    filter_->save_environment(path ? path : "");
-    return true;
-  } catch (const std::exception& error) {
-    post_warning(log_, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE, "%s", error.what());
-    return false;
-  }
+bool FilterElement::run(const Action& action, const GValue* arguments) {
+  return warn_on_error(log_, [&] { action.run(*filter_, arguments); });
 }
 
 bool FilterElement::set_caps(GstCaps* in, GstCaps* out) {
-  // An error is told once: who pushes on after it asks again with every buffer.
+  // Once: an element that pushes on after an error asks again with every buffer.
   if (refused_ && asked_.is(in, out)) return false;
   refused_ = !try_caps(in, out);
   asked_.set(in, out);
@@ -177,7 +166,7 @@ bool FilterElement::try_caps(GstCaps* in, GstCaps* out) {
   }
   if (!can_be_cut()) return false;
   check_pixel_aspect_ratio();
-  // What is known of the frames so far stays: sources of variable rate tell it ever anew.
+  // The state of earlier frames stays: sources of variable rate send such caps again and again.
   if (!refused_ && asked_.same_frames(in, out)) return true;
   return guarded(element_, [&] {
     stop();
@@ -208,8 +197,8 @@ bool FilterElement::can_be_cut() {
 
 void FilterElement::check_pixel_aspect_ratio() {
   const std::pair shape{GST_VIDEO_INFO_PAR_N(&in_info_), GST_VIDEO_INFO_PAR_D(&in_info_)};
-  if (shape.first == shape.second || !filter_->takes_pixels_for_square()) return;
-  if (std::exchange(reported_shape_, shape) == shape) return;
+  if (shape.first == shape.second || !filter_->needs_square_pixels()) return;
+  if (std::exchange(reported_ratio_, shape) == shape) return;
   const std::string warning =
       std::string(info_.factory) + " needs square pixels, and these are " +
       std::to_string(shape.first) + ":" + std::to_string(shape.second) +
@@ -237,7 +226,7 @@ void FilterElement::configure(const std::shared_ptr<gpu::Device>& device) {
     filter_->release();
     throw;
   }
-  if (device->variant().warm_up && filter_->looks_for_repeats() && input_ && !in_images_) warm_up();
+  if (device->variant().warm_up && filter_->compares_frames() && input_ && !in_images_) warm_up();
   GST_INFO_OBJECT(element_, "device \"%s\", frames of %ux%u", device->name().c_str(), extent.width,
                   extent.height);
   device_ = device;
@@ -280,8 +269,8 @@ void FilterElement::warm_up() {
 }
 
 GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
-  if (guarded(element_, [&] { run(in, out); })) return GST_FLOW_OK;
-  // What was recorded of it was never computed.
+  if (guarded(element_, [&] { run_frame(in, out); })) return GST_FLOW_OK;
+  // What was recorded was never computed.
   forget_repeats();
   fresh_ = true;
   return GST_FLOW_ERROR;
@@ -290,7 +279,7 @@ GstFlowReturn FilterElement::transform(GstBuffer* in, GstBuffer* out) {
 void FilterElement::forget_repeats() {
   repeats_.reset();
   if (input_) input_->forget();
-  held_input_.reset();
+  kept_input_.reset();
   drawn_.reset();
 }
 
@@ -299,41 +288,41 @@ void FilterElement::read_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
     frame.layers = take_layers(in);
     return;
   }
-  const bool looks = filter_->looks_for_repeats();
-  if (frame.fresh || !looks) forget_repeats();
-  if (looks) {
+  const bool compares = filter_->compares_frames();
+  if (frame.fresh || !compares) forget_repeats();
+  if (compares) {
     frame.changed = input_->changed_tiles(in);
     frame.repeated = !frame.changed.empty() &&
                      std::none_of(frame.changed.begin(), frame.changed.end(), std::identity{});
     repeats_.next(frame.repeated);
   }
-  frame.hold = repeats_.going_on();
+  frame.keep_planes = repeats_.going_on();
   frame.layers.extent = planes_->extent();
   convert_input(in, slot, frame);
 }
 
 void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame) {
   PlanePtr& plane = frame.layers[Role::input];
-  if (frame.repeated && held_input_) {
-    plane = held_input_;
+  if (frame.repeated && kept_input_) {
+    plane = kept_input_;
     return;
   }
-  // Chroma is interpolated: what changed shows a pixel further.
-  const auto concerned = spread_tiles(frame.changed, slot.tiles->columns());
-  const bool calm =
-      !frame.changed.empty() && 4 * std::count(concerned.begin(), concerned.end(), 1) <
-                                    static_cast<ptrdiff_t>(concerned.size());
-  // Where nobody else holds the frame before, this one may take its place.
-  if (calm && held_input_ && held_input_.use_count() == 1) {
-    plane = held_input_;
-    slot.tiles->assign(concerned);
+  // Chroma is interpolated: a change shows one pixel further.
+  const auto affected = spread_tiles(frame.changed, slot.tiles->columns());
+  const bool few_changed =
+      !frame.changed.empty() &&
+      4 * std::count(affected.begin(), affected.end(), 1) < static_cast<ptrdiff_t>(affected.size());
+  // If nothing else holds the frame before, this one may overwrite it.
+  if (few_changed && kept_input_ && kept_input_.use_count() == 1) {
+    plane = kept_input_;
+    slot.tiles->assign(affected);
     input_->record(*slot.commands, in, slot.in, *plane, &*slot.tiles);
   } else {
     plane = planes_->acquire();
     input_->record(*slot.commands, in, slot.in, *plane);
   }
   slot.commands->stage("unpack");
-  held_input_ = frame.hold || calm ? plane : nullptr;
+  kept_input_ = frame.keep_planes || few_changed ? plane : nullptr;
 }
 
 void FilterElement::send(GstBuffer* out, Slot& slot, FrameContext& frame) {
@@ -379,7 +368,7 @@ std::shared_ptr<gpu::Device> FilterElement::device_for(GstBuffer* in) {
   return device;
 }
 
-void FilterElement::run(GstBuffer* in, GstBuffer* out) {
+void FilterElement::run_frame(GstBuffer* in, GstBuffer* out) {
   const auto start = Clock::now();
   GST_LOG_OBJECT(element_, "frame %" G_GUINT64_FORMAT ": %" GST_PTR_FORMAT, number_, in);
   const auto device = device_for(in);
@@ -420,13 +409,13 @@ void FilterElement::run(GstBuffer* in, GstBuffer* out) {
   post_messages(log_, frame);
   send(out, slot, frame);
   if (frame.decorate) frame.decorate(out);
-  // vulkanupload fills its staging buffer with the next frame as soon as the last one was taken,
-  // even where the device has not copied it yet (GStreamer 1.22): take it when it has.
+  // vulkanupload overwrites its staging buffer with the next frame once this one is returned, even
+  // if the device has not copied it yet (GStreamer 1.22): wait until it has.
   if (in_images_) wait(slot, "for the input image");
   slot.number = number_++;
   slot.wall_ms = milliseconds_since(start);
   slot.pending = true;
-  // Those before it that are done by now, the oldest first, and this one where it was waited for.
+  // Frames that are done by now, the oldest first, this one included if it was waited for.
   for (size_t i = 0; i < slots_.size(); ++i) {
     Slot& older = slots_[next_slot_ + i];
     if (older.pending && !older.commands->done()) break;  // it may be while the next one is asked
@@ -441,7 +430,7 @@ GstClockTime FilterElement::stream_time(GstBuffer* in) const {
 }
 
 bool FilterElement::breaks_off(GstBuffer* in) {
-  // A frame or two dropped by a queue or by QoS is no new scene; the method finds cuts itself.
+  // A frame or two dropped by a queue or by QoS is no new scene; methods find cuts themselves.
   constexpr GstClockTime kPause = GST_SECOND;
   const GstClockTime time = GST_BUFFER_PTS(in), before = last_time_;
   last_time_ = time;
@@ -454,8 +443,8 @@ void FilterElement::finish(Slot& slot) {
   if (!slot.pending) return;
   slot.pending = false;
   wait(slot, "for a frame in flight");
-  // Where nobody waits for the device, the wall clock says little of what a frame costs.
-  filter_->took(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
+  // If the device is not waited for, the wall clock does not measure the cost of a frame.
+  filter_->completed(slot.number, std::max(slot.wall_ms, device_ms(*slot.commands)));
   GstStructure* stats = frame_stats(*slot.commands, ++frames_, slot.wall_ms);
   filter_->describe(stats, slot.number);
   GST_DEBUG_OBJECT(element_, "frame %" G_GUINT64_FORMAT " is done: %" GST_PTR_FORMAT, slot.number,

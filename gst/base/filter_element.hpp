@@ -13,39 +13,37 @@
 
 namespace inverse {
 
-/// The work behind every GstInverseFilter: device, caps, frames in flight, stats. filter.cpp binds
-/// it to GObject.
+/// Device, caps, frames in flight and stats of a GstInverseFilter. filter.cpp binds it to GObject.
 class FilterElement {
  public:
   FilterElement(GstElement* element, const ElementInfo& info);
 
-  /// NULL → READY: decomposers take a device. READY → NULL: everything on the device goes.
+  /// NULL → READY: elements that take pixels take a device. READY → NULL: frees the device.
   bool open();
   void close();
-  /// READY → PAUSED: takes another device where the last one was lost; the filter reads files.
+  /// READY → PAUSED: takes another device if the last one was lost; the filter reads files.
   bool restart();
   /// PAUSED → READY: forgets caps and frames.
   void stop();
 
-  /// Checks fixed caps; posts one error and returns false where they cannot be handled.
+  /// Checks fixed caps; posts one error and returns false if they cannot be handled.
   bool set_caps(GstCaps* in, GstCaps* out);
-  /// Takes one buffer through the filter into `out`, which has memory only where pixels go out.
+  /// Takes one buffer through the filter into `out`, which has memory only if pixels go out.
   GstFlowReturn transform(GstBuffer* in, GstBuffer* out);
   /// The next frame starts afresh; `reason` is for the log.
   void flush(const char* reason);
   /// The stream ended, or will stop.
   void ended();
-  /// Has the filter write the light that it found; posts a warning and returns false where it
-  /// cannot. From any thread.
-  bool save_environment(const char* path);
+  /// Runs an action signal; posts a warning and returns false if it throws. From any thread.
+  bool run(const Action& action, const GValue* arguments);
   /// Downstream said how late a frame was (negative: early). From any thread.
   void late(double milliseconds);
 
   const Log& log() const { return log_; }
   Filter& filter() { return *filter_; }
   DeviceContext& context() { return context_; }
-  /// A configured pool for images, where images go out; posts one error and returns null where
-  /// there can be none. New reference; `size` becomes the size of its buffers.
+  /// A configured pool for the images that go out; posts one error and returns null if there can be
+  /// none. New reference; `size` becomes the size of its buffers.
   GstBufferPool* image_pool(GstCaps* caps, guint* size);
   bool sends_layers() const { return out_layers_; }
   bool sends_images() const { return images_device_ != nullptr; }
@@ -53,7 +51,7 @@ class FilterElement {
   bool resizes() const {
     return GST_VIDEO_INFO_WIDTH(&in_info_) != GST_VIDEO_INFO_WIDTH(&out_info_);
   }
-  /// How long a frame stays here at most: one frame duration where pixels go out, else 0.
+  /// Maximum time of a frame in the element: one frame duration if pixels go out, else 0.
   GstClockTime latency() const { return latency_; }
 
   void set_device_name(const char* name);
@@ -73,17 +71,17 @@ class FilterElement {
   bool try_caps(GstCaps* in, GstCaps* out);
   /// Whether plain frames can be cut into the pictures that the element takes; posts an error else.
   bool can_be_cut();
-  /// Warns of pixels that are not square where the filter takes them for it, once of one shape.
+  /// Warns of pixels that are not square if the filter needs them so; once for each ratio.
   void check_pixel_aspect_ratio();
   void configure(const std::shared_ptr<gpu::Device>& device);
-  /// Has the device build the kernels for frames of which only tiles are converted.
+  /// Builds the kernels for frames of which only tiles are converted.
   void warm_up();
   std::shared_ptr<gpu::Device> device_for(GstBuffer* in);
-  void run(GstBuffer* in, GstBuffer* out);
+  void run_frame(GstBuffer* in, GstBuffer* out);
   void read_input(GstBuffer* in, Slot& slot, FrameContext& frame);
-  /// Converts a frame from memory, as far as it differs from the one before.
+  /// Converts a frame from memory, only the tiles that changed if possible.
   void convert_input(GstBuffer* in, Slot& slot, FrameContext& frame);
-  /// What a frame whose picture came again could take over is gone.
+  /// Drops what a frame whose picture comes again could reuse.
   void forget_repeats();
   void send(GstBuffer* out, Slot& slot, FrameContext& frame);
   GstClockTime stream_time(GstBuffer* in) const;
@@ -93,7 +91,7 @@ class FilterElement {
   void wait(Slot& slot, const char* reason);
   /// Waits for a slot's frame and publishes its stats, once.
   void finish(Slot& slot);
-  /// So with all slots, the oldest first; what goes wrong is logged.
+  /// So with all slots, the oldest first; errors are logged.
   void finish_all();
   void announce_latency(GstClockTime latency);
   std::optional<double> take_lateness();
@@ -105,12 +103,12 @@ class FilterElement {
   DeviceContext context_;
   std::string device_name_;
   std::shared_ptr<gpu::Device> device_;         // the one configured for
-  std::shared_ptr<gpu::Device> images_device_;  // where images go out: the one they go out on
+  std::shared_ptr<gpu::Device> images_device_;  // of the images that go out; null: none do
 
   GstVideoInfo in_info_, out_info_;
   CapsPair asked_;                            // last
   bool refused_ = false;                      // asked_ was answered with an error
-  std::pair<int, int> reported_shape_{1, 1};  // of pixels, that was warned of last
+  std::pair<int, int> reported_ratio_{1, 1};  // of pixels, that was warned of last
   bool in_layers_ = false, in_images_ = false, out_layers_ = false;
   bool configured_ = false;
   std::atomic<bool> fresh_{true};
@@ -118,7 +116,7 @@ class FilterElement {
   std::unique_ptr<FrameOutput> output_;
   std::optional<PlanePool> planes_;
   Repeats repeats_;
-  PlanePtr held_input_;   // of the frame before, while repeats go on or little changes
+  PlanePtr kept_input_;   // of the frame before, while repeats go on or little changes
   gpu::BufferPtr drawn_;  // the slot's buffer with the bytes of the frame before
   gpu::FrameRing<Slot> slots_;
   size_t next_slot_ = 0;
@@ -129,7 +127,7 @@ class FilterElement {
 
   mutable std::mutex mutex_;  // device_name_, stats_, late_ms_
   GstStructure* stats_ = nullptr;
-  std::optional<double> late_ms_;  // the most since the frame before
+  std::optional<double> late_ms_;  // the maximum since the frame before
 
  public:
   FilterElement(const FilterElement&) = delete;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // globalintrinsicthesis: chapter 5 of the thesis.
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -21,12 +22,138 @@ struct Params : GlobalThesisParams, DecomposerParams {
   std::string marks;
 };
 
-class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> {
- public:
-  GlobalThesisElement() : MethodDecomposer(table(), global_thesis_levels()) {}
+PropertyTable<Params> own_properties() {
+  using P = Params;
+  return {
+      number<P>(
+          "seed", &P::seed, 0u, G_MAXUINT,
+          "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
+      flag<P>("adaptive", &P::adaptive,
+              "Reuse layers of repeated pictures once their base colors are refined"),
+      tuning(number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)")),
+      tuning(number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
+                       "Conjugate gradient steps for each (5.7.1)")),
+      number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
+                "Number of chromaticity clusters to look for; duplicates are removed (5.5.1)"),
+      choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
+                {{static_cast<int>(RegionProposals::Mode::off), "off",
+                  "Only clicks mark regions (5.5.2)"},
+                 {static_cast<int>(RegionProposals::Mode::report), "report",
+                  "Tell by message which regions seem to be taken for the wrong color"},
+                 {static_cast<int>(RegionProposals::Mode::correct), "correct",
+                  "Mark them as well, with the color that they seem to have"}},
+                "What to do with regions whose base color looks wrong because of strong indirect "
+                "light"),
+      text<P>("marks", &P::marks,
+              "Regions to mark once, as positions x,y in pixels with spaces between"),
+      tuning(number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f,
+                       "Weight of the data term (Eq. 5.4)")),
+      tuning(number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
+                       "Weight of the distance to clustered reflectance (Eq. 5.6)")),
+      tuning(number<P>("lambda-r-sparsity", &P::lambda_r_sparsity, 0.f, 1e6f,
+                       "Weight of reflectance sparsity (Eq. 5.7)")),
+      tuning(number<P>("lambda-r-consistency", &P::lambda_r_consistency, 0.f, 1e6f,
+                       "Weight of the spatio-temporal samples (Eq. 3.12)")),
+      tuning(number<P>("lambda-monochrome", &P::lambda_monochrome, 0.f, 1e6f,
+                       "Weight of gray shading (Eq. 5.9)")),
+      tuning(number<P>("lambda-i-sparsity", &P::lambda_i_sparsity, 0.f, 1e6f,
+                       "Weight of few indirect layers in a pixel (Eq. 5.11)")),
+      tuning(number<P>("lambda-smoothness", &P::lambda_smoothness, 0.f, 1e6f,
+                       "Weight of piecewise constant light (Eq. 5.12)")),
+      tuning(number<P>("lambda-non-negativity", &P::lambda_non_negativity, 0.f, 1e6f,
+                       "Weight of light that is not negative (Eq. 5.13)")),
+      tuning(number<P>("lambda-ir", &P::lambda_ir, 1e-3f, 1e9f,
+                       "Refinement: weight of small changes of the base colors (Eq. 5.14)")),
+      tuning(number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
+                       "Refinement: weight of their chromaticity (Eq. 5.14)")),
+      tuning(
+          number<P>("refine-rounds", &P::refine_rounds, 0, 100,
+                    "Refinements of the base colors after a start, a cut or the action refine, at "
+                    "most, one a frame; 0 = none")),
+      tuning(number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
+                       "They end where no channel of a base color changes by more")),
+      tuning(
+          number<P>("cut-fraction", &P::cut_fraction, 0.f, 1.f,
+                    "Mean change of chroma, in halves of a natural log unit, from which on a frame "
+                    "counts as a cut of the scene; 0 = never")),
+      tuning(choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
+                       {{static_cast<int>(P::Irls::consistent), "consistent",
+                         "Weights that minimize the energy (p/2)"},
+                        {static_cast<int>(P::Irls::printed), "printed",
+                         "As in Eq. 5.16: L1 terms twice as strong"}},
+                       "Form of the reweighting factor")),
+      tuning(number<P>("p", &P::p, 0.f, 2.f, "Exponent of reflectance sparsity (Eq. 5.7)")),
+      tuning(
+          number<P>("alpha-sr", &P::alpha_sr, 0.f, 1e4f,
+                    "Rise of the soft color Retinex weight with steps of chromaticity (Eq. 5.10); "
+                    "10000 = every pixel counts")),
+      tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                       "How much less dark pixels' samples count (Eq. 3.6)")),
+      tuning(number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
+                       "Chromaticity distance up to which samples bind (Eq. 3.13)")),
+      tuning(number<P>("tau-merge", &P::tau_merge, 0.f, 3.f,
+                       "Chromaticity distance up to which clusters merge (5.7.1)")),
+      tuning(number<P>("tau-neutral", &P::tau_neutral, 0.f, 3.f,
+                       "Base colors this near to white in chromaticity get no layer; 0 = all do")),
+      tuning(number<P>("epsilon", &P::epsilon, 1e-4f, 1.f,
+                       "Smallest light and step of light in a reweighting (5.6.4.1)")),
+      tuning(number<P>("epsilon-r", &P::epsilon_r, 1e-4f, 1.f,
+                       "Smallest reflectance step in a reweighting, log units")),
+      tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                       "Smallest reflectance and light to start from, 1 = full scale")),
+      tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                       "Added to intensities before chromaticities are taken, 1 = full scale")),
+      tuning(number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
+                       "Share of direct light that all indirect layers together start as")),
+      tuning(flag<P>(
+          "line-search", &P::line_search,
+          "Shorten steps that would raise the energy, as they may where light spans decades; "
+          "samples may raise the rest of it, by 5 % of where a frame starts at most")),
+      tuning(flag<P>("warm-start", &P::warm_start,
+                     "Begin where the last frame ended instead of at the clusters")),
+      tuning(number<P>("samples", &P::samples, 0, 64,
+                       "Spatio-temporal samples of a pixel (Eq. 3.12)")),
+      tuning(number<P>("keyframes", &P::keyframes, 0, 5,
+                       "Earlier frames to draw samples from; 0 for stills")),
+      tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                       "Frames from one keyframe to the next")),
+      tuning(flag<P>("resample", &P::resample,
+                     "Draw new sample positions for every frame instead of keeping them")),
+      tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
+  };
+}
 
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    MethodDecomposer::configure(device, extent);
+const PropertyTable<Params>& table() {
+  static const PropertyTable<Params> table = decomposer_properties<Params>(
+      {"Sets steps and pcg-iterations as a group; what is set explicitly wins",
+       "GstGlobalIntrinsicThesisQuality",
+       {"3 steps: an energy of 6 to 14 % above the end",
+        "5 steps: 4 to 7 % above it. Not live without a fast GPU: more than a second for a frame "
+        "of 320x240 on two cores",
+        "8 steps: 3 to 4 % above it", "16 steps, for reference: at it within 1 %"}},
+      own_properties(), Makes::global);
+  return table;
+}
+
+/// A mouse coordinate, which may be any number, as a pixel's; −1 if it is none.
+int pixel_of(double coordinate) {
+  if (std::isnan(coordinate)) return -1;
+  return static_cast<int>(std::clamp(std::floor(coordinate), -1.0, double{G_MAXINT}));
+}
+
+class GlobalThesisMethod final : public DecompositionMethod {
+ public:
+  PropertyStore& parameters() override { return settings_.store(); }
+  std::vector<double> level_costs() const override { return settings_.level_costs(); }
+  bool adaptive() const override { return settings_.properties().adaptive; }
+  FrameSettings next_settings(RateController& controller) override {
+    return settings_.next(controller);
+  }
+
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                 const Log& log) override {
+    log_ = log;
+    method_.emplace(device, extent);
     extent_ = extent;
     forget_regions();
     regions_.emplace(device, extent);
@@ -36,13 +163,13 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     started_ = false;
     most_colors_ = GlobalThesis::most_layers(*device, extent);
     reported_limit_ = 0;
-    // All that frames may need later is built now: scenes with other colors, refinement,
+    // Kernels that later frames may need are built now: for other scenes' colors, refinement,
     // correction.
-    method_->set_params(parameters_.snapshot());
+    method_->set_params(settings_.properties());
     method_->warm_up();
     if (!warm_up_correction(device))
       GST_CAT_WARNING_OBJECT(
-          log().category, log().object,
+          log.category, log.object,
           "the correction of clusters did not end on its test picture: some kernels may be built "
           "in mid-stream");
   }
@@ -54,10 +181,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     marks_.clear();
     messages_.forget();
     seen_ = false;
-    MethodDecomposer::release();
+    method_.reset();
   }
   void reset() override {
-    MethodDecomposer::reset();
+    method_->reset();
     regions_->reset();
     correction_->reset();
     proposals_->reset();
@@ -68,25 +195,24 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     // What was asked for before there was any frame is meant for the first one.
     if (seen_) requests_.forget_clicks();
   }
-  void mark(int x, int y) override { requests_.add({x, y, 0, RegionRequests::Click::What::frame}); }
-  void click(int x, int y) override {
-    requests_.add({x, y, 0, RegionRequests::Click::What::picture});
+  void mark(int x, int y) { requests_.add({x, y, 0, RegionRequests::Click::What::frame}); }
+  void unmark(int region) { requests_.add({0, 0, region, RegionRequests::Click::What::unmark}); }
+  void refine() { requests_.refine(); }
+  void navigate(const MouseEvent& event) override {
+    if (event.kind == MouseEvent::Kind::press)
+      requests_.add(
+          {pixel_of(event.x), pixel_of(event.y), 0, RegionRequests::Click::What::picture});
   }
-  void unmark(int region) override {
-    requests_.add({0, 0, region, RegionRequests::Click::What::unmark});
-  }
-  void refine() override { requests_.refine(); }
 
- protected:
-  // Marked regions and base colors go on being decided while a picture stays.
-  bool settled(std::optional<uint64_t> done) const override {
-    return done.value_or(0) >= method_->scene_since() && messages_.empty() &&
+  // Marked regions and base colors are refined further while a picture stays.
+  bool converged(std::optional<uint64_t> completed) const override {
+    return completed.value_or(0) >= method_->scene_since() && messages_.empty() &&
            !regions_->has_lost() && !method_->refining() && !correction_->busy() &&
            requests_.empty() && !proposals_->pending(params().propose) &&
            since_click_ > kClickFrames;
   }
 
-  void done(uint64_t number) override {
+  void completed(uint64_t number) override {
     method_->collect(number);
     if (method_->stats(number).cut) {
       regions_->reset(MarkedRegions::Loss::cut);
@@ -102,7 +228,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       messages_.proposed(proposal);
   }
 
-  void describe_method(GstStructure* stats, uint64_t number) const override {
+  void describe(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
     guint regions = 0, decided = 0;
     for (const auto& region : regions_->regions()) {
@@ -117,15 +243,9 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
                       static_cast<double>(method.change), "regions", G_TYPE_UINT, regions,
                       "regions-decided", G_TYPE_UINT, decided, "regions-proposed", G_TYPE_UINT,
                       static_cast<guint>(proposals_->count()), nullptr);
-    GValue list = G_VALUE_INIT;
-    gst_value_array_init(&list, kMaxBases);
-    for (const auto& color : method_->colors().layer_colors()) {
-      GValue entry = G_VALUE_INIT;
-      g_value_init(&entry, G_TYPE_UINT);
-      g_value_set_uint(&entry, srgb_color(color));
-      gst_value_array_append_and_take_value(&list, &entry);
-    }
-    gst_structure_take_value(stats, "base-colors", &list);
+    std::vector<guint> bases;
+    for (const auto& color : method_->colors().layer_colors()) bases.push_back(srgb_color(color));
+    set_color_list(stats, "base-colors", bases);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
@@ -186,7 +306,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       if (what == RegionRequests::Click::What::unmark) {
         proposals_->refuse(region);
         if (!regions_->remove(region))
-          GST_CAT_WARNING_OBJECT(log().category, log().object, "no region %d is marked", region);
+          GST_CAT_WARNING_OBJECT(log_.category, log_.object, "no region %d is marked", region);
         continue;
       }
       if (what == RegionRequests::Click::What::picture && frame.draw &&
@@ -196,7 +316,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
       RegionMessages::post_marked(frame, x, y, number);
       if (number == 0)
         GST_CAT_WARNING_OBJECT(
-            log().category, log().object,
+            log_.category, log_.object,
             "a click at %d, %d was refused: outside the frame, or %d regions are marked", x, y,
             MarkedRegions::kMaxRegions);
     }
@@ -207,7 +327,7 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     const int wanted = params().clusters;
     if (wanted <= most_colors_ || wanted == std::exchange(reported_limit_, wanted)) return;
     GST_CAT_WARNING_OBJECT(
-        log().category, log().object,
+        log_.category, log_.object,
         "base-colors=%d, but the device can bind the layers of %d at %ux%u: make the frame smaller "
         "for more",
         wanted, most_colors_, extent_.width, extent_.height);
@@ -223,119 +343,11 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
     messages_.lost(regions_->take_lost());
   }
 
-  static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table = properties<Params>(
-        {"Sets steps and pcg-iterations as a group; what is set explicitly wins",
-         "GstGlobalIntrinsicThesisQuality",
-         {"3 steps: an energy of 6 to 14 % above the end",
-          "5 steps: 4 to 7 % above it. Not live without a fast GPU: more than a second for a frame "
-          "of 320x240 on two cores",
-          "8 steps: 3 to 4 % above it", "16 steps, for reference: at it within 1 %"}},
-        own_properties(), Makes::global);
-    return table;
-  }
-  static PropertyTable<Params> own_properties() {
-    using P = Params;
-    return {
-        number<P>(
-            "seed", &P::seed, 0u, G_MAXUINT,
-            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
-        flag<P>("adaptive", &P::adaptive,
-                "Reuse layers of repeated pictures once their base colors are refined"),
-        tuning(number<P>("steps", &P::steps, 1, 64, "Gauss-Newton steps of a frame (5.7.1)")),
-        tuning(number<P>("pcg-iterations", &P::pcg_iterations, 1, 256,
-                         "Conjugate gradient steps for each (5.7.1)")),
-        number<P>("base-colors", &P::clusters, 1, static_cast<int>(kMaxBases),
-                  "Number of chromaticity clusters to look for; duplicates are removed (5.5.1)"),
-        choice<P>("propose", &P::propose, "GstGlobalIntrinsicThesisPropose",
-                  {{static_cast<int>(RegionProposals::Mode::off), "off",
-                    "Only clicks mark regions (5.5.2)"},
-                   {static_cast<int>(RegionProposals::Mode::report), "report",
-                    "Tell by message which regions seem to be taken for the wrong color"},
-                   {static_cast<int>(RegionProposals::Mode::correct), "correct",
-                    "Mark them as well, with the color that they seem to have"}},
-                  "What to do with regions whose base color looks wrong because of strong indirect "
-                  "light"),
-        text<P>("marks", &P::marks,
-                "Regions to mark once, as positions x,y in pixels with spaces between"),
-        tuning(number<P>("lambda-data", &P::lambda_data, 0.f, 1e6f,
-                         "Weight of the data term (Eq. 5.4)")),
-        tuning(number<P>("lambda-clustering", &P::lambda_clustering, 0.f, 1e6f,
-                         "Weight of the distance to clustered reflectance (Eq. 5.6)")),
-        tuning(number<P>("lambda-r-sparsity", &P::lambda_r_sparsity, 0.f, 1e6f,
-                         "Weight of reflectance sparsity (Eq. 5.7)")),
-        tuning(number<P>("lambda-r-consistency", &P::lambda_r_consistency, 0.f, 1e6f,
-                         "Weight of the spatio-temporal samples (Eq. 3.12)")),
-        tuning(number<P>("lambda-monochrome", &P::lambda_monochrome, 0.f, 1e6f,
-                         "Weight of gray shading (Eq. 5.9)")),
-        tuning(number<P>("lambda-i-sparsity", &P::lambda_i_sparsity, 0.f, 1e6f,
-                         "Weight of few indirect layers in a pixel (Eq. 5.11)")),
-        tuning(number<P>("lambda-smoothness", &P::lambda_smoothness, 0.f, 1e6f,
-                         "Weight of piecewise constant light (Eq. 5.12)")),
-        tuning(number<P>("lambda-non-negativity", &P::lambda_non_negativity, 0.f, 1e6f,
-                         "Weight of light that is not negative (Eq. 5.13)")),
-        tuning(number<P>("lambda-ir", &P::lambda_ir, 1e-3f, 1e9f,
-                         "Refinement: weight of small changes of the base colors (Eq. 5.14)")),
-        tuning(number<P>("lambda-cr", &P::lambda_cr, 0.f, 1e9f,
-                         "Refinement: weight of their chromaticity (Eq. 5.14)")),
-        tuning(number<P>(
-            "refine-rounds", &P::refine_rounds, 0, 100,
-            "Refinements of the base colors after a start, a cut or the action refine, at "
-            "most, one a frame; 0 = none")),
-        tuning(number<P>("refine-settled", &P::refine_settled, 0.f, 1.f,
-                         "They end where no channel of a base color changes by more")),
-        tuning(number<P>(
-            "cut-fraction", &P::cut_fraction, 0.f, 1.f,
-            "Mean change of chroma, in halves of a natural log unit, from which on a frame "
-            "counts as a cut of the scene; 0 = never")),
-        tuning(choice<P>("irls", &P::irls, "GstGlobalIntrinsicThesisIrls",
-                         {{static_cast<int>(P::Irls::consistent), "consistent",
-                           "Weights that minimize the energy (p/2)"},
-                          {static_cast<int>(P::Irls::printed), "printed",
-                           "As in Eq. 5.16: L1 terms twice as strong"}},
-                         "Form of the reweighting factor")),
-        tuning(number<P>("p", &P::p, 0.f, 2.f, "Exponent of reflectance sparsity (Eq. 5.7)")),
-        tuning(number<P>(
-            "alpha-sr", &P::alpha_sr, 0.f, 1e4f,
-            "Rise of the soft color Retinex weight with steps of chromaticity (Eq. 5.10); "
-            "10000 = every pixel counts")),
-        tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
-                         "How much less dark pixels' samples count (Eq. 3.6)")),
-        tuning(number<P>("tau-cc", &P::tau_cc, 0.f, 3.f,
-                         "Chromaticity distance up to which samples bind (Eq. 3.13)")),
-        tuning(number<P>("tau-merge", &P::tau_merge, 0.f, 3.f,
-                         "Chromaticity distance up to which clusters merge (5.7.1)")),
-        tuning(
-            number<P>("tau-neutral", &P::tau_neutral, 0.f, 3.f,
-                      "Base colors this near to white in chromaticity get no layer; 0 = all do")),
-        tuning(number<P>("epsilon", &P::epsilon, 1e-4f, 1.f,
-                         "Smallest light and step of light in a reweighting (5.6.4.1)")),
-        tuning(number<P>("epsilon-r", &P::epsilon_r, 1e-4f, 1.f,
-                         "Smallest reflectance step in a reweighting, log units")),
-        tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
-                         "Smallest reflectance and light to start from, 1 = full scale")),
-        tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
-                         "Added to intensities before chromaticities are taken, 1 = full scale")),
-        tuning(number<P>("indirect-start", &P::indirect_start, 0.f, 1.f,
-                         "Share of direct light that all indirect layers together start as")),
-        tuning(flag<P>(
-            "line-search", &P::line_search,
-            "Shorten steps that would raise the energy, as they may where light spans decades; "
-            "samples may raise the rest of it, by 5 % of where a frame starts at most")),
-        tuning(flag<P>("warm-start", &P::warm_start,
-                       "Begin where the last frame ended instead of at the clusters")),
-        tuning(number<P>("samples", &P::samples, 0, 64,
-                         "Spatio-temporal samples of a pixel (Eq. 3.12)")),
-        tuning(number<P>("keyframes", &P::keyframes, 0, 5,
-                         "Earlier frames to draw samples from; 0 for stills")),
-        tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
-                         "Frames from one keyframe to the next")),
-        tuning(flag<P>("resample", &P::resample,
-                       "Draw new sample positions for every frame instead of keeping them")),
-        tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
-    };
-  }
+  const Params& params() const { return settings_.params(); }
 
+  Log log_{};
+  MethodSettings<Params, GlobalThesisParams> settings_{table(), global_thesis_levels()};
+  std::optional<GlobalThesis> method_;
   std::optional<MarkedRegions> regions_;
   std::optional<MisclusteringCorrection> correction_;
   std::optional<RegionProposals> proposals_;
@@ -355,6 +367,10 @@ class GlobalThesisElement final : public MethodDecomposer<GlobalThesis, Params> 
   std::string marks_;  // that were taken
 };
 
+GlobalThesisMethod& method_of(Filter& filter) {
+  return static_cast<GlobalThesisMethod&>(static_cast<Decomposer&>(filter).method());
+}
+
 }  // namespace
 
 extern const ElementInfo kGlobalIntrinsicThesis;
@@ -370,7 +386,20 @@ const ElementInfo kGlobalIntrinsicThesis{
     Flow::pixels_or_layers,
     kGlobalLayers,
     nullptr,
-    [] { return std::unique_ptr<Filter>(new GlobalThesisElement); },
+    []() -> std::unique_ptr<Filter> {
+      return std::make_unique<Decomposer>(std::make_unique<GlobalThesisMethod>());
+    },
+    {{"mark",
+      {G_TYPE_INT, G_TYPE_INT},
+      [](Filter& filter, const GValue* at) {
+        method_of(filter).mark(g_value_get_int(at), g_value_get_int(at + 1));
+      }},
+     {"unmark",
+      {G_TYPE_INT},
+      [](Filter& filter, const GValue* region) {
+        method_of(filter).unmark(g_value_get_int(region));
+      }},
+     {"refine", {}, [](Filter& filter, const GValue*) { method_of(filter).refine(); }}},
     true};
 
 }  // namespace inverse

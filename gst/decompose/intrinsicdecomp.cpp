@@ -1,67 +1,70 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // intrinsicdecomp: reflectance and shading of live video, one log-shading unknown a pixel.
+#include "decomposer.hpp"
 #include "kernels/intrinsic/quality_levels.hpp"
 #include "solve_properties.hpp"
 
 namespace inverse {
 namespace {
 
-using Params = SolveElementParams<ScaledIntrinsic::Params>;
+using Params = SolveParams<ScaledIntrinsic::Params>;
 
-class IntrinsicElement final : public SolvingDecomposer<ScaledIntrinsic, Params> {
+const PropertyTable<Params>& table() {
+  static const PropertyTable<Params> table =
+      decomposer_properties<Params>({kSolveSets}, solve_properties<Params>());
+  return table;
+}
+
+class IntrinsicMethod final : public DecompositionMethod {
  public:
-  IntrinsicElement() : SolvingDecomposer(table(), intrinsic_levels()) {}
-
- protected:
-  bool settled(std::optional<uint64_t> done) const override {
-    return done && !method_->fading() && method_->findings(*done).change < params().keep_tolerance;
+  PropertyStore& parameters() override { return settings_.store(); }
+  std::vector<double> level_costs() const override { return settings_.level_costs(); }
+  bool adaptive() const override { return settings_.properties().adaptive; }
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                 const Log& log) override {
+    method_.emplace(device, extent);
+    prepare_solve(*method_, settings_.properties(), log);
   }
-
-  void describe_method(GstStructure* stats, uint64_t number) const override {
-    describe_solve(stats, method_->stats(number), method_->findings(number));
+  void release() override { method_.reset(); }
+  void reset() override { method_->reset(); }
+  FrameSettings next_settings(RateController& controller) override {
+    return settings_.next(controller);
   }
-  const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const override {
-    return method_->stats(number);
-  }
-
   uint64_t decompose(FrameContext& frame) override {
-    Params params = in_force(frame);
-    // One that rests settles everywhere: a tile that was left out may lack what time would have
-    // given.
-    if (frame.repeated && repeated_) params.tile_tolerance = 0;
-    repeated_ = frame.repeated;
-    frame.layers = method_->record(frame.commands, frame.layers[Role::input], params,
-                                   {frame.fresh, frame.changed});
+    frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
+                                   {frame.fresh, frame.changed, frame.repeated});
     frame.drawn = method_->drawn();
     return method_->recorded() - 1;
   }
+  bool converged(std::optional<uint64_t> completed) const override {
+    return completed && method_->converged(*completed, settings_.params());
+  }
+  bool typical(uint64_t number) const override { return inverse::typical(method_->stats(number)); }
+  void describe(GstStructure* stats, uint64_t number) const override {
+    describe_solve(stats, method_->stats(number), method_->findings(number));
+  }
 
  private:
-  bool repeated_ = false;  // the last frame that was decomposed
-
-  static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table = [] {
-      PropertyTable<Params> all = solve_properties<Params>();
-      all.push_back(tile_tolerance_property<Params>());
-      return properties<Params>({kSolveSets}, all);
-    }();
-    return table;
-  }
+  MethodSettings<Params, ScaledIntrinsic::Params> settings_{table(), intrinsic_levels()};
+  std::optional<ScaledIntrinsic> method_;
 };
 
 }  // namespace
 
 extern const ElementInfo kIntrinsicDecomp;
-const ElementInfo kIntrinsicDecomp{"intrinsicdecomp",
-                                   "GstIntrinsicDecomp",
-                                   "Intrinsic decomposition",
-                                   "Filter/Effect/Video",
-                                   "Decomposes live video into reflectance (color without light) "
-                                   "and shading (light without color)",
-                                   Flow::pixels,
-                                   Flow::pixels_or_layers,
-                                   kIntrinsicLayers,
-                                   nullptr,
-                                   [] { return std::unique_ptr<Filter>(new IntrinsicElement); }};
+const ElementInfo kIntrinsicDecomp{
+    "intrinsicdecomp",
+    "GstIntrinsicDecomp",
+    "Intrinsic decomposition",
+    "Filter/Effect/Video",
+    "Decomposes live video into reflectance (color without light) "
+    "and shading (light without color)",
+    Flow::pixels,
+    Flow::pixels_or_layers,
+    kIntrinsicLayers,
+    nullptr,
+    []() -> std::unique_ptr<Filter> {
+      return std::make_unique<Decomposer>(std::make_unique<IntrinsicMethod>());
+    }};
 
 }  // namespace inverse

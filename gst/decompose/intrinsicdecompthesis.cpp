@@ -3,6 +3,7 @@
 #include "decomposer.hpp"
 #include "kernels/thesis/chapter3/quality_levels.hpp"
 #include "kernels/thesis/chapter3/thesis_decomposition.hpp"
+#include "solve_properties.hpp"
 
 namespace inverse {
 namespace {
@@ -11,122 +12,133 @@ struct Params : ThesisParams, DecomposerParams {
   bool adaptive = true;
 };
 
-class ThesisElement final : public MethodDecomposer<ThesisDecomposition, Params> {
+PropertyTable<Params> own_properties() {
+  using P = Params;
+  return {
+      number<P>(
+          "seed", &P::seed, 0u, G_MAXUINT,
+          "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
+      flag<P>("adaptive", &P::adaptive,
+              "Reuse layers of repeated pictures and stop iterations early by settled"),
+      tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+                       "Residual, relative to a level's first system, at which conjugate "
+                       "gradients end; 0 = all iterations")),
+      tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
+                       {{static_cast<int>(P::Solver::pcg), "pcg",
+                         "Conjugate gradients with inverse diagonal, whole level"},
+                        {static_cast<int>(P::Solver::schwarz), "schwarz",
+                         "Additive Schwarz on shifted blocks of 16x16"}},
+                       "What solves the linear system of a reweighting (thesis 3.5)")),
+      tuning(choice<P>("irls", &P::irls, "GstIntrinsicDecompThesisIrls",
+                       {{static_cast<int>(P::Irls::consistent), "consistent",
+                         "Weights that minimize the energy (p/2)"},
+                        {static_cast<int>(P::Irls::printed), "printed",
+                         "As in Eq. 3.19: a sparsity 2/p times stronger"}},
+                       "Form of the reweighting factor")),
+      tuning(number<P>("levels", &P::levels, 0, 12,
+                       "Levels of the Gaussian pyramid; 0 = three to five by resolution")),
+      tuning(
+          number<P>("irls-iterations", &P::irls_iterations, 1, 64, "Reweightings on each level")),
+      tuning(number<P>(
+          "pcg-iterations", &P::pcg_iterations, 1, 256,
+          "Conjugate gradient steps for each reweighting (with solver=schwarz: for each block)")),
+      tuning(number<P>("w-data", &P::w_data, 0.f, 1e6f, "Weight of the data term (Eq. 3.5)")),
+      tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
+                       "How much less dark pixels count (Eq. 3.6)")),
+      tuning(number<P>("w-reflectance", &P::w_reflectance, 0.f, 1e6f,
+                       "Weight of reflectance sparsity (Eq. 3.8)")),
+      tuning(number<P>("w-shading", &P::w_shading, 0.f, 1e6f,
+                       "Weight of shading smoothness (Eq. 3.9)")),
+      tuning(number<P>("w-chromaticity", &P::w_chromaticity, 0.f, 1e6f,
+                       "Weight of the chromaticity prior (Eq. 3.10)")),
+      tuning(number<P>("w-non-local", &P::w_non_local, 0.f, 1e6f,
+                       "Weight of the spatio-temporal samples (Eq. 3.12)")),
+      tuning(number<P>("w-clustering", &P::w_clustering, 0.f, 1e6f,
+                       "Weight of the reflectance clusters (Eq. 3.15)")),
+      tuning(
+          number<P>("w-cs", &P::w_cs, 0.f, 1.f, "Scale of the chromaticity similarity (Eq. 3.7)")),
+      tuning(number<P>("p", &P::p, 0.f, 2.f,
+                       "Exponent of reflectance sparsity; smaller is sparser (Eq. 3.8)")),
+      tuning(
+          number<P>("alpha-cs", &P::alpha_cs, 0.f, 1e4f,
+                    "Fall-off of similarity with chromaticity distance, chromaticities of mean 1 "
+                    "(Eq. 3.7)")),
+      tuning(number<P>("alpha-clustering", &P::alpha_clustering, 0.f, 1e3f,
+                       "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)")),
+      tuning(number<P>(
+          "tau-cc", &P::tau_cc, 0.f, 3.f,
+          "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)")),
+      tuning(number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
+                       "Smallest reflectance step in a reweighting, log units")),
+      tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
+                       "Smallest intensity before the logarithm, 1 = full scale")),
+      tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
+                       "Added to intensities before chromaticities are taken, 1 = full scale")),
+      tuning(number<P>("samples", &P::samples, 0, 64,
+                       "Spatio-temporal samples of a pixel (Eq. 3.12)")),
+      tuning(number<P>("keyframes", &P::keyframes, 0, 5,
+                       "Earlier frames to draw samples from; 0 for stills")),
+      tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
+                       "Frames from one keyframe to the next")),
+      tuning(flag<P>("resample", &P::resample,
+                     "Draw new sample positions for every frame instead of keeping them")),
+      tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
+  };
+}
+
+const PropertyTable<Params>& table() {
+  static const PropertyTable<Params> table = decomposer_properties<Params>(
+      {"Sets iterations as a group; what is set explicitly wins",
+       "GstIntrinsicDecompThesisQuality",
+       {"Half of the iterations that the thesis runs, in six tenths of the time",
+        "What the thesis runs: 4 reweightings of 8 iterations a level (3.6.5)",
+        "7 x 8 iterations, with which the thesis shows convergence",
+        "16 x 16 iterations, for reference"}},
+      own_properties());
+  return table;
+}
+
+class ThesisMethod final : public DecompositionMethod {
  public:
-  ThesisElement() : MethodDecomposer(table(), thesis_levels()) {}
+  PropertyStore& parameters() override { return settings_.store(); }
+  std::vector<double> level_costs() const override { return settings_.level_costs(); }
+  bool adaptive() const override { return settings_.properties().adaptive; }
+  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
+    method_.emplace(device, extent);
+  }
+  void release() override { method_.reset(); }
+  void reset() override { method_->reset(); }
+  FrameSettings next_settings(RateController& controller) override {
+    return settings_.next(controller);
+  }
 
- protected:
-  // It does not start from the frame before: the same picture again would gain nothing but another
-  // keyframe and another vote of the clusters.
-  bool settled(std::optional<uint64_t>) const override { return true; }
+  uint64_t decompose(FrameContext& frame) override {
+    ThesisParams params = settings_.params();
+    if (!settings_.params().adaptive) params.settled = 0;
+    method_->set_params(params);
+    return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
+  }
 
-  void describe_method(GstStructure* stats, uint64_t number) const override {
+  // It does not start from the frame before: the same picture again would only add another keyframe
+  // and another vote of the clusters.
+  bool converged(std::optional<uint64_t>) const override { return true; }
+
+  void describe(GstStructure* stats, uint64_t number) const override {
     const auto method = method_->stats(number);
-    std::string skipped;
-    for (const auto& reason : method.skipped) skipped += (skipped.empty() ? "" : "; ") + reason;
-    gst_structure_set(stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
-                      method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations,
-                      "iterations", G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT,
-                      method.keyframes, "residual", G_TYPE_DOUBLE,
-                      static_cast<double>(method.residual), "scale", G_TYPE_DOUBLE,
-                      static_cast<double>(method.scale), "clusters", G_TYPE_INT,
-                      method.cluster_count, "skipped", G_TYPE_STRING, skipped.c_str(), nullptr);
+    gst_structure_set(
+        stats, "levels", G_TYPE_INT, method.levels, "irls-iterations", G_TYPE_INT,
+        method.irls_iterations, "pcg-iterations", G_TYPE_INT, method.pcg_iterations, "iterations",
+        G_TYPE_INT, method.iterations, "keyframes", G_TYPE_INT, method.keyframes, "residual",
+        G_TYPE_DOUBLE, static_cast<double>(method.residual), "scale", G_TYPE_DOUBLE,
+        static_cast<double>(method.scale), "clusters", G_TYPE_INT, method.cluster_count, "skipped",
+        G_TYPE_STRING, joined(method.skipped).c_str(), nullptr);
     if (!method.energy.empty())
       gst_structure_set(stats, "energy", G_TYPE_DOUBLE, method.energy.back().total(), nullptr);
   }
 
-  uint64_t decompose(FrameContext& frame) override {
-    ThesisParams in_force = params();
-    if (!params().adaptive) in_force.settled = 0;
-    method_->set_params(in_force);
-    return method_->record(frame.commands, *frame.layers[Role::input], frame.layers);
-  }
-
  private:
-  static const PropertyTable<Params>& table() {
-    static const PropertyTable<Params> table = properties<Params>(
-        {"Sets iterations as a group; what is set explicitly wins",
-         "GstIntrinsicDecompThesisQuality",
-         {"Half of the iterations that the thesis runs, in six tenths of the time",
-          "What the thesis runs: 4 reweightings of 8 iterations a level (3.6.5)",
-          "7 x 8 iterations, with which the thesis shows convergence",
-          "16 x 16 iterations, for reference"}},
-        own_properties());
-    return table;
-  }
-  static PropertyTable<Params> own_properties() {
-    using P = Params;
-    return {
-        number<P>(
-            "seed", &P::seed, 0u, G_MAXUINT,
-            "Seed of sample positions and of the first clusters; equal seeds give equal layers"),
-        flag<P>("adaptive", &P::adaptive,
-                "Reuse layers of repeated pictures and stop iterations early by settled"),
-        tuning(number<P>("settled", &P::settled, 0.f, 1.f,
-                         "Residual, relative to a level's first system, at which conjugate "
-                         "gradients end; 0 = all iterations")),
-        tuning(choice<P>("solver", &P::solver, "GstIntrinsicDecompThesisSolver",
-                         {{static_cast<int>(P::Solver::pcg), "pcg",
-                           "Conjugate gradients with inverse diagonal, whole level"},
-                          {static_cast<int>(P::Solver::schwarz), "schwarz",
-                           "Additive Schwarz on shifted blocks of 16x16"}},
-                         "What solves the linear system of a reweighting (thesis 3.5)")),
-        tuning(choice<P>("irls", &P::irls, "GstIntrinsicDecompThesisIrls",
-                         {{static_cast<int>(P::Irls::consistent), "consistent",
-                           "Weights that minimize the energy (p/2)"},
-                          {static_cast<int>(P::Irls::printed), "printed",
-                           "As in Eq. 3.19: a sparsity 2/p times stronger"}},
-                         "Form of the reweighting factor")),
-        tuning(number<P>("levels", &P::levels, 0, 12,
-                         "Levels of the Gaussian pyramid; 0 = three to five by resolution")),
-        tuning(
-            number<P>("irls-iterations", &P::irls_iterations, 1, 64, "Reweightings on each level")),
-        tuning(number<P>(
-            "pcg-iterations", &P::pcg_iterations, 1, 256,
-            "Conjugate gradient steps for each reweighting (with solver=schwarz: for each block)")),
-        tuning(number<P>("w-data", &P::w_data, 0.f, 1e6f, "Weight of the data term (Eq. 3.5)")),
-        tuning(number<P>("w-intensity", &P::w_intensity, 0.f, 1.f,
-                         "How much less dark pixels count (Eq. 3.6)")),
-        tuning(number<P>("w-reflectance", &P::w_reflectance, 0.f, 1e6f,
-                         "Weight of reflectance sparsity (Eq. 3.8)")),
-        tuning(number<P>("w-shading", &P::w_shading, 0.f, 1e6f,
-                         "Weight of shading smoothness (Eq. 3.9)")),
-        tuning(number<P>("w-chromaticity", &P::w_chromaticity, 0.f, 1e6f,
-                         "Weight of the chromaticity prior (Eq. 3.10)")),
-        tuning(number<P>("w-non-local", &P::w_non_local, 0.f, 1e6f,
-                         "Weight of the spatio-temporal samples (Eq. 3.12)")),
-        tuning(number<P>("w-clustering", &P::w_clustering, 0.f, 1e6f,
-                         "Weight of the reflectance clusters (Eq. 3.15)")),
-        tuning(number<P>("w-cs", &P::w_cs, 0.f, 1.f,
-                         "Scale of the chromaticity similarity (Eq. 3.7)")),
-        tuning(number<P>("p", &P::p, 0.f, 2.f,
-                         "Exponent of reflectance sparsity; smaller is sparser (Eq. 3.8)")),
-        tuning(
-            number<P>("alpha-cs", &P::alpha_cs, 0.f, 1e4f,
-                      "Fall-off of similarity with chromaticity distance, chromaticities of mean 1 "
-                      "(Eq. 3.7)")),
-        tuning(number<P>("alpha-clustering", &P::alpha_clustering, 0.f, 1e3f,
-                         "Fall-off of the cluster weight with intensity 0...1 (Eq. 3.15)")),
-        tuning(number<P>(
-            "tau-cc", &P::tau_cc, 0.f, 3.f,
-            "Chromaticity distance up to which samples bind and clusters merge (Eq. 3.13)")),
-        tuning(number<P>("epsilon", &P::epsilon, 1e-6f, 1.f,
-                         "Smallest reflectance step in a reweighting, log units")),
-        tuning(number<P>("log-floor", &P::log_floor, 1e-6f, 0.5f,
-                         "Smallest intensity before the logarithm, 1 = full scale")),
-        tuning(number<P>("chroma-floor", &P::chroma_floor, 1e-6f, 0.5f,
-                         "Added to intensities before chromaticities are taken, 1 = full scale")),
-        tuning(number<P>("samples", &P::samples, 0, 64,
-                         "Spatio-temporal samples of a pixel (Eq. 3.12)")),
-        tuning(number<P>("keyframes", &P::keyframes, 0, 5,
-                         "Earlier frames to draw samples from; 0 for stills")),
-        tuning(number<P>("keyframe-spacing", &P::keyframe_spacing, 1, 1000,
-                         "Frames from one keyframe to the next")),
-        tuning(flag<P>("resample", &P::resample,
-                       "Draw new sample positions for every frame instead of keeping them")),
-        tuning(flag<P>("energy", &P::energy, "Evaluate the energy of every frame for stats")),
-    };
-  }
+  MethodSettings<Params, ThesisParams> settings_{table(), thesis_levels()};
+  std::optional<ThesisDecomposition> method_;
 };
 
 }  // namespace
@@ -144,6 +156,8 @@ const ElementInfo kIntrinsicDecompThesis{
     Flow::pixels_or_layers,
     kIntrinsicLayers,
     nullptr,
-    [] { return std::unique_ptr<Filter>(new ThesisElement); }};
+    []() -> std::unique_ptr<Filter> {
+      return std::make_unique<Decomposer>(std::make_unique<ThesisMethod>());
+    }};
 
 }  // namespace inverse

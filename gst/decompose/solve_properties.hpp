@@ -1,31 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
-#include <algorithm>
-
-#include "decomposer.hpp"
-#include "kernels/intrinsic/reuse/skip_error.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "kernels/reuse/skip_error.hpp"
+#include "method.hpp"
 
 namespace inverse {
 
-/// What decomposers whose shading is solved for by ScaledIntrinsic have beside its parameters.
-struct SolveParams : DecomposerParams {
-  /// Rms change of log shading by the last cycle below which a picture that comes again is kept.
-  float keep_tolerance = 1e-3F;
-  float skip_error = kSkipError;  ///< rms log shading
-};
-
-/// The parameters of such an element: the method's and those.
+/// The parameters of an element whose method solves by ScaledIntrinsic: the method's, and these.
 template <typename MethodParams>
-struct SolveElementParams : MethodParams, SolveParams {
-  void derive() {
-    const float factor = skip_error / kSkipError;
-    this->scale_tolerances(factor);
-    keep_tolerance *= factor;
-  }
+struct SolveParams : MethodParams, DecomposerParams {
+  float skip_error = kSkipError;  ///< rms log shading
+  void derive() { this->scale_tolerances(skip_error / kSkipError); }
 };
 
-/// The properties of ScaledIntrinsic::Params and SolveParams, from both of which P derives.
+/// The properties of SolveParams<…>, P.
 template <typename P>
 PropertyTable<P> solve_properties() {
   return {
@@ -34,7 +22,7 @@ PropertyTable<P> solve_properties() {
       number<P>("skip-error", &P::skip_error, 0.f, 1.f,
                 "Maximum error that skipped work may add (rms log shading); 0 skips nothing that "
                 "changes the result"),
-      tuning(number<P>("settled", &P::settled, 0.f, 1.f,
+      tuning(number<P>("cycle-tolerance", &P::cycle_tolerance, 0.f, 1.f,
                        "Change by a multigrid cycle after which no other follows (rms log "
                        "shading); 0 = all run")),
       tuning(flag<P>("half-resolution", &P::half_resolution,
@@ -42,20 +30,23 @@ PropertyTable<P> solve_properties() {
       tuning(flag<P>("quarter-resolution", &P::quarter_resolution,
                      "With half-resolution: solve at a quarter of width and height")),
       tuning(number<P>(
-          "half-resolution-bound", &P::half_bound, 0.f, 1.f,
+          "half-tolerance", &P::half_tolerance, 0.f, 1.f,
           "Maximum error at which half resolution is chosen (rms log shading); 0 = never")),
       tuning(number<P>(
           "chroma-tolerance", &P::chroma_tolerance, 0.f, 1.f,
           "Maximum effect of the equal-chroma term that is skipped (rms log shading); 0 = never")),
-      tuning(number<P>("hold-tolerance", &P::hold_tolerance, 0.f, 1.f,
+      tuning(number<P>("gate-tolerance", &P::gate_tolerance, 0.f, 1.f,
                        "Maximum share of held reflectance at which the last frame is not compared; "
                        "0 = always compared")),
-      tuning(number<P>("keep-tolerance", &P::keep_tolerance, 0.f, 0.1f,
+      tuning(number<P>("repeat-tolerance", &P::repeat_tolerance, 0.f, 0.1f,
                        "Change by the last cycle below which a repeated picture reuses its layers "
                        "(rms log shading)")),
       tuning(number<P>(
-          "still-tolerance", &P::still_tolerance, 0.f, 1.f,
+          "edge-tolerance", &P::edge_tolerance, 0.f, 1.f,
           "Change of a tile at which its edges are evaluated again (log intensity or chroma)")),
+      tuning(number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
+                       "Maximum estimated error of a skipped static tile before it is recomputed "
+                       "(rms log shading)")),
       tuning(
           number<P>("cycles", &P::cycles, 1u, 32u, "Multigrid cycles of a frame without history")),
       tuning(number<P>("warm-cycles", &P::warm_cycles, 1u, 32u,
@@ -115,58 +106,32 @@ PropertyTable<P> solve_properties() {
   };
 }
 
-/// That of decomposers that tell the solve what has changed.
-template <typename P>
-Property<P> tile_tolerance_property() {
-  return tuning(number<P>("tile-tolerance", &P::tile_tolerance, 0.f, 1.f,
-                          "Maximum estimated error of a skipped static tile before it is "
-                          "recomputed (rms log shading)"));
-}
-
-/// What of those `quality` stands for.
+/// The blurb of `quality`.
 inline constexpr const char* kSolveSets =
     "Work for each frame: lower is faster, higher is more accurate; what is set explicitly wins";
 
-/// Adds to the stats what a solve tells of a completed frame.
+/// Adds fields about the solve of a completed frame.
 void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     const ScaledIntrinsic::Findings& found);
 
-/// A decomposer around such a solve: `Method::prepare(halvings)` sets a resolution up, and
-/// `Method::warm_up()` has the device build its kernels, and says whether all are built.
+/// "a; b", for the field `skipped`.
+std::string joined(const std::vector<std::string>& reasons);
+
+/// Whether a frame's time predicts that of others: all of it was solved, and once.
+bool typical(const ScaledIntrinsic::Stats& solve);
+
+/// Sets up the resolutions that frames may need, and builds the kernels of `method` (prepare,
+/// warm_up).
 template <typename Method, typename P>
-class SolvingDecomposer : public MethodDecomposer<Method, P> {
- public:
-  using MethodDecomposer<Method, P>::MethodDecomposer;
-
-  void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override {
-    MethodDecomposer<Method, P>::configure(device, extent);
-    const P set = this->parameters_.snapshot();
-    this->method_->prepare(set.halvings());
-    // A change of resolution that waits for it would be late itself.
-    if (set.target_fps > 0 || set.latency_budget > 0)
-      for (const size_t halvings : {0, 1, 2}) this->method_->prepare(halvings);
-    if (!this->method_->warm_up())
-      GST_CAT_WARNING_OBJECT(
-          this->log().category, this->log().object,
-          "some kernels are built when frames first need them: a frame then takes longer");
-  }
-
- protected:
-  virtual const ScaledIntrinsic::Stats& solve_stats(uint64_t number) const = 0;
-
-  // A frame of which only tiles were worked on, or that was solved twice, is not typical.
-  bool typical(uint64_t number) const override {
-    const ScaledIntrinsic::Stats& stats = solve_stats(number);
-    return !stats.listed && !stats.crossed && !stats.compared;
-  }
-
-  /// The method's parameters for a frame.
-  P in_force(const FrameContext& frame) const {
-    P params = this->params();
-    // The sooner a picture that stays has settled, the sooner nothing is left to do.
-    if (frame.repeated) params.settled = std::min(params.settled, params.keep_tolerance);
-    return params;
-  }
-};
+void prepare_solve(Method& method, const P& params, const Log& log) {
+  method.prepare(params.halvings());
+  // Setting one up later would make the frame late that changes to it.
+  if (params.target_fps > 0 || params.latency_budget > 0)
+    for (const size_t halvings : {0, 1, 2}) method.prepare(halvings);
+  if (!method.warm_up())
+    GST_CAT_WARNING_OBJECT(log.category, log.object,
+                           "some kernels are built when frames first need them: a frame then takes "
+                           "longer");
+}
 
 }  // namespace inverse

@@ -118,8 +118,8 @@ bool changed_within(std::span<const uint8_t> changed, Extent frame, const Square
 class LimeElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
-  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
-  bool takes_pixels_for_square() const override { return true; }
+  bool compares_frames() const override { return parameters_.snapshot().adaptive; }
+  bool needs_square_pixels() const override { return true; }
 
   void start() override {
     const Params params = parameters_.snapshot();
@@ -180,7 +180,8 @@ class LimeElement final : public Filter {
     written_ = true;
     save_environment(params.environment_location);
   }
-  void save_environment(const std::string& path) override {
+  /// Writes the light found last; throws Error(output) if there is none. From any thread.
+  void save_environment(const std::string& path) {
     std::shared_ptr<const Environment> light;
     {
       std::lock_guard lock(light_mutex_);
@@ -230,10 +231,10 @@ class LimeElement final : public Filter {
     frame.picture = held_->picture;
     if (!frame.draw) frame.layers = held_->layers;
     frame.same_picture = again;
-    if (!frame.hold) held_.reset();
+    if (!frame.keep_planes) held_.reset();
   }
 
-  void took(uint64_t number, double) override {
+  void completed(uint64_t number, double) override {
     method_->done(past(number).method);
     publish();
   }
@@ -462,7 +463,12 @@ const ElementInfo kLimeMaterial{
     kMaterialLayers,
     nullptr,
     [] { return std::unique_ptr<Filter>(new LimeElement); },
-    false,
-    true};
+    {{"save-environment",
+      {G_TYPE_STRING},
+      [](Filter& filter, const GValue* path) {
+        const char* name = g_value_get_string(path);
+        static_cast<LimeElement&>(filter).save_environment(name ? name : "");
+      },
+      true}}};
 
 }  // namespace inverse

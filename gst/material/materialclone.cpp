@@ -106,7 +106,7 @@ constexpr size_t kManyTriangles = 100'000;
 class CloneElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
-  bool takes_pixels_for_square() const override { return true; }
+  bool needs_square_pixels() const override { return true; }
 
   void start() override {
     const Params params = parameters_.snapshot();
@@ -154,14 +154,16 @@ class CloneElement final : public Filter {
     sphere_->forget();
   }
 
-  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+  std::vector<Setting> navigate(const MouseEvent& event) override {
+    const auto [kind, x, y] = event;
     std::vector<Setting> place;
     std::lock_guard lock(mouse_mutex_);
-    held_ = parameters_.snapshot().drag && extent_.pixels() > 0 && (held_ || mouse == Mouse::press);
+    held_ = parameters_.snapshot().drag && extent_.pixels() > 0 &&
+            (held_ || kind == MouseEvent::Kind::press);
     if (held_ && std::isfinite(x) && std::isfinite(y))
       place = {{"x", std::clamp(x / extent_.width, -1.0, 2.0)},
                {"y", std::clamp(y / extent_.height, -1.0, 2.0)}};
-    if (mouse == Mouse::release) held_ = false;
+    if (kind == MouseEvent::Kind::release) held_ = false;
     return place;
   }
 
@@ -301,8 +303,7 @@ const ElementInfo kMaterialClone{
     nullptr,
     nullptr,
     [] { return std::unique_ptr<Filter>(new CloneElement); },
-    false,
-    false,
+    {},
     true};
 
 }  // namespace inverse

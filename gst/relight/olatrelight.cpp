@@ -130,7 +130,7 @@ const PropertyTable<Params>& table() {
 class RelightElement final : public Filter {
  public:
   PropertyStore& parameters() override { return parameters_; }
-  bool looks_for_repeats() const override { return parameters_.snapshot().adaptive; }
+  bool compares_frames() const override { return parameters_.snapshot().adaptive; }
 
   void start() override {
     const Params params = parameters_.snapshot();
@@ -181,10 +181,11 @@ class RelightElement final : public Filter {
     method_->forget();
   }
 
-  std::vector<Setting> point(Mouse mouse, double x, double y) override {
+  std::vector<Setting> navigate(const MouseEvent& event) override {
+    const auto [kind, x, y] = event;
     std::vector<Setting> light;
     std::lock_guard lock(mouse_mutex_);
-    if (mouse == Mouse::press) held_ = parameters_.snapshot().show == RelightShow::olat;
+    if (kind == MouseEvent::Kind::press) held_ = parameters_.snapshot().show == RelightShow::olat;
     if (held_ && extent_.pixels() > 0 && std::isfinite(x) && std::isfinite(y)) {
       // The picture is a sphere's half that faces the camera; beyond its rim lights are beside it.
       const double side = std::min(extent_.width, extent_.height);
@@ -198,7 +199,7 @@ class RelightElement final : public Filter {
                {"light-y", up},
                {"light-z", std::sqrt(std::max(0.0, 1 - across * across - up * up))}};
     }
-    if (mouse == Mouse::release) held_ = false;
+    if (kind == MouseEvent::Kind::release) held_ = false;
     return light;
   }
 
@@ -429,8 +430,7 @@ const ElementInfo kOlatRelight{
     kGradientLayers,
     "lightstagesync",
     [] { return std::unique_ptr<Filter>(new RelightElement); },
-    false,
-    false,
+    {},
     true,
     2};
 

@@ -15,13 +15,7 @@ using namespace global_model;
 
 namespace {
 
-constexpr uint32_t kMostPoints = 40;  // along the longer side of the grid
-/// Frames for which light is held, or until how many tiles have changed in that time. After that it
-/// is looked at for some frames.
-constexpr uint32_t kHeld = 64, kLook = 4;
-constexpr float kMostSeen = 0.4F;
-
-using Changed = std::span<const uint8_t>;
+constexpr uint32_t kMaxPoints = 40;  // along the longer side of the grid
 
 Extent reduced(Extent extent, uint32_t factor) {
   return {(extent.width + factor - 1) / factor, (extent.height + factor - 1) / factor};
@@ -29,45 +23,45 @@ Extent reduced(Extent extent, uint32_t factor) {
 
 uint32_t factor_for(Extent extent) {
   uint32_t factor = 1;
-  while (std::max(reduced(extent, factor).width, reduced(extent, factor).height) > kMostPoints)
+  while (std::max(reduced(extent, factor).width, reduced(extent, factor).height) > kMaxPoints)
     factor *= 2;
   return factor;
 }
 
 GlobalIntrinsic::Params within_ranges(GlobalIntrinsic::Params params) {
-  const auto keep = [](auto& value, auto low, auto high) {
-    value = value > low ? std::min(value, high) : low;  // low for what is not a number
+  const auto clamp = [](auto& value, auto low, auto high) {
+    value = value > low ? std::min(value, high) : low;  // NaN becomes low
   };
-  keep(params.reach, 0.02F, 2.0F);
-  keep(params.near, 0.0F, 1.0F);
-  keep(params.own, 0.0F, 0.95F);
-  keep(params.amount, 0.0F, 2.0F);
-  keep(params.neutral, 0.0F, 100.0F);
-  keep(params.typical, 0.05F, 2.0F);
-  keep(params.spread, 0.05F, 10.0F);
-  keep(params.trust, 0.0F, 100.0F);
-  keep(params.full_trust, 0.01F, 10.0F);
-  keep(params.base_colors, 1, Model::kSlots);
-  keep(params.least_share, 0.0F, 0.5F);
-  keep(params.same_color, 0.0F, 10.0F);
-  keep(params.renew, 0.01F, 1.0F);
-  keep(params.white_balance, 0.0F, 1.0F);
-  keep(params.cut, 0.0F, 1.0F);
-  keep(params.smoothing, 0.5F, 2.5F);
-  keep(params.residual, 0.0F, 1.0F);
-  keep(params.no_color, 0.0F, 1.0F);
-  keep(params.full_color, params.no_color + 1e-3F, 2.0F);
+  clamp(params.reach, 0.02F, 2.0F);
+  clamp(params.near, 0.0F, 1.0F);
+  clamp(params.own, 0.0F, 0.95F);
+  clamp(params.amount, 0.0F, 2.0F);
+  clamp(params.neutral, 0.0F, 100.0F);
+  clamp(params.typical, 0.05F, 2.0F);
+  clamp(params.spread, 0.05F, 10.0F);
+  clamp(params.trust, 0.0F, 100.0F);
+  clamp(params.full_trust, 0.01F, 10.0F);
+  clamp(params.base_colors, 1, Model::kSlots);
+  clamp(params.least_share, 0.0F, 0.5F);
+  clamp(params.same_color, 0.0F, 10.0F);
+  clamp(params.renew, 0.01F, 1.0F);
+  clamp(params.white_balance, 0.0F, 1.0F);
+  clamp(params.cut, 0.0F, 1.0F);
+  clamp(params.smoothing, 0.5F, 2.5F);
+  clamp(params.residual, 0.0F, 1.0F);
+  clamp(params.no_color, 0.0F, 1.0F);
+  clamp(params.full_color, params.no_color + 1e-3F, 2.0F);
   return params;
 }
 
 gpu::Items pixels_of(Extent extent) { return {extent.width, extent.height}; }
 
-/// Invocations for four pixels side by side each.
+/// Invocations for four horizontally adjacent pixels each.
 gpu::Items fours_of(Extent extent) {
   return line_of((extent.width + uint64_t{3}) / 4 * extent.height);
 }
 
-/// Whether light is found in the same way, whatever work goes into the solve.
+/// Whether both find light in the same way; the parameters of the solve do not count.
 bool same_light(GlobalIntrinsic::Params a, const GlobalIntrinsic::Params& b) {
   static_cast<ScaledIntrinsic::Params&>(a) = b;
   return a == b;
@@ -91,14 +85,14 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   kernels_.decide_and_start = {device_, {}, lanes};
   kernels_.decide = {device_, {.start = false}, lanes};
   kernels_.start = {device_, {.decide = false}, lanes};
-  // Where points are eight pixels apart, four aligned ones lie between the same.
-  kernels_.untint = {device_, {.wide = factor_ >= 8}, 4, 16};
+  // If points are eight pixels apart, four aligned pixels lie between the same ones.
+  kernels_.divide_tint = {device_, {.wide = factor_ >= 8}, 4, 16};
   kernels_.summary = {device_, {}, lanes};
   kernels_.received = {device_};
   kernels_.amount = {device_};
   kernels_.statistics = {device_, {}, lanes};
   kernels_.fields = {device_};
-  kernels_.believe = {device_};
+  kernels_.label_confidence = {device_};
   kernels_.direct = {device_, {}, 4, 16};
   kernels_.weigh = {device_, {}, lanes};
   kernels_.modes = {device_, {}, lanes};
@@ -107,7 +101,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
     kernels_.emit[k] = {device_, {.known = k}};
     kernels_.blur[k] = {device_, {.down = k}};
   }
-  kernels_.plain_grid = {device_, {.plain = true}};
+  kernels_.color_grid = {device_, {.plain = true}};
   for (const uint32_t pass : {0U, 1U, 2U}) kernels_.fit[pass] = {device_, {.pass = pass}};
 
   using gpu::Buffer;
@@ -138,52 +132,30 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
 void GlobalIntrinsic::reset() {
   solve_.reset();
   frames_ = 0;
-  gray_ = calm_ = 0;
+  planner_.reset();
 }
 
-GlobalIntrinsic::Tint GlobalIntrinsic::next_tint(const Params& params, const FrameInfo& info) {
-  const bool same = same_light(std::exchange(params_, params), params);
-  const auto forget = [&](uint32_t calm) {
-    calm_ = calm;
-    kept_plain_ = kept_tau_ = kept_light_ = kept_lamp_ = kept_bases_ = nullptr;
-    return Tint::anew;
-  };
-  if (!params.adaptive || !same || frames_ == 0 || info.changed.empty()) return forget(0);
-  // Chroma is interpolated: what changed shows a pixel further.
-  const auto& list = changed_[recorded_];
-  concerned_ = spread_tiles(info.changed, list->columns());
-  const auto share_of = [](const std::vector<uint8_t>& tiles) {
-    return static_cast<float>(std::count(tiles.begin(), tiles.end(), 1)) /
-           static_cast<float>(tiles.size());
-  };
-  if (share_of(concerned_) > kMostChanged) return forget(0);
-  if (++calm_ < kCalm) return forget(calm_);
-  if (calm_ == kCalm) {
-    seen_.assign(concerned_.size(), 0);
-    return Tint::kept;
-  }
-  for (size_t i = 0; i < seen_.size(); ++i) seen_[i] |= concerned_[i];
-  if (calm_ > kCalm + kHeld || share_of(seen_) > kMostSeen) return forget(kCalm - kLook);
-  list->assign(concerned_);
-  return Tint::held;
+LightPlanner::Plan GlobalIntrinsic::plan_light(const Params& params, const FrameInfo& info) {
+  LightPlanner::Frame frame{.adaptive = params.adaptive,
+                            .first = frames_ == 0,
+                            .same_params = same_light(std::exchange(params_, params), params),
+                            // The lamps' color may be all that there is.
+                            .light_asked = params.amount > 0 || params.white_balance > 0,
+                            .changed = info.changed,
+                            .columns = TileList::along(extent_.width)};
+  // By the last frame that is sure to be done, so that the same video always gets the same plans.
+  if (frames_ >= reports_.size())
+    frame.had_color =
+        report(recorded_ - reports_.size()).found->map_as<float>()[kUsable / sizeof(float)] > 0;
+  return planner_.next(frame);
 }
 
 uint32_t GlobalIntrinsic::planes_needed(const Params& params) const {
   uint32_t slots = static_cast<uint32_t>(params.base_colors);
-  // Colors keep their slots, and new ones take the lowest: what the last frame that is sure to be
-  // done had says what this one needs. Light of a color beyond counts to the others for so long.
+  // Colors keep their slots, and new ones take the lowest: the last frame that is sure to be done
+  // tells the number. Until it does, light of a new color counts to the others.
   if (frames_ >= reports_.size()) slots = report(recorded_ - reports_.size()).slots();
   return std::clamp((slots + 3) / 4, 1U, kIndirectPlanes);
-}
-
-bool GlobalIntrinsic::colorless(const Params& params) {
-  // The lamps' color may be all that there is.
-  if (params.amount > 0 || params.white_balance > 0) gray_ = 0;
-  // Judged by the last frame that is sure to be done, so that the same video always gives the same.
-  if (frames_ < reports_.size() || params.amount > 0 || params.white_balance > 0) return false;
-  const bool usable = report(recorded_ - reports_.size()).found->map_as<float>()[kUsable / 4] > 0;
-  gray_ = usable ? 0 : std::min(gray_ + 1, kRest);
-  return gray_ == kRest;
 }
 
 PlanePtr GlobalIntrinsic::white_light(gpu::Commands& commands) {
@@ -241,87 +213,89 @@ Layers GlobalIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
                                const FrameInfo& info) {
   const Params params = within_ranges(asked);
   if (info.reset) reset();
-  const bool first = frames_ == 0;
+  const bool first = frames_ == 0, was_gray = plan_.gray;
   if (first)  // some of it is read before it is written, though not used
     for (const auto& cleared : {memory_, before_, labels_, sums_, scene_, histogram_})
       commands.fill(cleared);
   if (reach_ != params.reach) make_taps(params);
-  const bool was_plain = rested_, plain = colorless(params);
-  if (!changed_[0] && !info.changed.empty())
-    for (auto& list : changed_) list.emplace(device_, extent_, gpu::Memory::upload);
-  mode_ = next_tint(params, plain ? FrameInfo{} : info);
-  PlanePtr lamp = kept_lamp_;
-  if (mode_ != Tint::held) {
-    lamp = look(commands, input, params, plain);
+  plan_ = plan_light(params, info);
+  if (plan_.light == LightPlanner::Light::measure) kept_ = {};
+  PlanePtr lamp = kept_.lamp;
+  if (!plan_.reused()) {
+    lamp = measure_grid(commands, input, params, was_gray);
     commands.stage("grid");
+    if (!plan_.gray) find_scene(commands, params);
   }
+  if (plan_.light == LightPlanner::Light::measure_keep) kept_.lamp = lamp;
+  Layers layers = plan_.gray ? record_gray(commands, input, params, info, was_gray)
+                             : record_light(commands, input, params, info);
+  if (!plan_.gray) layers[Role::lamp] = lamp;
+  record_report(commands, first);
+  commands.keep(layers[Role::light]);
+  return layers;
+}
+
+void GlobalIntrinsic::record_report(gpu::Commands& commands, bool first) {
   Report& report = reports_[recorded_];
   if (!report.found)
     report.found =
         gpu::Buffer::create(device_, gpu::Element::vec4, Model::SCENE_SIZE, gpu::Memory::readback);
-  Layers layers;
-  if (plain) {
-    // The frame before may have been of another tint.
-    layers = solve_.record(commands, input, params, {false, was_plain ? info.changed : Changed{}});
-    layers[Role::light] = layers[Role::model_light] = white_light(commands);
-    drawn_ = was_plain ? solve_.drawn() : nullptr;
-  } else {
-    white_light_.reset();
-    if (mode_ != Tint::held) find_scene(commands, params);
-    if (mode_ == Tint::kept) kept_lamp_ = lamp;
-    layers = record_light(commands, input, params, info);
-    layers[Role::lamp] = lamp;
-  }
   commands.copy(scene_, report.found, report.found->bytes());
   report.solve = solve_.recorded() - 1;
-  report.stats = {solve_.stats(report.solve), first, plain, mode_ == Tint::held};
-  if (plain)
-    report.stats.solve.skipped.emplace_back("indirect light: the scene has no color to go by");
-  if (mode_ == Tint::held)
-    report.stats.solve.skipped.emplace_back("scene: little has changed since it was looked at");
-  commands.keep(layers[Role::light]);
+  report.stats = {solve_.stats(report.solve), first, plan_};
   ++recorded_;
   ++frames_;
+}
+
+Layers GlobalIntrinsic::record_gray(gpu::Commands& commands, const PlanePtr& input,
+                                    const Params& params, const FrameInfo& info, bool was_gray) {
+  // The frame before may have been divided by a tint.
+  Layers layers = solve_.record(
+      commands, input, params,
+      {.changed = was_gray ? info.changed : std::span<const uint8_t>(), .repeated = info.repeated});
+  layers[Role::light] = layers[Role::model_light] = white_light(commands);
+  drawn_ = was_gray ? solve_.drawn() : nullptr;
   return layers;
 }
 
 void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input,
-                                  const Params& params, const PlanePtr& plain,
+                                  const Params& params, const PlanePtr& untinted,
                                   const PlanePtr& tau) {
-  kernels_.untint.dispatch(commands, mode_ == Tint::held ? &*changed_[recorded_] : nullptr,
-                           {.frame = input->buffer,
-                            .memory = memory_,
-                            .tints = tints_,
-                            .slots = slots_,
-                            .received = received_,
-                            .smooth_part = fits_[0],
-                            .coefficients = fits_[2],
-                            .scene = scene_,
-                            .plain = plain->buffer,
-                            .light = tau->buffer},
-                           {.size = extent_,
-                            .grid = grid_,
-                            .coarse = coarse_,
-                            .factor = factor_,
-                            .white_level = params.scale.white_level,
-                            .trust = kTrust,
-                            .trust_tint = kTrustTint},
-                           fours_of(extent_));
-  commands.stage("untint");
+  kernels_.divide_tint.dispatch(commands, plan_.reused() ? &*changed_[recorded_] : nullptr,
+                                {.frame = input->buffer,
+                                 .memory = memory_,
+                                 .tints = tints_,
+                                 .slots = slots_,
+                                 .received = received_,
+                                 .smooth_part = fits_[0],
+                                 .coefficients = fits_[2],
+                                 .scene = scene_,
+                                 .plain = untinted->buffer,
+                                 .light = tau->buffer},
+                                {.size = extent_,
+                                 .grid = grid_,
+                                 .coarse = coarse_,
+                                 .factor = factor_,
+                                 .white_level = params.scale.white_level,
+                                 .trust = kTrust,
+                                 .trust_tint = kTrustTint},
+                                fours_of(extent_));
+  commands.stage("divide-tint");
 }
 
-PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& plain,
+PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& untinted,
                                         const PlanePtr& tau, const Layers& layers) {
-  // Where light is that of the frame before, so is its direct share but where shading has moved.
-  drawn_ = mode_ == Tint::held ? solve_.drawn() : nullptr;
-  PlanePtr light = mode_ == Tint::anew ? tau : nullptr;
-  if (drawn_ && kept_light_.use_count() == 1) light = kept_light_;
+  // If light is reused, so is its direct share, except where shading changed.
+  const bool keeps = plan_.light != LightPlanner::Light::measure;
+  drawn_ = plan_.reused() ? solve_.drawn() : nullptr;
+  PlanePtr light = keeps ? nullptr : tau;
+  if (drawn_ && kept_.light.use_count() == 1) light = kept_.light;
   if (!light) {
     light = planes_.acquire();
-    if (drawn_) commands.copy(kept_light_->buffer, light->buffer, light->buffer->bytes());
+    if (drawn_) commands.copy(kept_.light->buffer, light->buffer, light->buffer->bytes());
   }
   kernels_.direct.dispatch(commands, drawn_,
-                           {.frame = plain->buffer,
+                           {.frame = untinted->buffer,
                             .intrinsic = layers[Role::intrinsic]->buffer,
                             .scene = scene_,
                             .tau = gpu::aliased(tau->buffer),
@@ -329,21 +303,27 @@ PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr&
                             .memory = memory_},
                            {.size = extent_}, fours_of(extent_));
   commands.stage("direct");
-  if (mode_ != Tint::anew) kept_light_ = light;
+  if (keeps) kept_.light = light;
   return light;
 }
 
 Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& input,
                                      const Params& params, const FrameInfo& info) {
-  if (mode_ == Tint::kept) {
-    kept_plain_ = planes_.acquire();
-    kept_tau_ = planes_.acquire();
+  white_light_.reset();
+  const bool keeps = plan_.light != LightPlanner::Light::measure;
+  if (plan_.reused()) {
+    auto& tiles = changed_[recorded_];
+    if (!tiles) tiles.emplace(device_, extent_, gpu::Memory::upload);
+    tiles->assign(planner_.tiles());
+  } else if (keeps) {
+    kept_.untinted = planes_.acquire();
+    kept_.tau = planes_.acquire();
   }
-  const PlanePtr plain = mode_ == Tint::anew ? planes_.acquire() : kept_plain_,
-                 tau = mode_ == Tint::anew ? planes_.acquire() : kept_tau_;
-  record_tint(commands, input, params, plain, tau);
+  const PlanePtr untinted = keeps ? kept_.untinted : planes_.acquire(),
+                 tau = keeps ? kept_.tau : planes_.acquire();
+  record_tint(commands, input, params, untinted, tau);
   const uint32_t planes = info.shares ? planes_needed(params) : 0;
-  PlanePtr bases = planes > 0 ? kept_bases_ : nullptr;
+  PlanePtr bases = planes > 0 ? kept_.bases : nullptr;
   if (planes > 0 && !bases) {
     bases = bases_.acquire();
     if (!fields_) {
@@ -366,13 +346,14 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
                        .near = params.near,
                        .own = params.own},
                       line_of(coarse_.pixels() * Model::kSlots));
-    if (mode_ != Tint::anew) kept_bases_ = bases;
+    if (keeps) kept_.bases = bases;
   }
 
-  // Of tiles concerned the solve's input is another up to their far side.
-  Layers layers =
-      solve_.record(commands, plain, params, {false, mode_ == Tint::held ? concerned_ : Changed{}});
-  const PlanePtr light = record_direct(commands, plain, tau, layers);
+  // The input of the solve changes in tiles beside changed ones, too.
+  ScaledIntrinsic::FrameInfo solve{.repeated = info.repeated};
+  if (plan_.reused()) solve.changed = planner_.tiles();
+  Layers layers = solve_.record(commands, untinted, params, solve);
+  const PlanePtr light = record_direct(commands, untinted, tau, layers);
   layers[Role::input] = input;
   layers[Role::light] = layers[Role::model_light] = light;
   if (bases) {
@@ -380,7 +361,7 @@ Layers GlobalIntrinsic::record_light(gpu::Commands& commands, const PlanePtr& in
     share_out(commands, layers, planes);
   }
   commands.keep(input);
-  commands.keep(plain);
+  commands.keep(untinted);
   commands.keep(tau);
   return layers;
 }
@@ -399,8 +380,8 @@ GlobalIntrinsic::Findings GlobalIntrinsic::findings(uint64_t frame) const {
     if (!(color[2] > 0)) continue;
     // color_of in model.glsl
     const float u = 0.70710678F * color[0], v = 0.40824829F * color[1];
-    const float most = std::max({v + u, v - u, -2 * v});
-    findings.bases[k] = {std::exp(v + u - most), std::exp(v - u - most), std::exp(-2 * v - most)};
+    const float max = std::max({v + u, v - u, -2 * v});
+    findings.bases[k] = {std::exp(v + u - max), std::exp(v - u - max), std::exp(-2 * v - max)};
   }
   return findings;
 }

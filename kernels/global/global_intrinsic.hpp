@@ -3,8 +3,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "kernels/global_gather_blur.spv.hpp"
 #include "kernels/global_gather_emit.spv.hpp"
@@ -27,87 +25,92 @@
 #include "kernels/global_scene_weigh.spv.hpp"
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
+#include "kernels/reuse/light_planner.hpp"
 
 namespace inverse {
 
 /// Reflectance, direct and indirect light of every frame of a video
-/// (docs/reference/methods/globalintrinsic.md): what light is indirect, and of what color, the
-/// image itself predicts, as its surfaces are the emitters; one amount for the scene and its base
-/// colors are measured; the tint that follows is divided out, and ScaledIntrinsic decides how
-/// bright reflectance and light are. Takes the place of chapter 5's energy (that takes the place of
-/// chapter 3's). For one size on one device. Not thread-safe.
+/// (docs/reference/methods/globalintrinsic.md). Predicts color and place of indirect light from the
+/// image, whose surfaces emit it; measures its amount and the scene's base colors; divides the
+/// resulting tint out of the frame; and decomposes the rest by ScaledIntrinsic. For one size on one
+/// device. Not thread-safe.
 class GlobalIntrinsic {
  public:
   /// Values outside their range are clamped.
   struct Params : ScaledIntrinsic::Params {
-    /// Standard deviation of how far surfaces light each other, 0.02…2 of the frame's width.
+    /// Standard deviation of the distance over which surfaces light each other, 0.02…2 frame
+    /// widths.
     float reach = 0.4F;
-    /// Share of that beside light that comes from all over the frame, 0…1.
+    /// Share of near indirect light, 0…1; the rest comes from the whole frame.
     float near = 0.7F;
-    /// Share of a surface's own color that does not light it, 0…0.95: a plane sees none of itself.
+    /// Share of a surface's own color that does not light it, 0…0.95: a plane does not light
+    /// itself.
     float own = 0.8F;
     /// The amount of indirect light, 0.01…2; 0: measured.
     float amount = 0;
-    /// Of the measurement: weight of neutrality beside sharpness of chroma; the amount of a scene
-    /// that says nothing, and how much scenes differ (standard deviation of its ln); how much a
-    /// difference says where chroma spreads by full_trust or more; below that, in proportion.
-    float neutral = 1.5F, typical = 0.5F, spread = 0.65F, trust = 8, full_trust = 0.35F;
-    /// Base colors at most, 1…16; share of the frame that one needs, 0…0.5; chroma (log units) up
-    /// to which one continues a color of the frame before.
+    /// Measurement of the amount: weight of neutral chroma against sharp modes of chroma.
+    float neutral = 1.5F;
+    /// Its prior: median, and standard deviation of ln.
+    float typical = 0.5F, spread = 0.65F;
+    /// Weight of the measurement against the prior, reached if chroma spreads by full_trust (log
+    /// units) or more; proportionally less below.
+    float trust = 8, full_trust = 0.35F;
+    /// Maximum number of base colors, 1…16.
     int base_colors = 16;
+    /// Minimum share of the frame of a base color, 0…0.5; distance of chroma (log units) up to
+    /// which it continues one of the frame before.
     float least_share = 0.004F, same_color = 0.3F;
-    /// Share of the newest frame in what is measured of the scene, 0.01…1.
+    /// Share of the newest frame in estimates of the scene, 0.01…1.
     float renew = 0.2F;
-    /// Share of the lamps' estimated color that is taken out first, 0…1.
+    /// Share of the lamps' estimated color that is removed first, 0…1.
     float white_balance = 0;
-    /// Mean change of chroma, in halves of a log unit, from which on a frame is a cut, 0…1.
+    /// Mean change of chroma, in halves of a log unit, at which a scene cut is detected, 0…1.
     float cut = 0.3F;
     /// Standard deviation of the smoothing of the histogram of chroma, in bins of 0.08, 0.5…2.5.
     float smoothing = 1.2F;
-    /// Share of the slowly varying rest of chroma that is taken for light in tinted scenes, 0…1.
+    /// Share of the slowly varying residual of chroma that counts as light in tinted scenes, 0…1.
     float residual = 1;
-    /// How far chroma spreads over the frame (standard deviation, log units) where there is no
-    /// color to go by, and all light counts as direct, 0…1; and from where on there is. `amount`
-    /// set by hand goes without.
+    /// Spread of chroma over the frame (standard deviation, log units, 0…1) below which all light
+    /// counts as direct, and above which none does for lack of color. Not used if `amount` is set.
     float no_color = 0.03F, full_color = 0.06F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;   ///< no relation to the frame before (discontinuity)
-    bool shares = false;  ///< somebody needs indirect light as one layer for each base color
-    /// As IntrinsicDecomposition::FrameInfo::changed.
+    bool shares = false;  ///< make one layer of indirect light for each base color
+    /// As in IntrinsicDecomposition::FrameInfo.
     std::span<const uint8_t> changed = {};
+    bool repeated = false;
   };
   struct Stats {
     ScaledIntrinsic::Stats solve;
-    bool first = false;  ///< nothing of an earlier frame was known
-    bool plain = false;  ///< there was no color to go by: all was left out but the solve
-    bool held = false;   ///< the scene's light is that of the frame before, but for what changed
+    bool first = false;  ///< the first one since the start or a reset
+    LightPlanner::Plan light;
   };
   struct Findings {
     ScaledIntrinsic::Findings solve;
     float amount = 0;      ///< of indirect light
-    float confidence = 0;  ///< of the amount: 0 the image says nothing, 1 it leaves no doubt
+    float confidence = 0;  ///< of the amount, 0…1
     uint32_t colors = 0;   ///< base colors
     float tint = 0;        ///< rms log chroma of light that is all indirect
-    bool cut = false;      ///< of the scene: nothing was taken over from the frame before
-    float chroma = 0;      ///< how far it spreads over the frame, log units
+    bool cut = false;      ///< a scene cut: nothing of the frame before was used
+    float chroma = 0;      ///< spread over the frame (standard deviation, log units)
     /// Base colors by their slot: linear, largest channel 1; black where there is none.
     std::array<std::array<float, 3>, kMaxBases> bases{};
   };
 
-  /// Throws Error(limit) where frames of this size do not fit the device.
+  /// Throws Error(limit) if frames of this size do not fit the device.
   GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
   /// layers: input, intrinsic and model (R.rgb, S), light and model_light (color of light, the
-  /// lamps' included; direct share), and where they are asked for base colors and their shares. Who
-  /// edits in place copies first what others hold. The frame kFramesInFlight before this one must
-  /// have been waited for.
+  /// lamps' included; direct share), and with FrameInfo::shares base colors and their shares. Copy
+  /// a plane before editing it in place if others hold it. The frame kFramesInFlight before this
+  /// one must have been waited for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& asked,
                 const FrameInfo& info);
-  /// Draws the frame that was recorded last, every pixel in the base color that it counts as
-  /// (linear RGB, largest channel 1, w = 1); gray where the scene has none.
+  /// Draws every pixel of the frame recorded last in its base color (linear RGB, largest channel 1,
+  /// w = 1); gray if the scene has none.
   void draw_labels(gpu::Commands& commands, const Plane& input, const Plane& target);
   /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
@@ -115,8 +118,10 @@ class GlobalIntrinsic {
   bool warm_up() const;
   /// As ScaledIntrinsic::drawn.
   const TileList* drawn() const { return drawn_; }
-  /// As ScaledIntrinsic::fading.
-  bool fading() const { return solve_.fading(); }
+  /// As ScaledIntrinsic::converged.
+  bool converged(uint64_t frame, const Params& params) const {
+    return solve_.converged(report(frame).solve, params);
+  }
   /// Forgets the frames so far (flush, discontinuity).
   void reset();
   /// Frames recorded since construction.
@@ -138,38 +143,28 @@ class GlobalIntrinsic {
   shaders::global_gather_emit::Push sizes() const {
     return {.size = extent_, .grid = grid_, .coarse = coarse_, .factor = factor_};
   }
-  /// Points of the grid, and whether the frame continues the one before.
-  /// Returns the layer of the lamps' color where that is taken out.
-  PlanePtr look(gpu::Commands& commands, const PlanePtr& frame, const Params& params, bool plain);
-  /// Whether the last frames had no color to go by: then only that is looked at.
-  bool colorless(const Params& params);
+  LightPlanner::Plan plan_light(const Params& params, const FrameInfo& info);
+  /// Measures the points of the grid, scene cuts and the lamps' color. Returns the layer of the
+  /// lamps' color if that is removed.
+  PlanePtr measure_grid(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
+                        bool was_gray);
   /// The scene of a frame: amount, base colors and the tint at the points of the grid.
   void find_scene(gpu::Commands& commands, const Params& params);
   PlanePtr white_light(gpu::Commands& commands);
-  /// The frame's layers by what was found of the scene.
+  /// The layers of a gray scene, and of others.
+  Layers record_gray(gpu::Commands& commands, const PlanePtr& input, const Params& params,
+                     const FrameInfo& info, bool was_gray);
   Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                       const FrameInfo& info);
-  /// How a frame gets the color of its light.
-  enum class Tint : uint8_t {
-    anew,  ///< measured
-    kept,  ///< measured, and kept for the next one
-    held,  ///< that of the frame before, but for tiles that changed
-  };
-  Tint next_tint(const Params& params, const FrameInfo& info);
-  /// Frames in a row without color to go by after which that alone is looked at.
-  static constexpr uint32_t kRest = 8;
-  /// Frames in a row, each with at most this share of its tiles changed or beside such, after which
-  /// the scene's light is held.
-  static constexpr uint32_t kCalm = 12;
-  static constexpr float kMostChanged = 0.25F;
-  /// Of an object of its own (warm_up.cpp): records all that can come. Whether it came.
+  /// Part of warm_up (warm_up.cpp), of an object of its own. Whether every kernel was used.
   bool play_all();
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
-                   const PlanePtr& plain, const PlanePtr& tau);
-  PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& plain, const PlanePtr& tau,
+                   const PlanePtr& untinted, const PlanePtr& tau);
+  PlanePtr record_direct(gpu::Commands& commands, const PlanePtr& untinted, const PlanePtr& tau,
                          const Layers& layers);
-  /// Light that surfaces of every base color receive: of those of the frame before or, `known`, of
-  /// this one's.
+  void record_report(gpu::Commands& commands, bool first);
+  /// Light that surfaces of every base color receive: by the base colors of the frame before or, if
+  /// `known`, of this one.
   void gather(gpu::Commands& commands, const Params& params, bool known);
   void measure_amount(gpu::Commands& commands, const Params& params);
   void find_tint(gpu::Commands& commands, const Params& params);
@@ -187,9 +182,9 @@ class GlobalIntrinsic {
   /// Named as their shaders.
   struct Kernels {
     using Grid = gpu::Program<shaders::global_grid_grid>;
-    using Look = gpu::Program<shaders::global_grid_scene_statistics>;
-    Grid grid[2], plain_grid;              // in white light and in the lamps'; of colors alone
-    Look decide_and_start, decide, start;  // whole and in two halves
+    using SceneStatistics = gpu::Program<shaders::global_grid_scene_statistics>;
+    Grid grid[2], color_grid;  // in white light and in the lamps'; of colors alone
+    SceneStatistics decide_and_start, decide, start;  // whole and in two halves
     gpu::Program<shaders::global_grid_white> white;
     gpu::Program<shaders::global_gather_emit> emit[2];
     gpu::Program<shaders::global_gather_summary> summary;
@@ -201,9 +196,9 @@ class GlobalIntrinsic {
     gpu::Program<shaders::global_scene_tint> tint;
     gpu::Program<shaders::global_scene_statistics> statistics;
     gpu::Program<shaders::global_scene_modes> modes;
-    gpu::Program<shaders::global_light_label_confidence> believe;
+    gpu::Program<shaders::global_light_label_confidence> label_confidence;
     gpu::Program<shaders::global_light_fit> fit[3];
-    TileProgram<shaders::global_light_divide_tint> untint;
+    TileProgram<shaders::global_light_divide_tint> divide_tint;
     TileProgram<shaders::global_light_direct> direct;
   } kernels_;
   gpu::BufferPtr memory_;                                                        // pixels
@@ -216,17 +211,15 @@ class GlobalIntrinsic {
   uint64_t recorded_ = 0;
   uint64_t frames_ = 0;  // since a reset
   bool balanced_ = false;
-  uint32_t gray_ = 0;    // frames in a row without color to go by, as far as known
-  bool rested_ = false;  // the frame before was
   PlanePtr white_light_;
-  // Of video of which little changes.
-  Tint mode_ = Tint::anew;          // of the frame being recorded
-  uint32_t calm_ = 0;               // frames in a row
-  std::vector<uint8_t> concerned_;  // tiles that changed, and those beside them
-  std::vector<uint8_t> seen_;       // tiles that changed since the scene was last looked at
+  LightPlanner planner_;
+  LightPlanner::Plan plan_;  // of the frame being recorded
   gpu::FrameRing<std::optional<TileList>> changed_;
   Params params_;  // of the frame before
-  PlanePtr kept_plain_, kept_tau_, kept_light_, kept_lamp_, kept_bases_;
+  /// What Light::measure_keep keeps: the frame without its tint, and its light.
+  struct Kept {
+    PlanePtr untinted, tau, light, lamp, bases;
+  } kept_;
   const TileList* drawn_ = nullptr;
 };
 

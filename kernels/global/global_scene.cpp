@@ -119,10 +119,10 @@ void GlobalIntrinsic::find_colors(gpu::Commands& commands, const Params& params)
                     {});
 }
 
-PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, const Params& params,
-                               bool plain) {
+PlanePtr GlobalIntrinsic::measure_grid(gpu::Commands& commands, const PlanePtr& frame,
+                                       const Params& params, bool was_gray) {
   const auto make_grid = [&](size_t raw) {
-    commands.dispatch(plain ? kernels_.plain_grid : kernels_.grid[raw],
+    commands.dispatch(plan_.gray ? kernels_.color_grid : kernels_.grid[raw],
                       {.frame = frame->buffer,
                        .memory = memory_,
                        .scene = scene_,
@@ -137,34 +137,34 @@ PlanePtr GlobalIntrinsic::look(gpu::Commands& commands, const PlanePtr& frame, c
   };
   const auto count = static_cast<int32_t>(grid_.pixels());
   const bool balances = params.white_balance > 0;
-  // Colors were others before.
+  // A change of white balance changes all colors.
   const bool forget = balances != std::exchange(balanced_, balances) || frames_ == 0;
   if (forget) commands.fill(scene_);
-  // How bright reflectance was is not known where it was not asked for.
-  const bool blind = std::exchange(rested_, plain) && !plain;
-  const auto look_at = [&](const Kernels::Look& kernel) {
+  // The grid of colors alone leaves no reflectance to compare with.
+  const bool unknown = was_gray && !plan_.gray;
+  const auto measure = [&](const Kernels::SceneStatistics& kernel) {
     commands.dispatch(kernel,
                       {.colors = colors_, .points = points_, .before = before_, .scene = scene_},
                       {.count = count,
                        .cut = params.cut,
                        .renew = params.renew,
-                       .first = forget || blind,
+                       .first = forget || unknown,
                        .none = params.no_color,
                        .full = params.amount > 0 ? 0 : params.full_color},
                       {});
   };
   if (!balances) {
     make_grid(0);
-    look_at(kernels_.decide_and_start);
+    measure(kernels_.decide_and_start);
     return nullptr;
   }
   make_grid(1);
-  look_at(kernels_.decide);
+  measure(kernels_.decide);
   PlanePtr lamp = lamps_.acquire();
   commands.dispatch(kernels_.white, {.colors = colors_, .scene = scene_, .lamp = lamp->buffer},
                     {.count = count, .share = params.white_balance}, {});
   make_grid(0);
-  look_at(kernels_.start);
+  measure(kernels_.start);
   return lamp;
 }
 
@@ -188,7 +188,7 @@ void GlobalIntrinsic::make_taps(const Params& params) {
 void GlobalIntrinsic::find_residual(gpu::Commands& commands) {
   const gpu::Items points = line_of(grid_.pixels());
   commands.dispatch(
-      kernels_.believe,
+      kernels_.label_confidence,
       {.points = points_,
        .tints = tints_,
        .slots = slots_,

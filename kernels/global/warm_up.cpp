@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// GlobalIntrinsic::warm_up: short videos on small frames in which everything comes that can come.
+// GlobalIntrinsic::warm_up: short videos of small frames that use every kernel.
 #include "kernels/intrinsic/warm_up.hpp"
 
 #include <vector>
@@ -9,10 +9,10 @@
 namespace inverse {
 namespace {
 
-/// Frames after light is held within which the solve comes to work on tiles.
-constexpr int kSoon = 12;
-/// A frame on whose grid points are closer than eight pixels.
-constexpr Extent kClose{160, 120};
+/// Frames of reused light within which the solve begins to work on tiles.
+constexpr int kMaxFrames = 12;
+/// A frame whose grid points are closer than eight pixels.
+constexpr Extent kDenseGridExtent{160, 120};
 
 }  // namespace
 
@@ -28,8 +28,8 @@ bool GlobalIntrinsic::play_all() {
   };
   const auto now = [&]() -> const Stats& { return stats(recorded_ - 1); };
   Params params;
-  params.half_bound = 0;
-  // With layers, each number of their planes; the lamps' color; without any.
+  params.half_tolerance = 0;
+  // With layers, each number of their planes; with the lamps' color; without either.
   for (uint32_t planes = 1; planes <= kIndirectPlanes; ++planes) {
     params.base_colors = static_cast<int>(4 * planes);
     show(picture, params, {true, true});
@@ -37,31 +37,31 @@ bool GlobalIntrinsic::play_all() {
   params.white_balance = 0.5F;
   show(picture, params, {});
   params.white_balance = 0;
-  // A picture of which next to nothing changes, as if for long: light is kept, then held, and the
-  // solve comes to work on tiles.
-  params.hold_tolerance = params.chroma_tolerance = 0;
+  // A nearly static picture, as if for long: light is kept, then reused, and the solve begins to
+  // work on tiles.
+  params.gate_tolerance = params.chroma_tolerance = 0;
   params.tile_tolerance = 1;
   show(picture, params, {});
-  calm_ = kCalm - 1;
+  planner_.assume_static();
   std::vector<uint8_t> changed(TileList::count(extent_));
   changed[0] = 1;
-  bool held = false, listed = false;
-  for (int k = 0; k < kSoon && !listed; ++k) {
-    show(picture, params, {false, k % 2 == 0, changed});
-    held |= now().held;
-    listed = drawn_ != nullptr;
+  bool reused = false, tiles = false;
+  for (int k = 0; k < kMaxFrames && !tiles; ++k) {
+    show(picture, params, {.shares = k % 2 == 0, .changed = changed});
+    reused |= now().light.reused();
+    tiles = drawn_ != nullptr;
   }
   // Gray, as if for long.
   for (size_t k = 0; k < reports_.size(); ++k) show(gray, params, {k == 0});
-  gray_ = kRest;
+  planner_.assume_gray();
   show(gray, params, {});
-  return held && listed && now().plain;
+  return reused && tiles && now().light.gray;
 }
 
 bool GlobalIntrinsic::warm_up() const {
   bool all = solve_.warm_up();
   device_->warm_up_once("GlobalIntrinsic", [&] {
-    for (const Extent extent : {kWarmUpExtent, kClose})
+    for (const Extent extent : {kWarmUpExtent, kDenseGridExtent})
       all = GlobalIntrinsic(device_, extent).play_all() && all;
   });
   return all;

@@ -10,18 +10,19 @@
 namespace inverse {
 namespace {
 
-/// What a frame is to be, without how much work is to go into it.
-IntrinsicDecomposition::Params but_for_effort(IntrinsicDecomposition::Params params) {
-  constexpr IntrinsicDecomposition::Params kUsual{};
-  params.cycles = kUsual.cycles;
-  params.warm_cycles = kUsual.warm_cycles;
-  params.settled = kUsual.settled;
-  params.still_tolerance = kUsual.still_tolerance;
-  params.tile_tolerance = kUsual.tile_tolerance;
+/// The parameters that the solution depends on: without those that only set the amount of work.
+IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params) {
+  constexpr IntrinsicDecomposition::Params kDefaults{};
+  params.cycles = kDefaults.cycles;
+  params.warm_cycles = kDefaults.warm_cycles;
+  params.cycle_tolerance = kDefaults.cycle_tolerance;
+  params.edge_tolerance = kDefaults.edge_tolerance;
+  params.tile_tolerance = kDefaults.tile_tolerance;
+  params.repeat_tolerance = kDefaults.repeat_tolerance;
   return params;
 }
 
-/// What a report reads back; what each holds, the shaders say that write it.
+/// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
   std::array<float, 4> progress, verdict, scale, binding, gates;
   std::array<std::array<float, 4>, 2> statistics, kept_statistics;
@@ -44,7 +45,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       active_(device_, extent),
       terms_kernel_(device_, {}, 0, 0),
       anchored_terms_kernel_(device_, {.anchored = true}, 1, 4),
-      looking_terms_kernel_(device_, {.anchored = true, .look = true}, 0, 0),
+      measuring_terms_kernel_(device_, {.anchored = true, .look = true}, 0, 0),
       assemble_(device_, {}, 0, 0),
       anchored_assemble_(device_, {.anchored = true}, 4, 16),
       layers_(device_, {}, 0, 0),
@@ -59,22 +60,21 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
   value_ = buffer(cell_packs * EdgePrior::kValueStride);
   terms_ = buffer(cell_packs * Multigrid::kTermsStride);
   start_ = buffer(cell_packs * TemporalAnchor::kStartStride);
-  gate_sums_ = buffer(gpu::partial_count(*looking_terms_kernel_.whole(), line_of(cell_packs)));
+  gate_sums_ = buffer(gpu::partial_count(*measuring_terms_kernel_.whole(), line_of(cell_packs)));
   gate_total_ = buffer(1);
 }
 
 void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                                       const TemporalAnchor::Params& params) {
-  const bool look = plan_.measures_gate;
-  if (stats_.history) anchor_.record(commands, guide_, params, continues_, list());
-  if (look && !cleared_) {
+  if (plan_.history) anchor_.record(commands, guide_, params, continues_, list());
+  if (plan_.measures_gate && !cleared_) {
     commands.fill(gate_sums_);
     cleared_ = true;
   }
   const Extent cells = guide_.cell_extent();
-  (look             ? looking_terms_kernel_
-   : stats_.history ? anchored_terms_kernel_
-                    : terms_kernel_)
+  (plan_.measures_gate ? measuring_terms_kernel_
+   : plan_.history     ? anchored_terms_kernel_
+                       : terms_kernel_)
       .dispatch(commands, list(),
                 {.value = value_,
                  .cells = guide_.cells(),
@@ -90,16 +90,16 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .sums = gate_sums_,
                  .activity = active_.activity()},
                 {.size = cells,
-                 .anchor = stats_.holds ? params.anchor_weight : 0,
+                 .anchor = plan_.compares_pixels ? params.anchor_weight : 0,
                  .frames = params.anchor_frames,
                  .motion = 1 / params.anchor_motion,
                  .hold = params.hold,
                  .light = 1 / params.hold_light},
                 line_of(pack4_count(cells)));
-  if (look)
+  if (plan_.measures_gate)
     commands.dispatch(total_, {.sums = gate_sums_, .total = gate_total_},
                       {.count = static_cast<uint32_t>(gate_sums_->count())}, {});
-  (stats_.holds ? anchored_assemble_ : assemble_)
+  (plan_.compares_pixels ? anchored_assemble_ : assemble_)
       .dispatch(commands, list(),
                 {.flux = flux_,
                  .start = start_,
@@ -111,17 +111,17 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .shading = gpu::aliased(multigrid_.field()),
                  .now = anchor_.now()},
                 {.size = extent_}, line_of(pack4_count(extent_)));
+  commands.stage("assemble");
 }
 
 void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params) {
   Multigrid::Params multigrid = params.multigrid;
-  // One cycle has none to be combined with; what it would exaggerate alone, the frames after it
-  // would exaggerate again.
-  if (stats_.cycles == 1) multigrid.slowest = 0;
+  // A single cycle has none to be combined with: what it overshoots, frames after it overshoot too.
+  if (plan_.cycles == 1) multigrid.slowest = 0;
   if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
-                       stats_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
+                       plan_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
   commands.stage("operators");
   const ChromaBins::State state{terms_,
                                 multigrid_.cell_means(),
@@ -129,49 +129,82 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
                                 multigrid_.cell_far(),
                                 multigrid_.cell_system(),
                                 multigrid_.cell_force()};
-  for (uint32_t cycle = 0; cycle < stats_.cycles; ++cycle)
+  for (uint32_t cycle = 0; cycle < plan_.cycles; ++cycle)
     multigrid_.record_cycle(
         commands, multigrid, cycle,
-        {stats_.stops || cycle + 1 == stats_.cycles, stats_.stops && cycle > 0, params.settled},
+        {plan_.stops() || cycle + 1 == plan_.cycles, plan_.stops() && cycle > 0,
+         plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
         [&] { bins_.record_force(commands, state, plan_.measures_bins); }, list());
+}
+
+void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& info) {
+  const Params problem = problem_of(params);
+  if (!has_history_ || problem != params_) planner_.restart();
+  params_ = problem;
+  if (!start_layers_) continues_ = plan_.history;
+  plan_ = planner_.next({.adaptive = params.adaptive,
+                         .chroma = params.prior.chroma_weight > 0,
+                         .anchor = params.anchor.anchor_weight > 0,
+                         .cycle_tolerance = params.cycle_tolerance,
+                         .edge_tolerance = params.edge_tolerance,
+                         .chroma_tolerance = params.chroma_tolerance,
+                         .gate_tolerance = params.gate_tolerance,
+                         .tile_tolerance = params.tile_tolerance,
+                         .repeat_tolerance = params.repeat_tolerance,
+                         .cut_fraction = params.anchor.cut_fraction,
+                         .cycles = params.cycles,
+                         .warm_cycles = params.warm_cycles},
+                        {.history = has_history_,
+                         .warm_start = start_layers_ != nullptr,
+                         .layers_reusable = last_ != nullptr,
+                         .repeated = info.repeated,
+                         .changed = active_.take(info.changed)},
+                        found_before());
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
                                       const Params& params, const FrameInfo& info) {
   if (info.reset) reset();
-  const Params problem = but_for_effort(params);
-  if (!history_ || problem != params_) planner_.restart();
-  params_ = problem;
-  if (!taken_) continues_ = stats_.history;
-  plan_ = planner_.next(
-      {params.adaptive, params.prior.chroma_weight > 0, params.anchor.anchor_weight > 0,
-       params.settled, params.still_tolerance, params.chroma_tolerance, params.hold_tolerance,
-       params.tile_tolerance, params.anchor.cut_fraction, params.cycles, params.warm_cycles},
-      {history_, taken_.has_value(), last_ != nullptr, active_.take(info.changed)}, found_before());
-  const bool history = (history_ || taken_) && params.anchor.anchor_weight > 0;
-  stats_ = {plan_.cycles,          plan_.stops,   multigrid_.depth(), history,      plan_.bins,
-            plan_.compares_pixels, plan_.skipped, prior_.tiles(),     plan_.tiles()};
-  EdgePrior::Params prior = params.prior;
-  if (!plan_.bins) prior.chroma_weight = 0;
-  if (listed()) {
-    active_.record_list(commands, multigrid_.cell_correction(),
-                        plan_.all_tiles ? kAllTiles : params.tile_tolerance, params.anchor.hold);
-    multigrid_.record_residual(commands, active_.list_before());
-    commands.stage("tiles");
-  }
-
+  make_plan(params, info);
+  list_tiles(commands, params);
   guide_.record(commands, input->buffer, list());
   commands.stage("guide");
-  if (taken_) start_from_taken(commands, input);
+  if (start_layers_) start_from_layers(commands, input);
+  evaluate_edges(commands, params);
+  assemble(commands, params.anchor);
+  solve(commands, params);
+  const PlanePtr intrinsic = write_layers(commands, input, params);
+  record_report(commands);
+  commands.stage("layers");
+  active_.advance(plan_.tiles());
+  last_ = plan_.whole() ? nullptr : intrinsic;
+  has_history_ = true;
+  start_layers_.reset();
+  commands.keep(input);
+  commands.keep(intrinsic);
+  return intrinsic_layers(input, intrinsic);
+}
+
+void IntrinsicDecomposition::list_tiles(gpu::Commands& commands, const Params& params) {
+  if (!plan_.tiles()) return;
+  active_.record_list(commands, multigrid_.cell_correction(),
+                      plan_.all_tiles ? kAllTiles : plan_.tile_tolerance, params.anchor.hold);
+  multigrid_.record_residual(commands, active_.list_before());
+  commands.stage("tiles");
+}
+
+void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Params& params) {
+  EdgePrior::Params prior = params.prior;
+  if (!plan_.bins) prior.chroma_weight = 0;
   const EdgePrior::Target target{multigrid_.system(), flux_, value_};
-  if (!history_) prior_.reset();
+  if (!has_history_) prior_.reset();
   switch (plan_.edges) {
     case Plan::Edges::tiles:
       prior_.record_tiles(commands, guide_, target, prior, active_.list());
       break;
     case Plan::Edges::compare:
-      prior_.record_changes(commands, guide_, target, prior, params.still_tolerance);
+      prior_.record_changes(commands, guide_, target, prior, params.edge_tolerance);
       break;
     case Plan::Edges::all_save:
     case Plan::Edges::all:
@@ -179,18 +212,18 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
       break;
   }
   commands.stage("prior");
-  assemble(commands, params.anchor);
-  commands.stage("assemble");
-  solve(commands, params);
+}
 
+PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,
+                                              const Params& params) {
   using History = OutputScale::History;
   scale_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
-                stats_.history       ? History::decided
-                : history_ || taken_ ? History::taken
-                                     : History::none,
-                params.scale, listed());
-  const PlanePtr intrinsic = layers_plane(commands);
-  (stats_.holds ? anchored_layers_ : layers_)
+                plan_.history                   ? History::decided
+                : has_history_ || start_layers_ ? History::taken
+                                                : History::none,
+                params.scale, plan_.tiles());
+  PlanePtr intrinsic = layers_plane(commands);
+  (plan_.compares_pixels ? anchored_layers_ : layers_)
       .dispatch(commands, list(),
                 {.frame = input->buffer,
                  .cells = guide_.cells(),
@@ -208,17 +241,9 @@ Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& i
                 line_of(guide_.cell_extent().pixels()));
   if (!plan_.whole())
     active_.record_activity(commands, anchor_.memory(), anchor_.now(), list(),
-                            params.tile_tolerance);
+                            plan_.tile_tolerance);
   anchor_.advance(commands, list());
-  record_report(commands);
-  commands.stage("layers");
-  active_.advance(listed());
-  last_ = plan_.whole() ? nullptr : intrinsic;
-  history_ = true;
-  taken_.reset();
-  commands.keep(input);
-  commands.keep(intrinsic);
-  return intrinsic_layers(input, intrinsic);
+  return intrinsic;
 }
 
 std::optional<Planner::Found> IntrinsicDecomposition::found_before() const {
@@ -226,19 +251,14 @@ std::optional<Planner::Found> IntrinsicDecomposition::found_before() const {
   const uint64_t number = recorded_ - reports_.size();  // done, or this frame could not begin
   const Report& done = report(number);
   const Findings findings = this->findings(number);
-  Planner::Found found;
-  found.cycles = findings.cycles;
-  found.cycles_recorded = done.stats.cycles;
-  found.change = findings.change;
-  found.history = done.stats.history;
-  found.cut = findings.cut;
-  found.compared_edges = done.compared_edges;
-  found.measured_bins = done.measured_bins;
-  found.measured_gate = done.measured_gate;
-  found.tiles = done.stats.tiles;
-  found.tiles_evaluated = findings.tiles_evaluated;
-  found.binding = findings.binding;
-  found.gate = findings.gate;
+  Planner::Found found{.plan = done.stats.plan,
+                       .cycles = findings.cycles,
+                       .change = findings.change,
+                       .cut = findings.cut,
+                       .tiles = done.stats.tiles,
+                       .tiles_evaluated = findings.tiles_evaluated,
+                       .binding = findings.binding,
+                       .gate = findings.gate};
   const Numbers& numbers = *done.found->map_as<Numbers>();
   found.tiles_moving = numbers.busy;
   // The statistics' first number is a mean, which may move four times as far.
@@ -250,25 +270,26 @@ std::optional<Planner::Found> IntrinsicDecomposition::found_before() const {
 }
 
 PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
-  if (listed() && last_.use_count() == 1) return last_;
+  if (plan_.tiles() && last_.use_count() == 1) return last_;
   PlanePtr plane = planes_.acquire();
-  if (listed()) commands.copy(last_->buffer, plane->buffer, plane->buffer->bytes());
+  if (plan_.tiles()) commands.copy(last_->buffer, plane->buffer, plane->buffer->bytes());
   return plane;
 }
 
-void IntrinsicDecomposition::take_over(gpu::Commands& commands, const IntrinsicDecomposition& other,
-                                       PlanePtr intrinsic) {
+void IntrinsicDecomposition::continue_from(gpu::Commands& commands,
+                                           const IntrinsicDecomposition& other,
+                                           PlanePtr intrinsic) {
   reset();
   scale_.take(commands, other.scale_);
   commands.copy(other.anchor_.verdict(), anchor_.verdict(), anchor_.verdict()->bytes());
-  continues_ = other.stats_.history;
-  taken_ = std::move(intrinsic);
+  continues_ = other.plan_.history;
+  start_layers_ = std::move(intrinsic);
 }
 
-void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const PlanePtr& input) {
+void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const PlanePtr& input) {
   commands.dispatch(warm_start_,
                     {.frame = input->buffer,
-                     .intrinsic = (*taken_)->buffer,
+                     .intrinsic = start_layers_->buffer,
                      .cells = guide_.cells(),
                      .wide = guide_.wide(),
                      .scale = scale_.value(),
@@ -280,16 +301,13 @@ void IntrinsicDecomposition::start_from_taken(gpu::Commands& commands, const Pla
                      .correction = multigrid_.cell_correction(),
                      .force = multigrid_.cell_force()},
                     {.size = extent_}, line_of(pack4_count(guide_.cell_extent())));
-  commands.keep(*taken_);
-  commands.stage("take-over");
+  commands.keep(start_layers_);
+  commands.stage("warm-start");
 }
 
 void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
   Report& report = reports_[recorded_++];
-  report.stats = stats_;
-  report.compared_edges = plan_.edges == Plan::Edges::compare;
-  report.measured_bins = plan_.measures_bins;
-  report.measured_gate = plan_.measures_gate;
+  report.stats = {plan_, multigrid_.depth(), prior_.tiles()};
   if (!report.found)
     report.found = gpu::Buffer::create(device_, gpu::Element::word,
                                        sizeof(Numbers) / sizeof(uint32_t), gpu::Memory::readback);
@@ -300,12 +318,12 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
     commands.copy(from, report.found, sizeof(numbers.*to), 0, static_cast<uint64_t>(offset));
   };
   copy(multigrid_.progress(), &Numbers::progress);
-  if (stats_.history) copy(anchor_.verdict(), &Numbers::verdict);
+  if (plan_.history) copy(anchor_.verdict(), &Numbers::verdict);
   copy(scale_.value(), &Numbers::scale);
-  if (listed()) copy(active_.list().words(), &Numbers::active);
-  if (report.compared_edges) copy(prior_.evaluated(), &Numbers::evaluated);
-  if (report.measured_bins) copy(bins_.binding(), &Numbers::binding);
-  if (report.measured_gate) copy(gate_total_, &Numbers::gates);
+  if (plan_.tiles()) copy(active_.list().words(), &Numbers::active);
+  if (plan_.edges == Plan::Edges::compare) copy(prior_.evaluated(), &Numbers::evaluated);
+  if (plan_.measures_bins) copy(bins_.binding(), &Numbers::binding);
+  if (plan_.measures_gate) copy(gate_total_, &Numbers::gates);
   if (!plan_.whole()) {
     copy(active_.busy(), &Numbers::busy);
     copy(guide_.statistics(), &Numbers::statistics);
@@ -315,23 +333,24 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
 
 IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame) const {
   const Report& of = report(frame);
+  const Plan& plan = of.stats.plan;
   const Numbers& numbers = *of.found->map_as<Numbers>();
   Findings findings;
   findings.change = std::sqrt(numbers.progress[0]);
-  findings.cycles = of.stats.stops ? static_cast<uint32_t>(numbers.progress[2]) : of.stats.cycles;
-  if (of.stats.history) {
+  findings.cycles = plan.stops() ? static_cast<uint32_t>(numbers.progress[2]) : plan.cycles;
+  if (plan.history) {
     findings.mismatch = numbers.verdict[0];
     findings.cut = numbers.verdict[1] == 0;
   }
   findings.scale = numbers.scale[0];
-  if (of.measured_bins)
+  if (plan.measures_bins)
     findings.binding = std::sqrt(numbers.binding[0] / std::max(numbers.binding[1], 1e-20F));
-  if (of.measured_gate)
+  if (plan.measures_gate)
     findings.gate = std::sqrt(numbers.gates[0] / static_cast<float>(guide_.cell_extent().pixels()));
-  findings.tiles_active = of.stats.listed ? numbers.active : of.stats.tiles;
-  findings.tiles_evaluated = of.stats.listed     ? findings.tiles_active
-                             : of.compared_edges ? numbers.evaluated
-                                                 : of.stats.tiles;
+  findings.tiles_active = plan.tiles() ? numbers.active : of.stats.tiles;
+  findings.tiles_evaluated = plan.tiles()                         ? findings.tiles_active
+                             : plan.edges == Plan::Edges::compare ? numbers.evaluated
+                                                                  : of.stats.tiles;
   return findings;
 }
 

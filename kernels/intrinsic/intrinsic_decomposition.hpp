@@ -5,8 +5,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "kernels/image/layers.hpp"
 #include "kernels/intrinsic/chroma/chroma_bins.hpp"
@@ -14,13 +12,13 @@
 #include "kernels/intrinsic/multigrid/multigrid.hpp"
 #include "kernels/intrinsic/output/output_scale.hpp"
 #include "kernels/intrinsic/prior/edge_prior.hpp"
-#include "kernels/intrinsic/reuse/active_tiles.hpp"
-#include "kernels/intrinsic/reuse/plan.hpp"
 #include "kernels/intrinsic/temporal/temporal_anchor.hpp"
+#include "kernels/intrinsic/tiles/active_tiles.hpp"
 #include "kernels/intrinsic_energy_assemble.spv.hpp"
 #include "kernels/intrinsic_energy_cell_terms.spv.hpp"
 #include "kernels/intrinsic_energy_warm_start.spv.hpp"
 #include "kernels/intrinsic_output_layers.spv.hpp"
+#include "kernels/reuse/plan.hpp"
 #include "kernels/solve_total.spv.hpp"
 
 namespace inverse {
@@ -39,79 +37,79 @@ class IntrinsicDecomposition {
     uint32_t warm_cycles = 2;
     Multigrid::Params multigrid;
     OutputScale::Params scale;
-    /// Leaves out what a frame does not need: edges of tiles that have not changed keep their
-    /// weights, cycles end when little changes, and tiles that need no work are left out.
+    /// Skips what a frame does not need (kernels/reuse/plan.hpp). The tolerances below say how much
+    /// error that may add; docs/reference/methods/intrinsicdecomp.md, 8.
     bool adaptive = true;
-    /// Rms change of log shading by a cycle below which no further one follows, 0…1; 0: all run.
-    float settled = 0.01F;
-    /// Change of a 2 x 2 mean's log intensity or chroma, 0…1, from which on a tile has changed.
-    float still_tolerance = 0.05F;
-    /// Log shading (rms of cell means, weighted by the value prior) that the chroma bins can move,
-    /// 0…1, below which they are left out; 0: never.
+    /// Change of log shading by a cycle, rms, 0…1, below which no other follows; 0: all run.
+    float cycle_tolerance = 0.01F;
+    /// Change of log intensity or chroma of a 2 x 2 mean, 0…1, from which on the edges of a tile
+    /// are evaluated again.
+    float edge_tolerance = 0.05F;
+    /// Effect of the chroma bins on log shading (rms of cell means, weighted by the value prior),
+    /// 0…1, below which they are skipped; 0: never.
     float chroma_tolerance = 0.02F;
     /// Gate of the temporal anchor, rms over cells, 0…1, below which pixels are not compared with
     /// the frame before; 0: never.
-    float hold_tolerance = 0.06F;
-    /// What a tile may lack, by estimate, of what frames that leave it out would have changed of
-    /// its log shading, rms, 0…1, before one works on it again, for all of them at once; only where
-    /// its input stays the same (FrameInfo::changed). 0: no tile is left out.
+    float gate_tolerance = 0.06F;
+    /// Estimated error of a skipped tile, rms log shading, 0…1, above which it is worked on again;
+    /// 0: no tile is skipped. Only tiles whose input is unchanged are skipped.
     float tile_tolerance = 0.02F;
+    /// Change of log shading by the last cycle, rms, 0…0.1, below which a repeated picture has
+    /// converged.
+    float repeat_tolerance = 1e-3F;
     bool operator==(const Params&) const = default;
   };
   struct FrameInfo {
     bool reset = false;  ///< no relation to the frame before (discontinuity)
-    /// Of every tile of 16 x 16 pixels, row by row, 0 where the input is, bit by bit, that of the
+    /// Of every tile of 16 x 16 pixels, row by row, 0 if its input is, bit by bit, that of the
     /// frame before. Empty: not known.
-    std::span<const uint8_t> changed;
+    std::span<const uint8_t> changed = {};
+    bool repeated = false;  ///< the picture is that of the frame before, bit by bit
   };
   struct Stats {
-    uint32_t cycles = 0;               ///< multigrid cycles at most
-    bool stops = false;                ///< fewer where little changes
-    uint32_t levels = 0;               ///< of the multigrid
-    bool history = false;              ///< a frame before was looked at
-    bool bins = true;                  ///< the chroma bins are part of the energy
-    bool holds = false;                ///< pixels are compared with the frame before
-    std::vector<std::string> skipped;  ///< what was left out, and why
-    uint32_t tiles = 0;                ///< tiles of 16 x 16 pixels that a frame has
-    bool listed = false;               ///< only tiles that need work were worked on
+    Plan plan;
+    uint32_t levels = 0;  ///< of the multigrid
+    uint32_t tiles = 0;   ///< of 16 x 16 pixels, of a frame
   };
 
-  /// Throws Error(limit) where frames of this size do not fit the device.
+  /// Throws Error(limit) if frames of this size do not fit the device.
   IntrinsicDecomposition(std::shared_ptr<gpu::Device> device, Extent extent);
 
   /// Records the decomposition of `input` (linear RGB, 1 = full scale; w = alpha) and returns its
-  /// layers: input, intrinsic (R.rgb, S) and, the same plane, model. Who edits in place copies
-  /// first what others hold. The frame kFramesInFlight before this one must have been waited for.
+  /// layers: input, intrinsic (R.rgb, S) and, the same plane, model. Copy a plane before editing it
+  /// in place if others hold it. The frame kFramesInFlight before this one must have been waited
+  /// for.
   Layers record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                 const FrameInfo& info);
   /// The only tiles where a drawing of the last frame's layers, or of its input, may differ from
   /// one of the frame before; null: all.
-  const TileList* drawn() const { return listed() ? &active_.drawn() : nullptr; }
+  const TileList* drawn() const { return plan_.tiles() ? &active_.drawn() : nullptr; }
   /// Forgets the frames so far (flush, discontinuity).
   void reset() {
-    history_ = false;
-    taken_.reset();
+    has_history_ = false;
+    start_layers_.reset();
     last_.reset();
   }
-  /// Goes on, with the next frame recorded, where `other`, on the same device and of another size,
-  /// has come to: it has just decomposed that frame, and `intrinsic` is what it found (R.rgb, S) in
-  /// this one's size. Instead of its own past the frame then has that, anchor and scale included.
-  void take_over(gpu::Commands& commands, const IntrinsicDecomposition& other, PlanePtr intrinsic);
+  /// Makes the next frame continue what `other`, of another size on the same device, has just found
+  /// of that frame, its scale and the state of its anchor included. `intrinsic` is the result of
+  /// `other` (R.rgb, S), resampled to this size.
+  void continue_from(gpu::Commands& commands, const IntrinsicDecomposition& other,
+                     PlanePtr intrinsic);
   /// Frames recorded since construction: the last one's number is one less.
   uint64_t recorded() const { return recorded_; }
   /// Of one of the last kFramesInFlight frames.
   const Stats& stats(uint64_t frame) const { return report(frame).stats; }
-  /// What the device found out about a frame.
+  /// What the device found of a frame.
   struct Findings {
-    uint32_t cycles = 0;  ///< multigrid cycles that ran, of Stats::cycles
-    float change = 0;     ///< rms change of log shading by the last cycle: what is left to do
-    float mismatch = 0;   ///< with the frame before, 0…1; 0 without one
-    bool cut = false;     ///< a cut: nothing was taken over
-    float scale = 0;      ///< ln of the factor from the solver's R to the layer's
-    uint32_t tiles_evaluated = 0;  ///< those of Stats::tiles whose edges were decided anew
-    uint32_t tiles_active = 0;     ///< those that were worked on
-    /// Of a frame that looked, else 0: what the bins can move (Params::chroma_tolerance), and the
-    /// anchor's gate (Params::hold_tolerance).
+    uint32_t cycles = 0;           ///< multigrid cycles that ran, at most Plan::cycles
+    float change = 0;              ///< rms change of log shading by the last cycle
+    float mismatch = 0;            ///< with the frame before, 0…1; 0 without one
+    bool cut = false;              ///< a scene cut: nothing of the frame before was used
+    float scale = 0;               ///< ln of the factor from the solver's R to the layer's
+    uint32_t tiles_evaluated = 0;  ///< whose edges were evaluated
+    uint32_t tiles_active = 0;     ///< that were worked on
+    /// If the plan measured them, else 0: effect of the chroma bins (Params::chroma_tolerance), and
+    /// the anchor's gate (Params::gate_tolerance).
     float binding = 0, gate = 0;
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
@@ -120,24 +118,26 @@ class IntrinsicDecomposition {
   Findings findings() const { return findings(recorded_ - 1); }
 
  private:
-  /// What is kept of a frame for whoever asks after it is done.
   struct Report {
     Stats stats;
-    bool compared_edges = false;  // tiles were compared with those that edges were decided on
-    bool measured_bins = false, measured_gate = false;
     gpu::BufferPtr found;  // Numbers
   };
-  /// What the last frame that is sure to be done has found, if there is one.
-  std::optional<Planner::Found> found_before() const;
-  /// The plane for the layers of a frame: where only tiles are worked on, one that has the others.
-  PlanePtr layers_plane(gpu::Commands& commands);
   const Report& report(uint64_t frame) const { return reports_[frame]; }
-  void record_report(gpu::Commands& commands);
-  bool listed() const { return plan_.tiles(); }
-  const TileList* list() const { return listed() ? &active_.list() : nullptr; }
+  /// The list of tiles that stages run on; null: on all.
+  const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
+  /// What the last frame that is sure to be done found, if there is one.
+  std::optional<Planner::Found> found_before() const;
+  // The parts of `record`, in its order.
+  void make_plan(const Params& params, const FrameInfo& info);
+  void list_tiles(gpu::Commands& commands, const Params& params);
+  void start_from_layers(gpu::Commands& commands, const PlanePtr& input);
+  void evaluate_edges(gpu::Commands& commands, const Params& params);
   void assemble(gpu::Commands& commands, const TemporalAnchor::Params& params);
   void solve(gpu::Commands& commands, const Params& params);
-  void start_from_taken(gpu::Commands& commands, const PlanePtr& input);
+  PlanePtr write_layers(gpu::Commands& commands, const PlanePtr& input, const Params& params);
+  /// The plane for the layers: if only tiles are worked on, one that has the others.
+  PlanePtr layers_plane(gpu::Commands& commands);
+  void record_report(gpu::Commands& commands);
 
   std::shared_ptr<gpu::Device> device_;
   Extent extent_;
@@ -150,7 +150,7 @@ class IntrinsicDecomposition {
   OutputScale scale_;
   ActiveTiles active_;
   TileProgram<shaders::intrinsic_energy_cell_terms> terms_kernel_, anchored_terms_kernel_,
-      looking_terms_kernel_;
+      measuring_terms_kernel_;
   TileProgram<shaders::intrinsic_energy_assemble> assemble_, anchored_assemble_;
   TileProgram<shaders::intrinsic_output_layers> layers_, anchored_layers_;
   gpu::Program<shaders::intrinsic_energy_warm_start> warm_start_;
@@ -158,15 +158,14 @@ class IntrinsicDecomposition {
   gpu::BufferPtr flux_, value_, terms_, start_, gate_sums_, gate_total_;
   gpu::FrameRing<Report> reports_;
   uint64_t recorded_ = 0;
-  bool history_ = false;
-  bool continues_ = false;         // the frame before had one before it
-  std::optional<PlanePtr> taken_;  // layers to start from
-  Params params_;                  // that the frames so far have been found with
-  bool cleared_ = false;           // unused slots of sums
+  bool has_history_ = false;  // there is a frame before
+  bool continues_ = false;    // which had one before it
+  PlanePtr start_layers_;     // to start from, of another resolution
+  Params params_;             // that the frames so far were found with
+  bool cleared_ = false;      // unused slots of sums
   Planner planner_;
   Plan plan_;      // of the frame being recorded
-  PlanePtr last_;  // the layers of the frame before, where the next one might go on from them
-  Stats stats_;    // of the frame being recorded
+  PlanePtr last_;  // the layers of the frame before, if the next one can reuse tiles of them
 };
 
 }  // namespace inverse

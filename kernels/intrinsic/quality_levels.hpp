@@ -5,18 +5,18 @@
 
 namespace inverse {
 
-/// A level: resolution, cycles of the first frame and of those after it, from which change on edges
-/// are decided anew, and below which change of a cycle no further one follows.
-template <size_t kHalvings, uint32_t kCycles, uint32_t kWarm, float kTolerance, float kSettled>
+/// A level: resolution, cycles of the first frame and of those after it, and two tolerances.
+template <size_t kHalvings, uint32_t kCycles, uint32_t kWarm, float kEdgeTolerance,
+          float kCycleTolerance>
 void intrinsic_level(ScaledIntrinsic::Params& params) {
   params.set_halvings(kHalvings);
   params.cycles = kCycles;
   params.warm_cycles = kWarm;
-  params.still_tolerance = kTolerance;
-  params.settled = kSettled;
+  params.edge_tolerance = kEdgeTolerance;
+  params.cycle_tolerance = kCycleTolerance;
 }
 
-/// The quality_levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
+/// The levels of intrinsicdecomp (docs/reference/methods/intrinsicdecomp.md, 10).
 inline const QualityLevels<ScaledIntrinsic::Params>& intrinsic_levels() {
   static const QualityLevels<ScaledIntrinsic::Params> quality_levels{
       {{0.37, intrinsic_level<2, 2, 1, 0.1F, 0.01F>},

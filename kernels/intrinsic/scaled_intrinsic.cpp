@@ -17,15 +17,15 @@ void ScaledIntrinsic::set_up(size_t halvings) {
 
 std::optional<ResolutionPlanner::Found> ScaledIntrinsic::found_before() const {
   if (recorded_ < gpu::kFramesInFlight) return {};
-  const Taken& done = taken(recorded_);  // the last frame that is sure to be done
+  const Past& done = past(recorded_);  // the last frame that is sure to be done
   const auto& method = methods_[done.stats.halvings];
   return ResolutionPlanner::Found{method && method->findings(done.number).cut, done.stats.compared,
                                   done.stats.compared ? distance_->value(recorded_) : 0};
 }
 
 void ScaledIntrinsic::release_half() {
-  const bool used = std::any_of(taken_.begin(), taken_.end(),
-                                [](const Taken& frame) { return frame.stats.halvings == 1; });
+  const bool used = std::any_of(past_.begin(), past_.end(),
+                                [](const Past& frame) { return frame.stats.halvings == 1; });
   if (used || stays_[1]) return;
   methods_[1].reset();
   if (!methods_[2]) steps_[0].reset();
@@ -42,7 +42,8 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
   }
   if (halvings > 0) commands.stage("halve");
   // Tiles are those of the full resolution.
-  const FrameInfo here = halvings > 0 ? FrameInfo{info.reset, {}} : info;
+  const FrameInfo here =
+      halvings > 0 ? FrameInfo{.reset = info.reset, .repeated = info.repeated} : info;
   PlanePtr intrinsic =
       method(halvings).record(commands, inputs[halvings], params, here)[Role::intrinsic];
   for (size_t k = halvings; k-- > 0;) {
@@ -55,8 +56,8 @@ PlanePtr ScaledIntrinsic::solve(gpu::Commands& commands, size_t halvings, const 
   return intrinsic;
 }
 
-void ScaledIntrinsic::take_over(gpu::Commands& commands, size_t from, size_t to,
-                                PlanePtr intrinsic) {
+void ScaledIntrinsic::carry_over(gpu::Commands& commands, size_t from, size_t to,
+                                 PlanePtr intrinsic) {
   set_up(to);
   for (size_t k = 0; k < to; ++k) {
     const PlanePtr smaller = steps_[k]->inputs.acquire();
@@ -64,14 +65,14 @@ void ScaledIntrinsic::take_over(gpu::Commands& commands, size_t from, size_t to,
     commands.keep(smaller);
     intrinsic = smaller;
   }
-  method(to).take_over(commands, method(from), std::move(intrinsic));
+  method(to).continue_from(commands, method(from), std::move(intrinsic));
 }
 
 Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                                const FrameInfo& info) {
   if (info.reset) start_anew();
   const auto choice =
-      planner_.next({params.adaptive, params.halvings(), params.half_bound}, found_before());
+      planner_.next({params.adaptive, params.halvings(), params.half_tolerance}, found_before());
   if (choice.cut) fade_.stop();
   if (choice.half_far) release_half();
   const size_t now = choice.halvings;
@@ -80,26 +81,26 @@ Layers ScaledIntrinsic::record(gpu::Commands& commands, const PlanePtr& input, c
   if (crossed) {
     const PlanePtr old = solve(commands, was_, input, params, info);
     shown = fade_.record(commands, input, old);
-    take_over(commands, was_, now, old);
+    carry_over(commands, was_, now, old);
   }
   const PlanePtr intrinsic = solve(commands, now, input, params, info);
   if (crossed)
     fade_.start(commands, input, shown, intrinsic);
   else
     shown = fade_.record(commands, input, intrinsic);
-  Taken& taken = taken_[recorded_];
-  taken = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
-           method(now).recorded() - 1,
-           planner_.half_distance()};
+  Past& past = past_[recorded_];
+  past = {{method(now).stats(method(now).recorded() - 1), now, crossed, false},
+          method(now).recorded() - 1,
+          planner_.half_distance()};
   if (choice.compares) {
-    // From nothing, as what it would come to by itself is asked for.
-    const PlanePtr other = solve(commands, 1 - now, input, params, {true, {}});
+    // Without history: the result that it would have by itself.
+    const PlanePtr other = solve(commands, 1 - now, input, params, {.reset = true});
     if (!distance_) distance_.emplace(device_, extent_);
     distance_->record(commands, input->buffer, intrinsic->buffer, other->buffer, recorded_);
     commands.stage("compare");
-    taken.stats.compared = true;
+    past.stats.compared = true;
   }
-  plain_ = now == 0 && !crossed && shown == intrinsic ? std::min(plain_ + 1, 2U) : 0;
+  full_frames_ = now == 0 && !crossed && shown == intrinsic ? std::min(full_frames_ + 1, 2U) : 0;
   was_ = now;
   ++recorded_;
   commands.keep(input);
@@ -119,7 +120,7 @@ void ScaledIntrinsic::start_anew() {
 }
 
 ScaledIntrinsic::Findings ScaledIntrinsic::findings(uint64_t frame) const {
-  const Taken& of = taken(frame);
+  const Past& of = past(frame);
   return {methods_[of.stats.halvings]->findings(of.number), of.half_distance};
 }
 

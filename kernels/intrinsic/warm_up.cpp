@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ScaledIntrinsic::warm_up: a short video on a small frame in which everything comes that can come.
+// ScaledIntrinsic::warm_up: a short video of small frames that uses every kernel.
 #include "warm_up.hpp"
 
 #include <cmath>
@@ -39,33 +39,34 @@ bool ScaledIntrinsic::play_all() const {
   const auto play = [&](const Params& params, int frames, bool tiles) {
     for (int k = 0; k < frames; ++k) {
       commands.begin();
-      small.record(
-          commands, input, params,
-          {false, tiles ? std::span<const uint8_t>(nothing_changed) : std::span<const uint8_t>()});
+      FrameInfo info;
+      if (tiles) info.changed = nothing_changed;
+      small.record(commands, input, params, info);
       commands.submit();
       commands.wait();
     }
   };
-  // Everything, without and with a frame before; the output's scale far from where it will be.
+  // All work, without and with a frame before; the output's scale far from its later value.
   Params params;
-  params.half_bound = 0;
+  params.half_tolerance = 0;
   params.scale.white_level = 0.3F;
   params.adaptive = false;
   play(params, 2, false);
-  // What comes with `adaptive`: looks at bins and anchor, of which those that do not bind are left
-  // out, cycles that end early, and the comparison of resolutions.
+  // With `adaptive`: measurements of bins and anchor, which are then skipped, cycles that end
+  // early, and the comparison of resolutions.
   params.adaptive = true;
   params.chroma_tolerance = 1;
-  params.half_bound = 1e-6F;
+  params.half_tolerance = 1e-6F;
   small.reset();
   small.planner_.compare_next();
   play(params, 5, false);
-  // Tiles, while the output's scale moves, with cycles that end early and with such that do not.
+  // Tiles, while the output's scale moves, with cycles that end early and with all of them.
   params.scale.white_level = 0.9F;
-  params.chroma_tolerance = params.half_bound = 0;
+  params.chroma_tolerance = params.half_tolerance = 0;
   play(params, 6, true);
-  const bool tiles_came = small.methods_[0]->stats(small.methods_[0]->recorded() - 1).listed;
-  params.settled = 0;
+  const IntrinsicDecomposition& full = *small.methods_[0];
+  const bool tiles_used = full.stats(full.recorded() - 1).plan.tiles();
+  params.cycle_tolerance = 0;
   play(params, 1, true);
   // Other resolutions, and back.
   params.half_resolution = true;
@@ -74,7 +75,7 @@ bool ScaledIntrinsic::play_all() const {
   play(params, 2, false);
   params.half_resolution = false;
   play(params, 1, false);
-  return tiles_came;
+  return tiles_used;
 }
 
 }  // namespace inverse

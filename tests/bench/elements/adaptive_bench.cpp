@@ -50,10 +50,10 @@ std::vector<Setting> settings(const std::string& element, bool parts) {
   std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
   if (!parts) return all;
   const std::pair<const char*, const char*> named[] = {
-      {"whole frames", "keep-tolerance"},          {"tiles", "tile-tolerance"},
-      {"edges of tiles", "still-tolerance"},       {"cycles", "settled"},
-      {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "hold-tolerance"},
-      {"half resolution", "half-resolution-bound"}};
+      {"whole frames", "repeat-tolerance"},          {"tiles", "tile-tolerance"},
+      {"edges of tiles", "edge-tolerance"},       {"cycles", "cycle-tolerance"},
+      {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "gate-tolerance"},
+      {"half resolution", "half-tolerance"}};
   for (const auto& [name, kept] : named) {
     std::string others;
     for (const auto& [other, entry] : named)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // When the layers of an unchanged image can be reused: error against the truth once the change by
-// the last cycle falls below a bound (keep-tolerance), compared with further frames.
+// the last cycle falls below a bound (repeat-tolerance), compared with further frames.
 //
 //   kept-bench --data FOLDER [--frames N]
 //
@@ -69,7 +69,7 @@ Kept send_again(bench::DeviceSession& session, const bench::TruthFrame& truth, f
   };
   send(true);
   Kept kept{error(), 0, 0};
-  params.settled = std::min(params.settled, bound);
+  params.cycle_tolerance = std::min(params.cycle_tolerance, bound);
   while (kept.frames < count &&
          (kept.frames == 0 || bound == 0 || method.findings(method.recorded() - 1).change >= bound))
     send(false), ++kept.frames;

@@ -143,11 +143,11 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
   Params all, bins, pixels, chosen;
-  chosen.half_bound = 0;
-  all.chroma_tolerance = all.hold_tolerance = all.half_bound = 0;
+  chosen.half_tolerance = 0;
+  all.chroma_tolerance = all.gate_tolerance = all.half_tolerance = 0;
   bins = pixels = all;
   bins.prior.chroma_weight = 0;  // as if skipped
-  pixels.hold_tolerance = 1;
+  pixels.gate_tolerance = 1;
   Run runs[] = {{session, extent, all},
                 {session, extent, bins},
                 {session, extent, pixels},
@@ -165,7 +165,7 @@ void terms(DeviceSession& session, const Scene& scene, size_t frames) {
     if (k % 3 == 2)
       for (Run& run : runs) run.judge(frame);
   }
-  const auto& last = runs[3].method.stats(runs[3].method.recorded() - 1).skipped;
+  const auto& last = runs[3].method.stats(runs[3].method.recorded() - 1).plan.skipped;
   name(scene);
   std::printf("%.3f | %.3f | %.2f | %.3f | %.4f | %.2f | %.4f | %.2f | ", binding, mean(change[1]),
               ratio(runs[0], runs[1]), gate, mean(change[2]), ratio(runs[0], runs[2]),
@@ -180,9 +180,9 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
   const Extent extent{uint32_t(scene.frames[0].input.width),
                       uint32_t(scene.frames[0].input.height)};
   Params full, small, looking, chosen;
-  full.half_bound = 0;
+  full.half_tolerance = 0;
   small.half_resolution = true;
-  looking.half_bound = 1e-6F;  // compares and keeps the resolution
+  looking.half_tolerance = 1e-6F;  // compares and keeps the resolution
   Run runs[] = {{session, extent, full},
                 {session, extent, small},
                 {session, extent, looking},
@@ -216,7 +216,7 @@ void crossing(DeviceSession& session, const Scene& scene, size_t) {
   Run stays{session, extent, {}}, small{session, extent, {}}, carried{session, extent, {}},
       forgets{session, extent, {}};
   small.params.half_resolution = true;
-  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.half_bound = 0;
+  for (Run* run : {&stays, &small, &carried, &forgets}) run->params.half_tolerance = 0;
   const auto step_of = [](const Run& run) {  // rms change of ln R's mean channel, scale removed
     double sum = 0, squares = 0, count = 0;
     const auto bright = [](const Image& r, size_t i) {
@@ -295,9 +295,9 @@ void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
   std::vector<std::unique_ptr<Run>> runs;
   for (const Candidate& c : kCandidates) {
     Params params;
-    params.half_bound = 0, params.set_halvings(c.halvings);
+    params.half_tolerance = 0, params.set_halvings(c.halvings);
     params.cycles = c.cycles, params.warm_cycles = c.warm;
-    params.still_tolerance = c.tolerance, params.settled = c.settled;
+    params.edge_tolerance = c.tolerance, params.cycle_tolerance = c.settled;
     runs.push_back(std::make_unique<Run>(session, extent, params));
   }
   const size_t count = scene.video ? frames : scene.frames.size();

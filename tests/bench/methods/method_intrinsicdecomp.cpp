@@ -165,11 +165,11 @@ class Settings {
         {"off", [](Params& p) { p.adaptive = false; }},
         {"on", [](Params&) {}},
         {"tiles", [](Params& p) { only(p, &Params::tile_tolerance); }},
-        {"edges of tiles", [](Params& p) { only(p, &Params::still_tolerance); }},
-        {"cycles", [](Params& p) { only(p, &Params::settled); }},
+        {"edges of tiles", [](Params& p) { only(p, &Params::edge_tolerance); }},
+        {"cycles", [](Params& p) { only(p, &Params::cycle_tolerance); }},
         {"chroma bins", [](Params& p) { only(p, &Params::chroma_tolerance); }},
-        {"anchor of pixels", [](Params& p) { only(p, &Params::hold_tolerance); }},
-        {"half resolution", [](Params& p) { only(p, &Params::half_bound); }}};
+        {"anchor of pixels", [](Params& p) { only(p, &Params::gate_tolerance); }},
+        {"half resolution", [](Params& p) { only(p, &Params::half_tolerance); }}};
     double order = 0;
     for (const auto& [name, set] : modes) {
       Params params;

@@ -134,7 +134,7 @@ void set(Params& params, const std::string& text) {
   else if (name == "warm-cycles")
     params.warm_cycles = uint32_t(value);
   else if (name == "settled")
-    params.settled = value;
+    params.cycle_tolerance = value;
   else
     throw std::runtime_error("no setting " + name);
 }

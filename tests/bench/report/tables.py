@@ -58,7 +58,7 @@ def exchange(points, along):
     """What each further step along a curve of intrinsicdecomp costs and brings."""
     curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
                    key=lambda p: p["order"])
-    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, still-tolerance",
+    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, edge-tolerance",
              "cycles": "cycles (all run)"}
     rows = []
     for before, p in zip([None] + curve, curve):

@@ -82,7 +82,7 @@ TEST(ReusePolicy, HalfResolutionFollowsItsBound) {
   EXPECT_FALSE(sharp.half);
   EXPECT_GT(sharp.distance, 0.06);
   for (const char* line :
-       {"intrinsicdecomp tuning=half-resolution-bound=0", "intrinsicdecomp adaptive=false"}) {
+       {"intrinsicdecomp tuning=half-tolerance=0", "intrinsicdecomp adaptive=false"}) {
     const Told never = after(line, "intrinsicdecomp", true, 32);
     EXPECT_FALSE(never.half) << line;
     EXPECT_EQ(never.distance, 0) << line;

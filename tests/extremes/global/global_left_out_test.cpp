@@ -71,10 +71,10 @@ std::optional<std::string> wrong_light(const Lab& lab, const Case& small, Counts
     before = frame;
     if (auto wrong = wrong_global_layers(Solver::global, k, frame, got, params.white_balance > 0))
       return wrong;
-    const bool held = some.left_out().held;
+    const bool held = some.left_out().light.reused();
     counts.frames += bad;
     counts.held += bad && held;
-    counts.listed += bad && some.left_out().solve.listed;
+    counts.listed += bad && some.left_out().solve.plan.tiles();
     // Light of 1e4 in a tile makes another scene of the frame, which only shows when it is looked
     // at again: finite and R S L = I is all that is asked of frames before that.
     if (one.knobs != 0 || one.faults & kBeyondFormats) continue;

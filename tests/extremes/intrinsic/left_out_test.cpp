@@ -82,7 +82,7 @@ std::optional<std::string> wrong_tiles(const Lab& lab, const Case& small, Counts
     const Pixels got = some.play(frame, params, changed);
     before = frame;
     if (auto wrong = wrong_layers(one, k, frame, got)) return wrong;
-    const bool listed = some.method.stats(k).listed;
+    const bool listed = some.method.stats(k).plan.tiles();
     counts.frames += bad;
     counts.listed += bad && listed;
     if (one.knobs != 0) continue;

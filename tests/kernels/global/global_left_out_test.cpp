@@ -26,7 +26,7 @@ TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
       EXPECT_EQ(got.found.confidence, 0);
       EXPECT_LT(got.found.chroma, 0.02F);
       for (const float light : got.light) ASSERT_EQ(light, 1) << "frame " << k;
-      const bool plain = method.stats(method.recorded() - 1).plain;
+      const bool plain = method.stats(method.recorded() - 1).light.gray;
       EXPECT_EQ(plain, k >= 10) << "frame " << k;
       EXPECT_EQ(plain, !got.layers[indirect_role(0)]) << "frame " << k;
       EXPECT_EQ(plain, !got.layers[Role::bases]) << "frame " << k;
@@ -47,11 +47,11 @@ TEST_F(GlobalTest, ColorThatComesBackIsSeen) {
   const Pixels frame = room(extent, 3).frame, gray = colorless(frame);
   GlobalIntrinsic method(device, extent), fresh(device, extent);
   for (int k = 0; k < 14; ++k) decompose(method, gray, extent, {}, {false, true});
-  EXPECT_TRUE(method.stats(method.recorded() - 1).plain);
+  EXPECT_TRUE(method.stats(method.recorded() - 1).light.gray);
   Result got, expected;
   for (int k = 0; k < 10; ++k) {
     got = decompose(method, frame, extent, {}, {false, true});
-    EXPECT_EQ(method.stats(method.recorded() - 1).plain, k < int(gpu::kFramesInFlight));
+    EXPECT_EQ(method.stats(method.recorded() - 1).light.gray, k < int(gpu::kFramesInFlight));
     for (size_t i = 0; i < frame.size(); ++i) {
       const size_t pixel = i / 4 * 4;
       if (i == pixel + 3) continue;
@@ -130,8 +130,8 @@ TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother)
   ScaledIntrinsic alone(device, extent);  // is told of what changed in its input, as it is
   GlobalIntrinsic::Params params;
   // So that frames are worked on by tiles, and those where it changed alone.
-  params.hold_tolerance = params.chroma_tolerance = 0;
-  params.still_tolerance = 0.5F;
+  params.gate_tolerance = params.chroma_tolerance = 0;
+  params.edge_tolerance = 0.5F;
   params.tile_tolerance = 0.3F;
   Pixels before, plain_before;
   unsigned listed = 0;
@@ -144,12 +144,12 @@ TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother)
     for (size_t i = 0; i < plain.size(); ++i)
       if (i % 4 != 3) plain[i] /= got.light[i];
     const auto truth =
-        stats.held ? changed_tiles(plain_before, plain, extent) : std::vector<uint8_t>();
+        stats.light.reused() ? changed_tiles(plain_before, plain, extent) : std::vector<uint8_t>();
     Layers want;
     run([&](gpu::Commands& commands) {
       want = alone.record(commands, input(extent, plain), params, {false, truth});
     });
-    if (stats.solve.listed) {
+    if (stats.solve.plan.tiles()) {
       ++listed;
       const auto concerned = spread_tiles(truth, TileList::along(extent.width));
       EXPECT_GE(got.found.solve.tiles_active,
@@ -182,13 +182,13 @@ TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
     const Result got = decompose(some, frame, extent, {}, {false, shares, changed}),
                  want = decompose(all, frame, extent, {}, {false, shares});
     const auto& stats = some.stats(some.recorded() - 1);
-    EXPECT_FALSE(all.stats(all.recorded() - 1).held);
-    EXPECT_TRUE(k >= 13 || !stats.held) << k;
-    anew_after += held > 0 && !stats.held;
-    held += stats.held;
-    listed += stats.solve.listed;
-    EXPECT_TRUE(stats.held || !some.drawn()) << k;
-    if (!stats.held) colors = got.found.colors;
+    EXPECT_FALSE(all.stats(all.recorded() - 1).light.reused());
+    EXPECT_TRUE(k >= 13 || !stats.light.reused()) << k;
+    anew_after += held > 0 && !stats.light.reused();
+    held += stats.light.reused();
+    listed += stats.solve.plan.tiles();
+    EXPECT_TRUE(stats.light.reused() || !some.drawn()) << k;
+    if (!stats.light.reused()) colors = got.found.colors;
     EXPECT_EQ(got.found.colors, colors) << k;
     double apart = 0, light = 0;
     for (size_t i = 0; i < frame.size(); ++i) {
@@ -219,7 +219,7 @@ TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
   params.reach = 0.3F;
   const std::vector<uint8_t> none(TileList::count(extent));
   decompose(some, before, extent, params, {false, false, none});
-  EXPECT_FALSE(some.stats(some.recorded() - 1).held);
+  EXPECT_FALSE(some.stats(some.recorded() - 1).light.reused());
 }
 
 TEST_F(GlobalTest, HeldLightIsWhatItWasWhereNothingChanges) {
@@ -230,7 +230,7 @@ TEST_F(GlobalTest, HeldLightIsWhatItWasWhereNothingChanges) {
   Pixels tint;
   for (int k = 0; k < 24; ++k) {
     const Result got = decompose(method, frame, extent, {}, {false, false, none});
-    EXPECT_EQ(method.stats(method.recorded() - 1).held, k >= 13) << k;
+    EXPECT_EQ(method.stats(method.recorded() - 1).light.reused(), k >= 13) << k;
     Pixels now = got.light;
     for (size_t i = 3; i < now.size(); i += 4) now[i] = 0;  // the direct share follows shading
     EXPECT_TRUE(k < 13 || now == tint) << k;
@@ -247,7 +247,7 @@ TEST_F(GlobalTest, AmountSetByHandGoesWithoutColor) {
   Result got;
   for (int k = 0; k < 14; ++k) got = decompose(method, gray, extent, params, {false, true});
   EXPECT_EQ(got.found.amount, 0.6F);
-  EXPECT_FALSE(method.stats(method.recorded() - 1).plain);
+  EXPECT_FALSE(method.stats(method.recorded() - 1).light.gray);
   double direct = 0;
   for (size_t i = 0; i < gray.size(); i += 4) {
     for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(got.light[i + c], 1, 1e-5);

@@ -30,9 +30,9 @@ class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
           {false, shares, same ? std::span<const uint8_t>(nothing) : std::span<const uint8_t>()});
       own.submit();
       const auto& stats = method.stats(method.recorded() - 1);
-      seen.held += stats.held;
-      seen.listed += stats.held && method.drawn();
-      seen.plain += stats.plain;
+      seen.held += stats.light.reused();
+      seen.listed += stats.light.reused() && method.drawn();
+      seen.plain += stats.light.gray;
       seen.shares += bool(layers[Role::bases]);
     };
     GlobalIntrinsic::Params params;

@@ -87,7 +87,7 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
     EXPECT_EQ(expected.stats.anchored, time == 1 || time == 2)
         << "the scenes must be what this test takes them for";
     const Pixels got = decompose(method, input(extent, pixels), params, false);
-    EXPECT_EQ(method.stats(method.recorded() - 1).history, time > 0);
+    EXPECT_EQ(method.stats(method.recorded() - 1).plan.history, time > 0);
     const auto findings = method.findings();
     EXPECT_NEAR(findings.mismatch, expected.stats.mismatch, 1e-3);
     EXPECT_EQ(findings.cut, time == 3);
@@ -110,7 +110,7 @@ TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
       for (size_t c = 0; c < 3; ++c) moved[4 * (y * extent.width + x) + c] *= 0.5F;
   IntrinsicDecomposition::Params adaptive, whole;
   whole.adaptive = false;
-  adaptive.settled = 0;
+  adaptive.cycle_tolerance = 0;
   IntrinsicDecomposition one(device, extent), other(device, extent);
   const uint32_t tiles = ((extent.width + 15) / 16) * ((extent.height + 15) / 16);
   const uint32_t expected[] = {tiles, 0, 4, 0};  // with 4 pixels around: 2 x 2 tiles
@@ -144,7 +144,7 @@ TEST_F(IntrinsicTest, ResetForgetsAndEveryRunGivesTheSameBits) {
   method.reset();
   const Pixels again = decompose(method, second, {}, false);
   EXPECT_EQ(memcmp(alone.data(), again.data(), alone.size() * sizeof(float)), 0);
-  EXPECT_FALSE(method.stats(method.recorded() - 1).history);
+  EXPECT_FALSE(method.stats(method.recorded() - 1).plan.history);
 }
 
 TEST_F(IntrinsicTest, MirroredFramesHaveMirroredLayers) {
@@ -282,7 +282,7 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
   for (const float v : decompose(extent, pixels, params)) ASSERT_TRUE(std::isfinite(v));
 }
 
-// Cycles that are left out must show in what the device says, and cost no more than `settled`
+// Cycles that are left out must show in what the device says, and cost no more than `cycle-tolerance`
 // bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
 TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   constexpr uint32_t kMost = 16;
@@ -297,7 +297,7 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   EXPECT_EQ(patient.findings().cycles, kMost);
   uint32_t fewest = kMost;
   for (const float settled : {0.01F, 0.03F, 0.1F}) {
-    params.settled = settled;
+    params.cycle_tolerance = settled;
     const Pixels got = decompose(settling, still, params);
     const uint32_t cycles = settling.findings().cycles;
     EXPECT_LT(settling.findings().change, settled);
@@ -315,11 +315,11 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   }
   EXPECT_LT(fewest, leaves_out ? 5 : kMost + 1);
   // A still scene comes to rest: one cycle a frame.
-  params.settled = 0.01F;
+  params.cycle_tolerance = 0.01F;
   for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
   EXPECT_EQ(settling.findings().cycles, leaves_out ? 1 : kMost);
   // 0 asks for all of them.
-  params.settled = 0;
+  params.cycle_tolerance = 0;
   decompose(settling, still, params, false);
   EXPECT_EQ(settling.findings().cycles, kMost);
 }

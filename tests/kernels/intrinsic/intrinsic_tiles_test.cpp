@@ -92,7 +92,7 @@ class IntrinsicTilesTest : public IntrinsicTest {
   }
   Pixels pixels_of(const Layers& layers) { return download(layers[Role::intrinsic]->buffer); }
   bool listed(const IntrinsicDecomposition& method) {
-    return method.stats(method.recorded() - 1).listed;
+    return method.stats(method.recorded() - 1).plan.tiles();
   }
 };
 

@@ -32,7 +32,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
                     {false, same ? std::span<const uint8_t>(nothing) : std::span<const uint8_t>()});
       own.submit();
       const auto& stats = method.stats(method.recorded() - 1);
-      seen.listed += stats.listed;
+      seen.listed += stats.plan.tiles();
       seen.compared += stats.compared;
       seen.crossed += stats.crossed;
     };
@@ -50,9 +50,9 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
       for (int k = 0; k < 5; ++k) show(still, params, k > 0);
     }
     params = {};
-    params.half_bound = 1;  // half resolution is good enough
+    params.half_tolerance = 1;  // half resolution is good enough
     for (int k = 0; k < 40; ++k) show(still, params, k > 0);
-    params.half_bound = 0;
+    params.half_tolerance = 0;
     for (int k = 0; k < 8; ++k) show(still, params, k > 0);
     params.prior.chroma_weight = 0;
     for (int k = 0; k < 8; ++k) show(still, params, k > 0);

@@ -62,10 +62,10 @@ TEST_F(LeaveOutTest, BinsWithoutWeightAreLeftOutWhateverIsAskedFor) {
     IntrinsicDecomposition without(device, extent), with(device, extent);
     const PlanePtr in = input(extent, pixels);
     const Pixels got = decompose(without, in, none), want = decompose(with, in, little);
-    EXPECT_FALSE(without.stats(0).bins);
-    EXPECT_TRUE(tells(without.stats(0).skipped, "chroma bins: their weight is 0"));
-    EXPECT_TRUE(with.stats(0).bins);
-    EXPECT_FALSE(tells(with.stats(0).skipped, "chroma bins"));
+    EXPECT_FALSE(without.stats(0).plan.bins);
+    EXPECT_TRUE(tells(without.stats(0).plan.skipped, "chroma bins: their weight is 0"));
+    EXPECT_TRUE(with.stats(0).plan.bins);
+    EXPECT_FALSE(tells(with.stats(0).plan.skipped, "chroma bins"));
     EXPECT_LT(apart(got, want), 1e-4);
   }
 }
@@ -78,7 +78,7 @@ TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
       const PlanePtr in = input(extent, pixels);
       IntrinsicDecomposition::Params with, without;
       with.cycles = without.cycles = 32;
-      with.settled = without.settled = 0;
+      with.cycle_tolerance = without.cycle_tolerance = 0;
       with.chroma_tolerance = 0;
       with.prior.chroma_weight = weight;
       without.prior.chroma_weight = 0;
@@ -134,17 +134,17 @@ TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
     EXPECT_LT(apart(got, decompose(whole, plain, always, false)), 0.005);
     decompose(all, plain, off, false);
     const auto& stats = method.stats(method.recorded() - 1);
-    left_out += !stats.bins;
-    EXPECT_EQ(tells(stats.skipped, "chroma bins: they cannot bind"), !stats.bins);
-    EXPECT_TRUE(whole.stats(whole.recorded() - 1).bins);
-    EXPECT_TRUE(all.stats(all.recorded() - 1).bins);
+    left_out += !stats.plan.bins;
+    EXPECT_EQ(tells(stats.plan.skipped, "chroma bins: their effect is below its tolerance"), !stats.plan.bins);
+    EXPECT_TRUE(whole.stats(whole.recorded() - 1).plan.bins);
+    EXPECT_TRUE(all.stats(all.recorded() - 1).plan.bins);
   }
   EXPECT_GE(left_out, 9);
   EXPECT_LE(left_out, 12) << "now and then it has to look";
   for (int i = 0; i < 8; ++i) decompose(method, colored, params, false);
   for (int i = 0; i < 8; ++i) {
     decompose(method, colored, params, false);
-    EXPECT_TRUE(method.stats(method.recorded() - 1).bins) << "a new scene needs them";
+    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.bins) << "a new scene needs them";
   }
 }
 
@@ -152,23 +152,23 @@ TEST_F(LeaveOutTest, PixelsAreNotComparedWhereNothingStays) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent), whole(device, extent);
   IntrinsicDecomposition::Params params, always;
-  always.hold_tolerance = 0;
+  always.gate_tolerance = 0;
   int left_out = 0;
   for (unsigned i = 0; i < 16; ++i) {  // a cut at every frame
     const PlanePtr in = input(extent, scene(extent, i % 2 ? 4 : 5));
     const Pixels got = decompose(method, in, params, false);
     EXPECT_LT(apart(got, decompose(whole, in, always, false)), 0.01) << "frame " << i;
     const auto& stats = method.stats(method.recorded() - 1);
-    left_out += stats.history && !stats.holds;
-    EXPECT_EQ(tells(stats.skipped, "anchor of pixels"), stats.history && !stats.holds);
-    EXPECT_EQ(whole.stats(whole.recorded() - 1).holds, i > 0);
+    left_out += stats.plan.history && !stats.plan.compares_pixels;
+    EXPECT_EQ(tells(stats.plan.skipped, "anchor of pixels"), stats.plan.history && !stats.plan.compares_pixels);
+    EXPECT_EQ(whole.stats(whole.recorded() - 1).plan.compares_pixels, i > 0);
   }
   EXPECT_GE(left_out, 8);
   const PlanePtr still = input(extent, scene(extent, 4));
   for (int i = 0; i < 8; ++i) decompose(method, still, params, false);
   for (int i = 0; i < 4; ++i) {
     decompose(method, still, params, false);
-    EXPECT_TRUE(method.stats(method.recorded() - 1).holds) << "what stands still is held";
+    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.compares_pixels) << "what stands still is held";
   }
 }
 
@@ -177,7 +177,7 @@ TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
     const PlanePtr still = input(extent, scene(extent, 6));
     ScaledIntrinsic carried(device, extent), forgets(device, extent);
     ScaledIntrinsic::Params params;
-    params.half_bound = 0;
+    params.half_tolerance = 0;
     Pixels before[2];
     double most = 0, most_anew = 0;
     for (int i = 0; i < 40; ++i) {
@@ -188,7 +188,7 @@ TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
       const Pixels now[2] = {frame(carried, still, params), frame(forgets, still, params, crosses)};
       EXPECT_EQ(last(carried).crossed, crosses);
       EXPECT_EQ(last(carried).halvings, at == 3 ? 0U : static_cast<size_t>(at));
-      EXPECT_EQ(last(carried).history, i > 0);
+      EXPECT_EQ(last(carried).plan.history, i > 0);
       EXPECT_FALSE(carried.findings(carried.recorded() - 1).cut);
       if (crosses) {
         EXPECT_LT(carried.findings(carried.recorded() - 1).mismatch, 1e-4);
@@ -216,7 +216,7 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
                  sharp = input(extent, scene(extent, 4));
   ScaledIntrinsic method(device, extent), full(device, extent), all(device, extent);
   ScaledIntrinsic::Params params, never, off;
-  never.half_bound = 0;
+  never.half_tolerance = 0;
   off.adaptive = false;
   LayerDistance distance(device, extent);
   const auto step = [&](const PlanePtr& in, uint64_t slot) {
@@ -233,13 +233,13 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
     return distance.value(slot);
   };
   for (uint64_t i = 0; i < 40; ++i) {
-    EXPECT_LT(step(soft, i), params.half_bound) << "frame " << i;
+    EXPECT_LT(step(soft, i), params.half_tolerance) << "frame " << i;
     EXPECT_EQ(last(method).compared, i == ResolutionPlanner::kFirst) << "frame " << i;
     EXPECT_EQ(last(method).halvings, i < ResolutionPlanner::kFirst + 3 ? 0U : 1U) << "frame " << i;
   }
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);
-  EXPECT_LT(soft_distance, params.half_bound);
+  EXPECT_LT(soft_distance, params.half_tolerance);
   // A cut: looked at as soon as it is noticed, and given up.
   for (uint64_t i = 0; i < 8; ++i) step(sharp, i);
   float off_by = 0;
@@ -247,8 +247,8 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
     off_by = step(sharp, i);
     EXPECT_EQ(last(method).halvings, 0U) << "frame " << i;
   }
-  EXPECT_LT(off_by, params.half_bound);
-  EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.half_bound);
+  EXPECT_LT(off_by, params.half_tolerance);
+  EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.half_tolerance);
 }
 
 TEST_F(LeaveOutTest, DistanceOfLayersIsThatOfTheirShading) {

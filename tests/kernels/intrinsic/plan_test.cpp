@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What is left out of a frame, and when that is looked at again, without a device.
-#include "kernels/intrinsic/reuse/plan.hpp"
+#include "kernels/reuse/plan.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "kernels/intrinsic/reuse/resolution_planner.hpp"
+#include "kernels/reuse/resolution_planner.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -16,14 +16,20 @@ using Mode = Plan::Mode;
 /// A policy and the video that it plans.
 struct Video {
   Planner policy;
-  Planner::Params params{true, true, true, 0.01F, 0.05F, 0.02F, 0.06F, 0.02F, 0.3F};
-  Planner::Frame frame{true, false, true, 0.0F};
+  Planner::Params params{.cycle_tolerance = 0.01F,
+                         .edge_tolerance = 0.05F,
+                         .chroma_tolerance = 0.02F,
+                         .gate_tolerance = 0.06F,
+                         .tile_tolerance = 0.02F,
+                         .repeat_tolerance = 0.001F,
+                         .cut_fraction = 0.3F};
+  Planner::Frame frame{.history = true, .layers_reusable = true, .changed = 0};
   Planner::Found found;
   unsigned frames = 0;
 
   Video() {
-    found.history = true;
-    found.cycles = found.cycles_recorded = 2;
+    found.plan.history = true;
+    found.cycles = found.plan.cycles = 2;
     found.tiles = 100;
     found.binding = found.gate = 1;  // everything binds
   }
@@ -90,7 +96,7 @@ TEST(Plan, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
   const auto looks = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;
-    video.found.measured_bins = video.found.measured_gate = true;
+    video.found.plan.measures_bins = video.found.plan.measures_gate = true;
     if (!binds) video.found.binding = 0;
     unsigned count = 0;
     for (int k = 0; k < 65; ++k) {
@@ -107,7 +113,7 @@ TEST(Plan, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
   EXPECT_EQ(looks(true, 0), 1U) << "over tiles alone there is nothing to be seen of the whole";
   Video off;
   off.frame.changed = 1;
-  off.found.measured_bins = off.found.measured_gate = true;
+  off.found.plan.measures_bins = off.found.plan.measures_gate = true;
   off.found.binding = off.found.gate = 0;
   off.after(5);
   const auto plan = off.next();
@@ -127,7 +133,7 @@ TEST(Plan, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
 TEST(Plan, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
   Video video;
   video.frame.changed = 1;
-  video.found.compared_edges = true;
+  video.found.plan.edges = Plan::Edges::compare;
   video.found.tiles_evaluated = 51;
   video.after(4);
   unsigned compared = 0;
@@ -150,17 +156,17 @@ TEST(Plan, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
 TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   Video video;
   video.frame.changed = 1;
-  video.found.change = 0.004F;  // above a third of `settled`
-  EXPECT_TRUE(video.after(3).stops) << "nothing is known yet";
-  EXPECT_FALSE(video.next().stops);
+  video.found.change = 0.004F;  // above a third of `cycle-tolerance`
+  EXPECT_TRUE(video.after(3).stops()) << "nothing is known yet";
+  EXPECT_FALSE(video.next().stops());
   video.found.change = 0.003F;
-  EXPECT_TRUE(video.next().stops);
+  EXPECT_TRUE(video.next().stops());
   video.found.change = 1;
-  EXPECT_FALSE(video.next().stops);
+  EXPECT_FALSE(video.next().stops());
   video.found.cycles = 1;
-  EXPECT_TRUE(video.next().stops);
-  video.params.settled = 0;
-  EXPECT_FALSE(video.next().stops);
+  EXPECT_TRUE(video.next().stops());
+  video.params.cycle_tolerance = 0;
+  EXPECT_FALSE(video.next().stops());
 }
 
 TEST(ResolutionPlan, HalfIsChosenBelowItsBoundAndLeftAboveIt) {

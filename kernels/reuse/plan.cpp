@@ -10,25 +10,25 @@ namespace inverse {
 bool Planner::old_enough() const { return since_restart_ >= gpu::kFramesInFlight; }
 
 void Planner::learn(const Params& params, const Found& found) {
-  if (found.compared_edges && found.history)
+  if (found.plan.edges == Plan::Edges::compare && found.plan.history)
     most_edges_change_ = 2 * found.tiles_evaluated > found.tiles;
-  if (found.measured_bins) bins_matter_ = found.cut || !(found.binding < params.chroma_tolerance);
-  if (found.measured_gate) gate_matters_ = !(found.gate < params.hold_tolerance);
+  if (found.plan.measures_bins)
+    bins_matter_ = found.cut || !(found.binding < params.chroma_tolerance);
+  if (found.plan.measures_gate) gate_matters_ = !(found.gate < params.gate_tolerance);
 }
 
-bool Planner::may_stop(const Params& params, const std::optional<Found>& found) const {
+bool Planner::may_stop(float tolerance, const std::optional<Found>& found) const {
   if (!old_enough() || !found) return true;  // findings before a restart do not count
-  if (found->cycles < found->cycles_recorded) return true;
+  if (found->cycles < found->plan.cycles) return true;
   // A cycle changes about a third of what the one before it did.
-  return found->change < params.settled / 3;
+  return found->change < tolerance / 3;
 }
 
 void Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
                           const std::optional<Found>& found) {
   // If so many tiles change that they make a cut, skipping the others is not worth it.
-  if (!params.adaptive || params.tile_tolerance <= 0 || !plan.compares_pixels ||
-      !compared_pixels_ || frame.warm_start ||
-      frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction)) {
+  if (!params.adaptive || plan.tile_tolerance <= 0 || !plan.compares_pixels || !compared_pixels_ ||
+      frame.warm_start || frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction)) {
     static_frames_ = 0;
     return;
   }
@@ -39,7 +39,7 @@ void Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
   if (static_frames_++ < gpu::kFramesInFlight || !found) return;
   const bool worth =
       static_cast<float>(found->tiles_moving) <= kMaxMoving * static_cast<float>(found->tiles);
-  if (!worth || !(found->drift <= params.still_tolerance)) return;  // nor for NaN
+  if (!worth || !(found->drift <= params.edge_tolerance)) return;  // nor for NaN
   plan.mode = Plan::Mode::tiles;
 }
 
@@ -50,11 +50,17 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   } else if (old_enough() && found) {
     learn(params, *found);
   }
-  const bool history = (frame.history || frame.warm_start) && params.anchor;
   Plan plan;
-  plan.cycles = history ? params.warm_cycles : params.cycles;
-  plan.stops = params.adaptive && params.settled > 0 && (!history || may_stop(params, found));
-  plan.compares_pixels = history && (!params.adaptive || gate_matters_);
+  plan.history = (frame.history || frame.warm_start) && params.anchor;
+  plan.cycles = plan.history ? params.warm_cycles : params.cycles;
+  plan.compares_pixels = plan.history && (!params.adaptive || gate_matters_);
+  // A picture that stays converges everywhere, and the sooner, the sooner its layers are reused.
+  const float tolerance = frame.repeated ? std::min(params.cycle_tolerance, params.repeat_tolerance)
+                                         : params.cycle_tolerance;
+  if (params.adaptive && (!plan.history || may_stop(tolerance, found)))
+    plan.cycle_tolerance = tolerance;
+  plan.tile_tolerance = frame.repeated && repeated_ ? 0 : params.tile_tolerance;
+  repeated_ = frame.repeated;
   choose_mode(plan, params, frame, found);
   tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;
   plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
@@ -72,18 +78,18 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
   ++since_restart_;
   plan.bins = params.chroma && (!params.adaptive || bins_matter_ || measure);
   plan.measures_bins = measure && params.chroma;
-  plan.measures_gate = measure && history;
+  plan.measures_gate = measure && plan.history;
   compared_pixels_ = plan.compares_pixels;
   bins_ = plan.bins;
 
   const auto skip = [&](bool skipped, const char* why) {
     if (skipped) plan.skipped.emplace_back(why);
   };
-  skip(!history, frame.history ? "anchor: its weight is 0" : "anchor: no frame before");
-  skip(!plan.bins,
-       params.chroma ? "chroma bins: they cannot bind" : "chroma bins: their weight is 0");
-  skip(history && !plan.compares_pixels, "anchor of pixels: nothing can be held");
-  skip(plan.tiles(), "tiles: those that stay as they are");
+  skip(!plan.history, frame.history ? "anchor: its weight is 0" : "anchor: no frame before");
+  skip(!plan.bins, params.chroma ? "chroma bins: their effect is below its tolerance"
+                                 : "chroma bins: their weight is 0");
+  skip(plan.history && !plan.compares_pixels, "anchor of pixels: its gate is closed");
+  skip(plan.tiles(), "tiles: those whose input is unchanged and that have converged");
   return plan;
 }
 

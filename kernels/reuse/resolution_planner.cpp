@@ -20,9 +20,9 @@ bool ResolutionPlanner::learn(const Params& params, const Found& found) {
     compare_at_ = std::max(since_reset_, compared_at_ ? *compared_at_ + apart : 0);
   }
   if (found.compared) half_distance_ = found.distance;
-  fits_ = half_distance_ > 0 && half_distance_ < (fits_ ? 1 : kEnter) * params.half_bound;
+  fits_ = half_distance_ > 0 && half_distance_ < (fits_ ? 1 : kEnter) * params.half_tolerance;
   if (!found.compared) return false;
-  const bool far = !fits_ && half_distance_ > 1.5F * params.half_bound;
+  const bool far = !fits_ && half_distance_ > 1.5F * params.half_tolerance;
   compare_at_ = since_reset_ + (far ? kMaxNext : kNext);
   return far;
 }
@@ -31,7 +31,7 @@ ResolutionPlanner::Choice ResolutionPlanner::next(const Params& params,
                                                   const std::optional<Found>& found) {
   const bool known = found && since_reset_ >= gpu::kFramesInFlight;
   Choice choice{.halvings = params.halvings, .cut = known && found->cut};
-  const bool chooses = params.halvings == 0 && params.adaptive && params.half_bound > 0;
+  const bool chooses = params.halvings == 0 && params.adaptive && params.half_tolerance > 0;
   if (!chooses)
     fits_ = false;
   else if (known)

@@ -7,12 +7,13 @@
 
 namespace inverse {
 
-/// What of a frame is run, and what is skipped. A plain value: stages obey it.
+/// What of a frame of IntrinsicDecomposition is run, and what is skipped. A plain value: stages
+/// obey it.
 struct Plan {
   /// How tiles are worked on.
   enum class Mode : uint8_t {
     whole,    ///< all
-    watched,  ///< all, and it is measured which of them still move: few have changed
+    watched,  ///< all, and it is measured which of them still move: the input of few changed
     tiles,    ///< only those that need work
   };
   /// What is done about the weights of edges.
@@ -25,13 +26,16 @@ struct Plan {
   Mode mode = Mode::whole;
   bool all_tiles = false;  ///< Mode::tiles: this time all of them
   Edges edges = Edges::all;
+  bool history = false;          ///< the frame before is part of the energy
   uint32_t cycles = 0;           ///< of the multigrid, at most
-  bool stops = false;            ///< cycles end where they change little
+  float cycle_tolerance = 0;     ///< no cycle follows one that changes less; 0: all run
+  float tile_tolerance = 0;      ///< estimated error of a tile above which it is worked on
   bool compares_pixels = false;  ///< with those of the frame before
   bool bins = true;              ///< the chroma bins are part of the energy
   bool measures_bins = false, measures_gate = false;
   std::vector<std::string> skipped;  ///< what, and why
 
+  bool stops() const { return cycle_tolerance > 0; }  ///< cycles end if they change little
   bool whole() const { return mode == Mode::whole; }
   bool tiles() const { return mode == Mode::tiles; }
   /// The tiles of Mode::tiles solve one cycle on cells: the others' problem there is that of the
@@ -48,8 +52,8 @@ class Planner {
   /// Of IntrinsicDecomposition::Params, where each is explained.
   struct Params {
     bool adaptive = true, chroma = true, anchor = true;  ///< chroma, anchor: have a weight
-    float settled = 0, still_tolerance = 0, chroma_tolerance = 0, hold_tolerance = 0,
-          tile_tolerance = 0, cut_fraction = 1;
+    float cycle_tolerance = 0, edge_tolerance = 0, chroma_tolerance = 0, gate_tolerance = 0,
+          tile_tolerance = 0, repeat_tolerance = 0, cut_fraction = 1;
     uint32_t cycles = 4, warm_cycles = 2;
   };
   /// What is known of a frame before anything of it is recorded.
@@ -57,18 +61,20 @@ class Planner {
     bool history = false;          ///< there is a frame before, and it is compared with that
     bool warm_start = false;       ///< the one before is of another resolution
     bool layers_reusable = false;  ///< the layers of the one before are still there
+    bool repeated = false;         ///< the picture is that of the frame before
     float changed = 1;             ///< share of tiles, with those beside them; 1: not known
   };
-  /// What the frame kFramesInFlight before it found. Each number counts only where it was measured.
+  /// What the frame kFramesInFlight before it found. Each number counts only if its plan measured
+  /// it.
   struct Found {
-    uint32_t cycles = 0, cycles_recorded = 0;  ///< that ran, of so many
-    float change = 0;                          ///< of log shading by the last cycle, rms
-    bool history = false, cut = false;
-    bool compared_edges = false, measured_bins = false, measured_gate = false;
-    uint32_t tiles = 0, tiles_evaluated = 0;  ///< with compared_edges
-    float binding = 0, gate = 0;              ///< with measured_…
-    uint32_t tiles_moving = 0;  ///< watched or tiles: moved by more than tile_tolerance
-    float drift = 0;            ///< of its statistics from those that edges were evaluated with
+    Plan plan;
+    uint32_t cycles = 0;  ///< that ran
+    float change = 0;     ///< of log shading by the last cycle, rms
+    bool cut = false;
+    uint32_t tiles = 0, tiles_evaluated = 0;  ///< all, and those whose edges were evaluated
+    float binding = 0, gate = 0;              ///< effect of the chroma bins, and of the anchor
+    uint32_t tiles_moving = 0;                ///< that moved by more than tile_tolerance
+    float drift = 0;  ///< of its statistics from those that edges were evaluated with
   };
 
   /// The next frame is the first one of its kind: without a past, or with other parameters.
@@ -78,27 +84,28 @@ class Planner {
 
   /// Frames from one measurement of bins and gate to the next, if something is skipped and if not.
   static constexpr uint64_t kMeasureSoon = 4, kMeasureEvery = 16;
-  /// Where edges of most tiles are evaluated, comparing tiles costs more than it saves: frames from
-  /// one comparison to the next.
+  /// Frames from one comparison of tiles to the next if edges of most tiles are evaluated:
+  /// comparing then costs more than it saves.
   static constexpr uint64_t kCompareEvery = 8;
-  /// Share of tiles from which on a list of them saves too little: of those whose input changed,
-  /// and of all that need work.
+  /// Shares of tiles above which a list of them saves too little: of those whose input changed, and
+  /// of all that need work.
   static constexpr float kMaxChanged = 0.25F, kMaxMoving = 0.5F;
   /// Frames of Mode::tiles from one that works on all tiles to the next.
   static constexpr uint64_t kAllEvery = 32;
 
  private:
   void learn(const Params& params, const Found& found);
-  bool may_stop(const Params& params, const std::optional<Found>& found) const;
+  /// Whether cycles are likely to end early, so that measuring their change is worth it.
+  bool may_stop(float tolerance, const std::optional<Found>& found) const;
   void choose_mode(Plan& plan, const Params& params, const Frame& frame,
                    const std::optional<Found>& found);
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames
   bool bins_matter_ = true, gate_matters_ = true, most_edges_change_ = false;
-  uint64_t static_frames_ = 0;                  // in a row, watched or tiles
-  uint64_t tile_frames_ = 0;                    // Mode::tiles since the last other one
-  bool compared_pixels_ = false, bins_ = true;  // the frame before
+  uint64_t static_frames_ = 0;  // in a row, watched or tiles
+  uint64_t tile_frames_ = 0;    // Mode::tiles since the last other one
+  bool compared_pixels_ = false, bins_ = true, repeated_ = false;  // the frame before
 };
 
 }  // namespace inverse

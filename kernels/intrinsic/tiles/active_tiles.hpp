@@ -6,9 +6,9 @@
 
 #include "kernels/image/pack4.hpp"
 #include "kernels/image/tiles/tile_list.hpp"
-#include "kernels/intrinsic_reuse_active.spv.hpp"
-#include "kernels/intrinsic_reuse_activity.spv.hpp"
-#include "kernels/intrinsic_reuse_dilate_tiles.spv.hpp"
+#include "kernels/intrinsic_tiles_active.spv.hpp"
+#include "kernels/intrinsic_tiles_activity.spv.hpp"
+#include "kernels/intrinsic_tiles_dilate_tiles.spv.hpp"
 
 namespace inverse {
 
@@ -52,9 +52,9 @@ class ActiveTiles {
   TileList drawn_;
   size_t now_ = 0;
   bool listed_before_ = false;
-  gpu::Program<shaders::intrinsic_reuse_active> active_;
-  gpu::Program<shaders::intrinsic_reuse_dilate_tiles> dilate_tiles_;
-  TileProgram<shaders::intrinsic_reuse_activity> look_;
+  gpu::Program<shaders::intrinsic_tiles_active> active_;
+  gpu::Program<shaders::intrinsic_tiles_dilate_tiles> dilate_tiles_;
+  TileProgram<shaders::intrinsic_tiles_activity> look_;
   gpu::FrameRing<gpu::BufferPtr> changed_;
   uint64_t frame_ = 0;
   gpu::BufferPtr activity_, busy_;

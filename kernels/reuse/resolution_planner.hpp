@@ -12,8 +12,8 @@ class ResolutionPlanner {
  public:
   struct Params {
     bool adaptive = true;
-    size_t halvings = 0;   ///< asked for; above 0 nothing is chosen
-    float half_bound = 0;  ///< distance of half from full resolution, rms of log shading
+    size_t halvings = 0;       ///< asked for; above 0 nothing is chosen
+    float half_tolerance = 0;  ///< distance of half from full resolution, rms of log shading
   };
   /// What the frame kFramesInFlight before found; distance counts if it was compared.
   struct Found {

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "gst/base/filter.hpp"
+#include "kernels/quality_levels.hpp"
+#include "layer_view.hpp"
+#include "rate_controller.hpp"
+
+namespace inverse {
+
+/// The parameters that every decomposer has.
+struct DecomposerParams {
+  Show show = Show::reflectance;
+  int layer = 0;  ///< base color, of Show::layer
+  Quality quality = Quality::medium;
+  double target_fps = 0;      ///< frames a second to hold; 0: any
+  double latency_budget = 0;  ///< ms for a frame; 0: any
+  /// Computes what follows from the properties, once all are read.
+  void derive() {}
+};
+
+/// What Decomposer needs of the parameters in force for a frame.
+struct FrameSettings {
+  Show show = Show::reflectance;
+  int layer = 0;
+  bool adaptive = true;
+  bool changed = false;  ///< the method's differ from those of the frame before
+};
+
+/// The method of a decomposer, for frames of one size on one device. Calls come as for Filter.
+class DecompositionMethod {
+ public:
+  virtual ~DecompositionMethod() = default;
+  virtual PropertyStore& parameters() = 0;
+  /// Work of its quality levels, lowest first (RateController).
+  virtual std::vector<double> level_costs() const = 0;
+  /// `adaptive` is on.
+  virtual bool adaptive() const = 0;
+  virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
+                         const Log& log) = 0;
+  virtual void release() = 0;
+  virtual void reset() = 0;
+  /// Reads the parameters for the next frame, and chooses the level of work by them.
+  virtual FrameSettings next_settings(RateController& controller) = 0;
+  /// Fills `frame.layers` from its input layer. Returns the method's own number for the frame.
+  virtual uint64_t decompose(FrameContext& frame) = 0;
+  /// Whether another run on the same picture would change nothing visible. `completed` is a
+  /// completed frame (the method's number) of that picture with the same parameters; empty if there
+  /// is none yet.
+  virtual bool converged(std::optional<uint64_t> completed) const = 0;
+  /// Whether the time of a frame (the method's number) predicts that of others at its level.
+  virtual bool typical(uint64_t /*number*/) const { return true; }
+  /// A frame (the method's number) is completed.
+  virtual void completed(uint64_t /*number*/) {}
+  /// Draws every pixel in the color of its cluster; false: LayerView::draw_palette does.
+  virtual bool draw_clusters(FrameContext& /*frame*/, const Plane& /*target*/) { return false; }
+  /// Adds fields about a completed frame (the method's number).
+  virtual void describe(GstStructure* stats, uint64_t number) const = 0;
+  /// As in Filter.
+  virtual void navigate(const MouseEvent& /*event*/) {}
+  virtual void flushed() {}
+};
+
+/// The parameters of a method that has quality levels. `P` derives from DecomposerParams and
+/// MethodParams, and has `adaptive`.
+template <typename P, typename MethodParams>
+class MethodSettings {
+ public:
+  MethodSettings(const PropertyTable<P>& table, const QualityLevels<MethodParams>& levels)
+      : parameters_(table,
+                    [&levels](const P& set) {
+                      P params;
+                      params.quality = set.quality;
+                      levels.set(params, set.quality);
+                      return params;
+                    }),
+        levels_(levels) {}
+  PropertyStore& store() { return parameters_; }
+  std::vector<double> level_costs() const { return levels_.costs(); }
+  /// As the properties say at the moment. From any thread.
+  P properties() const {
+    P now = parameters_.snapshot();
+    now.derive();
+    return now;
+  }
+  /// As DecompositionMethod::next_settings.
+  FrameSettings next(RateController& controller) {
+    P next = parameters_.snapshot();
+    const size_t top = levels_.top(next.quality);
+    controller.aim({next.target_fps, next.latency_budget}, top);
+    if (controller.level() != top)
+      next = parameters_.snapshot(levels_.levels[controller.level()].set);
+    next.derive();
+    const MethodParams &before = params_, &now = next;
+    const bool changed = before != now;
+    params_ = next;
+    return {params_.show, params_.layer, params_.adaptive, changed};
+  }
+  /// In force for this frame.
+  const P& params() const { return params_; }
+
+ private:
+  Parameters<P> parameters_;
+  const QualityLevels<MethodParams>& levels_;
+  P params_;
+};
+
+/// The text of the property `quality`.
+struct QualityText {
+  const char* sets;  ///< which parameters it stands for
+  /// The name of the enumeration, and what each of its values means.
+  const char* type = "GstInverseQuality";
+  std::array<const char*, 4> values = {"The least work without visible loss on most video",
+                                       "Live video: sharp shadows, small objects and steady colors "
+                                       "as well",
+                                       "More iterations, for files",
+                                       "Many iterations, for reference"};
+  std::vector<Choice> choices() const;
+};
+
+/// The properties of DecomposerParams, then the method's own.
+template <typename P>
+PropertyTable<P> decomposer_properties(const QualityText& quality, const PropertyTable<P>& own,
+                                       Makes makes = Makes::intrinsic) {
+  const bool global = makes == Makes::global;
+  PropertyTable<P> table{
+      choice<P>("show", &P::show, global ? "GstInverseGlobalShow" : "GstInverseShow",
+                show_choices(makes),
+                "Layer to show as ordinary video; elements that take layers get all of them"),
+      choice<P>("quality", &P::quality, quality.type, quality.choices(), quality.sets),
+      number<P>("target-fps", &P::target_fps, 0., 1000.,
+                "Frames a second to hold by reducing the work for each, down from quality; 0 = "
+                "no target"),
+      number<P>("latency-budget", &P::latency_budget, 0., 1e5,
+                "Maximum time for a frame in this element, ms, held by reducing the work; 0 = no "
+                "limit"),
+  };
+  if (global)
+    table.push_back(number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
+                              "Base color whose layer show=layer shows"));
+  table.insert(table.end(), own.begin(), own.end());
+  return table;
+}
+
+}  // namespace inverse
