@@ -139,6 +139,9 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
 }
 
 void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& info) {
+  // Of the last frame that is sure to be done, or this one could not begin.
+  std::optional<Planner::Found> found;
+  if (recorded_ >= reports_.size()) found = findings(recorded_ - reports_.size());
   const Params problem = problem_of(params);
   if (!has_history_ || problem != params_) planner_.restart();
   params_ = problem;
@@ -160,7 +163,7 @@ void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& in
                          .layers_reusable = last_ != nullptr,
                          .repeated = info.repeated,
                          .changed = active_.take(info.changed)},
-                        found_before());
+                        found);
 }
 
 Layers IntrinsicDecomposition::record(gpu::Commands& commands, const PlanePtr& input,
@@ -246,29 +249,6 @@ PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const Pla
   return intrinsic;
 }
 
-std::optional<Planner::Found> IntrinsicDecomposition::found_before() const {
-  if (recorded_ < reports_.size()) return {};
-  const uint64_t number = recorded_ - reports_.size();  // done, or this frame could not begin
-  const Report& done = report(number);
-  const Findings findings = this->findings(number);
-  Planner::Found found{.plan = done.stats.plan,
-                       .cycles = findings.cycles,
-                       .change = findings.change,
-                       .cut = findings.cut,
-                       .tiles = done.stats.tiles,
-                       .tiles_evaluated = findings.tiles_evaluated,
-                       .binding = findings.binding,
-                       .gate = findings.gate};
-  const Numbers& numbers = *done.found->map_as<Numbers>();
-  found.tiles_moving = numbers.busy;
-  // The statistics' first number is a mean, which may move four times as far.
-  found.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
-  for (size_t i = 0; i < 4; ++i)
-    found.drift = std::max(std::abs(numbers.statistics[1][i] - numbers.kept_statistics[1][i]),
-                           found.drift);  // NaN stays
-  return found;
-}
-
 PlanePtr IntrinsicDecomposition::layers_plane(gpu::Commands& commands) {
   if (plan_.tiles() && last_.use_count() == 1) return last_;
   PlanePtr plane = planes_.acquire();
@@ -336,6 +316,8 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   const Plan& plan = of.stats.plan;
   const Numbers& numbers = *of.found->map_as<Numbers>();
   Findings findings;
+  findings.plan = plan;
+  findings.tiles = of.stats.tiles;
   findings.change = std::sqrt(numbers.progress[0]);
   findings.cycles = plan.stops() ? static_cast<uint32_t>(numbers.progress[2]) : plan.cycles;
   if (plan.history) {
@@ -351,6 +333,13 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   findings.tiles_evaluated = plan.tiles()                         ? findings.tiles_active
                              : plan.edges == Plan::Edges::compare ? numbers.evaluated
                                                                   : of.stats.tiles;
+  if (plan.whole()) return findings;
+  findings.tiles_moving = numbers.busy;
+  // The statistics' first number is a mean, which may move four times as far.
+  findings.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
+  for (size_t i = 0; i < 4; ++i)
+    findings.drift = std::max(std::abs(numbers.statistics[1][i] - numbers.kept_statistics[1][i]),
+                              findings.drift);  // NaN stays
   return findings;
 }
 

@@ -100,17 +100,10 @@ class IntrinsicDecomposition {
   /// Of one of the last kFramesInFlight frames.
   const Stats& stats(uint64_t frame) const { return report(frame).stats; }
   /// What the device found of a frame.
-  struct Findings {
-    uint32_t cycles = 0;           ///< multigrid cycles that ran, at most Plan::cycles
-    float change = 0;              ///< rms change of log shading by the last cycle
-    float mismatch = 0;            ///< with the frame before, 0…1; 0 without one
-    bool cut = false;              ///< a scene cut: nothing of the frame before was used
-    float scale = 0;               ///< ln of the factor from the solver's R to the layer's
-    uint32_t tiles_evaluated = 0;  ///< whose edges were evaluated
-    uint32_t tiles_active = 0;     ///< that were worked on
-    /// If the plan measured them, else 0: effect of the chroma bins (Params::chroma_tolerance), and
-    /// the anchor's gate (Params::gate_tolerance).
-    float binding = 0, gate = 0;
+  struct Findings : Planner::Found {
+    float mismatch = 0;         ///< with the frame before, 0…1; 0 without one
+    float scale = 0;            ///< ln of the factor from the solver's R to the layer's
+    uint32_t tiles_active = 0;  ///< that were worked on
   };
   /// Of one of the last kFramesInFlight frames, once its Commands have been waited for.
   Findings findings(uint64_t frame) const;
@@ -125,8 +118,6 @@ class IntrinsicDecomposition {
   const Report& report(uint64_t frame) const { return reports_[frame]; }
   /// The list of tiles that stages run on; null: on all.
   const TileList* list() const { return plan_.tiles() ? &active_.list() : nullptr; }
-  /// What the last frame that is sure to be done found, if there is one.
-  std::optional<Planner::Found> found_before() const;
   // The parts of `record`, in its order.
   void make_plan(const Params& params, const FrameInfo& info);
   void list_tiles(gpu::Commands& commands, const Params& params);

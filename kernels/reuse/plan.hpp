@@ -64,17 +64,18 @@ class Planner {
     bool repeated = false;         ///< the picture is that of the frame before
     float changed = 1;             ///< share of tiles, with those beside them; 1: not known
   };
-  /// What the frame kFramesInFlight before it found. Each number counts only if its plan measured
-  /// it.
+  /// What the frame kFramesInFlight before it found. A number that its plan does not measure does
+  /// not count.
   struct Found {
     Plan plan;
-    uint32_t cycles = 0;  ///< that ran
-    float change = 0;     ///< of log shading by the last cycle, rms
-    bool cut = false;
+    uint32_t cycles = 0;                      ///< that ran
+    float change = 0;                         ///< of log shading by the last cycle, rms
+    bool cut = false;                         ///< a scene cut: nothing of the frame before was used
     uint32_t tiles = 0, tiles_evaluated = 0;  ///< all, and those whose edges were evaluated
-    float binding = 0, gate = 0;              ///< effect of the chroma bins, and of the anchor
-    uint32_t tiles_moving = 0;                ///< that moved by more than tile_tolerance
-    float drift = 0;  ///< of its statistics from those that edges were evaluated with
+    float binding = 0;  ///< with Plan::measures_bins: effect of the chroma bins, rms log shading
+    float gate = 0;     ///< with Plan::measures_gate: the anchor's gate, rms over cells
+    uint32_t tiles_moving = 0;  ///< not with Mode::whole: that moved by more than tile_tolerance
+    float drift = 0;            ///< of its statistics from those that edges were evaluated with
   };
 
   /// The next frame is the first one of its kind: without a past, or with other parameters.

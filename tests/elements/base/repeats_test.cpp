@@ -70,12 +70,12 @@ class RepeatedFrames : public ::testing::TestWithParam<const char*> {
   std::vector<uint8_t> until_kept(VideoHarness& harness, const std::vector<uint8_t>& picture) {
     for (int i = 0; i < 200; ++i) {
       const auto shown = harness.process(picture);
-      if (Stats(harness, GetParam()).flag("kept")) return shown;
+      if (Stats(harness, GetParam()).flag("reused")) return shown;
     }
     ADD_FAILURE() << "never kept";
     return {};
   }
-  bool kept(VideoHarness& harness) { return Stats(harness, GetParam()).flag("kept"); }
+  bool kept(VideoHarness& harness) { return Stats(harness, GetParam()).flag("reused"); }
 };
 
 TEST_P(RepeatedFrames, OfFilmOnAFasterScreenAreSolvedOnce) {
@@ -87,12 +87,12 @@ TEST_P(RepeatedFrames, OfFilmOnAFasterScreenAreSolvedOnce) {
     for (unsigned picture = 0; picture < 12; ++picture)
       for (int k = 0; k < cadence[picture % 2]; ++k) {
         harness.process(tiles(64, 48, picture));
-        if (picture < 3) kept_before = Stats(harness, GetParam()).count("frames-kept");
+        if (picture < 3) kept_before = Stats(harness, GetParam()).count("frames-reused");
         if (picture < 3) continue;
         ++frames;
         if (k == 0) ++pictures;
       }
-    const uint64_t kept = Stats(harness, GetParam()).count("frames-kept") - kept_before;
+    const uint64_t kept = Stats(harness, GetParam()).count("frames-reused") - kept_before;
     // Of three frames the third may be solved for, as the picture before came only twice.
     EXPECT_GE(kept, uint64_t(frames - pictures - (cadence[0] > 2 ? pictures / 2 + 1 : 1)));
     EXPECT_LE(kept, uint64_t(frames - pictures));
@@ -108,12 +108,12 @@ TEST_P(RepeatedFrames, KeepTheirLayersOnceSettled) {
   EXPECT_FALSE(kept(harness)) << "the first repeat pays";
   const auto settled = until_kept(harness, picture);
   EXPECT_LE(largest_difference(settled, before), 3);
-  const uint64_t count = Stats(harness, GetParam()).count("frames-kept");
+  const uint64_t count = Stats(harness, GetParam()).count("frames-reused");
   for (uint64_t i = 1; i < 10; ++i) {
     EXPECT_EQ(harness.process(picture), settled);
     const Stats stats(harness, GetParam());
-    EXPECT_TRUE(stats.flag("kept"));
-    EXPECT_EQ(stats.count("frames-kept"), count + i);
+    EXPECT_TRUE(stats.flag("reused"));
+    EXPECT_EQ(stats.count("frames-reused"), count + i);
     EXPECT_EQ(stats.text("skipped"), "method: the picture of the frame before");
   }
 }
@@ -124,8 +124,8 @@ TEST_P(RepeatedFrames, AreComputedWhereNothingIsToBeLeftOut) {
   for (int i = 0; i < 40; ++i) {
     harness.process(picture);
     const Stats stats(harness, GetParam());
-    EXPECT_FALSE(stats.flag("kept"));
-    EXPECT_EQ(stats.count("frames-kept"), 0u);
+    EXPECT_FALSE(stats.flag("reused"));
+    EXPECT_EQ(stats.count("frames-reused"), 0u);
   }
 }
 
@@ -176,7 +176,7 @@ TEST_P(RepeatedFrames, AreDrawnWhereThePictureFollowsEarlierOnes) {
     until_kept(harness, picture);
     harness.process(picture);
     const Stats stats(harness, GetParam());
-    EXPECT_TRUE(stats.flag("kept"));
+    EXPECT_TRUE(stats.flag("reused"));
     EXPECT_EQ(stats.has("pack-ms"), drawn) << show;
   }
 }

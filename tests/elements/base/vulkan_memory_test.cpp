@@ -288,7 +288,7 @@ TEST_F(VulkanMemory, PicturesThatComeAgainGoOutAsImagesButAreNotLookedForInThem)
     GstStructure* stats = nullptr;
     guint64 frames = 0;
     g_object_get(harness.find("intrinsicdecompthesis"), "stats", &stats, nullptr);
-    EXPECT_TRUE(gst_structure_get_uint64(stats, "frames-kept", &frames));
+    EXPECT_TRUE(gst_structure_get_uint64(stats, "frames-reused", &frames));
     gst_structure_free(stats);
     return frames;
   };

@@ -108,7 +108,7 @@ TEST(ReusePolicy, BouncedLightOfVideoInBlackAndWhite) {
         for (size_t c = 0; c < 3; ++c) most = std::max(most, int(mosaic[4 * (y * kWidth + x) + c]));
     return most;
   };
-  const char* reason = "no color to go by";
+  const char* reason = "no color to find it by";
   for (int k = 0; k < 16; ++k) {
     EXPECT_EQ(bounced(all.process(in(k, false))), 0) << k;
     EXPECT_EQ(has(told(all, "globalintrinsic"), reason), k >= 10) << k;
@@ -171,7 +171,7 @@ TEST_P(SkipError, BoundsTheErrorAndMoreSkipsMore) {
     for (const auto& frame : mixed_video()) {
       worst = std::max(worst, log_difference(harness.process(frame), wanted[k++]));
       GstElement* element = harness.find(name);
-      const bool kept = stat<gboolean>(element, "kept", G_TYPE_BOOLEAN);
+      const bool kept = stat<gboolean>(element, "reused", G_TYPE_BOOLEAN);
       const guint tiles = stat<guint>(element, "tiles", G_TYPE_UINT);
       skipped += kept ? tiles : tiles - stat<guint>(element, "tiles-active", G_TYPE_UINT);
     }

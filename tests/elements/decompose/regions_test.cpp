@@ -56,7 +56,7 @@ class Regions : public ::testing::Test {
     GstStructure* stats = nullptr;
     g_object_get(element_, "stats", &stats, nullptr);
     gboolean kept = FALSE;
-    gst_structure_get_boolean(stats, "kept", &kept);
+    gst_structure_get_boolean(stats, "reused", &kept);
     gst_structure_free(stats);
     return kept;
   }

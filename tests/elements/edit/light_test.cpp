@@ -377,7 +377,7 @@ TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
     harness_.process(other);
     GstStructure* stats = nullptr;
     g_object_get(element_, "stats", &stats, nullptr);
-    EXPECT_TRUE(gst_structure_get_boolean(stats, "kept", &kept));
+    EXPECT_TRUE(gst_structure_get_boolean(stats, "reused", &kept));
     gst_structure_free(stats);
   }
   EXPECT_TRUE(kept);

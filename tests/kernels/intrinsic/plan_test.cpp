@@ -4,8 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <limits>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "kernels/intrinsic/intrinsic_decomposition.hpp"
 #include "kernels/reuse/resolution_planner.hpp"
 
 namespace inverse::testing {
@@ -167,6 +174,67 @@ TEST(Plan, CyclesEndEarlyWhereTheyDidOrWouldHave) {
   EXPECT_TRUE(video.next().stops());
   video.params.cycle_tolerance = 0;
   EXPECT_FALSE(video.next().stops());
+}
+
+/// A row of recorded_facts.csv (plan-facts): a frame's facts, what it found, and its plan.
+struct RecordedFrame {
+  Planner::Frame frame;
+  Planner::Found found;
+};
+
+std::map<std::string, std::vector<RecordedFrame>> recorded_scenes() {
+  std::ifstream file(RECORDED_FACTS_PATH);
+  std::map<std::string, std::vector<RecordedFrame>> scenes;
+  std::string line;
+  std::getline(file, line);  // names
+  while (std::getline(file, line)) {
+    const size_t comma = line.find(',');
+    std::string numbers = line.substr(comma + 1);
+    std::replace(numbers.begin(), numbers.end(), ',', ' ');
+    std::istringstream row(numbers);
+    RecordedFrame r;
+    int mode = 0, edges = 0;
+    row >> r.frame.history >> r.frame.layers_reusable >> r.frame.repeated >> r.frame.changed >>
+        r.found.cycles >> r.found.change >> r.found.cut >> r.found.tiles >>
+        r.found.tiles_evaluated >> r.found.binding >> r.found.gate >> r.found.tiles_moving >>
+        r.found.drift >> mode >> r.found.plan.all_tiles >> edges >> r.found.plan.cycles >>
+        r.found.plan.cycle_tolerance >> r.found.plan.tile_tolerance >>
+        r.found.plan.compares_pixels >> r.found.plan.bins >> r.found.plan.measures_bins >>
+        r.found.plan.measures_gate;
+    EXPECT_FALSE(row.fail()) << line;
+    r.found.plan.mode = Mode(mode);
+    r.found.plan.edges = Plan::Edges(edges);
+    r.found.plan.history = r.frame.history;
+    scenes[line.substr(0, comma)].push_back(r);
+  }
+  return scenes;
+}
+
+TEST(Plan, RecordedFactsOfTheAdaptivityScenesLeadToTheRecordedPlans) {
+  const auto scenes = recorded_scenes();
+  ASSERT_EQ(scenes.size(), 5U);
+  const IntrinsicDecomposition::Params defaults;
+  for (const auto& [name, frames] : scenes) {
+    Planner planner;
+    planner.restart();
+    ASSERT_EQ(frames.size(), 60U) << name;
+    for (size_t k = 0; k < frames.size(); ++k) {
+      std::optional<Planner::Found> found;
+      if (k >= gpu::kFramesInFlight) found = frames[k - gpu::kFramesInFlight].found;
+      Plan plan = planner.next({.cycle_tolerance = defaults.cycle_tolerance,
+                                .edge_tolerance = defaults.edge_tolerance,
+                                .chroma_tolerance = defaults.chroma_tolerance,
+                                .gate_tolerance = defaults.gate_tolerance,
+                                .tile_tolerance = defaults.tile_tolerance,
+                                .repeat_tolerance = defaults.repeat_tolerance,
+                                .cut_fraction = defaults.anchor.cut_fraction,
+                                .cycles = defaults.cycles,
+                                .warm_cycles = defaults.warm_cycles},
+                               frames[k].frame, found);
+      plan.skipped.clear();  // reasons are not recorded
+      EXPECT_EQ(plan, frames[k].found.plan) << name << ", frame " << k;
+    }
+  }
 }
 
 TEST(ResolutionPlan, HalfIsChosenBelowItsBoundAndLeftAboveIt) {
