@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Records what Planner gets to know of each frame of the adaptivity scenes, and what it plans:
-// tests/kernels/intrinsic/recorded_facts.csv, which plan_test.cpp plays back without a device.
+// tests/kernels/reuse/recorded_facts.csv, which plan_test.cpp plays back without a device.
 //
-//   plan-facts build/tests/bench/scenes > tests/kernels/intrinsic/recorded_facts.csv
+//   plan-facts build/tests/bench/scenes > tests/kernels/reuse/recorded_facts.csv
 #include <cstdio>
 #include <exception>
 #include <numeric>
