@@ -26,7 +26,8 @@ void describe_solve(GstStructure* stats, const ScaledIntrinsic::Stats& solve,
                     static_cast<double>(found.change), "scale", G_TYPE_DOUBLE,
                     static_cast<double>(found.scale), "tiles", G_TYPE_UINT, solve.tiles,
                     "tiles-evaluated", G_TYPE_UINT, found.tiles_evaluated, "tiles-active",
-                    G_TYPE_UINT, found.tiles_active, "skipped", G_TYPE_STRING,
+                    G_TYPE_UINT, found.tiles_active, "tiles-reason", G_TYPE_STRING,
+                    std::string(solve.plan.reason).c_str(), "skipped", G_TYPE_STRING,
                     joined(solve.plan.skipped).c_str(), nullptr);
 }
 

@@ -24,23 +24,33 @@ bool Planner::may_stop(float tolerance, const std::optional<Found>& found) const
   return found->change < tolerance / 3;
 }
 
-void Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                          const std::optional<Found>& found) {
-  // If so many tiles change that they make a cut, skipping the others is not worth it.
-  if (!params.adaptive || plan.tile_tolerance <= 0 || !plan.compares_pixels || !compared_pixels_ ||
-      frame.warm_start || frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction)) {
+std::string_view Planner::choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                                      const std::optional<Found>& found) {
+  const auto whole = [&](std::string_view reason) {
     static_frames_ = 0;
-    return;
-  }
+    return reason;
+  };
+  if (!params.adaptive) return whole("adaptive is off");
+  if (!(params.tile_tolerance > 0)) return whole("tile-tolerance is 0");
+  if (!(plan.tile_tolerance > 0)) return whole("a repeated picture converges everywhere");
+  if (frame.warm_start) return whole("the resolution changed");
+  if (!plan.compares_pixels || !compared_pixels_)
+    return whole("pixels are not compared with two frames before");
+  // If so many tiles change that they make a cut, skipping the others is not worth it.
+  if (frame.changed > std::min(kMaxChanged, 0.9F * params.cut_fraction))
+    return whole("the input of too many tiles changed, or is not known");
   // Skipped tiles reuse what was decided for them.
   if (!frame.layers_reusable || since_restart_ == 0 || (params.chroma && bins_matter_) != bins_)
     static_frames_ = 0;
   plan.mode = Plan::Mode::watched;
-  if (static_frames_++ < gpu::kFramesInFlight || !found) return;
-  const bool worth =
-      static_cast<float>(found->tiles_moving) <= kMaxMoving * static_cast<float>(found->tiles);
-  if (!worth || !(found->drift <= params.edge_tolerance)) return;  // nor for NaN
+  if (static_frames_++ < gpu::kFramesInFlight || !found)
+    return "the input of few tiles changed, but not for long enough";
+  if (static_cast<float>(found->tiles_moving) > kMaxMoving * static_cast<float>(found->tiles))
+    return "too many tiles have not converged";
+  if (!(found->drift <= params.edge_tolerance))  // nor for NaN
+    return "statistics of the whole frame changed";
   plan.mode = Plan::Mode::tiles;
+  return "the input of few tiles changed";
 }
 
 Plan Planner::next(const Params& params, const Frame& frame, const std::optional<Found>& found) {
@@ -61,7 +71,7 @@ Plan Planner::next(const Params& params, const Frame& frame, const std::optional
     plan.cycle_tolerance = tolerance;
   plan.tile_tolerance = frame.repeated && repeated_ ? 0 : params.tile_tolerance;
   repeated_ = frame.repeated;
-  choose_mode(plan, params, frame, found);
+  plan.reason = choose_mode(plan, params, frame, found);
   tile_frames_ = plan.tiles() ? tile_frames_ + 1 : 0;
   plan.all_tiles = tile_frames_ % kAllEvery == kAllEvery - 1;
   if (plan.tiles())

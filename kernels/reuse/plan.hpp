@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace inverse {
@@ -24,7 +25,8 @@ struct Plan {
     tiles,     ///< evaluated in the tiles of Mode::tiles
   };
   Mode mode = Mode::whole;
-  bool all_tiles = false;  ///< Mode::tiles: this time all of them
+  std::string_view reason;  ///< of the mode
+  bool all_tiles = false;   ///< Mode::tiles: this time all of them
   Edges edges = Edges::all;
   bool history = false;          ///< the frame before is part of the energy
   uint32_t cycles = 0;           ///< of the multigrid, at most
@@ -98,8 +100,9 @@ class Planner {
   void learn(const Params& params, const Found& found);
   /// Whether cycles are likely to end early, so that measuring their change is worth it.
   bool may_stop(float tolerance, const std::optional<Found>& found) const;
-  void choose_mode(Plan& plan, const Params& params, const Frame& frame,
-                   const std::optional<Found>& found);
+  /// Sets the mode; returns the reason.
+  std::string_view choose_mode(Plan& plan, const Params& params, const Frame& frame,
+                               const std::optional<Found>& found);
   bool old_enough() const;
 
   uint64_t since_restart_ = 0;  // frames
