@@ -308,7 +308,7 @@ void FilterElement::convert_input(GstBuffer* in, Slot& slot, FrameContext& frame
     return;
   }
   // Chroma is interpolated: a change shows one pixel further.
-  const auto affected = spread_tiles(frame.changed, slot.tiles->columns());
+  const auto affected = dilate_tiles(frame.changed, slot.tiles->columns());
   const bool few_changed =
       !frame.changed.empty() &&
       4 * std::count(affected.begin(), affected.end(), 1) < static_cast<ptrdiff_t>(affected.size());

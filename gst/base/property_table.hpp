@@ -210,7 +210,7 @@ using PropertyTable = std::vector<Property<P>>;
 std::string values_of(GParamSpec* spec);
 
 /// The text of a `tuning` property, "name=value:name=value" (or with ','), as pairs in order.
-/// Throws Error(unsupported) where it is something else.
+/// Throws Error(unsupported) if it is something else.
 std::vector<std::pair<std::string, std::string>> tuning_entries(const std::string& text);
 
 /// Reads `text` as a value of the property `spec` into `value`, which is unset. Throws
@@ -231,7 +231,7 @@ class PropertyStore {
   /// What is wrong with the text that `tuning` was set to last, and which names it takes; the text
   /// before stays in force. Empty where nothing is.
   virtual std::string misconfigured() const { return {}; }
-  /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty where it has
+  /// The entries of `tuning`, one a line, "name: values (default): meaning"; empty if it has
   /// none.
   virtual std::string tuning_entries_text() const { return {}; }
 };
@@ -242,7 +242,7 @@ void install_parameters(gpointer element_class, const PropertyStore& parameters,
 /// GObject::set_property of one of them: a `tuning` that cannot be read becomes a warning.
 void set_parameter(const Log& log, PropertyStore& parameters, size_t index, const GValue* value,
                    const GParamSpec* spec);
-/// Posts an error and returns false where `tuning` cannot be read: the element does not start.
+/// Posts an error and returns false if `tuning` cannot be read: the element does not start.
 bool check_parameters(const Log& log, const PropertyStore& parameters);
 
 /// The parameters of one element. `preset` turns the values that were set so far into a full set of

@@ -16,7 +16,7 @@ double device_ms(const gpu::Commands& commands);
 /// device-bytes now and device-bytes-peak. Free with gst_structure_free().
 GstStructure* frame_stats(const gpu::Commands& commands, uint64_t frames, double wall_ms);
 
-/// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 where
+/// How long a frame stays in an element that draws pictures, at most: one frame duration; 0 if
 /// the caps give none.
 GstClockTime frame_latency(const GstVideoInfo& info);
 

@@ -15,7 +15,7 @@ double seconds_now() {
 
 Decomposer::Decomposer(std::unique_ptr<DecompositionMethod> method)
     : method_(std::move(method)),
-      rate_controller_(method_->level_costs()),
+      rate_controller_(method_->settings().level_costs()),
       logged_level_(rate_controller_.level()) {}
 
 void Decomposer::configure(const std::shared_ptr<gpu::Device>& device, Extent extent) {
@@ -43,20 +43,23 @@ void Decomposer::reset() {
 RepeatPlanner::Decision Decomposer::decide(const FrameContext& frame,
                                            const FrameSettings& settings) {
   const auto completed = repeats_.completed(frame.number);
+  // Layers of base colors are only made if they are shown or sent.
+  const bool lacks_layer =
+      frame.draw && settings.show == Show::layer && !(drawn_ && drawn_->first == Show::layer);
   return repeats_.next(
       {.number = frame.number,
        .adaptive = settings.adaptive,
        .compared = !frame.changed.empty(),
        .repeated = frame.repeated,
        .params_changed = settings.changed,
-       .layers_available = kept_.has_value(),
+       .layers_available = kept_ && !lacks_layer,
        .converged =
            frame.repeated &&
            method_->converged(completed ? std::optional(past_[*completed].method) : std::nullopt)});
 }
 
 void Decomposer::process(FrameContext& frame) {
-  const FrameSettings settings = method_->next_settings(rate_controller_);
+  const FrameSettings settings = method_->settings().next(rate_controller_);
   const auto [reused, reason] = decide(frame, settings);
   GST_CAT_DEBUG_OBJECT(log().category, log().object, "frame %" G_GUINT64_FORMAT " %s: %s",
                        frame.number, reused ? "skipped, layers reused" : "decomposed", reason);

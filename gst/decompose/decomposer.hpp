@@ -23,8 +23,8 @@ class Decomposer final : public Filter {
   explicit Decomposer(std::unique_ptr<DecompositionMethod> method);
   DecompositionMethod& method() { return *method_; }
 
-  PropertyStore& parameters() override { return method_->parameters(); }
-  bool compares_frames() const override { return method_->adaptive(); }
+  PropertyStore& parameters() override { return method_->settings().store(); }
+  bool compares_frames() const override { return method_->settings().adaptive(); }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent) override;
   void release() override;
   void reset() override;

@@ -52,9 +52,7 @@ const PropertyTable<Params>& table() {
 
 class GlobalMethod final : public DecompositionMethod {
  public:
-  PropertyStore& parameters() override { return settings_.store(); }
-  std::vector<double> level_costs() const override { return settings_.level_costs(); }
-  bool adaptive() const override { return settings_.properties().adaptive; }
+  DecomposerSettings& settings() override { return settings_; }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
                  const Log& log) override {
     method_.emplace(device, extent);
@@ -63,17 +61,10 @@ class GlobalMethod final : public DecompositionMethod {
   void release() override { method_.reset(); }
   void reset() override { method_->reset(); }
 
-  FrameSettings next_settings(RateController& controller) override {
-    FrameSettings settings = settings_.next(controller);
-    const bool had_shares = std::exchange(shows_layer_, settings.show == Show::layer);
-    settings.changed |= shows_layer_ && !had_shares;  // the frame before may have none to reuse
-    return settings;
-  }
-
   uint64_t decompose(FrameContext& frame) override {
     frame.layers = method_->record(frame.commands, frame.layers[Role::input], settings_.params(),
                                    {.reset = frame.fresh,
-                                    .shares = !frame.draw || shows_layer_,
+                                    .shares = !frame.draw || settings_.params().show == Show::layer,
                                     .changed = frame.changed,
                                     .repeated = frame.repeated});
     frame.drawn = method_->drawn();
@@ -115,7 +106,6 @@ class GlobalMethod final : public DecompositionMethod {
  private:
   MethodSettings<Params, GlobalIntrinsic::Params> settings_{table(), global_levels()};
   std::optional<GlobalIntrinsic> method_;
-  bool shows_layer_ = false;
 };
 
 }  // namespace

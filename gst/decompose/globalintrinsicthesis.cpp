@@ -143,12 +143,7 @@ int pixel_of(double coordinate) {
 
 class GlobalThesisMethod final : public DecompositionMethod {
  public:
-  PropertyStore& parameters() override { return settings_.store(); }
-  std::vector<double> level_costs() const override { return settings_.level_costs(); }
-  bool adaptive() const override { return settings_.properties().adaptive; }
-  FrameSettings next_settings(RateController& controller) override {
-    return settings_.next(controller);
-  }
+  DecomposerSettings& settings() override { return settings_; }
 
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
                  const Log& log) override {

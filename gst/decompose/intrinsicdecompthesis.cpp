@@ -100,17 +100,12 @@ const PropertyTable<Params>& table() {
 
 class ThesisMethod final : public DecompositionMethod {
  public:
-  PropertyStore& parameters() override { return settings_.store(); }
-  std::vector<double> level_costs() const override { return settings_.level_costs(); }
-  bool adaptive() const override { return settings_.properties().adaptive; }
+  DecomposerSettings& settings() override { return settings_; }
   void configure(const std::shared_ptr<gpu::Device>& device, Extent extent, const Log&) override {
     method_.emplace(device, extent);
   }
   void release() override { method_.reset(); }
   void reset() override { method_->reset(); }
-  FrameSettings next_settings(RateController& controller) override {
-    return settings_.next(controller);
-  }
 
   uint64_t decompose(FrameContext& frame) override {
     ThesisParams params = settings_.params();

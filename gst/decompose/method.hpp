@@ -31,21 +31,28 @@ struct FrameSettings {
   bool changed = false;  ///< the method's differ from those of the frame before
 };
 
+/// The properties of a decomposer and its quality levels (MethodSettings).
+class DecomposerSettings {
+ public:
+  virtual ~DecomposerSettings() = default;
+  virtual PropertyStore& store() = 0;
+  /// Work of the quality levels, lowest first (RateController).
+  virtual std::vector<double> level_costs() const = 0;
+  /// The property at the moment. From any thread.
+  virtual bool adaptive() const = 0;
+  /// Reads the parameters for the next frame, and chooses the level of work by them.
+  virtual FrameSettings next(RateController& controller) = 0;
+};
+
 /// The method of a decomposer, for frames of one size on one device. Calls come as for Filter.
 class DecompositionMethod {
  public:
   virtual ~DecompositionMethod() = default;
-  virtual PropertyStore& parameters() = 0;
-  /// Work of its quality levels, lowest first (RateController).
-  virtual std::vector<double> level_costs() const = 0;
-  /// `adaptive` is on.
-  virtual bool adaptive() const = 0;
+  virtual DecomposerSettings& settings() = 0;
   virtual void configure(const std::shared_ptr<gpu::Device>& device, Extent extent,
                          const Log& log) = 0;
   virtual void release() = 0;
   virtual void reset() = 0;
-  /// Reads the parameters for the next frame, and chooses the level of work by them.
-  virtual FrameSettings next_settings(RateController& controller) = 0;
   /// Fills `frame.layers` from its input layer. Returns the method's own number for the frame.
   virtual uint64_t decompose(FrameContext& frame) = 0;
   /// Whether another run on the same picture would change nothing visible. `completed` is a
@@ -68,7 +75,7 @@ class DecompositionMethod {
 /// The parameters of a method that has quality levels. `P` derives from DecomposerParams and
 /// MethodParams, and has `adaptive`.
 template <typename P, typename MethodParams>
-class MethodSettings {
+class MethodSettings final : public DecomposerSettings {
  public:
   MethodSettings(const PropertyTable<P>& table, const QualityLevels<MethodParams>& levels)
       : parameters_(table,
@@ -79,16 +86,16 @@ class MethodSettings {
                       return params;
                     }),
         levels_(levels) {}
-  PropertyStore& store() { return parameters_; }
-  std::vector<double> level_costs() const { return levels_.costs(); }
+  PropertyStore& store() override { return parameters_; }
+  std::vector<double> level_costs() const override { return levels_.costs(); }
+  bool adaptive() const override { return properties().adaptive; }
   /// As the properties say at the moment. From any thread.
   P properties() const {
     P now = parameters_.snapshot();
     now.derive();
     return now;
   }
-  /// As DecompositionMethod::next_settings.
-  FrameSettings next(RateController& controller) {
+  FrameSettings next(RateController& controller) override {
     P next = parameters_.snapshot();
     const size_t top = levels_.top(next.quality);
     controller.aim({next.target_fps, next.latency_budget}, top);

@@ -34,7 +34,7 @@ class RateController {
     double predicted_ms = 0;  ///< what a frame is expected to take at this level; 0: not known yet
     double budget_ms = 0;
     uint64_t moves = 0;  ///< changes of level so far
-    std::string reason;  ///< of the last one; empty where there was none
+    std::string reason;  ///< of the last one; empty if there was none
   };
 
   /// `costs` of the levels, positive and rising; only their ratios count.

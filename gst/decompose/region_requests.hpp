@@ -55,7 +55,7 @@ class RegionRequests {
   Taken waiting_{};
 };
 
-/// Positions written as x,y and apart by spaces, as in "120,80 31,200"; nothing where it is
+/// Positions written as x,y and apart by spaces, as in "120,80 31,200"; nothing if it is
 /// something else.
 inline std::optional<std::vector<std::pair<int, int>>> positions_of(const std::string& text) {
   std::vector<std::pair<int, int>> positions;

@@ -57,7 +57,7 @@ class SplitBranch {
   std::string name() const;
 
   /// Agrees with what follows on how to send layers of these caps, sends the caps and takes a
-  /// buffer pool. Throws Error(unsupported) where nothing suits.
+  /// buffer pool. Throws Error(unsupported) if nothing suits.
   void negotiate(const GstCaps* layers, const SplitParams& params);
   bool negotiated() const { return output_.has_value(); }
   /// Forgets what was agreed on.
@@ -68,7 +68,7 @@ class SplitBranch {
     std::optional<Compose> compose;  // only needed for masks
     LightPictures light;
   };
-  /// Records drawing the layer. Throws Error(unsupported) where the frame has no such layer.
+  /// Records drawing the layer. Throws Error(unsupported) if the frame has no such layer.
   void record(gpu::Commands& commands, const Layers& layers, Tools& tools,
               const SplitParams& params);
   /// Once the commands are done: the drawn frame as a buffer with the times, flags and descriptions

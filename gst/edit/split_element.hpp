@@ -20,7 +20,7 @@ class SplitElement {
   SplitElement& operator=(const SplitElement&) = delete;
   ~SplitElement();
 
-  /// Takes a pad into the flow, from any thread; it must be active. False where there is one for
+  /// Takes a pad into the flow, from any thread; it must be active. False if there is one for
   /// this layer (and base color) already.
   bool add(GstPad* pad, SplitLayer layer, uint32_t base);
   /// Takes it out again and off the element.

@@ -21,7 +21,7 @@ class MaterialProperties final : public PropertyStore {
   explicit MaterialProperties(const PropertyTable<P>& table) : own_(table), count_(own_.size()) {}
 
   P snapshot() const { return own_.snapshot(); }
-  /// What is known now; nothing where there is no object.
+  /// What is known now; nothing if there is no object.
   void publish(const std::optional<Material>& material) {
     std::lock_guard lock(mutex_);
     material_ = material;

@@ -7,9 +7,9 @@
 #define MODEL_BINDING 1
 #include "base_selection.glsl"
 
-// One workgroup: the color of the surfaces of a base color, as base colors are chromaticities alone in some methods:
+// One workgroup: the color of the surfaces of a base color, since base colors of some methods are chromaticities only:
 //
-//   K = Σ w R / Σ w, w = selection · mean R S, over a sample of the pixels (the base color itself where it selects none).
+//   K = Σ w R / Σ w, w = selection · mean R S, over a sample of the pixels (the base color itself if none is selected).
 PLANE_OUT(0, key);  // one vec4: K, 1
 layout(push_constant) uniform Push {
   uvec2 size;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How much of a pixel a base color of bounced light selects: what is nearer to it in ln chromaticity, before any edit, than
-// to any other and to white, which need not have a layer. From 0 to 1 as (distance to the nearest other − distance to this
-// one) goes from −softness / 2 to softness / 2. Chromaticity is weighted with light as in recolor.comp. Planes take the
-// including kernel's MODEL_BINDING and the one after it.
+// Selection by a base color of bounced light: pixels that are nearer to it in ln chromaticity, before any edit, than to any other
+// and to white, which may have no layer. From 0 to 1 as (distance to the nearest other − distance to this one) goes from
+// −softness / 2 to softness / 2. Chromaticity is weighted with light as in recolor.comp. Planes use the bindings MODEL_BINDING of
+// the including kernel and the one after it.
 PLANE_IN(MODEL_BINDING, model);      // R, S before any edit
 PLANE_IN(MODEL_BINDING + 1, bases);  // before any edit
 const int kMaxBases = 16;

@@ -5,17 +5,15 @@
 #include "gpu/workgroup_sum.glsl"
 #include "edit.glsl"
 
-// One workgroup: the base colors of light after an edit, and by how much they changed,
+// One workgroup: the base colors of light after an edit, and their change,
 //
 //   b'_k = b_k + strength w_k (s_k a − b_k).
 //
-// Where surfaces were edited (kBySurface), w_k is the share of the light of base color k's own surfaces that the selection
-// holds, Σ sel I / Σ I over a sample of the pixels whose unedited reflectance is nearest to the unedited b_k in chromaticity,
-// I = mean R S; and
-// s_k = b_k·key / key·key, so that what was the key's light becomes the target's. What then arrives otherwise is sent on
-// otherwise, too, and so on: with the share p of light that bounced at all, Σ S (mean L − direct) / Σ S mean L, light changes
-// by Δb_k (1 + p + p² …). Else base colors are chosen themselves, by
-// chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
+// After an edit of surfaces (kBySurface), w_k is the selected share of the light of base color k's own surfaces, Σ sel I / Σ I over
+// a sample of the pixels whose unedited reflectance is nearest to the unedited b_k in chromaticity, I = mean R S; and
+// s_k = b_k·key / key·key, so that the key's light becomes the target's. Changed light is reflected again and again: with the share
+// p of bounced light, Σ S (mean L − direct) / Σ S mean L, light changes by Δb_k (1 + p + p² …). Else base colors are selected
+// directly, by chromaticity or by index, and s_k = mean b_k: a color of mean 1 keeps their brightness.
 layout(constant_id = 1) const uint kBy = 0u;
 const uint kBySurface = 0u, kByKey = 1u, kByIndex = 2u, kByClustersSurface = 3u, kByBasesSurface = 4u;
 const int kMaxBases = 16;
@@ -25,7 +23,7 @@ PLANE_IN(2, selection);  // x = 0…1
 PLANE_IN(3, keys);       // kByClustersSurface: Palette::colors(), whose cluster `index` is the key; kByBasesSurface: base_key.comp
 PLANE_IN(4, model_bases);  // before any edit
 PLANE_OUT(5, edited);
-PLANE_OUT(6, change);  // b' − b, and what follows
+PLANE_OUT(6, change);  // b' − b, with all reflections
 PLANE_IN(7, light);    // before any edit
 layout(push_constant) uniform Push {
   vec4 key;  // linear RGB; w = tolerance
@@ -46,7 +44,7 @@ void main() {
   const bool by_surface = kBy == kBySurface || kBy == kByClustersSurface || kBy == kByBasesSurface;
   vec3 key = push.key.rgb;
   if (kBy == kByClustersSurface) {
-    int chosen = int(FETCH(keys, push.index).w);  // what it was merged into; −1: it has no pixels
+    int chosen = int(FETCH(keys, push.index).w);  // the cluster it was merged into; −1: it has no pixels
     key = chosen < 0 ? vec3(0.0) : exp(FETCH(keys, kMaxBases + chosen).rgb);
   }
   if (kBy == kByBasesSurface) key = FETCH(keys, 0).rgb;

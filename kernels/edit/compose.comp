@@ -8,7 +8,7 @@
 // is 1 if the frame has no light layers.
 layout(constant_id = 1) const uint MODE = 0u;
 layout(constant_id = 2) const bool LIGHT = false;
-const uint kAdd = 0u;         // input + new − old: keeps what the model does not explain
+const uint kAdd = 0u;         // input + new − old: keeps the residual of the model
 const uint kRatio = 1u;       // input · (new + ε) / (old + ε): scales it with the edit
 const uint kNone = 2u;        // new: drops it
 const uint kDifference = 3u;  // (new − old) / 2 on middle gray

@@ -14,7 +14,7 @@ constexpr uint32_t kRows = shaders::edit_retint::kRows;
 constexpr float kLargest = Bases::kLargest;
 constexpr float kHardestEdge = 1e-6f;
 
-/// `value` within [low, high]; `low` where it is not a number.
+/// `value` within [low, high]; `low` for NaN.
 float limited(float value, float low, float high) {
   return value > low ? std::min(value, high) : low;
 }

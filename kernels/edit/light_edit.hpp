@@ -14,8 +14,9 @@ namespace inverse {
 ///   b'_k = b_k + strength · w_k · (s_k · aim − b_k)        L' = max(L + matte Σ_k t_k (b'_k −
 ///   b_k), 0)
 ///
-/// (bases.comp, retint.comp). Reflectance and S stay. Where surfaces were repainted, what arrives
-/// otherwise is sent on otherwise as well, again and again: L changes by 1 / (1 − p) as much, p the
+/// (bases.comp, retint.comp). Reflectance and S stay. Changed light of recolored surfaces is
+/// reflected again and again: L changes by 1 / (1 − p) as much, p the share of bounced light in the
+/// frame.
 /// share of the frame's light that bounced.
 class LightEdit {
  public:
@@ -24,7 +25,7 @@ class LightEdit {
     /// Its x = 0…1 says how much of each surface was repainted: w_k is their share of the light
     /// that surfaces of base color k send.
     const Plane& selection;
-    /// Of what color they were (linear RGB) …
+    /// Their color before (linear RGB) …
     std::array<float, 3> key{};
     /// … or of which cluster of a palette, −1: none …
     int cluster = -1;
@@ -41,13 +42,13 @@ class LightEdit {
 
   LightEdit(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records that surfaces now have the color `aim`. `layers` must be global and
-  /// have a model; planes that somebody else holds are left alone.
+  /// Records that surfaces now have the color `aim`. `layers` must be global and have a model;
+  /// planes that others hold are not written.
   void repaint(gpu::Commands& commands, Layers& layers, const Surfaces& surfaces,
                const std::array<float, 3>& aim, float strength);
   /// Records that base colors become `aim` times their mean: a gray of 1 keeps their brightness and
-  /// takes their color, 0 takes their light away. `matte`, where given, says by its x where; the
-  /// base colors themselves then stay what they are.
+  /// removes their color, 0 removes their light. The x of `matte`, if given, is the place of the
+  /// change; the base colors themselves then stay.
   void change(gpu::Commands& commands, Layers& layers, const Key& key,
               const std::array<float, 3>& aim, float strength, const Plane* matte);
   /// The same for one base color, 0…kMaxBases − 1.

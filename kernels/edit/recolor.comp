@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "recolor.glsl"
 
-// Recolors what has the key's chromaticity c = R / mean R and, within the value tolerance, its value. With the light that
-// reaches the camera as weight, c = (R S + ε) / (mean R S + ε), so that the noise of deep shadows is not taken for color.
+// Recolors pixels with the key's chromaticity c = R / mean R and, within the value tolerance, its value. Chromaticity is weighted
+// with light, c = (R S + ε) / (mean R S + ε), so that the noise of deep shadows does not count as color.
 float within(float distance, float tolerance) { return falling((distance - tolerance) * push.fall_off); }
 
 void main() {

@@ -11,11 +11,11 @@ namespace {
 using Push = shaders::edit_recolor::Push;
 constexpr uint32_t kRows = shaders::edit_recolor::kRows;
 constexpr float kLargest = shaders::edit_recolor::kLargest;
-constexpr float kHardestEdge = 1e-6f;  // softness that stands for none
+constexpr float kHardestEdge = 1e-6f;  // softness of a hard edge
 constexpr float kUnlimited = 3.4e38f;
 constexpr int kMaxClusters = static_cast<int>(Palette::kMaxClusters);
 
-/// `value` within [low, high]; `low` where it is not a number.
+/// `value` within [low, high]; `low` for NaN.
 float limited(float value, float low, float high) {
   return value > low ? std::min(value, high) : low;
 }
@@ -24,7 +24,7 @@ Push push_of(const RecolorParams& params, Extent extent) {
   float mean = 0;
   for (float k : params.key) mean += limited(k, 0, kLargest) / 3;
   const auto target = [&](size_t c) { return limited(params.target[c], 0, kLargest); };
-  // A black key has no chromaticity: it stands for the grays.
+  // A black key has no chromaticity: it selects grays.
   const auto key = [&](size_t c) {
     return mean > 0 ? limited(params.key[c], 0, kLargest) / mean : 1;
   };

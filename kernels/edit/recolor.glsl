@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What both recolor kernels share: R' = R + w (R_target − R), with
+// Shared by the recolor kernels: R' = R + w (R_target − R), with
 //
 //   R_target = target · (mean R / value of the key)^texture
 //   w        = strength · selection · matte
 //
-// The including kernel says what is selected.
+// The including kernel defines the selection.
 #include "edit.glsl"
 
 layout(constant_id = 1) const bool MATTE = false;    // multiply by the mask layer
@@ -26,7 +26,7 @@ layout(push_constant) uniform Push {
   int cluster;     // the one to recolor
 } push;
 
-// Mean reflectance below which value is not told apart: a coal cellar is 0.02.
+// Mean reflectance below which values are not distinguished: a coal cellar has 0.02.
 const float kValueFloor = 1e-3;
 
 void recolor(uint n, vec4 layers, float selection, float key_value) {

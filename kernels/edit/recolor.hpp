@@ -14,29 +14,28 @@
 
 namespace inverse {
 
-/// What to recolor, and into what. Colors are linear RGB reflectances in the scale of the intrinsic
-/// layer.
+/// Selection and target of a recoloring. Colors are linear RGB reflectances in the scale of the
+/// intrinsic layer.
 struct RecolorParams {
-  /// −1: what `cluster` or the key says. 0…kMaxBases − 1: the surfaces of that base color of
-  /// bounced light (Role::bases), by the chromaticity of unedited reflectance; their mean color
-  /// takes the key's place and the tolerances are not used. Frames without such a color stay as
-  /// they are.
+  /// −1: by `cluster` or the key. 0…kMaxBases − 1: the surfaces of that base color of bounced light
+  /// (Role::bases), by the chromaticity of unedited reflectance; their mean color replaces the key,
+  /// and the tolerances are not used. Frames without such a color are not edited.
   int base = kByKey;
-  /// −1: what the key says. 0…clusters − 1: the pixels nearest to that cluster of the unedited
-  /// reflectance; its mean color takes the key's place and the tolerances are not used.
+  /// −1: by the key. 0…clusters − 1: the pixels nearest to that cluster of the unedited
+  /// reflectance; its mean color replaces the key, and the tolerances are not used.
   int cluster = kByKey;
-  /// How many clusters the palette looks for, 1…Palette::kMaxClusters.
+  /// Number of clusters of the palette, 1…Palette::kMaxClusters.
   int clusters = 10;
   /// A color of the region. Its chromaticity K / mean K selects; its mean K is the value that
   /// becomes the target's.
   std::array<float, 3> key{0.5f, 0.05f, 0.05f};
-  /// How far a pixel's chromaticity c = R / mean R may be from the key's and still count as the
-  /// same: Euclidean distance. Gray is 2.45 from a pure primary, two primaries are 4.25 apart.
+  /// Max distance of a pixel's chromaticity c = R / mean R from the key's: Euclidean. Gray is 2.45
+  /// from a pure primary, two primaries are 4.25 apart.
   float tolerance = 0.4f;
-  /// How far a pixel's mean reflectance may be from the key's: |ln ratio|. kAnyValue: no limit.
+  /// Max distance of a pixel's mean reflectance from the key's: |ln ratio|. kAnyValue: no limit.
   float value_tolerance = kAnyValue;
-  /// Over what distance beyond either tolerance the selection falls to 0, in the same units; with
-  /// clusters, over what difference between the distances to the nearest two, in ln R; with base
+  /// Distance beyond either tolerance over which the selection falls to 0, in the same units; with
+  /// clusters, of the difference between the distances to the nearest two, in ln R; with base
   /// colors, in ln chromaticity. 0: a hard edge.
   float softness = 0.3f;
   /// The reflectance that the key becomes.
@@ -46,35 +45,35 @@ struct RecolorParams {
   float texture = 1.0f;
   /// 0: nothing changes; 1: fully recolored where selected.
   float strength = 1.0f;
-  /// Multiply the selection by the mask layer where there is one.
+  /// Multiply the selection by the mask layer if there is one.
   bool use_mask = true;
-  /// Leave the selection (times the mask, if used) behind as the mask layer for what follows.
+  /// Write the selection (times the mask, if used) to the mask layer.
   bool write_mask = false;
 
   static constexpr float kAnyValue = 20.0f;
   static constexpr int kByKey = -1;
 };
 
-/// Gives one color of the scene another: R' = R + w (R_target − R). Shading stays; where light has
-/// layers (Layers::global), so does its amount, and what bounced off the recolored surfaces takes
+/// Changes the color of surfaces: R' = R + w (R_target − R). Shading stays, as does the amount of
+/// light in layers of light (Layers::global); light that bounced off the recolored surfaces takes
 /// their new color (LightEdit).
 class Recolor {
  public:
   Recolor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records the edit of `layers` (Role::intrinsic must be there). Planes that somebody else holds
-  /// are left alone: the edit goes to a fresh one. Nothing is recorded and the layers stay as they
-  /// are where strength is 0 and no mask is asked for. Values that are not finite are taken as 0
-  /// (infinity: as 65504), colors and numbers of `params` are clamped to their ranges.
+  /// Records the edit of `layers`, which must have Role::intrinsic. Planes that others hold are not
+  /// written: the edit goes to a new one. Does nothing if strength is 0 and no mask is to be
+  /// written. Values that are not finite count as 0 (infinity: as 65504); `params` are clamped to
+  /// their ranges.
   ///
-  /// With a cluster or a base color, Role::model must be there too: it feeds the palette, so that
-  /// editors one after the other mean the same color by the same index.
+  /// With a cluster or a base color, `layers` must have Role::model too: the palette is of that, so
+  /// that an index means the same color in consecutive editors.
   void record(gpu::Commands& commands, Layers& layers, const RecolorParams& params);
 
   /// Forgets the clusters of earlier frames.
   void reset();
 
-  /// The clusters in use, or null where no cluster was asked for yet.
+  /// The clusters in use; null before a cluster was selected.
   const Palette* palette() const { return palette_ ? &palette_->palette() : nullptr; }
 
  private:
@@ -86,11 +85,11 @@ class Recolor {
   std::array<gpu::Program<shaders::edit_recolor>, 4> by_key_;
   std::array<gpu::Program<shaders::edit_recolor_cluster>, 4> by_cluster_;
   std::array<gpu::Program<shaders::edit_recolor_base>, 4> by_base_;
-  std::optional<ScenePalette> palette_;  // made when a cluster is first asked for
+  std::optional<ScenePalette> palette_;  // made on first use
   std::optional<LightEdit> light_;       // made when light first has layers
 };
 
-/// The plane to write the edited `plane` to: itself where nobody else holds it, else a fresh one.
+/// The plane to write the edited `plane` to: itself if nothing else holds it, else a new one.
 PlanePtr plane_to_edit(const PlanePtr& plane, PlanePool& planes);
 
 }  // namespace inverse

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "recolor.glsl"
 
-// Recolors what is nearer to one cluster's color than to any other's, in ln R of the unedited reflectance: selection goes
+// Recolors pixels that are nearer to one cluster's color than to any other's, in ln R of the unedited reflectance: selection goes
 // from 0 to 1 as (distance to the nearest other − distance to this one) goes from −softness / 2 to softness / 2.
 PLANE_IN(4, model);
 PLANE_IN(5, palette);  // Palette::colors()
@@ -13,7 +13,7 @@ const int kMaxClusters = 16;  // Palette::kMaxClusters
 void main() {
   uvec2 at = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y * kRows);
   if (at.x >= push.size.x) return;
-  int chosen = int(FETCH(palette, push.cluster).w);  // what it was merged into; −1: it has no pixels
+  int chosen = int(FETCH(palette, push.cluster).w);  // the cluster it was merged into; −1: it has no pixels
   vec4 color = FETCH(palette, kMaxClusters + max(chosen, 0));
   float key_value = mean3(exp(color.rgb)) + kValueFloor;
 

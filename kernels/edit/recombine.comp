@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "edit.glsl"
 
-// Puts a frame whose highlights were taken off together again. Diffuse and specular layer explain all of it: where neither was
-// edited their sum is the frame, but for rounding.
+// Sums the diffuse and the specular layer of a frame, and adds the change of either edit. Unedited layers sum to the frame, but for
+// rounding.
 layout(constant_id = 1) const bool DIFFERENCE = false;  // (sum − frame) / 2 on middle gray instead
 
 PLANE_IN(0, frame);     // linear RGB, alpha

@@ -123,7 +123,7 @@ GlobalIntrinsic::GlobalIntrinsic(std::shared_ptr<gpu::Device> device, Extent ext
   histogram_ = buffer(Element::scalar, Model::kBinCount);
   heights_ = buffer(Element::scalar, uint64_t{2} * Model::kBinCount);
   work_ = buffer(Element::word,
-                 shaders::global_scene_modes::kListed + shaders::global_scene_modes::kMostListed);
+                 shaders::global_scene_modes::kListed + shaders::global_scene_modes::kMaxListed);
   slots_ = buffer(Element::word, Model::kBinCount);
   sums_ = buffer(Element::vec4, gpu::partial_count(*kernels_.tint.kernel(), line_of(points)));
   scene_ = buffer(Element::vec4, Model::SCENE_SIZE);
@@ -139,7 +139,7 @@ LightPlanner::Plan GlobalIntrinsic::plan_light(const Params& params, const Frame
   LightPlanner::Frame frame{.adaptive = params.adaptive,
                             .first = frames_ == 0,
                             .same_params = same_light(std::exchange(params_, params), params),
-                            // The lamps' color may be all that there is.
+                            // Used if there are no other colors.
                             .light_asked = params.amount > 0 || params.white_balance > 0,
                             .changed = info.changed,
                             .columns = TileList::along(extent_.width)};
@@ -285,7 +285,7 @@ void GlobalIntrinsic::record_tint(gpu::Commands& commands, const PlanePtr& input
 
 PlanePtr GlobalIntrinsic::record_direct(gpu::Commands& commands, const PlanePtr& untinted,
                                         const PlanePtr& tau, const Layers& layers) {
-  // If light is reused, so is its direct share, except where shading changed.
+  // Reused light has the direct share of before, except where shading changed.
   const bool keeps = plan_.light != LightPlanner::Light::measure;
   drawn_ = plan_.reused() ? solve_.drawn() : nullptr;
   PlanePtr light = keeps ? nullptr : tau;

@@ -95,7 +95,7 @@ class GlobalIntrinsic {
     float tint = 0;        ///< rms log chroma of light that is all indirect
     bool cut = false;      ///< a scene cut: nothing of the frame before was used
     float chroma = 0;      ///< spread over the frame (standard deviation, log units)
-    /// Base colors by their slot: linear, largest channel 1; black where there is none.
+    /// Base colors by their slot: linear, largest channel 1; black if the slot is free.
     std::array<std::array<float, 3>, kMaxBases> bases{};
   };
 
@@ -112,7 +112,7 @@ class GlobalIntrinsic {
   /// Draws every pixel of the frame recorded last in its base color (linear RGB, largest channel 1,
   /// w = 1); gray if the scene has none.
   void draw_labels(gpu::Commands& commands, const Plane& input, const Plane& target);
-  /// Sets up a resolution before it is first asked for (ScaledIntrinsic::prepare).
+  /// Sets up a resolution for good (ScaledIntrinsic::prepare).
   void prepare(size_t halvings) { solve_.prepare(halvings); }
   /// As ScaledIntrinsic::warm_up, which it includes.
   bool warm_up() const;
@@ -156,7 +156,7 @@ class GlobalIntrinsic {
                      const FrameInfo& info, bool was_gray);
   Layers record_light(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                       const FrameInfo& info);
-  /// Part of warm_up (warm_up.cpp), of an object of its own. Whether every kernel was used.
+  /// Part of warm_up (warm_up.cpp), of a separate object. Whether every kernel was used.
   bool play_all();
   void record_tint(gpu::Commands& commands, const PlanePtr& input, const Params& params,
                    const PlanePtr& untinted, const PlanePtr& tau);

@@ -5,7 +5,7 @@
 #include "global_intrinsic.hpp"
 #include "kernels/image/pack4.hpp"
 
-/// What the parts of GlobalIntrinsic share with each other and with model.glsl.
+/// Constants that the parts of GlobalIntrinsic share with each other and with model.glsl.
 namespace inverse::global_model {
 
 using Model = shaders::global_scene_weigh;

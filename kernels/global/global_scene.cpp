@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What GlobalIntrinsic finds out about a scene, on its small grids.
+// Measurement of a scene by GlobalIntrinsic, on its small grids.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,15 +13,15 @@ using namespace global_model;
 
 namespace {
 
-// Of candidate amounts: the least, and each to the one before.
-constexpr float kLeastAmount = 0.06F, kAmountRatio = 1.24F;
+// Candidate amounts: the smallest, and the ratio of each to the one before.
+constexpr float kMinAmount = 0.06F, kAmountRatio = 1.24F;
 constexpr float kRenewColor = 0.05F;   // share of the newest frame in whether light has color
 constexpr float kNeutralWidth = 0.2F;  // log chroma that still counts as neutral
 constexpr float kEdge = 0.01F, kWindow = 0.05F;  // how residuals of chroma are smoothed (fit.comp)
 // Of base colors in the histogram of chroma (modes.comp).
-constexpr float kFollow = 0.1F;               // share of the newest frame in where one usually is
+constexpr float kFollow = 0.1F;               // share of the newest frame in a color's usual place
 constexpr int32_t kKeep = 50, kForget = 250;  // frames without a mode: stays, keeps its slot
-constexpr float kGate = 0.01F;  // mean square tint of a scene where half of the residual is taken
+constexpr float kGate = 0.01F;  // mean square tint of a scene at which half of the residual counts
 
 }  // namespace
 
@@ -67,12 +67,12 @@ void GlobalIntrinsic::measure_amount(gpu::Commands& commands, const Params& para
                      .grid = grid_,
                      .coarse = coarse_,
                      .factor = factor_,
-                     .least = kLeastAmount,
+                     .least = kMinAmount,
                      .ratio = kAmountRatio,
                      .neutral = 1 / (2 * kNeutralWidth * kNeutralWidth)},
                     line_of(grid_.pixels()));
   commands.dispatch(kernels_.weigh, {.counts = candidates_, .scene = scene_},
-                    {.ln_least = std::log(kLeastAmount),
+                    {.ln_least = std::log(kMinAmount),
                      .ln_ratio = std::log(kAmountRatio),
                      .neutral = params.neutral,
                      .ln_typical = std::log(params.typical),
@@ -177,7 +177,7 @@ void GlobalIntrinsic::make_taps(const Params& params) {
   };
   float all = 1;
   for (size_t d = 1; d <= reach; ++d) all += 2 * tap(d);
-  // A new one: what is in flight still reads the old.
+  // A new buffer: frames in flight still read the old one.
   taps_ = gpu::Buffer::create(device_, gpu::Element::scalar,
                               std::max(coarse_.width, coarse_.height), gpu::Memory::upload);
   for (size_t d = 0; d < taps_->count(); ++d)

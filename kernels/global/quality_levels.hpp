@@ -10,7 +10,7 @@ namespace inverse {
 /// The quality_levels of globalintrinsic: that of the solve in it, at the cost of finding and
 /// dividing out the tint of light more.
 inline const QualityLevels<GlobalIntrinsic::Params>& global_levels() {
-  constexpr size_t kMostLevels = 16;
+  constexpr size_t kMaxLevels = 16;
   constexpr double kTint = 0.4;  // in relation to the solve's costs
   static const auto quality_levels = []<size_t... k>(std::index_sequence<k...>) {
     const auto& solve = intrinsic_levels();
@@ -21,7 +21,7 @@ inline const QualityLevels<GlobalIntrinsic::Params>& global_levels() {
     made.levels.resize(solve.levels.size());
     return made;
   }
-  (std::make_index_sequence<kMostLevels>());
+  (std::make_index_sequence<kMaxLevels>());
   return quality_levels;
 }
 

@@ -27,7 +27,7 @@ enum class Memory : uint8_t {
 /// Commands::fill.
 class Buffer {
  public:
-  /// `count` elements, at least one. Throws Error(limit) where the device cannot bind so large a
+  /// `count` elements, at least one. Throws Error(limit) if the device cannot bind so large a
   /// buffer, naming the limit, and Error(out_of_memory).
   static std::shared_ptr<Buffer> create(std::shared_ptr<Device> device, Element element,
                                         uint64_t count, Memory memory = Memory::device);
@@ -38,7 +38,7 @@ class Buffer {
   Element element() const { return element_; }
   uint64_t count() const { return count_; }
   uint64_t bytes() const { return count_ * element_bytes(element_); }
-  /// The buffer in host memory, or null where it is not mapped. Coherent: no flushes. Writes are
+  /// The buffer in host memory, or null if it is not mapped. Coherent: no flushes. Writes are
   /// seen by work that is submitted later; reads see work whose Commands::wait has returned.
   void* map() const { return mapped_; }
   template <typename T>

@@ -50,7 +50,7 @@ struct Limits {
   uint64_t texel_elements = 0;        ///< longest texel view
   uint32_t workgroups[3] = {};
   uint32_t workgroup_invocations = 0;
-  double timestamp_ns = 0;  ///< nanoseconds a tick; 0 where the queue has no timestamps
+  double timestamp_ns = 0;  ///< nanoseconds a tick; 0 if the queue has no timestamps
 };
 
 /// A Vulkan device with one compute queue: our own, or one that somebody else made and lends us.

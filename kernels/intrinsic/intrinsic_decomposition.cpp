@@ -24,9 +24,9 @@ IntrinsicDecomposition::Params problem_of(IntrinsicDecomposition::Params params)
 
 /// What a report reads back; the shaders that write it say what each number is.
 struct Numbers {
-  std::array<float, 4> progress, verdict, scale, binding, gates;
+  std::array<float, 4> progress, cut_decision, scale, binding, gates;
   std::array<std::array<float, 4>, 2> statistics, kept_statistics;
-  uint32_t active, evaluated, busy;
+  uint32_t active, evaluated, moving;
 };
 constexpr float kAllTiles = -1;  // the tolerance that lists all
 
@@ -45,7 +45,7 @@ IntrinsicDecomposition::IntrinsicDecomposition(std::shared_ptr<gpu::Device> devi
       active_(device_, extent),
       terms_kernel_(device_, {}, 0, 0),
       anchored_terms_kernel_(device_, {.anchored = true}, 1, 4),
-      measuring_terms_kernel_(device_, {.anchored = true, .look = true}, 0, 0),
+      measuring_terms_kernel_(device_, {.anchored = true, .measure = true}, 0, 0),
       assemble_(device_, {}, 0, 0),
       anchored_assemble_(device_, {.anchored = true}, 4, 16),
       layers_(device_, {}, 0, 0),
@@ -80,13 +80,13 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                  .cells = guide_.cells(),
                  .mismatch = anchor_.mismatch(),
                  .tiles = anchor_.tiles(),
-                 .verdict = anchor_.verdict(),
+                 .cut_decision = anchor_.cut_decision(),
                  .before = anchor_.kept(),
                  .means = multigrid_.cell_means(),
                  .correction = multigrid_.cell_correction(),
                  .terms = terms_,
                  .start = start_,
-                 .force = multigrid_.cell_force(),
+                 .source_term = multigrid_.cell_source_term(),
                  .sums = gate_sums_,
                  .activity = active_.activity()},
                 {.size = cells,
@@ -104,7 +104,7 @@ void IntrinsicDecomposition::assemble(gpu::Commands& commands,
                 {.flux = flux_,
                  .start = start_,
                  .level0 = guide_.level0(),
-                 .force = multigrid_.cell_force(),
+                 .source_term = multigrid_.cell_source_term(),
                  .memory = anchor_.memory(),
                  .last_shading = multigrid_.field(),
                  .system = multigrid_.system(),
@@ -121,21 +121,21 @@ void IntrinsicDecomposition::solve(gpu::Commands& commands, const Params& params
   if (plan_.one_cell_cycle()) multigrid.cell_cycles = 1;
   multigrid_.record_operators(commands, multigrid, list());
   bins_.record_weights(commands, guide_, terms_,
-                       plan_.bins ? EdgePrior::kMostChroma * params.prior.chroma_weight : 0);
+                       plan_.bins ? EdgePrior::kMaxChroma * params.prior.chroma_weight : 0);
   commands.stage("operators");
   const ChromaBins::State state{terms_,
                                 multigrid_.cell_means(),
                                 multigrid_.cell_correction(),
-                                multigrid_.cell_far(),
+                                multigrid_.cell_residual(),
                                 multigrid_.cell_system(),
-                                multigrid_.cell_force()};
+                                multigrid_.cell_source_term()};
   for (uint32_t cycle = 0; cycle < plan_.cycles; ++cycle)
     multigrid_.record_cycle(
         commands, multigrid, cycle,
         {plan_.stops() || cycle + 1 == plan_.cycles, plan_.stops() && cycle > 0,
          plan_.cycle_tolerance},
         [&] { bins_.record(commands, guide_, state); },
-        [&] { bins_.record_force(commands, state, plan_.measures_bins); }, list());
+        [&] { bins_.record_source_term(commands, state, plan_.measures_bins); }, list());
 }
 
 void IntrinsicDecomposition::make_plan(const Params& params, const FrameInfo& info) {
@@ -220,7 +220,7 @@ void IntrinsicDecomposition::evaluate_edges(gpu::Commands& commands, const Param
 PlanePtr IntrinsicDecomposition::write_layers(gpu::Commands& commands, const PlanePtr& input,
                                               const Params& params) {
   using History = OutputScale::History;
-  scale_.record(commands, guide_, multigrid_.field(), anchor_.verdict(),
+  scale_.record(commands, guide_, multigrid_.field(), anchor_.cut_decision(),
                 plan_.history                   ? History::decided
                 : has_history_ || start_layers_ ? History::taken
                                                 : History::none,
@@ -261,7 +261,8 @@ void IntrinsicDecomposition::continue_from(gpu::Commands& commands,
                                            PlanePtr intrinsic) {
   reset();
   scale_.take(commands, other.scale_);
-  commands.copy(other.anchor_.verdict(), anchor_.verdict(), anchor_.verdict()->bytes());
+  commands.copy(other.anchor_.cut_decision(), anchor_.cut_decision(),
+                anchor_.cut_decision()->bytes());
   continues_ = other.plan_.history;
   start_layers_ = std::move(intrinsic);
 }
@@ -279,7 +280,7 @@ void IntrinsicDecomposition::start_from_layers(gpu::Commands& commands, const Pl
                      .kept = anchor_.kept(),
                      .means = multigrid_.cell_means(),
                      .correction = multigrid_.cell_correction(),
-                     .force = multigrid_.cell_force()},
+                     .source_term = multigrid_.cell_source_term()},
                     {.size = extent_}, line_of(pack4_count(guide_.cell_extent())));
   commands.keep(start_layers_);
   commands.stage("warm-start");
@@ -298,14 +299,14 @@ void IntrinsicDecomposition::record_report(gpu::Commands& commands) {
     commands.copy(from, report.found, sizeof(numbers.*to), 0, static_cast<uint64_t>(offset));
   };
   copy(multigrid_.progress(), &Numbers::progress);
-  if (plan_.history) copy(anchor_.verdict(), &Numbers::verdict);
+  if (plan_.history) copy(anchor_.cut_decision(), &Numbers::cut_decision);
   copy(scale_.value(), &Numbers::scale);
   if (plan_.tiles()) copy(active_.list().words(), &Numbers::active);
   if (plan_.edges == Plan::Edges::compare) copy(prior_.evaluated(), &Numbers::evaluated);
   if (plan_.measures_bins) copy(bins_.binding(), &Numbers::binding);
   if (plan_.measures_gate) copy(gate_total_, &Numbers::gates);
   if (!plan_.whole()) {
-    copy(active_.busy(), &Numbers::busy);
+    copy(active_.moving(), &Numbers::moving);
     copy(guide_.statistics(), &Numbers::statistics);
     copy(prior_.kept_statistics(), &Numbers::kept_statistics);
   }
@@ -321,8 +322,8 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
   findings.change = std::sqrt(numbers.progress[0]);
   findings.cycles = plan.stops() ? static_cast<uint32_t>(numbers.progress[2]) : plan.cycles;
   if (plan.history) {
-    findings.mismatch = numbers.verdict[0];
-    findings.cut = numbers.verdict[1] == 0;
+    findings.mismatch = numbers.cut_decision[0];
+    findings.cut = numbers.cut_decision[1] == 0;
   }
   findings.scale = numbers.scale[0];
   if (plan.measures_bins)
@@ -334,7 +335,7 @@ IntrinsicDecomposition::Findings IntrinsicDecomposition::findings(uint64_t frame
                              : plan.edges == Plan::Edges::compare ? numbers.evaluated
                                                                   : of.stats.tiles;
   if (plan.whole()) return findings;
-  findings.tiles_moving = numbers.busy;
+  findings.tiles_moving = numbers.moving;
   // The statistics' first number is a mean, which may move four times as far.
   findings.drift = std::abs(numbers.statistics[0][0] - numbers.kept_statistics[0][0]) * 0.25F;
   for (size_t i = 0; i < 4; ++i)

@@ -6,8 +6,8 @@
 
 namespace inverse {
 
-/// A picture on which everything comes that can come: tiles of many colors, or grays, under a light
-/// that falls off. Linear, 0…1.
+/// A picture that uses all branches: tiles of many colors, or of grays, under a light that falls
+/// off. Linear, 0…1.
 PlanePtr warm_up_picture(const std::shared_ptr<gpu::Device>& device, Extent extent,
                          bool gray = false);
 

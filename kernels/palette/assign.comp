@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "palette.glsl"
 
-// The cluster nearest to r in ln R: (ln color, index); index −1 where there is no cluster.
+// The cluster nearest to r in ln R: (ln color, index); index −1 if there is no cluster.
 PLANE_IN(0, reflectance);
 PLANE_IN(1, palette);
 PLANE_OUT(2, nearest_clusters);

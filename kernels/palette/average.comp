@@ -18,6 +18,6 @@ void main() {
   vec4 now = vec4(pixels, (corner * pixels + inside) / float(kBins));
   vec4 old = push.first == 1 ? now : FETCH(before, n);
   vec4 mean = old + (pixels > 0.0 ? push.decay : push.fade) * (now - old);
-  STORE(histogram, n, mean.x < 1e-3 ? vec4(0.0) : mean);  // what has faded below a thousandth of a pixel is gone
+  STORE(histogram, n, mean.x < 1e-3 ? vec4(0.0) : mean);  // bins below a thousandth of a pixel are cleared
   for (int i = 0; i < 4; ++i) STORE(counts, 4 * n + i, 0u);
 }

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "palette.glsl"
 
-// One workgroup: lists the bins that hold pixels, in order: (mean color, pixels).
+// One workgroup: lists the bins with pixels, in order: (mean color, pixels).
 PLANE_IN(0, histogram);
 PLANE_OUT(1, list);
 WORD_OUT(2, list_length);

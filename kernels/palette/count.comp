@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "palette.glsl"
 
-// The histogram of a frame: per bin the number of pixels and, in fixed point, where inside the bin they lie.
+// The histogram of a frame: per bin the number of pixels and, in fixed point, the sum of their places in the bin.
 PLANE_IN(0, reflectance);
 SCALAR_IN(1, scale);
 WORD_INOUT(2, counts);

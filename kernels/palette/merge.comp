@@ -4,9 +4,9 @@
 #include "gpu/common.glsl"
 #include "palette.glsl"
 
-// One invocation: collapses duplicate clusters into the one of lowest index, so that indices stay the same from frame to
-// frame. Writes two vectors a cluster: (merged color, index that it was merged into, −1 without pixels) and, kMaxClusters
-// later, (ln color in the solver's scale, 1 where it stands for itself).
+// One invocation: merges duplicate clusters into the one of lowest index, so that indices stay the same from frame to frame. Writes
+// two vectors a cluster: (merged color, index that it was merged into, −1 without pixels) and, kMaxClusters later, (ln color in the
+// solver's scale, 1 if it is not merged).
 PLANE_IN(0, clusters);
 SCALAR_IN(1, scale);
 PLANE_OUT(2, palette);

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 
-// Paints every pixel in the color of the cluster nearest to it in ln R; black where there is none.
+// Paints every pixel in the color of the cluster nearest to it in ln R; black if there is none.
 PLANE_IN(0, model);
 PLANE_IN(1, palette);  // Palette::colors()
 PLANE_OUT(2, painted);

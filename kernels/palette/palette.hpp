@@ -19,10 +19,9 @@
 namespace inverse {
 
 /// The reflectance clusters of a video (thesis, section 3.4.4): a histogram of 30³ bins averaged
-/// over time, weighted k-means started from the previous frame's clusters, duplicates collapsed.
-/// All of it on the device. The same frames, parameters and seed give the same clusters. Indices
-/// are stable: a color keeps its index from frame to frame, and merged clusters go by the lower
-/// index.
+/// over time, weighted k-means started from the previous frame's clusters, duplicates merged. All
+/// of it on the device. Equal frames, parameters and seed give equal clusters. Indices are stable:
+/// a color keeps its index from frame to frame, and merged clusters have the lower index.
 class Palette {
  public:
   static constexpr uint32_t kMaxClusters = shaders::palette_merge::kMaxClusters;
@@ -31,11 +30,11 @@ class Palette {
     int clusters = 10;     ///< K, 1…16
     int iterations = 8;    ///< of k-means a frame, 1…64
     float decay = 0.1f;    ///< share of the newest frame in histogram and scale, 0…1
-    float fade = 0.1f;     ///< the same for bins that the newest frame leaves empty: 0.3 retires a
-                           ///< color that is gone from 20 000 pixels in two seconds, 0.1 in six
-    float apart = 0;       ///< chromaticity distance (mean 1) that a cluster which starts after the
-                           ///< first frame keeps from the others: a color that is there already
-                           ///< cannot get another index by it, 0…3
+    float fade = 0.1f;     ///< the same for bins that are empty in the newest frame: 0.3 removes a
+                           ///< color of 20 000 pixels in two seconds after it is gone, 0.1 in six
+    float apart = 0;       ///< min chromaticity distance (mean 1) of a cluster that starts after
+                           ///< the first frame from the others, 0…3: keeps a color from getting
+                           ///< another index
     float tau_cc = 0.05f;  ///< merge below this chromaticity distance (mean 1), 0…3
     float tau_intensity = 0.15f;    ///< and below this difference of ln mean R, ≥ 0
     float chroma_floor = 3e-3f;     ///< ε_c of the chromaticity, > 0
@@ -44,11 +43,11 @@ class Palette {
     uint32_t seed = 1;              ///< of the k-means++ start
   };
 
-  /// A cluster as the host sees it.
+  /// A cluster on the host.
   struct Cluster {
     std::array<float, 3> color;  ///< linear reflectance in the scale of `scale()`, after merging
     std::array<float, 3> log_color;  ///< ln R in the scale of the planes given to `record_update`
-    int index;                       ///< of the cluster that stands for it; −1: no pixels
+    int index;                       ///< of the cluster that it was merged into; −1: no pixels
   };
 
   /// Throws Error(limit, out_of_memory).
@@ -58,12 +57,12 @@ class Palette {
   void set_params(const Params& params);
   const Params& params() const { return params_; }
 
-  /// Takes a frame in: rgb of `log_reflectance` is ln R in any scale, as long as it is the same one
-  /// over time. Throws Error(limit) beyond 2³² / 255 pixels, where the histogram's sums would end.
+  /// Adds a frame: rgb of `log_reflectance` is ln R in any scale that stays the same over time.
+  /// Throws Error(limit) beyond 2³² / 255 pixels, the limit of the histogram's sums.
   void record_update(gpu::Commands& commands, const Plane& log_reflectance);
 
-  /// Writes (ln color, index) of the cluster nearest in ln R to each pixel, index −1 where there is
-  /// no cluster. Both planes have one size.
+  /// Writes (ln color, index) of the cluster nearest in ln R to each pixel, index −1 if there is no
+  /// cluster. Both planes have one size.
   void record_assign(gpu::Commands& commands, const Plane& log_reflectance,
                      const Plane& clusters) const;
 
@@ -74,7 +73,7 @@ class Palette {
   const gpu::BufferPtr& scale() const { return scale_; }
   /// 2 · kMaxClusters vec4, as merge.comp describes them.
   const gpu::BufferPtr& colors() const { return palette_; }
-  /// Reads what `colors()` holds, given a copy of it in host memory.
+  /// Reads a host copy of `colors()`.
   static std::vector<Cluster> read(const float* colors, int count);
 
  private:

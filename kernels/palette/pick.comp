@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "image/finite.glsl"
 
-// ln R of every stride-th pixel of every stride-th row, for the palette: picked, not averaged, so that it stays free of
-// colors that are only borders between others.
+// ln R of every stride-th pixel of every stride-th row, for the palette: sampled, not averaged, so that no mixed colors of borders
+// arise.
 PLANE_IN(0, model);
 PLANE_OUT(1, picked);
 layout(push_constant) uniform Push {

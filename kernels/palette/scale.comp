@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "palette.glsl"
 
-// One workgroup: the quantile of ln R, the scale that it asks for, and the counts back to zero.
+// One workgroup: the quantile of ln R and the scale from it; clears the counts.
 WORD_INOUT(0, counts);
 SCALAR_INOUT(1, scale);
 

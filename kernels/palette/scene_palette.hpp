@@ -6,15 +6,15 @@
 
 namespace inverse {
 
-/// The clusters of an intrinsic layer, for who wants to look at them or pick one: a Palette that is
-/// fed with a sample of the frame's reflectance, enough for 16 clusters at a fraction of the cost.
+/// The clusters of an intrinsic layer, to draw them or select one: a Palette of a sample of the
+/// frame's reflectance, enough for 16 clusters at a fraction of the cost.
 class ScenePalette {
  public:
   /// For intrinsic layers of this size. Throws Error(limit, out_of_memory).
   ScenePalette(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Takes a frame in; `model` is (R.rgb, S), any values. `clusters` is clamped to
-  /// 1…Palette::kMaxClusters; another number than before starts the search afresh.
+  /// Adds a frame; `model` is (R.rgb, S), any values. `clusters` is clamped to
+  /// 1…Palette::kMaxClusters; a new number restarts the search.
   void record_update(gpu::Commands& commands, const Plane& model, int clusters = 10);
   /// Writes to `target` the color of each pixel's cluster, linear, w = 1.
   void record_paint(gpu::Commands& commands, const Plane& model, const Plane& target) const;

@@ -5,10 +5,10 @@
 #include "image/random.glsl"
 #include "palette.glsl"
 
-// One workgroup: k-means++ for clusters without pixels: all of them at the start, later those that died. A cluster is
+// One workgroup: k-means++ for clusters without pixels: all of them at the start, later those that lost theirs. A cluster is
 // drawn among the bins with probability proportional to pixels × squared distance to the nearest cluster, which must be
-// at least a bin's width away, and after the start `apart` in chromaticity: a duplicate would take over the color, and its
-// index change.
+// at least a bin's width away, and after the start `apart` in chromaticity: a duplicate could replace the color, and change its
+// index.
 PLANE_IN(0, list);
 WORD_IN(1, list_length);
 PLANE_INOUT(2, clusters);  // (color, pixels)

@@ -29,7 +29,7 @@ LightPlanner::Light LightPlanner::light(const Frame& frame) {
   };
   if (!frame.adaptive || !frame.same_params || frame.first || frame.changed.empty())
     return measure(0);
-  tiles_ = spread_tiles(frame.changed, frame.columns);
+  tiles_ = dilate_tiles(frame.changed, frame.columns);
   if (share_of(tiles_) > kMaxChanged) return measure(0);
   if (++static_frames_ < kStaticFrames) return Light::measure;
   if (static_frames_ == kStaticFrames) {

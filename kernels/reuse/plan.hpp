@@ -82,7 +82,7 @@ class Planner {
 
   /// The next frame is the first one of its kind: without a past, or with other parameters.
   void restart() { since_restart_ = 0; }
-  /// Plans the next frame. `found` is empty where no frame that far back was recorded.
+  /// Plans the next frame. `found` is empty if no frame that far back was recorded.
   Plan next(const Params& params, const Frame& frame, const std::optional<Found>& found);
 
   /// Frames from one measurement of bins and gate to the next, if something is skipped and if not.

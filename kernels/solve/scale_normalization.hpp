@@ -9,10 +9,10 @@
 
 namespace inverse {
 
-/// The scale c in which reflectance R c and shading S / c go out (scale.glsl). A first frame, and a
-/// frame after a cut, gets the scale that it asks for. After that some 400 points are followed from
-/// frame to frame, and c is what keeps their reflectance: what stays in view stays as bright as it
-/// was, whatever enters or leaves the frame. All of it on the device.
+/// The scale c of the output: reflectance R c and shading S / c (scale.glsl). The first frame, and
+/// one after a cut, gets the scale `Frame::wanted`. Later some 400 points are tracked from frame to
+/// frame, and c keeps their reflectance: what stays in view keeps its brightness, whatever enters
+/// or leaves the frame. All of it is on the device.
 class ScaleNormalization {
  public:
   /// How a frame is related to the one before.
@@ -21,9 +21,9 @@ class ScaleNormalization {
     decided,  ///< a cut decision is on the device
     taken,    ///< it continues that one for sure
   };
-  /// What a solver says of a frame.
+  /// A frame of a solver.
   struct Frame {
-    /// vec4: ln c less ln(white level) that the frame alone asks for; 0 if all of it is dark.
+    /// vec4: ln c less ln(white level) of the frame alone; 0 if all of it is dark.
     gpu::BufferPtr wanted;
     gpu::BufferPtr decision;  ///< vec4, with History::decided: its second number is 0 at a cut
     History history = History::none;
@@ -41,8 +41,8 @@ class ScaleNormalization {
   void record(gpu::Commands& commands, const Frame& frame);
   /// Records taking over the scale of another size.
   void take(gpu::Commands& commands, const ScaleNormalization& other);
-  /// vec4: ln c; 1 once it is known; both less ln(white level): ln c, and what the last frame asks
-  /// for.
+  /// vec4: ln c; 1 once it is known; ln c less ln(white level), of the output and of the last frame
+  /// alone.
   const gpu::BufferPtr& value() const { return scale_; }
 
  private:

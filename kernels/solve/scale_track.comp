@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "solve/scale.glsl"
 
-// Follows points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; the mean of
-// log intensity is removed, so that light may change). A lost point begins again at its place on the grid. One point an
+// Tracks points from the last frame's cells to this one's (Lucas and Kanade 1981, one level, windows of 5 x 5 cells; the mean of
+// log intensity is removed, so that light may change). A lost point starts again at its place on the grid. One point an
 // invocation.
 PLANE_IN(0, before);
 PLANE_IN(1, now);
@@ -20,13 +20,13 @@ layout(push_constant) uniform Push {
 
 const int kReach = 2;             // cells from a window's center to its border
 const int kIterations = 3;
-const float kCommonMotion = 0.1;  // weight of the common motion, squared log units; what has no texture follows it
+const float kCommonMotion = 0.1;  // weight of the common motion, squared log units; points without texture follow it
 const float kMismatch = 0.1;      // rms log units by which a window may change
-const float kSteep = 0.05;        // share of the gradients' mean square that may be left of it
+const float kSteep = 0.05;        // max share of the gradients' mean square that may remain
 const float kColorChange = 0.3;   // log units by which a point's chroma may change
-const float kTexture = 0.1;       // least eigenvalue of the gradients' squares that halves a point's weight
+const float kTexture = 0.1;       // min eigenvalue of the gradients' squares that halves a point's weight
 const float kTrusted = 10.0;      // frames until a point has its whole weight
-const float kRenew = 0.003;       // share of the way to the frame's own offset that a new point takes
+const float kRenew = 0.003;       // share of the frame's own offset that a new point takes
 const float kDarkest = -3.9;      // ln of 2 % of full scale
 
 ivec2 last = ivec2(push.size) - 1;

@@ -5,8 +5,8 @@
 #include "gpu/workgroup_sum.glsl"
 #include "solve/scale.glsl"
 
-// The scale of a frame: what keeps the points' reflectance, in a robust mean; at a start or a cut what the frame alone asks for.
-// One workgroup.
+// The scale of a frame: a robust mean of the offsets that keep the points' reflectance; at a start or a cut the scale of the frame
+// alone. One workgroup.
 PLANE_IN(0, samples);
 PLANE_IN(1, wanted);    // .x: offset that the frame alone would get, .y: 0 if all of it is dark
 PLANE_IN(2, decision);  // .y = 0 at a cut
@@ -58,7 +58,7 @@ void main() {
   if (lane > 0u) return;
   float bright = motion.z, found = motion.w, before = LOAD(scale, SCALE_MOTION).z;
 
-  // A frame that is all dark changes nothing; if nothing is known either, the solver's own scale stays.
+  // A dark frame changes nothing; if no scale is known, the solver's own stays.
   if (asked.y == 0.0) {
     STORE(scale, SCALE_NOW, known ? vec4(push.log_white + now.z, now.yz, now.z) : vec4(0.0));
     STORE(scale, SCALE_MOTION, vec4(0.0, 0.0, before, 0.0));

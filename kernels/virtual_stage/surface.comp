@@ -7,7 +7,7 @@
 // The head seen by a camera: position, normal and material of each sample.
 PLANE_IN(0, scene);
 PLANE_IN(1, materials);  // by turns albedo and roughness; reflectance along the normal, texture's strength and scale, 0
-PLANE_OUT(2, position);  // xyz; w = 1 where there is something
+PLANE_OUT(2, position);  // xyz; w = 1 if there is something
 PLANE_OUT(3, normal);    // xyz; w = roughness
 PLANE_OUT(4, albedo);    // rgb; w = reflectance along the normal
 layout(push_constant) uniform Push {

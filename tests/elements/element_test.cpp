@@ -43,7 +43,7 @@ std::string complaint(GstMessage* message) {
 
 namespace {
 
-/// The pipeline of a line; null where there is none, as `result` says then.
+/// The pipeline of a line; null if there is none, as `result` says then.
 GstElement* parsed(const std::string& line, LineResult& result) {
   GError* error = nullptr;
   GstElement* pipeline = gst_parse_launch(line.c_str(), &error);

@@ -65,7 +65,7 @@ class VideoHarness {
 
   /// Pushes one frame, timestamped 1/25 s after the last; returns the flow.
   GstFlowReturn push(const std::vector<uint8_t>& bytes);
-  /// Pushes a frame and takes what comes out; empty where nothing does within a minute, which is
+  /// Pushes a frame and takes what comes out; empty if nothing does within a minute, which is
   /// for machines that do much else, not for what an element may take.
   std::vector<uint8_t> process(const std::vector<uint8_t>& bytes);
   std::vector<uint8_t> pull();

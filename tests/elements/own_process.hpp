@@ -8,8 +8,7 @@ namespace inverse::testing {
 
 /// How a program ended and all that it wrote.
 struct Ended {
-  int status =
-      -1;  ///< its exit status; −1 where a signal ended it: a crash, or a hang of two minutes
+  int status = -1;  ///< its exit status; −1 if a signal ended it: a crash, or a hang of two minutes
   std::string text;
 };
 
@@ -19,7 +18,7 @@ Ended run_self(const std::map<std::string, std::string>& environment,
                const std::vector<std::string>& arguments);
 
 /// Started with this option and a launch line, the program runs the line instead of the tests,
-/// prints its errors, and exits with 1 where there are any.
+/// prints its errors, and exits with 1 if there are any.
 inline constexpr const char* kLaunchOption = "--launch";
 
 /// Started with this option, "null" or "ready", and a launch line, it runs the line twice, stopping
@@ -31,7 +30,7 @@ inline constexpr const char* kRestartOption = "--restart";
 /// "error".
 inline constexpr const char* kMarkOption = "--mark";
 
-/// Does what the options above ask for; −1 where they do not stand in the arguments.
+/// Does what the options above ask for; −1 if they do not stand in the arguments.
 int serve(int count, char** arguments);
 
 }  // namespace inverse::testing

@@ -37,7 +37,7 @@ constexpr std::array kGlyphs = {
 constexpr int kGlyphAdvance = 6;  ///< dots from one letter to the next
 constexpr int kGlyphHeight = 7;   ///< dots
 
-/// True where the dot (column, row) of `text` is inked; (0, 0) is the first letter's top left.
+/// True if the dot (column, row) of `text` is inked; (0, 0) is the first letter's top left.
 constexpr bool inked(std::string_view text, int column, int row) {
   if (column < 0 || row < 0 || row >= kGlyphHeight) return false;
   size_t index = static_cast<size_t>(column / kGlyphAdvance);

@@ -22,7 +22,7 @@ class Hierarchy {
   /// First surface along the ray.
   Hit closest(const Ray& ray) const;
 
-  /// True where something lies between the ray's origin and `limit` meters along it.
+  /// True if something lies between the ray's origin and `limit` meters along it.
   bool occluded(const Ray& ray, float limit) const;
 
  private:

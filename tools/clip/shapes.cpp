@@ -21,7 +21,7 @@ std::optional<LocalHit> hit_ellipsoid(Vec3 size, const Ray& ray, float limit) {
   return LocalHit{t, normalize((o + d * t) * inverse)};
 }
 
-/// Entry and exit distances of the slab test; false where the box is missed.
+/// Entry and exit distances of the slab test; false if the box is missed.
 bool slab(Vec3 size, const Ray& ray, float& enter, float& leave, int& axis) {
   enter = -1e30f, leave = 1e30f, axis = 0;
   for (int k = 0; k < 3; ++k) {

@@ -27,7 +27,7 @@ struct Layers {
   std::vector<float> variance;    ///< of the luminance of window + indirect
   std::vector<Vec3> normal;       ///< world, at the pixel's center
   std::vector<Vec3> position;     ///< world, at the pixel's center
-  std::vector<uint8_t> mixed;     ///< 1 where the samples meet more than one surface
+  std::vector<uint8_t> mixed;     ///< 1 if the samples meet more than one surface
 };
 
 /// Renders `scene` with `threads` threads. The sample pattern depends on the pixel alone, so that

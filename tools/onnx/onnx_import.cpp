@@ -75,7 +75,7 @@ class Importer {
           "input \"" + input.name() +
               "\": one image is wanted, of [1, channels, height, width] with known channels");
     values_[input.name()] = static_cast<uint32_t>(graph_.inputs.size());
-    const auto side = [&shape](int index) {  // 0 where it is open, as dim_value is then
+    const auto side = [&shape](int index) {  // 0 if it is open, as dim_value is then
       return static_cast<uint32_t>(std::max<int64_t>(0, shape.dim(index).dim_value()));
     };
     graph_.inputs.push_back({input.name(), side(1), side(2), side(3)});
@@ -93,7 +93,7 @@ class Importer {
       op.refuse("its input \"" + op.input(index) + "\" is not a constant");
     return found->second;
   }
-  /// The node that makes `value` for this reader only; null where it is an input or others read it.
+  /// The node that makes `value` for this reader only; null if it is an input or others read it.
   Node* only_mine(const Operator& op, int index) {
     const uint32_t from = value(op, index);
     if (from < graph_.inputs.size() || readers_[op.input(index)] != 1) return nullptr;

@@ -18,7 +18,7 @@ struct Scene {
   bench::Image input;        ///< Linear RGB after an 8-bit sRGB round trip.
   bench::Image reflectance;  ///< RGB.
   bench::Image shading;      ///< Luminance of the irradiance.
-  bench::Image mask;         ///< 1 where surfaces are.
+  bench::Image mask;         ///< 1 if surfaces are.
 };
 
 /// The scene of one seed, width x height pixels.

@@ -30,7 +30,7 @@ class FrameInput {
   FrameInput& operator=(const FrameInput&) = delete;
   virtual ~FrameInput() = default;
 
-  /// The device on which a frame lies already; null where it can be brought to any.
+  /// The device on which a frame lies already; null if it can be brought to any.
   virtual std::shared_ptr<gpu::Device> device_of(GstElement*, GstBuffer*) { return nullptr; }
   /// A buffer for the bytes of one frame on the device, for `record`.
   virtual gpu::BufferPtr make_buffer(const std::shared_ptr<gpu::Device>& device) const;
@@ -39,13 +39,13 @@ class FrameInput {
   void warm_up(gpu::Commands& commands, const gpu::BufferPtr& raw, const Plane& plane,
                const TileList& tiles) const;
   /// Which tiles of 16 x 16 pixels differ from the frame that was asked for before: a byte a tile,
-  /// row by row, 0 where all bytes are the same. Empty where there was none, or where the pixels
+  /// row by row, 0 if all bytes are the same. Empty where there was none, or where the pixels
   /// are not in system memory. Throws as `record`.
   virtual std::span<const uint8_t> changed_tiles(GstBuffer* buffer);
   /// The next frame has none before it to be compared with.
   void forget() { changed_.reset(); }
   /// Brings `buffer` into `raw`, which must be idle, and records the conversion into `plane`; where
-  /// tiles are `listed`, of these alone. Throws Error(unsupported) where the buffer does not hold
+  /// tiles are `listed`, of these alone. Throws Error(unsupported) if the buffer does not hold
   /// what its caps say.
   void record(gpu::Commands& commands, GstBuffer* buffer, const gpu::BufferPtr& raw,
               const Plane& plane, const TileList* listed = nullptr) const;

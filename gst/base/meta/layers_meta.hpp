@@ -10,7 +10,7 @@ namespace inverse {
 /// Attaches layers to a buffer; the meta holds its own references to the planes.
 void attach_layers(GstBuffer* buffer, const Layers& layers);
 
-/// The layers of a buffer, or null where it carries none.
+/// The layers of a buffer, or null if it carries none.
 const Layers* layers_of(GstBuffer* buffer);
 
 /// The layers of a buffer that carries some. Where nobody else holds the buffer they are moved out

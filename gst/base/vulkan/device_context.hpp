@@ -39,14 +39,14 @@ class DeviceContext {
   /// The device to use for frames that are bound to none; null before `acquire`.
   std::shared_ptr<gpu::Device> current() const;
   /// The device on which the neighbors expect images, after `look`; where none of them has one it
-  /// is made. Throws Error(no_device) where that is not the device that is demanded.
+  /// is made. Throws Error(no_device) if that is not the device that is demanded.
   std::shared_ptr<gpu::Device> for_images();
-  /// Throws Error(no_device) where frames lie on `device` and another one is demanded.
+  /// Throws Error(no_device) if frames lie on `device` and another one is demanded.
   void permit(const std::shared_ptr<gpu::Device>& device) const;
 
   /// GstElement::set_context: takes note of a device.
   void set_context(GstContext* context);
-  /// Answers a context query with what is in use; false where the query is about something else.
+  /// Answers a context query with what is in use; false if the query is about something else.
   bool answer(GstQuery* query);
   /// Answers a context query that nobody else had an answer to, by making a device for the
   /// neighbors.

@@ -30,7 +30,7 @@ class Registry {
     return registry;
   }
 
-  /// The wrapped device; `queue` is where the neighbors submit, or null where nobody says.
+  /// The wrapped device; `queue` is where the neighbors submit, or null if nobody says.
   DevicePtr adopt(GstVulkanDevice* device, GstVulkanQueue* queue) {
     std::lock_guard lock(mutex_);
     std::erase_if(entries_, [](const Entry& entry) { return entry.device.expired(); });

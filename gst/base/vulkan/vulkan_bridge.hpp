@@ -33,7 +33,7 @@ class VulkanNeighbor {
   VulkanNeighbor& operator=(const VulkanNeighbor&) = delete;
   ~VulkanNeighbor();
 
-  /// Looks for the device of neighbors, downstream first, and wraps it; null where there is none.
+  /// Looks for the device of neighbors, downstream first, and wraps it; null if there is none.
   /// The same GstVulkanDevice gives the same object everywhere in the process. Throws
   /// Error(no_device) where the kernels cannot run on it.
   enum class Ask {
@@ -42,14 +42,14 @@ class VulkanNeighbor {
   };
   std::shared_ptr<gpu::Device> find(GstElement* element, Ask ask);
   /// Makes a device for the neighbors: a GstVulkanDevice on the physical device that `like` is on.
-  /// Throws Error(no_device) where GStreamer's Vulkan library cannot open it.
+  /// Throws Error(no_device) if GStreamer's Vulkan library cannot open it.
   std::shared_ptr<gpu::Device> make(GstElement* element, const gpu::Device& like);
-  /// What was found or made last; null where nothing was.
+  /// What was found or made last; null if nothing was.
   std::shared_ptr<gpu::Device> held() const;
 
   /// GstElement::set_context: takes note of an instance.
   void set_context(GstElement* element, GstContext* context);
-  /// Answers a query for instance, device or queue with those of the device held; false where the
+  /// Answers a query for instance, device or queue with those of the device held; false if the
   /// query is about something else or nothing is held.
   bool answer(GstElement* element, GstQuery* query) const;
   /// Whether a query asks for a device.
@@ -80,7 +80,7 @@ std::unique_ptr<FrameInput> make_image_input(const GstVideoInfo& info);
 std::unique_ptr<FrameOutput> make_image_output(const GstVideoInfo& info);
 
 /// A configured pool of images on `device`, which VulkanNeighbor wrapped; `size` becomes the size
-/// of its buffers. New reference. Throws Error(limit) where the device has no images of this size,
+/// of its buffers. New reference. Throws Error(limit) if the device has no images of this size,
 /// Error(out_of_memory), and Error(internal) where the device is no GstVulkanDevice.
 GstBufferPool* make_image_pool(const std::shared_ptr<gpu::Device>& device, GstCaps* caps,
                                guint* size);

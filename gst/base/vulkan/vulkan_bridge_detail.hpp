@@ -30,7 +30,7 @@ struct Handles {
 };
 
 /// The wrapped device, with the queue that `element`'s neighbors submit to where they tell. The
-/// same GstVulkanDevice gives the same object everywhere. Throws Error(no_device) where the kernels
+/// same GstVulkanDevice gives the same object everywhere. Throws Error(no_device) if the kernels
 /// cannot run on it.
 std::shared_ptr<gpu::Device> adopt(GstElement* element, GstVulkanDevice* device);
 

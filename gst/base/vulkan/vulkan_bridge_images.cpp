@@ -152,7 +152,7 @@ GType image_pool_type() {
   return type;
 }
 
-/// How images for frames of these caps are made on a device; throws Error(limit) where they cannot
+/// How images for frames of these caps are made on a device; throws Error(limit) if they cannot
 /// be.
 VkImageCreateInfo image_info(const gpu::Device& device, GstVideoInfo info) {
   VkImageCreateInfo image{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};

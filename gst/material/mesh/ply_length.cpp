@@ -51,7 +51,7 @@ Format format_of(const std::string& name) {
   return name == "binary_big_endian" ? Format::big_endian : Format::none;
 }
 
-/// Reads up to the first byte behind the header. False where it is none, or one that Assimp does
+/// Reads up to the first byte behind the header. False if it is none, or one that Assimp does
 /// not take either.
 bool read_header(std::istream& file, Header& header) {
   constexpr size_t kLongest = size_t{1} << 16;  // comments are lines, too
@@ -89,7 +89,7 @@ bool read_header(std::istream& file, Header& header) {
 class Values {
  public:
   virtual ~Values() = default;
-  /// False where there are fewer.
+  /// False if there are fewer.
   virtual bool skip(int64_t count, Type type) = 0;
   /// The next one, a whole number; nothing behind the last one.
   virtual std::optional<int64_t> next(Type type) = 0;
@@ -149,7 +149,7 @@ class TextValues final : public Values {
   std::string word_;
 };
 
-/// False where there are too few values, or a list of fewer than none.
+/// False if there are too few values, or a list of fewer than none.
 bool skip(Values& values, const Property& property) {
   if (!property.length.bytes) return values.skip(1, property.value);
   const std::optional<int64_t> length = values.next(property.length);

@@ -30,7 +30,7 @@ std::string cameras_there() {
                       : "there are: " + list;
 }
 
-/// GStreamer's caps for a pixel format; null where it has none. Aravis names some whose bits are
+/// GStreamer's caps for a pixel format; null if it has none. Aravis names some whose bits are
 /// packed otherwise than GStreamer's: these are none.
 GstStructure* structure_of(ArvPixelFormat format) {
   const char* text = arv_pixel_format_to_gst_caps_string(format);

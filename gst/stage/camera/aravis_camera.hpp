@@ -51,7 +51,7 @@ class AravisError {
   }
   /// "Timeout while waiting for acknowledge"
   std::string text() const { return error_ ? error_->message : ""; }
-  /// Throws Error(connection) where the camera did not answer, else Error(unsupported): `what` it
+  /// Throws Error(connection) if the camera did not answer, else Error(unsupported): `what` it
   /// was that failed, and why.
   void check(const std::string& what) const;
 
@@ -111,7 +111,7 @@ class AravisCamera {
 
   void start();
   void stop() noexcept;
-  /// Whether it still answers; asks nothing where Aravis does by itself.
+  /// Whether it still answers; asks nothing if Aravis does by itself.
   bool answers() const;
 
   /// How many bits its frame ids have before they start again.

@@ -85,7 +85,7 @@ std::optional<CameraFrame> AravisStream::take(const std::function<bool(int64_t a
   return std::nullopt;
 }
 
-/// The pixels of a frame, which then is lent or back in the stream; null where it is not what the
+/// The pixels of a frame, which then is lent or back in the stream; null if it is not what the
 /// caps say.
 GstBuffer* AravisStream::pixels(ArvBuffer* frame) {
   const ArvBufferPayloadType type = arv_buffer_get_payload_type(frame);

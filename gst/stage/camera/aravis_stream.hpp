@@ -12,7 +12,7 @@ namespace inverse {
 struct CameraFrame {
   GstBuffer* pixels = nullptr;  ///< the taker's
   uint64_t id = 0;              ///< as the camera counts
-  uint64_t camera_time = 0;     ///< ns of the camera's clock; 0 where it has none
+  uint64_t camera_time = 0;     ///< ns of the camera's clock; 0 if it has none
   int64_t age = 0;              ///< ns since it began to arrive
 };
 

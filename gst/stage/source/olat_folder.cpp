@@ -31,7 +31,7 @@ std::vector<uint32_t> OlatFolder::missing() const {
 
 ExrPicture OlatFolder::open(uint32_t light) const {
   const std::string file = path_ + "/" + files_[light];
-  return {file, file, kMostPixels};
+  return {file, file, kMaxPixels};
 }
 
 std::vector<float> OlatFolder::image(uint32_t light) const {

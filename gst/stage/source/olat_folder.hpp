@@ -18,7 +18,7 @@ namespace inverse {
 /// Everything throws Error(file), saying what is missing or wrong.
 class OlatFolder {
  public:
-  static constexpr uint32_t kMostPixels = 16384;  ///< along a side
+  static constexpr uint32_t kMaxPixels = 16384;  ///< along a side
   /// Reads the directions, and the size from the first image.
   explicit OlatFolder(const std::string& path);
 
@@ -29,7 +29,7 @@ class OlatFolder {
   bool captured() const { return captured_; }
   /// Lights that the list has no file for: their frames were lost.
   std::vector<uint32_t> missing() const;
-  /// Reads an image: width × height RGB; black where it is missing.
+  /// Reads an image: width × height RGB; black if it is missing.
   std::vector<float> image(uint32_t light) const;
 
  private:

@@ -37,7 +37,7 @@ class TestSource {
   void set_device_name(const char* name);
 
   /// READY → PAUSED: reads program and folder, opens the port. Returns what is misconfigured in
-  /// words, empty where nothing is. Throws.
+  /// words, empty if nothing is. Throws.
   std::string start();
   void stop();
 

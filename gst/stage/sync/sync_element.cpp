@@ -269,7 +269,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   return flow;
 }
 
-/// What is to be triggered by us, null where nothing is.
+/// What is to be triggered by us, null if nothing is.
 std::shared_ptr<StageTrigger> SyncElement::make_trigger(
     const SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
   if (params.camera_trigger == SyncParams::CameraTrigger::none) return nullptr;

@@ -33,7 +33,7 @@ class SyncElement {
   SyncElement& operator=(const SyncElement&) = delete;
   ~SyncElement();
 
-  /// NULL → READY … PAUSED → READY. `start` reads the program; false where that failed, and says
+  /// NULL → READY … PAUSED → READY. `start` reads the program; false if that failed, and says
   /// why.
   bool start();
   void stop();

@@ -12,8 +12,8 @@ constexpr size_t kFew = 4;  // frames
 
 /// How many frames of a camera may wait, for other cameras or for what follows, by their memory.
 size_t fitting(const SyncCamera& camera) {
-  constexpr size_t kMostBytes = size_t{1} << 30;
-  return kMostBytes / std::max<size_t>(camera.frame_bytes, 1);
+  constexpr size_t kMaxBytes = size_t{1} << 30;
+  return kMaxBytes / std::max<size_t>(camera.frame_bytes, 1);
 }
 
 }  // namespace

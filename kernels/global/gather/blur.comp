@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// Light of every base color, blurred along one axis with a Gaussian that is cut at the border (nothing comes from beyond).
+// Blurs light of every base color along one axis with a Gaussian; beyond the border there is none.
 layout(constant_id = 1) const bool kDown = false;
 PLANE_IN(0, emitted);
 PLANE_IN(1, means);

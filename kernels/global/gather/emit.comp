@@ -4,9 +4,9 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// For every base color of the frame before the light that its surfaces send, on the coarse grid: mean color and number of
-// their points; all have the first where nothing was before. With kKnown,
-// for those of this frame. One coarse point, 2 x 2 points, an invocation.
+// For every base color of the frame before, or with kKnown of this frame, the light that its surfaces emit, on the coarse grid:
+// mean color and number of their points. All points count to the first color if there were none. One coarse point, 2 x 2 points, an
+// invocation.
 layout(constant_id = 1) const bool kKnown = false;
 PLANE_IN(0, colors);
 PLANE_IN(1, scene);

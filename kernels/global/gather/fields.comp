@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// How much light from surfaces of every base color reaches a surface of base color j around a coarse point, up to one
-// factor: their part of what it receives, projected onto their color. And the base colors themselves.
+// Light from surfaces of every base color at a surface of base color j around a coarse point, up to one factor: their part of what
+// it receives, projected onto their color. And the base colors themselves.
 PLANE_IN(0, blurred);
 PLANE_IN(1, means);
 PLANE_IN(2, received);

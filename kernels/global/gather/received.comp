@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// What a surface of base color j receives around a coarse point, up to the scene's amount: the blurred light there and, in
-// part, that of the frame; its own color counts less, as a plane does not light itself. And the number of emitters.
+// Light that a surface of base color j receives around a coarse point, up to the scene's amount: the blurred light there and, in
+// part, the mean of the frame; its own color counts less, since a plane does not light itself. And the number of emitters.
 PLANE_IN(0, blurred);
 PLANE_IN(1, means);
 PLANE_OUT(2, received);
@@ -14,7 +14,7 @@ layout(push_constant) uniform Push {
   float near, own;
 } push;
 
-const float kLeastNumber = 0.02;
+const float kMinNumber = 0.02;
 
 void main() {
   int i = int(gl_GlobalInvocationID.x), count = push.coarse.x * push.coarse.y, slot = i / count, j = i - slot * count;
@@ -27,6 +27,6 @@ void main() {
     if (part.w > 0.0) all += FETCH(blurred, k * count + j);
   }
   all -= push.own * FETCH(blurred, i);
-  float number = all.w + kLeastNumber;
+  float number = all.w + kMinNumber;
   STORE(received, i, vec4(push.near / number * all.rgb + (1.0 - push.near) * frame, number));
 }

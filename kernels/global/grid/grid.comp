@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// The points of the grid: mean color and how much it counts, its log chroma, and what the mean shading of its pixels seems
-// to be, with what is known of earlier frames and without. One point an invocation.
+// The points of the grid: mean color and its weight, its log chroma, and an estimate of the mean shading of its pixels, with and
+// without the history. One point an invocation.
 layout(constant_id = 1) const bool kRaw = false;   // as the lamps color it
 layout(constant_id = 2) const bool kPlain = false;  // colors alone, of lamps that are white
 PLANE_IN(0, frame);
@@ -18,7 +18,7 @@ layout(push_constant) uniform Push {
   float white_level;
 } push;
 
-const float kDark = 0.01, kBright = 0.98;  // what has a color to trust
+const float kDark = 0.01, kBright = 0.98;  // range of reliable colors
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);

@@ -5,10 +5,10 @@
 #include "gpu/workgroup_sum.glsl"
 #include "global/model/model.glsl"
 
-// One workgroup: what the frame's points count on the average; whether it is a cut, by how much chroma changed where there
-// is light; and with it, what share the frame has in what is measured of the scene. And how far chroma spreads: where it
-// hardly does, nothing can be said of the light's, so that all of it is direct. Where the lamps' color is taken out, the
-// cut is looked for before that (kDecide alone), and the rest follows after it.
+// One workgroup: the mean weight of the frame's points; whether the frame is a cut, by the mean change of chroma in lit points; and
+// with it the share of the frame in the scene's estimates. And the spread of chroma: without spread the color of light cannot be
+// estimated, and all light counts as direct. If the lamps' color is removed, the cut is decided before that (kDecide alone), the
+// rest after it.
 layout(constant_id = 1) const bool kDecide = true;
 layout(constant_id = 2) const bool kStart = true;
 PLANE_IN(0, colors);
@@ -54,6 +54,6 @@ void main() {
   LOAD(scene, SCENE_TINT).zw = vec2(usable, spread);
   if (usable > 0.0) return;
   LOAD(scene, SCENE_AMOUNT).xyw = LOAD(scene, SCENE_TINT).xyz = vec3(0.0);
-  LOAD(scene, SCENE_TIME).y = 0.0;  // what was found before says nothing of what is seen when color comes back
+  LOAD(scene, SCENE_TIME).y = 0.0;  // estimates from before a gray passage do not count when color comes back
   for (int s = 0; s < kSlots; ++s) STORE(scene, SCENE_COLORS + s, vec4(0.0));
 }

@@ -12,7 +12,7 @@ PLANE_INOUT(1, scene);
 PLANE_OUT(2, lamp);
 layout(push_constant) uniform Push {
   int count;    // of points
-  float share;  // of the color that is taken out
+  float share;  // of the color to remove
 } push;
 
 void main() {

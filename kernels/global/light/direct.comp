@@ -5,8 +5,8 @@
 #include "image/pack4.glsl"
 #include "global/model/model.glsl"
 
-// What share of light is direct and white, T0 / S: what the indirect light leaves of it, at most its weakest channel; its color is then the lamps', too. And
-// how bright reflectance is, for the next frame. Four pixels side by side an invocation.
+// The direct, white share of light, T0 / S: what the indirect light leaves of it, at most its weakest channel; its color then
+// includes the lamps'. And the brightness of reflectance, for the next frame. Four adjacent pixels an invocation.
 PLANE_IN(0, frame);  // without tint
 PLANE_IN(1, intrinsic);
 PLANE_IN(2, scene);

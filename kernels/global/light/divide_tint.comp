@@ -6,8 +6,8 @@
 #include "global/model/model.glsl"
 #include "residual.glsl"
 
-// The frame without the tint of its light, I / tau, which intrinsicdecomp's energy then takes apart; and the light's color
-// tau with the mean of the indirect light that was gathered. Four pixels side by side an invocation.
+// Divides the tint of light out of the frame, I / tau, for the energy of intrinsicdecomp; and writes the color of light tau with
+// the mean of the gathered indirect light. Four adjacent pixels an invocation.
 layout(constant_id = 1) const bool kWide = false;  // all four lie between the same points of the grid
 PLANE_IN(0, frame);
 SCALAR_IN(1, memory);
@@ -27,7 +27,7 @@ layout(push_constant) uniform Push {
   float white_level, trust, trust_tint;
 } push;
 
-const float kLeastTau = 0.02;  // of a channel
+const float kMinTau = 0.02;  // of a channel
 
 #define AROUND(name, where) name[0] = FETCH(where, around.x); name[1] = FETCH(where, around.y); \
   name[2] = FETCH(where, around.z); name[3] = FETCH(where, around.w);
@@ -71,7 +71,7 @@ void main() {
         tau = color_of(tint + statistics.y * min(1.0, 3.0 * fraction) * (fit.xy * e + fit.zw));
       }
     }
-    tau = max(tau, max(vec3(kLeastTau), rgb / kMostLight));  // what the solve takes, so that R S tau stays the frame
+    tau = max(tau, max(vec3(kMinTau), rgb / kMaxLight));  // bounded as in the solve, so that R S tau stays the frame
     STORE(plain, n, vec4(rgb / tau, pixel.w));
     STORE(light, n, vec4(tau, mean3(indirect)));
   }

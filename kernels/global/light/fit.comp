@@ -17,7 +17,7 @@ layout(push_constant) uniform Push {
   float edge;  // variance that counts as an edge
 } push;
 
-const float kLeastBelief = 0.05;  // of a window's points
+const float kMinBelief = 0.05;  // of a window's points
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
@@ -43,7 +43,7 @@ void main() {
     }
   if (kPass == 0u) {
     vec4 own = FETCH(raw, i);
-    vec2 smooth_part = sum.xy / (believed + kLeastBelief * points);
+    vec2 smooth_part = sum.xy / (believed + kMinBelief * points);
     STORE(after, i, vec4(smooth_part, mix(smooth_part, own.xy, own.z)));
   } else if (kPass == 1u) {
     sum /= believed + 1e-6;

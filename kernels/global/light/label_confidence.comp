@@ -5,8 +5,8 @@
 #include "global/model/model.glsl"
 #include "residual.glsl"
 
-// Labels of the grid's points, by the chroma that their tint leaves; what it has beyond their base color, and how far that is
-// believed to be light.
+// Labels of the grid's points, by the chroma without their tint; the residual beyond their base color, and the confidence that it
+// is light.
 PLANE_IN(0, points);
 PLANE_IN(1, tints);
 WORD_IN(2, slots);  // of bins

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// Draws every pixel in the base color that it counts as; gray where the scene has none.
+// Draws every pixel in its base color; gray if the scene has none.
 PLANE_IN(0, frame);
 PLANE_IN(1, tints);
 WORD_IN(2, slots);

@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "global/model/model.glsl"
 
-// A pixel's indirect light E as shares of base colors, E / S = sum over k of b_k t_k and a remainder: what was gathered from
-// the surfaces of each, scaled to the mean of E, and then multiplicative steps of non-negative least squares
+// A pixel's indirect light E as shares of base colors, E / S = sum over k of b_k t_k and a remainder: starts from the light
+// gathered from the surfaces of each, scaled to the mean of E; then multiplicative steps of non-negative least squares
 // (Lee and Seung 2001), t_k <- t_k (b_k . E) / (b_k . sum over l of b_l t_l). One pixel an invocation.
 layout(constant_id = 1) const int kPlanes = 4;  // of four base colors
 PLANE_IN(0, frame);

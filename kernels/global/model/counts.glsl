@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Histograms in fixed point, so that the order of additions does not matter. A point's weight is at most 1 or so, and there
-// are at most 40 x 40.
+// Histograms in fixed point, so that sums do not depend on order. A point's weight is at most about 1, and there are at most
+// 40 x 40 points.
 const float kCountUnit = 65536.0;
 
 uint counted(float value) { return uint(value * kCountUnit + 0.5); }

@@ -3,8 +3,8 @@
 // colored indirect light. Colors are compared as log chroma, coordinates of ln RGB along (1, -1, 0) / √2 and
 // (1, 1, -2) / √6; the tint t of light is the log chroma of T0 1 + E, and tau = exp(Aᵀ t) has geometric mean 1.
 //
-// What light is, is decided on a grid of points, each the mean of factor x factor pixels; what arrives at a point from the
-// surfaces in view on one of half as many.
+// The color of light is estimated on a grid of points, each the mean of factor x factor pixels; light from the surfaces in view on
+// a grid of half as many.
 #include "intrinsic/guide/guide.glsl"
 
 const float kLogFloor = 3e-3;  // black becomes neutral
@@ -16,14 +16,13 @@ const int kCandidates = 16;  // for the amount of indirect light
 
 // The scene's buffer.
 #define SCENE_AMOUNT 0  // kappa, its confidence, points' mean weight, base colors in use
-#define SCENE_TINT 1    // rms tint where all light is indirect, share of the residual that is taken; what color there is to go by, 0…1, and
-                        // how far chroma spreads
-#define SCENE_TIME 2    // 1 where nothing is taken over from earlier frames, frames since then with color to go by, this one's
-                        // share, change
-#define SCENE_WHITE 3   // log chroma of the lamps, as far as it is taken out; how far the color of gathered light is believed
+#define SCENE_TINT 1    // rms tint if all light were indirect, share of the residual that counts; share of colors to measure by, 0…1,
+                        // and spread of chroma
+#define SCENE_TIME 2    // 1 at a start or cut, frames with color since then, share of this frame, its change
+#define SCENE_WHITE 3   // log chroma of the lamps, as far as removed; confidence of the color of gathered light
 #define SCENE_COSTS 4   // four vec4: of the candidates
-#define SCENE_COLORS 8  // log chroma, 1 where there is such a color, share of the frame
-#define SCENE_MEMORY 24  // of base colors' slots: where it usually is, 1 where it is a color's, frames since that had a mode
+#define SCENE_COLORS 8  // log chroma, 1 if the slot has a color, share of the frame
+#define SCENE_MEMORY 24  // of base colors' slots: usual place, 1 if a color has it, frames since that had a mode
 #define SCENE_SIZE 40
 
 float mean3(vec3 v) { return (v.r + v.g + v.b) * (1.0 / 3.0); }
@@ -38,17 +37,17 @@ vec3 color_of(vec2 chroma) {
   return exp(vec3(v + u, v - u, -2.0 * v));
 }
 
-// Light of this mean, of which `indirect` (at most all) is indirect; and the share that is.
+// Light of this mean, of which `indirect` (at most all) is indirect; and that share.
 vec3 light_of(float shading, vec3 indirect) {
   float all = mean3(indirect), kept = all > shading ? shading / all : 1.0;
   return shading - kept * all + kept * indirect;
 }
-// Light of a color that is believed that far: gray where the frame says nothing of it.
+// Light of a color with this confidence: gray at 0.
 vec3 colored_by(float belief, vec3 light) { return mix(vec3(mean3(light)), light, belief); }
 float fraction_of(float shading, vec3 indirect) { return min(1.0, mean3(indirect) / max(shading, 1e-6)); }
 
-// Where a chroma lies in a histogram, in bins (gray is a bin's center, or it would be the corner of four); and the bin whose
-// center is nearest.
+// Place of a chroma in a histogram, in bins (gray is at a bin's center, not at the corner of four); and the bin of the nearest
+// center.
 vec2 place_of(vec2 chroma) { return chroma * (1.0 / kBinWidth) + 0.5 * float(kBins); }
 int bin_of(vec2 chroma) {
   ivec2 at = ivec2(clamp(floor(place_of(chroma) + 0.5), 0.0, float(kBins - 1)));
@@ -56,16 +55,16 @@ int bin_of(vec2 chroma) {
 }
 vec2 bin_center(int bin) { return kBinWidth * (vec2(bin & (kBins - 1), bin / kBins) - 0.5 * float(kBins)); }
 
-// Between which points of a coarser grid of `count` the center of point x lies, `factor` of which make one: lower index and
-// share of the next.
+// Interpolation from a grid that is coarser by `factor` and has `count` points: lower index and share of the next, for the center of
+// point x.
 vec2 between(int x, float factor, int count) {
   float at = clamp((float(x) + 0.5) / factor - 0.5, 0.0, float(count - 1));
   float low = min(floor(at), float(max(count - 2, 0)));
   return vec2(low, at - low);
 }
 
-// What shading seems to be before the solve: what reflectance as bright as it was leaves of the pixel; and where nothing is
-// known of it, what reflectance whose largest channel is the white level does.
+// Estimate of shading before the solve: with the brightness of reflectance from the history; without history, with the white level
+// as the largest channel of reflectance.
 float shading_before(vec3 rgb, float memory) {
   vec3 light = rgb + kIntensityFloor;
   return exp(log(light.r * light.g * light.b) * (1.0 / 3.0) - memory);
@@ -78,8 +77,8 @@ float shading_guessed(vec3 rgb, float white_level) { return max(max(rgb.r, rgb.g
   ivec2 coarse;          \
   int factor;  /* pixels along a point */
 
-// What a surface of base color `label` receives at the center of a fine point, `factor` fine points to a coarse one;
-// `received` holds the coarse grid once for each base color.
+// Light that a surface of base color `label` receives at the center of a fine point, `factor` fine points to a coarse one;
+// `received` has the coarse grid once for each base color.
 #define RECEIVED(result, label, px, py, fine)                                              \
   {                                                                                      \
     vec2 u = between(px, fine, push.coarse.x), v = between(py, fine, push.coarse.y);       \

@@ -15,10 +15,10 @@ WORD_INOUT(4, counts);  // kCandidates histograms, then for each two sums: weigh
 layout(push_constant) uniform Push {
   SIZES
   float least, ratio;  // the first candidate, and each to the one before
-  float neutral;       // 1 / (2 width²) of what counts as neutral
+  float neutral;       // 1 / (2 width²), width the range of chroma that counts as neutral
 } push;
 
-const float kLeastShading = 1e-4;
+const float kMinShading = 1e-4;
 const int kAround = 1;  // points
 
 void main() {
@@ -34,7 +34,7 @@ void main() {
     for (int x = max(at.x - kAround, 0); x <= min(at.x + kAround, push.grid.x - 1); ++x) {
       ivec2 off = ivec2(x, y) - at;
       float share = exp(-float(off.x * off.x + off.y * off.y));
-      sum += share * log(FETCH(points, y * push.grid.x + x).z + kLeastShading);
+      sum += share * log(FETCH(points, y * push.grid.x + x).z + kMinShading);
       all += share;
     }
   float shading = exp(sum / all);

@@ -6,10 +6,10 @@
 #include "global/model/model.glsl"
 #include "global/model/counts.glsl"
 
-// One workgroup: base colors are the modes of the histogram of chroma. Mixes the new one with that of before, smooths it,
-// lets every bin climb to its peak, and takes the peaks of most mass; each keeps the slot of the color that it continues. A color
-// whose peak is gone stays a while, in the basin that it fell into, and its slot for longer.
-// Reads what it wrote itself, and so uses storage buffers.
+// One workgroup: base colors are the modes of the histogram of chroma. Averages the histogram over time, smooths it, climbs from
+// every bin to its peak, and selects the peaks of most mass; each keeps the slot of the color that it continues. A color whose peak
+// is gone stays for some frames, in the basin that it is now in, and keeps its slot for more. Reads its own output, and so uses
+// storage buffers.
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
 WORD_OUT(2, slots);  // of bins
@@ -20,17 +20,17 @@ layout(push_constant) uniform Push {
   float smoothing;    // standard deviation, bins
   float least_share;  // of all mass, for a mode to count
   float same;         // chroma up to which a mode continues a color of before
-  float follow;       // share of the newest frame in where a color usually is
-  int most;           // base colors at most
+  float follow;       // share of the newest frame in a color's usual place
+  int most;           // max number of base colors
   int keep, forget;   // frames that a color without a mode stays, and keeps its slot
 } push;
 
 // Of work: every bin's peak; of peaks, the mass of their basin and its moments about them, in fixed point; a list.
 const int kPeak = 0, kMass = kBinCount, kMoment = 2 * kBinCount, kList = 4 * kBinCount, kListed = kList + 1;
 const float kMassUnit = 16777216.0, kMomentUnit = 4194304.0;
-const int kMostListed = 1024;
+const int kMaxListed = 1024;
 const int kReach = 8;   // of the smoothing, bins
-const int kAround = 2;  // bins around where a color usually is that tell whether it is there
+const int kAround = 2;  // bins around a color's usual place in which it counts as present
 
 #define SYNC memoryBarrierBuffer(); barrier()
 #define EVERY_BIN(b) for (int b = int(gl_LocalInvocationID.x); b < kBinCount; b += int(gl_WorkGroupSize.x))
@@ -60,8 +60,8 @@ float mass_around(vec2 chroma) {
   return sum;
 }
 
-// Gives modes the slots of the colors that they continue, nearest pairs first, and others a free one, or that of the color that
-// has been away for longest; adds the colors that stay without a mode.
+// Gives modes the slots of the colors that they continue, nearest pairs first, and other modes a free slot, or that of the color
+// that was absent for longest; adds the colors that stay without a mode.
 void keep_slots(float all) {
   bool anew = LOAD(scene, SCENE_TIME).y < 1.5;
   uint free = (1u << push.most) - 1u;
@@ -119,7 +119,7 @@ void keep_slots(float all) {
 
 // Modes in falling order of mass, and their slots.
 void choose(float all) {
-  int count = min(LOAD(work, kList), kMostListed);
+  int count = min(LOAD(work, kList), kMaxListed);
   mode_count = 0;
   for (int m = 0; m < push.most; ++m) {
     int best = -1;
@@ -190,7 +190,7 @@ void main() {
     LOAD(work, kPeak + b) = best;
   }
   SYNC;
-  // Whoever is ahead is followed further up, in whatever order.
+  // Follows the bins ahead, so that their order does not matter.
   for (int k = 0; k < 6; ++k) {
     EVERY_BIN(b) LOAD(work, kPeak + b) = LOAD(work, kPeak + LOAD(work, kPeak + b));
     SYNC;
@@ -210,7 +210,7 @@ void main() {
     float mass = float(LOAD(work, kMass + b)) / kMassUnit;
     if (mass > 0.0 && mass >= push.least_share * all) {
       int place = atomicAdd(LOAD(work, kList), 1);
-      if (place < kMostListed) LOAD(work, kListed + place) = b;
+      if (place < kMaxListed) LOAD(work, kListed + place) = b;
     }
   }
   SYNC;

@@ -10,8 +10,8 @@ PLANE_IN(0, sums);
 PLANE_INOUT(1, scene);
 layout(push_constant) uniform Push {
   int count;       // of sums
-  float gate;      // mean square tint of a scene where half of the residual is taken
-  float residual;  // share of the residual at most
+  float gate;      // mean square tint of a scene at which half of the residual counts
+  float residual;  // max share of the residual
 } push;
 
 void main() {

@@ -5,8 +5,8 @@
 #include "global/model/model.glsl"
 #include "global/model/counts.glsl"
 
-// The tint of light at the points of the grid, what share of it is indirect, how much a point says of its base color (more
-// where light is direct), and sums for the scene. And the histogram of the chroma that the tint leaves.
+// The tint of light at the points of the grid, its indirect share, the weight of a point for its base color (more in direct light),
+// and sums for the scene. And the histogram of chroma without the tint.
 PLANE_IN(0, colors);
 PLANE_IN(1, points);
 WORD_IN(2, labels);

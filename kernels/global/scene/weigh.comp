@@ -6,11 +6,10 @@
 #include "global/model/model.glsl"
 #include "global/model/counts.glsl"
 
-// One workgroup: what every candidate amount costs, the entropy of its histogram less the share that is neutral, mixed with
-// what it cost before; and the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, with
-// how much narrower it is than the prior. Colors that lie close together are moved alike by any tint, past the borders of
-// bins and towards gray, which says nothing of whether it is right: the less chroma spreads, the less a difference of cost
-// is trusted; but not where it is about the color of light.
+// One workgroup: the cost of every candidate amount, the entropy of its histogram less the neutral share, averaged over time; and
+// the amount: the mean of ln kappa under the likelihood exp(-trust cost) and a normal prior, and how much narrower the posterior is
+// than the prior. Colors of small spread are moved alike by any tint, past the borders of bins and towards gray, which is no
+// evidence: the smaller the spread of chroma, the less a difference of cost counts; but not for the color of light.
 WORD_IN(0, counts);
 PLANE_INOUT(1, scene);
 layout(push_constant) uniform Push {
@@ -19,7 +18,7 @@ layout(push_constant) uniform Push {
   float ln_typical, spread;  // the prior
   float trust, full_trust;  // from this spread of chroma on; below, in proportion to it
   float manual;             // above 0: the amount
-  float renew_color;        // least share of the newest frame in how far the color of light is believed
+  float renew_color;        // min share of the newest frame in the confidence of the color of light
 } push;
 
 const float kSure = 0.06;  // confidence that is enough for the color
@@ -63,13 +62,13 @@ void main() {
     cost[k] = mix(before, cost[k], renew);
     LOAD(scene, SCENE_COSTS + k / 4)[k % 4] = cost[k];
   }
-  // What hardly any color is left to see by goes before the color does.
+  // Estimates lose their weight before the color is gone.
   float usable = LOAD(scene, SCENE_TINT).z, spread = LOAD(scene, SCENE_TINT).w;
   vec2 blind = moments(0.0), seen = moments(push.trust * min(1.0, spread / push.full_trust)), sharp = moments(push.trust);
   vec2 confidence = usable * clamp(1.0 - vec2(seen.y, sharp.y) / blind.y, 0.0, 1.0);
   bool manual = push.manual > 0.0;
   LOAD(scene, SCENE_AMOUNT).xy = manual ? vec2(push.manual, 1.0) : vec2(usable * exp(seen.x), confidence.x);
-  // Over more frames than the rest: light that loses its color and finds it again is seen.
+  // Averaged over more frames than the rest, so that light that loses its color and regains it is tracked.
   float belief = smoothstep(0.0, kSure, confidence.y), share = max(push.renew_color, 1.0 / max(LOAD(scene, SCENE_TIME).y, 1.0));
   LOAD(scene, SCENE_WHITE).z = manual ? 1.0 : mix(LOAD(scene, SCENE_WHITE).z, belief, share);
 }

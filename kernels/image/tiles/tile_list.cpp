@@ -42,7 +42,7 @@ uint64_t TileList::arguments(uint32_t items_a_tile) {
          (List::LIST_ARGUMENTS + 3ULL * static_cast<uint32_t>(std::countr_zero(items_a_tile)));
 }
 
-std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns) {
+std::vector<uint8_t> dilate_tiles(std::span<const uint8_t> flags, uint32_t columns) {
   const auto rows = static_cast<uint32_t>(flags.size() / columns);
   std::vector<uint8_t> spread(flags.size());
   for (uint32_t y = 0; y < rows; ++y)

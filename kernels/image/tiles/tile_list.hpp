@@ -48,7 +48,7 @@ class TileList {
 };
 
 /// Dilates flags by one tile, also diagonally; `columns` tiles per row.
-std::vector<uint8_t> spread_tiles(std::span<const uint8_t> flags, uint32_t columns);
+std::vector<uint8_t> dilate_tiles(std::span<const uint8_t> flags, uint32_t columns);
 
 /// A kernel that runs over a whole frame or over a list of tiles. A tile has `across` x `down`
 /// invocations; 0 if it only runs over whole frames.

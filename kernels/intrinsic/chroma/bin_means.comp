@@ -18,5 +18,5 @@ void main() {
     total += int(LOAD(totals, i * kTables + table));
     STORE(totals, i * kTables + table, 0u);
   }
-  STORE(means, uint(i), weight > 0 ? kMostReflectance * float(total) / float(weight) : kEmptyBin);
+  STORE(means, uint(i), weight > 0 ? kMaxReflectance * float(total) / float(weight) : kEmptyBin);
 }

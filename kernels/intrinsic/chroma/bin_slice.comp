@@ -6,9 +6,9 @@
 #include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
-// The cells' right-hand side for a correction of s': f = far + wanted - screen s', wanted = pull + g (m' - r_bin), `far`
-// being what the finer levels left. Without kPulls g is 0 and wanted = pull. One pack of cells an invocation.
-layout(constant_id = 1) const bool kPulls = true;
+// Right-hand side of the cells for a correction of s': f = far + target - screen s', target = data + g (m' - r_bin), where `far`
+// is the residual of the finer levels. Without kHasBins g is 0 and target = data. One pack of cells an invocation.
+layout(constant_id = 1) const bool kHasBins = true;
 PLANE_IN(0, cells);
 PLANE_IN(1, terms);
 PLANE_IN(2, mean);  // s'
@@ -24,7 +24,7 @@ void main() {
   if (position.y >= push.size.y) return;
   int at = int(position.y * packs + position.x);
   vec4 s = FETCH(mean, at), found = s, m = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN);
-  for (uint k = 0u; kPulls && k < 4u; ++k) {
+  for (uint k = 0u; kHasBins && k < 4u; ++k) {
     uint cell = position.y * push.size.x + min(4u * position.x + k, push.size.x - 1u);
     vec2 fraction;
     uvec2 bin = bin_of(FETCH(cells, int(CELL_STRIDE * cell)).yz, fraction);
@@ -36,8 +36,8 @@ void main() {
     found = vec4(found.yzw, sum > 0.0 ? m.x - r : found.x);
     m = m.yzwx;
   }
-  vec4 want = FETCH(terms, TERMS_STRIDE * at + TERMS_PULL);
-  if (kPulls) want += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
+  vec4 want = FETCH(terms, TERMS_STRIDE * at + TERMS_DATA);
+  if (kHasBins) want += FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA) * found;
   STORE(wanted, uint(at), want);
   STORE(system, 4u * uint(at) + SYSTEM_RHS, FETCH(far, at) + want - FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN) * s);
 }

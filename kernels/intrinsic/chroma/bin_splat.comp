@@ -6,10 +6,10 @@
 #include "intrinsic/guide/guide.glsl"
 #include "bins.glsl"
 
-// Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r at the present solution,
-// r = m' - s' - (correction of s'). One pack of cells an invocation, and all invocations share the bins through atomics; or,
-// where kTables > 1, kTables invocations go over all packs and each has bins of its own: a CPU takes longer for an atomic
-// addition than for all else here. Sums in fixed point are the same either way.
+// Adds every cell to the four bins around its chroma: with kWeights its weight g, else g r of the current solution,
+// r = m' - s' - (correction of s'). One pack of cells an invocation. All invocations share the bins by atomics; if kTables > 1,
+// kTables invocations with bins of their own go over all packs, because atomic additions dominate the time on a CPU. Sums in fixed
+// point are equal either way.
 layout(constant_id = 1) const bool kWeights = false;
 layout(constant_id = 2) const uint kTables = 1;
 PLANE_IN(0, cells);
@@ -37,7 +37,7 @@ void main() {
     vec4 part = push.scale * FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA);
     if (!kWeights) {
       vec4 r = FETCH(terms, TERMS_STRIDE * at + TERMS_MEAN) - FETCH(mean, at) - FETCH(correction, at);
-      part *= clamp(r / kMostReflectance, -1.0, 1.0);
+      part *= clamp(r / kMaxReflectance, -1.0, 1.0);
     }
     uint count = min(push.size.x - 4u * position.x, 4u);
     for (uint k = 0u; k < count; ++k) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The chroma grid of the non-local term: kBins x kBins cells of kBinWidth over (c0, c1), bilinear hats. Sums are kept in
-// fixed point, so that their order does not matter and every run gives the same bits: weights in steps of 1 / scale,
-// weighted reflectance in steps of kMostReflectance / scale.
+// The chroma grid of the non-local term: kBins x kBins bins of kBinWidth over (c0, c1), bilinear hats. Sums are in fixed point,
+// so that they do not depend on order: weights in steps of 1 / scale, weighted reflectance in steps of kMaxReflectance / scale.
 const int kBins = 48;
 const float kBinWidth = 0.1;
-const float kMostReflectance = 16.0;  // |m - s| beyond this counts as this
-const float kEmptyBin = 1e30;         // what an empty bin's mean reads as
+const float kMaxReflectance = 16.0;  // |m - s| beyond this counts as this
+const float kEmptyBin = 1e30;         // mean of an empty bin
 
-// The lower left of the four bins around a chroma, and how far it lies towards the others.
+// The lower left of the four bins around a chroma, and the distance from it in bins.
 uvec2 bin_of(vec2 chroma, out vec2 fraction) {
   vec2 place = clamp(chroma / kBinWidth + float(kBins / 2), vec2(0.0), vec2(float(kBins) - 1.001));
   uvec2 bin = uvec2(place);

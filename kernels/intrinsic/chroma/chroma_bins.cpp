@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kBins =
     shaders::intrinsic_chroma_bin_means::kBins * shaders::intrinsic_chroma_bin_means::kBins;
-constexpr uint32_t kTables = 16;     // tables of bins where invocations have their own
+constexpr uint32_t kTables = 16;     // copies of the bins without atomics
 constexpr uint32_t kTableLanes = 8;  // invocations that one processor advances together
 
 }  // namespace
@@ -22,9 +22,9 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       splat_(device, {.tables = tables_}, tables_ > 1 ? kTableLanes : 0),
       mean_(device, {.tables = static_cast<int32_t>(tables_)}),
       slice_(device),
-      pull_(device, {.pulls = false}),
+      pull_(device, {.has_bins = false}),
       source_term_(device),
-      looking_force_(device, {.look = true}),
+      measuring_source_term_(device, {.measure = true}),
       total_(device),
       weights_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
       totals_(gpu::Buffer::create(device, gpu::Element::word, kBins * tables_)),
@@ -32,7 +32,7 @@ ChromaBins::ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells)
       wanted_(gpu::Buffer::create(device, gpu::Element::vec4, pack4_count(cells))),
       sums_(gpu::Buffer::create(
           device, gpu::Element::vec4,
-          gpu::partial_count(*looking_force_.kernel(), line_of(pack4_count(cells))))),
+          gpu::partial_count(*measuring_source_term_.kernel(), line_of(pack4_count(cells))))),
       binding_(gpu::Buffer::create(device, gpu::Element::vec4, 1)) {}
 
 gpu::Items ChromaBins::splat_items() const {
@@ -78,18 +78,18 @@ void ChromaBins::record(gpu::Commands& commands, const Guide& guide, const State
                     {.size = cells_}, line_of(pack4_count(cells_)));
 }
 
-void ChromaBins::record_force(gpu::Commands& commands, const State& state, bool look) {
+void ChromaBins::record_source_term(gpu::Commands& commands, const State& state, bool measure) {
   if (!cleared_) commands.fill(sums_);
   cleared_ = true;
-  commands.dispatch(look ? looking_force_ : source_term_,
+  commands.dispatch(measure ? measuring_source_term_ : source_term_,
                     {.terms = state.terms,
                      .wanted = wanted_,
                      .mean = state.means,
                      .correction = state.correction,
-                     .force = state.force,
+                     .source_term = state.source_term,
                      .sums = sums_},
                     {.size = cells_}, line_of(pack4_count(cells_)));
-  if (look)
+  if (measure)
     commands.dispatch(total_, {.sums = sums_, .total = binding_},
                       {.count = static_cast<uint32_t>(sums_->count())}, {});
 }

@@ -11,30 +11,29 @@
 
 namespace inverse {
 
-/// The non-local term: cells of equal chroma, anywhere in the frame, pull each other towards equal
-/// reflectance. Means of r = m' - s' over a grid of chroma (bins.glsl;
-/// docs/reference/methods/intrinsicdecomp.md, 4), in fixed point and so the same bits in every run.
+/// The non-local term: draws cells of equal chroma, anywhere in the frame, to equal reflectance, by
+/// means of r = m' - s' over a grid of chroma (bins.glsl;
+/// docs/reference/methods/intrinsicdecomp.md, 4). In fixed point: equal bits in every run.
 class ChromaBins {
  public:
   /// `cells` is the size of guide level 2.
   ChromaBins(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
-  /// Records the bins' weights, which stay the same for a frame. `most_weight` bounds the g in
-  /// `terms`; where it is 0, the frame has no bins.
+  /// Records the weights of the bins, which are constant for a frame. `most_weight` bounds the g in
+  /// `terms`; if it is 0, the frame has no bins.
   void record_weights(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& terms,
                       float most_weight);
-  /// The solution that the means are taken at, and where the right-hand side goes that follows from
-  /// them.
+  /// Buffers of the solution that the means are taken of, and of the right-hand side that follows.
   struct State {
-    gpu::BufferPtr terms, means, correction, far, system, force;
+    gpu::BufferPtr terms, means, correction, far, system, source_term;
   };
   /// Records the means and the right-hand side for a correction.
   void record(gpu::Commands& commands, const Guide& guide, const State& state) const;
-  /// Records the force that is left after it, and with `look` what `binding` tells.
-  void record_force(gpu::Commands& commands, const State& state, bool look = false);
-  /// One vec4, of the last look: sum of v (F / v)^2 and sum of v over the cells, F the force of the
-  /// bins and v the weight of the value prior. The root of their ratio bounds how much cell means
-  /// of log shading, rms weighted by v, change without bins
+  /// Records the source term after a correction, and with `measure` measures `binding`.
+  void record_source_term(gpu::Commands& commands, const State& state, bool measure = false);
+  /// One vec4, of the last measurement: sum of v (F / v)^2 and sum of v over the cells, F the
+  /// source term of the bins and v the weight of the value prior. The root of their ratio bounds
+  /// the effect of the bins on cell means of log shading, rms weighted by v
   /// (docs/reference/methods/intrinsicdecomp.md, 4).
   const gpu::BufferPtr& binding() const { return binding_; }
 
@@ -48,7 +47,7 @@ class ChromaBins {
   gpu::Program<shaders::intrinsic_chroma_bin_splat> weigh_, splat_;
   gpu::Program<shaders::intrinsic_chroma_bin_means> mean_;
   gpu::Program<shaders::intrinsic_chroma_bin_slice> slice_, pull_;
-  gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, looking_force_;
+  gpu::Program<shaders::intrinsic_chroma_source_term> source_term_, measuring_source_term_;
   gpu::Program<shaders::solve_total> total_;
   gpu::BufferPtr weights_, totals_, means_, wanted_, sums_, binding_;
   bool cleared_ = false;  // the sums' unused slots

@@ -4,15 +4,15 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 
-// With how much force the cells' terms pull at s' as it stands after a correction: wanted - screen (s' + correction). The
-// finer levels relax against it. With kLook also sums up how hard the chroma bins pull, F = g (m' - r_bin - s'): without them
-// s' would change by less than F / v, in the mean over cells weighted by v. One pack of cells an invocation.
-layout(constant_id = 1) const bool kLook = false;
+// The source term of the cells at s' after a correction: target - screen (s' + correction). The finer levels relax against it.
+// With kMeasure also sums the squared source term of the chroma bins, F = g (m' - r_bin - s'): without bins s' would change by less
+// than F / v, in the mean over cells weighted by v. One pack of cells an invocation.
+layout(constant_id = 1) const bool kMeasure = false;
 PLANE_IN(0, terms);
 PLANE_IN(1, wanted);
 PLANE_IN(2, mean);
 PLANE_IN(3, correction);
-PLANE_OUT(4, force);
+PLANE_OUT(4, source_term);
 PLANE_OUT(5, sums);  // of v (F / v)^2, v, -, -
 layout(push_constant) uniform Push { uvec2 size; } push;  // of level 2
 
@@ -23,12 +23,12 @@ void main() {
     int at = int(position.y * QUADS(push.size.x) + position.x);
     bvec4 inside = INSIDE(position.x, push.size.x);
     vec4 s = FETCH(mean, at) + FETCH(correction, at), want = FETCH(wanted, at), screen = FETCH(terms, TERMS_STRIDE * at + TERMS_SCREEN);
-    STORE(force, FORCE_STRIDE * uint(at) + FORCE_PULL, MASKED(want - screen * s, inside));
-    if (kLook) {
+    STORE(source_term, SOURCE_STRIDE * uint(at) + SOURCE_VALUE, MASKED(want - screen * s, inside));
+    if (kMeasure) {
       vec4 g = FETCH(terms, TERMS_STRIDE * at + TERMS_CHROMA), v = MASKED(max(screen - g, 1e-6 * screen), inside);
-      vec4 pull = MASKED(want - FETCH(terms, TERMS_STRIDE * at + TERMS_PULL) - g * s, inside);
-      binding = vec2(dot(pull, pull / max(v, 1e-20)), dot(v, vec4(1.0)));
+      vec4 data = MASKED(want - FETCH(terms, TERMS_STRIDE * at + TERMS_DATA) - g * s, inside);
+      binding = vec2(dot(data, data / max(v, 1e-20)), dot(v, vec4(1.0)));
     }
   }
-  if (kLook) SUM_PARTIALS(sums, vec4(binding, 0.0, 0.0));
+  if (kMeasure) SUM_PARTIALS(sums, vec4(binding, 0.0, 0.0));
 }

@@ -6,14 +6,14 @@
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/temporal/temporal.glsl"
 
-// The pixels' right-hand side, from the edges' flux and, with kAnchored, the frame before; and where the solve starts: at
-// max_c i, shifted to the start of the pixels' cell, or as far as the frame before may be believed at its reflectance. One pack
-// an invocation.
+// Right-hand side of the pixels, from the flux of the edges and, with kAnchored, from the frame before; and the initial solution:
+// max_c i shifted to the initial value of the pixels' cell, or, as far as the gate is open, the reflectance of the frame before.
+// One pack an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, flux);
 PLANE_IN(1, start);    // of cells (cell_terms.comp)
 PLANE_IN(2, level0);
-PLANE_IN(3, force);         // of cells, with their anchors
+PLANE_IN(3, source_term);         // of cells, with their anchors
 PLANE_IN(4, memory);        // the last frame's
 PLANE_IN(5, last_shading);  // its solution
 PLANE_OUT(6, system);       // of stride 3
@@ -44,7 +44,7 @@ void main() {
   bvec4 inside = INSIDE(position.x, push.size.x);
   if (kAnchored) {
     float gate = FETCH(start, START_STRIDE * cells + START_GATE)[position.x & 3u];
-    float anchor = FETCH(force, FORCE_STRIDE * cells + FORCE_ANCHOR)[position.x & 3u];
+    float anchor = FETCH(source_term, SOURCE_STRIDE * cells + SOURCE_ANCHOR)[position.x & 3u];
     vec4 before = m - FETCH(memory, MEMORY_STRIDE * at + MEMORY_MEAN) + FETCH(last_shading, at);
     sum += MASKED(anchor * before, inside);
     s += gate * (before - s);

@@ -6,8 +6,8 @@
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/temporal/temporal.glsl"
 
-// Makes a frame's layers, which another resolution has found, what the frame before left: the same frame will be solved
-// again and finds that nothing has changed but how far its solution has come. One pack of cells an invocation.
+// Turns a frame's layers, found at another resolution, into the history of the frame before: the same frame is then solved again
+// from it. One pack of cells an invocation.
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // R.rgb, S
 PLANE_IN(2, cells);
@@ -19,10 +19,10 @@ PLANE_OUT(7, shading);
 PLANE_OUT(8, kept);
 PLANE_OUT(9, means);       // of the cells ...
 PLANE_OUT(10, correction);  // ... with nothing yet to be added
-PLANE_OUT(11, force);      // none: what it balanced was another system's
+PLANE_OUT(11, source_term);      // 0: the old source term belongs to another system
 layout(push_constant) uniform Push { uvec2 size; } push;
 
-const float kLeastShading = 1e-20;
+const float kMinShading = 1e-20;
 
 void main() {
   uvec2 cell_size = ((push.size + 1u) / 2u + 1u) / 2u;
@@ -43,7 +43,7 @@ void main() {
         int pixel = int(y * push.size.x + first.x + min(x, count.x - 1u));
         vec3 rgb = sanitize(FETCH(frame, pixel).rgb);
         m = vec4(m.yzw, FETCH(level0, pixel).x);
-        s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kLeastShading)) + log_scale);
+        s = vec4(s.yzw, log(max(FETCH(intrinsic, pixel).w, kMinShading)) + log_scale);
         bright = vec4(bright.yzw, log((rgb.r + rgb.g + rgb.b) / 3.0 + kIntensityFloor));
       }
       uint pack = y * packs + cell.x;
@@ -59,5 +59,5 @@ void main() {
   uint to = position.y * cell_packs + position.x;
   STORE(means, to, mean);
   STORE(correction, to, vec4(0.0));
-  STORE(force, FORCE_STRIDE * to + FORCE_PULL, vec4(0.0));
+  STORE(source_term, SOURCE_STRIDE * to + SOURCE_VALUE, vec4(0.0));
 }

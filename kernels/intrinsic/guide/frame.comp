@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Adds the partial sums up and turns them into the frame's statistics. One workgroup.
-//   statistics[0] = mean log intensity, -, -, -       statistics[1] = sigma0 … sigma3 (what kind of frame this is)
+// Reduces the partial sums to the statistics of the frame. One workgroup.
+//   statistics[0] = mean log intensity, -, -, -       statistics[1] = sigma0 … sigma3 (of the prior's cues)
 PLANE_IN(0, intensity_sums);
 PLANE_IN(1, chromatic_sums);
 PLANE_IN(2, plain_sums);

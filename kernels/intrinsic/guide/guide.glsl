@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Planes that say what a frame looks like. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01),
-// m = mean_c i, u = max_c i - m, c0 = √3/2 (k_R - k_G), c1 = (k_R + k_G) / 2 - k_B: axes of one scale, so that
-// a distance of chroma is the same whatever the channels are called. Level 0 is a pixel a vec4, levels above
-// hold means of 2 x 2 cells (at an odd border the last row or column counts twice). Level 2, the cells, has a second vec4 a cell:
-// the mean activity |dm| and |dc| of the pixels' steps to their four neighbors, each step half with either end.
+// The guide: planes of local cues. A guide cell is (m, c0, c1, u): with i = ln(I + 0.002) and k = ln(I + 0.01), m = mean_c i,
+// u = max_c i - m, c0 = √3/2 (k_R - k_G), c1 = (k_R + k_G) / 2 - k_B: axes of equal scale, so that a distance of chroma does not
+// depend on the order of channels. Level 0 is one vec4 per pixel; levels above hold means of 2 x 2 cells (at an odd border the
+// last row or column counts twice). Level 2, the cells, has a second vec4 per cell: the mean activity |dm| and |dc| of the pixels'
+// steps to their four neighbors, each step half with either end.
 const float kIntensityFloor = 2e-3;
 const float kChromaFloor = 1e-2;
-const float kMostLight = 1e4;
+const float kMaxLight = 1e4;
 #define CELL_STRIDE 2
 
-// Linear light as the method takes it: NaN and negative values count as 0, +Inf (a broken sample) as 1.
+// Input of the method: NaN and negative values count as 0, +Inf (a broken sample) as 1.
 vec3 sanitize(vec3 rgb) {
-  return mix(vec3(0.0), mix(min(rgb, kMostLight), vec3(1.0), isinf(rgb)), greaterThan(rgb, vec3(0.0)));
+  return mix(vec3(0.0), mix(min(rgb, kMaxLight), vec3(1.0), isinf(rgb)), greaterThan(rgb, vec3(0.0)));
 }
 
 vec4 guide_of(vec3 rgb) {

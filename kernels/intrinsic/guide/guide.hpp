@@ -12,14 +12,14 @@
 
 namespace inverse {
 
-/// What a frame looks like to a prior (guide.glsl; docs/reference/methods/intrinsicdecomp.md, 1),
-/// made from linear RGB.
+/// The local cues of a frame that a prior reads (guide.glsl;
+/// docs/reference/methods/intrinsicdecomp.md, 1), from linear RGB.
 class Guide {
  public:
-  /// Throws Error(limit) where the planes do not fit the device.
+  /// Throws Error(limit) if the planes do not fit the device.
   Guide(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records its making from a frame; of the tiles `listed` alone where that is not null, and the
-  /// frame's statistics from these and what was there.
+  /// Records the guide of a frame. If `listed` is not null, only of its tiles; statistics of the
+  /// frame are then of these and of the old others.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame,
               const TileList* listed = nullptr);
 

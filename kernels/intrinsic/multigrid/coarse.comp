@@ -5,9 +5,9 @@
 #include "intrinsic/energy/energy.glsl"
 #include "relax.glsl"
 
-// The coarse end of the multigrid in one dispatch of one workgroup: all levels from the first to a single pixel lie one
-// after another in the same two buffers. With kSetup their operators, once a frame (as coarsen.comp); else a V-cycle, with
-// single packs as blocks. Reads what it wrote itself, and so uses storage buffers.
+// The coarse levels of the multigrid in one dispatch of one workgroup: all levels, down to a single pixel, are consecutive in two
+// buffers. With kSetup computes their operators, once a frame (as coarsen.comp); else a V-cycle, with single packs as blocks.
+// Reads its own output, and so uses storage buffers.
 layout(constant_id = 1) const bool kSetup = false;
 layout(set = 0, binding = 0, std430) coherent restrict buffer system_block { vec4 system_data[]; };
 layout(set = 0, binding = 1, std430) coherent restrict buffer field_block { vec4 field_data[]; };
@@ -79,7 +79,7 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
   }
   if (kSetup) {
     uint first = base + 2u * y * packs + 2u * x;
-    float next = 0.0;  // what holds the aggregate after this pack together
+    float next = 0.0;  // stiffness within the aggregate after this pack
     if (2u * x + 2u < packs) {
       next = SYSTEM(first + 2u, SYSTEM_RIGHT).x;
       if (2u * y + 1u < size.y) next += SYSTEM(first + packs + 2u, SYSTEM_RIGHT).x;
@@ -103,7 +103,7 @@ void aggregate(uint base, uvec2 size, uint x, uint y, uint to) {
 }
 
 void main() {
-  // Down to the single pixel and up again; every operation stands here once, so that it is compiled once.
+  // Down to the single pixel and up again. Every operation is written once, so that it is compiled once.
   uint level = 0u;
   for (bool up = false;;) {
     uvec2 size = push.size;

@@ -13,7 +13,7 @@ layout(constant_id = 1) const int kStride = 4;        // of the fine system
 layout(constant_id = 2) const int kCoarseStride = 4;
 layout(constant_id = 3) const bool kTerms = false;
 PLANE_IN(0, system);
-PLANE_IN(1, force);  // of packs of cells
+PLANE_IN(1, source_term);  // of packs of cells
 PLANE_OUT(2, coarse_system);
 #define TILE_CONSTANT 4
 #define TILE_BINDING 3
@@ -22,7 +22,7 @@ layout(push_constant) uniform Push {
   uvec2 size;  // of the fine level
   uvec2 finest;  // size of level 0
   float scale;
-  float mass;  // of every fine pixel where there is no plane of masses
+  float mass;  // of every fine pixel, if there is no plane of masses
 } push;
 
 #define PAIRS(a, b) vec4((a).x + (a).y, (a).z + (a).w, (b).x + (b).y, (b).z + (b).w)
@@ -67,7 +67,7 @@ void main() {
       ivec2 size = ivec2(push.finest);
       ivec4 pixels = clamp(ivec4(size.x - 16 * int(position.x)) - ivec4(0, 4, 8, 12), 0, 4) *
                      clamp(size.y - 4 * int(position.y), 0, 4);
-      mass += FETCH(force, FORCE_STRIDE * int(to) + FORCE_SCREEN) + vec4(pixels) * FETCH(force, FORCE_STRIDE * int(to) + FORCE_ANCHOR);
+      mass += FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_SCREEN) + vec4(pixels) * FETCH(source_term, SOURCE_STRIDE * int(to) + SOURCE_ANCHOR);
     }
     STORE(coarse_system, uint(kCoarseStride) * to + SYSTEM_MASS, MASKED(mass, INSIDE(position.x, half_size.x)));
   }

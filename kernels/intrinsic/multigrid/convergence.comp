@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "gpu/workgroup_sum.glsl"
 
-// One workgroup: how far the solve has come after a cycle.
-//   progress[0] = mean square change by the last cycle, 1 where another one is worth its time or 0, cycles so far, -
+// Convergence after a cycle. One workgroup.
+//   progress[0] = mean square change by the last cycle, 1 if another cycle is needed or 0, cycles so far, -
 PLANE_IN(0, sums);  // partial sums of squares
 PLANE_INOUT(1, progress);
 layout(push_constant) uniform Push {

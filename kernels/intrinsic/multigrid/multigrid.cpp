@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint64_t kTogether = 300;  // packs up to which levels run in one dispatch: 40 x 30 pixels
 constexpr uint64_t kCoarseStride = 4;  // vec4 a pack of the system from level 2 on
-constexpr float kLeastMass = 1e-6F;    // keeps a frame of one pixel regular
+constexpr float kMinMass = 1e-6F;      // keeps a frame of one pixel regular
 constexpr size_t kCells = 2;           // the cells' level
 constexpr uint64_t kTilePacks = TileList::kTile / 4 * TileList::kTile;  // packs a tile
 
@@ -44,7 +44,7 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   const auto buffer = [&](uint64_t count) {
     return gpu::Buffer::create(device, gpu::Element::vec4, count);
   };
-  float mass = kLeastMass;
+  float mass = kMinMass;
   for (; levels_.size() < kCells || pack4_count(extent) > kTogether;
        extent = half_of(extent), ++depth_, mass *= 4)
     levels_.push_back({extent, buffer(pack4_count(extent) * stride_of(levels_.size())),
@@ -63,8 +63,8 @@ Multigrid::Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent)
   progress_ = gpu::Buffer::create(device, gpu::Element::vec4, 1);
   for (auto& start : starts_) start = buffer(pack4_count(levels_[0].extent));
   cell_means_ = buffer(pack4_count(levels_[kCells].extent));
-  cell_far_ = buffer(pack4_count(levels_[kCells].extent));
-  cell_force_ = buffer(pack4_count(levels_[kCells].extent) * kForceStride);
+  cell_residual_ = buffer(pack4_count(levels_[kCells].extent));
+  cell_source_term_ = buffer(pack4_count(levels_[kCells].extent) * kForceStride);
 }
 
 void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed) const {
@@ -77,7 +77,7 @@ void Multigrid::smooth(gpu::Commands& commands, size_t i, const TileList* listed
                                           {.system = level.system,
                                            .now = level.field,
                                            .coarse = level.field,
-                                           .force = cell_force_,
+                                           .source_term = cell_source_term_,
                                            .improved = gpu::aliased(level.field)},
                                           {.size = level.extent,
                                            .finest = levels_[0].extent,
@@ -97,7 +97,7 @@ void Multigrid::correct(gpu::Commands& commands, size_t i, const TileList* liste
                                            {.system = level.system,
                                             .now = level.field,
                                             .coarse = levels_[i + 1].field,
-                                            .force = cell_force_,
+                                            .source_term = cell_source_term_,
                                             .improved = gpu::aliased(level.field)},
                                            {.size = level.extent,
                                             .finest = levels_[0].extent,
@@ -115,8 +115,8 @@ void Multigrid::restrict_to(gpu::Commands& commands, size_t i, const TileList* l
       {.system = fine.system,
        .now = fine.field,
        .finer_means = gpu::aliased(half_means_),
-       .force = cell_force_,
-       .target = to_cells ? cell_far_ : coarse.system,
+       .source_term = cell_source_term_,
+       .target = to_cells ? cell_residual_ : coarse.system,
        .coarse = coarse.field,
        .means = i == 0 ? half_means_ : cell_means_},
       {.size = fine.extent,
@@ -133,7 +133,7 @@ void Multigrid::record_operators(gpu::Commands& commands, const Params& params,
     const Level &fine = levels_[i], &coarse = levels_[i + 1];
     coarsen_[std::min(i, kCells)].dispatch(
         commands, i < kCells ? listed : nullptr,
-        {.system = fine.system, .force = cell_force_, .coarse_system = coarse.system},
+        {.system = fine.system, .source_term = cell_source_term_, .coarse_system = coarse.system},
         {.size = fine.extent,
          .finest = levels_[0].extent,
          .scale = params.scale,
@@ -167,7 +167,7 @@ void Multigrid::extrapolate(gpu::Commands& commands, float slowest, uint32_t k,
   const float ratio = slowest / (2 - slowest);
   float w = 1;
   for (uint32_t i = 0; i < k; ++i) w = 1 / (1 - ratio * ratio * w * (i == 0 ? 0.5F : 0.25F));
-  // How many slots a list of tiles fills is known on the device alone.
+  // Only the device knows how many slots a list of tiles fills.
   if (!cleared_ || (listed && progress.measured)) commands.fill(sums_);
   cleared_ = true;
   const Extent extent = levels_[0].extent;

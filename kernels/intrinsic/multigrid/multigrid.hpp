@@ -23,63 +23,61 @@ namespace inverse {
 class Multigrid {
  public:
   struct Params {
-    /// Least share that a coarse edge keeps of the edges that it stands for, 0.5…1. All of them (1)
-    /// bind aggregates twice as strongly as the smooth functions that they stand for; 0.5 is right
-    /// for equal weights, more is slower and safer where weights jump.
+    /// Min weight of a coarse edge, as a share of the sum of its fine edges, 0.5…1. 1 binds
+    /// aggregates twice as strongly as smooth functions do; 0.5 is right for equal weights; more is
+    /// slower, and safer if weights jump.
     float scale = 0.6F;
     /// Cycles over level 2 and coarser within every cycle, 1…8; the cells' right-hand side is
     /// renewed before each.
     uint32_t cell_cycles = 2;
-    /// Consecutive cycles are combined so that errors of which a cycle leaves between nothing and
-    /// this share shrink fastest (Chebyshev), 0…0.7; 0 takes cycles as they are. From 0.8 on it
-    /// diverges on some frames, because the chroma bins lag behind.
+    /// Consecutive cycles are combined so that errors of which a cycle leaves between 0 and this
+    /// share shrink fastest (Chebyshev), 0…0.7; 0: not combined. From 0.8 on it diverges on some
+    /// frames, because the chroma bins lag behind.
     float slowest = 0.5F;
     bool operator==(const Params&) const = default;
   };
   /// How much of the work of a frame's cycles is done.
   struct Progress {
-    bool measured = false;  ///< this cycle sums up what it changed
-    bool conditional =
-        false;          ///< left out where the one before was measured and is the last one needed
-    float settled = 0;  ///< rms change by a cycle, log units, that no further one need follow
+    bool measured = false;     ///< the change by this cycle is summed
+    bool conditional = false;  ///< skipped if the measured cycle before was the last one needed
+    float settled = 0;         ///< rms change by a cycle, log units, below which no other is needed
   };
   static constexpr uint64_t kFineStride = 3;  ///< vec4 a pack of the system on levels 0 and 1
   static constexpr uint64_t kForceStride =
-      shaders::intrinsic_multigrid_smooth::FORCE_STRIDE;  ///< vec4 a pack of cells of `cell_force`
+      shaders::intrinsic_multigrid_smooth::SOURCE_STRIDE;  ///< vec4 a pack of cells of
+                                                           ///< `cell_source_term`
   static constexpr uint64_t kTermsStride =
       shaders::intrinsic_multigrid_smooth::TERMS_STRIDE;  ///< vec4 a pack of cells of `terms`
 
-  /// Throws Error(limit) where a level does not fit the device.
+  /// Throws Error(limit) if a level does not fit the device.
   Multigrid(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
   /// Pixels: edges' weights to the right and down and the right-hand side, three vec4 a pack.
   const gpu::BufferPtr& system() const { return levels_[0].system; }
   /// The unknown, one vec4 a pack; cycles improve it in place.
   const gpu::BufferPtr& field() const { return levels_[0].field; }
-  /// The force with which the cells' terms pull at the pixels, their screen, and a mass of each of
-  /// their pixels, three vec4 a pack of cells; set before the operators are made, and the force
-  /// renewed by every cycle's `after`.
-  const gpu::BufferPtr& cell_force() const { return cell_force_; }
-  /// Cells, during a cycle: the mean of the unknown, its correction so far, what the finer levels
-  /// left of the right-hand side; and the system whose right-hand side (slot 2 of four) the caller
-  /// writes.
+  /// The source_term with which the cells' terms data at the pixels, their screen, and a mass of
+  /// each of their pixels, three vec4 a pack of cells; set before the operators are made, and the
+  /// source_term renewed by every cycle's `after`.
+  const gpu::BufferPtr& cell_source_term() const { return cell_source_term_; }
+  /// Cells, during a cycle: the mean of the unknown, its correction so far, the residual of the
+  /// finer levels; and the system, whose right-hand side (slot 2 of four) the caller writes.
   const gpu::BufferPtr& cell_means() const { return cell_means_; }
   const gpu::BufferPtr& cell_correction() const { return levels_[2].field; }
-  const gpu::BufferPtr& cell_far() const { return cell_far_; }
+  const gpu::BufferPtr& cell_residual() const { return cell_residual_; }
   const gpu::BufferPtr& cell_system() const { return levels_[2].system; }
 
-  /// Everything of a frame is recorded for the tiles `listed` alone where that is not null: on
-  /// levels 0 and 1. Levels from the cells' on are always solved as a whole; of other tiles they
-  /// take what `record_residual` last found, and corrections do not reach these.
+  /// With `listed` not null, levels 0 and 1 of a frame are recorded for its tiles only. Levels from
+  /// the cells on are always solved as a whole: for other tiles they use the last residual of
+  /// `record_residual`, and corrections do not reach these tiles.
   ///
-  /// Records the coarse operators, once a frame, from `system` and `cell_force`.
+  /// Records the coarse operators, once a frame, from `system` and `cell_source_term`.
   void record_operators(gpu::Commands& commands, const Params& params,
                         const TileList* listed = nullptr) const;
-  /// Records what pixels, as they stand, leave to the cells of the right-hand side: for those which
-  /// the next cycles do not list.
+  /// Records the residual of pixels for cells whose tiles the next cycles do not list.
   void record_residual(gpu::Commands& commands, const TileList* listed) const;
   /// Records cycle number `k` of a frame, from 0; `before` records the cells' right-hand side,
-  /// `after` their force after the last correction.
+  /// `after` their source_term after the last correction.
   void record_cycle(gpu::Commands& commands, const Params& params, uint32_t k,
                     const Progress& progress, const std::function<void()>& before,
                     const std::function<void()>& after, const TileList* listed = nullptr);
@@ -93,7 +91,7 @@ class Multigrid {
   struct Level {
     Extent extent;
     gpu::BufferPtr system, field;
-    float mass;  // of every pixel, where the system has no plane of masses
+    float mass;  // of every pixel, if the system has no plane of masses
   };
   void smooth(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
   void correct(gpu::Commands& commands, size_t level, const TileList* listed = nullptr) const;
@@ -102,7 +100,7 @@ class Multigrid {
                    const TileList* listed);
   void cell_cycle(gpu::Commands& commands, const Params& params) const;
 
-  std::vector<Level> levels_;  // the last one holds all that run in one dispatch
+  std::vector<Level> levels_;  // the last one stands for all that run in one dispatch
   uint32_t depth_ = 1;
   // On levels 0, 1, further down; and between levels 0-1, 1-2, further down.
   TileProgram<shaders::intrinsic_multigrid_smooth> smooth_[3], correct_[3];
@@ -115,7 +113,7 @@ class Multigrid {
   gpu::BufferPtr starts_[2];  // of this cycle and the one before
   gpu::BufferPtr sums_, progress_;
   bool cleared_ = false;
-  gpu::BufferPtr half_means_, cell_means_, cell_far_, cell_force_;
+  gpu::BufferPtr half_means_, cell_means_, cell_residual_, cell_source_term_;
 };
 
 }  // namespace inverse

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the multigrid kernels share: the edges of coarse levels and the exact solve of one pack.
+// Shared by the multigrid kernels: the edges of coarse levels and the exact solve of one pack.
 
 // Solves the tridiagonal system of a pack's four pixels: diagonal d, couplings w.x, w.y, w.z between neighbors (w.w to
-// the next pack is in f already), right-hand side f. Pixels without equation (d = 0: padding) come out as 0. What little
-// holds a pack against edges millions of times as strong is lost to rounding in d: pivots keep as much as d is exact to.
+// the next pack is in f already), right-hand side f. Pixels without equation (d = 0: padding) give 0. A mass millions of times
+// smaller than the edges is lost to rounding in d: pivots are bounded from below by the rounding error of d.
 vec4 solve_pack(vec4 d, vec4 w, vec4 f) {
   d = max(d, vec4(1e-20));
   vec4 least = 2.4e-7 * d;
@@ -18,10 +18,10 @@ vec4 solve_pack(vec4 d, vec4 w, vec4 f) {
   return vec4(y0 + g0 * s1, s1, s2, s3);
 }
 
-// Edges between aggregates of 2 x 2: the sums `crossing` of the edges over their border, in series with half of what holds
-// either aggregate together in the same direction, `before` and `after`; at least the share `least` of the sum. Weak edges
-// between strong ones so keep all of their weight: with less, the correction of a patch would overshoot, the more the
-// larger the patch. A single pixel needs nothing to hold it together.
+// Edges between aggregates of 2 x 2: the sums `crossing` of the edges over their border, in series with half of the stiffness
+// inside either aggregate in the same direction, `before` and `after`; at least the share `least` of the sum. Weak edges
+// between strong ones thus keep their weight: with less, the correction of a patch would overshoot, the more the larger the
+// patch. A single pixel has no inner stiffness.
 vec4 in_series(vec4 crossing, vec4 before, vec4 after, bvec4 single, float least) {
   vec4 resistance = 1.0 / max(before, vec4(1e-20)) + mix(1.0 / max(after, vec4(1e-20)), vec4(0.0), single);
   return crossing * max(vec4(least), 1.0 / (1.0 + 0.5 * crossing * resistance));

@@ -4,14 +4,14 @@
 #include "gpu/common.glsl"
 #include "intrinsic/energy/energy.glsl"
 
-// To the next coarser level: every aggregate's right-hand side is the sum of its 2 x 2 residuals, its correction starts at
-// zero. On levels 0 and 1 (kMeans) also the aggregates' mean of s as it stands. One coarse pack an invocation.
+// Restriction: the right-hand side of every aggregate is the sum of its 2 x 2 residuals, its correction starts at zero. On
+// levels 0 and 1 (kMeans) also computes the aggregates' mean of the current s. One coarse pack an invocation.
 layout(constant_id = 1) const int kStride = 4;  // of the fine system
 layout(constant_id = 2) const int kMeans = 0;   // 0: none; 1: of `now`; 2: of finer means and `now`, its correction
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, finer_means);
-PLANE_IN(3, force);  // of packs of cells: their pixels' mass
+PLANE_IN(3, source_term);  // of packs of cells: their pixels' mass
 PLANE_OUT(4, target);
 PLANE_OUT(5, coarse);
 PLANE_OUT(6, means);
@@ -21,8 +21,8 @@ PLANE_OUT(6, means);
 layout(push_constant) uniform Push {
   uvec2 size;          // of the fine level
   uvec2 finest;  // size of level 0
-  float mass;          // of every fine pixel where there is no plane of masses
-  uint target_stride;  // where the right-hand side goes in `target`: vec4 a pack, and which of them
+  float mass;          // of every fine pixel, if there is no plane of masses
+  uint target_stride;  // of the right-hand side in `target`: vec4 per pack, and the index among them
   uint target_slot;
 } push;
 
@@ -30,15 +30,15 @@ layout(push_constant) uniform Push {
 
 int packs = int(QUADS(push.size.x));
 
-// The anchors' mass of pack x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that stands for one of level 0.
+// The anchors' mass of pack x, rows y and y + 1, on levels 0 and 1; on level 1 of a row that represents one row of level 0.
 vec4 anchors(int x, int y) {
   int cell_packs = int(QUADS((push.finest.x + 3u) / 4u));
-  if (kMeans == 1) return vec4(FETCH(force, FORCE_STRIDE * ((y / 4) * cell_packs + x / 4) + FORCE_ANCHOR)[x & 3]);
-  vec4 four = FETCH(force, FORCE_STRIDE * ((y / 2) * cell_packs + x / 2) + FORCE_ANCHOR);
+  if (kMeans == 1) return vec4(FETCH(source_term, SOURCE_STRIDE * ((y / 4) * cell_packs + x / 4) + SOURCE_ANCHOR)[x & 3]);
+  vec4 four = FETCH(source_term, SOURCE_STRIDE * ((y / 2) * cell_packs + x / 2) + SOURCE_ANCHOR);
   vec4 counts = vec4(clamp(ivec4(int(push.finest.x) - 8 * x) - ivec4(0, 2, 4, 6), 0, 2));
   return counts * ((x & 1) == 0 ? four.xxyy : four.zzww);
 }
-// How many rows of level 0 a row stands for, as far as `anchors` left it out.
+// Number of rows of level 0 that a row represents, if `anchors` does not include it.
 float rows_of(int y) { return kMeans == 1 ? 1.0 : float(clamp(int(push.finest.y) - 2 * y, 0, 2)); }
 
 void main() {
@@ -54,7 +54,7 @@ void main() {
     int at = top * packs + x, above = top > 0 ? at - packs : at, low = top + 1 < int(push.size.y) ? at + packs : at;
     int left = x > 0 ? -1 : 0, right = x + 1 < packs ? 1 : 0;
     vec4 u = FETCH(now, at), under = FETCH(now, low);
-    // What comes over the edge above a row, and leaves over the edge below it.
+    // Flow over the edge above a row, and over the edge below it.
     vec4 fall = (top > 0 ? 1.0 : 0.0) * FETCH(system, kStride * above + SYSTEM_DOWN) * (FETCH(now, above) - u);
     vec4 anchor = kStride > 3 ? vec4(0.0) : anchors(x, top);
     vec4 total = vec4(0.0), s = vec4(0.0);

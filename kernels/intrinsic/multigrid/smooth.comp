@@ -7,22 +7,22 @@
 #include "relax.glsl"
 
 // Half a block Gauss-Seidel pass, in place: the grid is a checkerboard of blocks of 4 x 4 pixels, and a pass over each
-// color makes one step. An invocation improves one block with its surroundings fixed: rows are solved exactly, downwards
+// color makes one step. An invocation updates one block with fixed surroundings: rows are solved exactly, downwards
 // and back upwards. Invocations read and write disjoint blocks, so their order does not matter.
 //
-// With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates, to the
-// block and to what it reads around it where push.around says that those blocks have not been corrected yet.
+// With kCorrect, the first pass after a coarser level: adds the correction of that level's 2 x 2 aggregates to the block, and to
+// its neighbors if push.around says that those are not corrected yet.
 //
-// On levels 0 and 1 the cells pull at their mean with a force (source_term.comp), which their pixels share. So that it gives way
-// as they do, a pixel feels it as if it were alone: screen (mean s)^2 <= screen mean(s^2), with equality where all agree.
-// A cell's pixels have the mass of its anchor.
+// On levels 0 and 1 the source term of a cell (source_term.comp) acts on its mean, so its pixels share it. A pixel is updated as if
+// it were alone, which bounds the change: screen (mean s)^2 <= screen mean(s^2), with equality if all pixels agree. A cell's
+// pixels have the mass of its anchor.
 layout(constant_id = 1) const int kStride = 4;  // of the system: 4, or 3 without a plane of masses
 layout(constant_id = 2) const bool kCorrect = false;
-layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no force
+layout(constant_id = 3) const int kCellPixels = 0;  // pixels of this level along a cell, 4 or 2, or 0: no source_term
 PLANE_IN(0, system);
 PLANE_IN(1, now);
 PLANE_IN(2, coarse);
-PLANE_IN(3, force);      // of packs of cells
+PLANE_IN(3, source_term);      // of packs of cells
 PLANE_OUT(4, improved);  // the same buffer as `now`
 #define TILE_CONSTANT 4
 #define TILE_BINDING 5
@@ -31,7 +31,7 @@ layout(push_constant) uniform Push {
   uvec2 size;
   uvec2 finest;  // size of level 0
   uint color;
-  float mass;    // of every pixel where there is no plane of masses
+  float mass;    // of every pixel, if there is no plane of masses
   float around;  // 1 or 0
 } push;
 
@@ -52,16 +52,16 @@ vec4 shares(int x, int y, int row) {
   return (rows == 2 ? 0.5 : 1.0) * (columns == 4 ? vec4(0.5) : columns == 3 ? vec4(0.5, 0.5, 1.0, 0.0) :
                                     columns == 2 ? vec4(0.5, 0.5, 0.0, 0.0) : vec4(1.0, 0.0, 0.0, 0.0));
 }
-// How many pixels of level 0 those of row y of pack x stand for.
+// Number of pixels of level 0 that those of row y of pack x represent.
 vec4 counts(int x, int y) {
   if (kCellPixels == 4) return vec4(1.0);
   ivec2 size = ivec2(push.finest);
   return vec4(clamp(ivec4(size.x - 8 * x) - ivec4(0, 2, 4, 6), 0, 2) * clamp(size.y - 2 * y, 0, 2));
 }
-// What (slot) of the cells reaches the pixels of row y of pack x.
+// A slot of the cells, at the pixels of row y of pack x.
 vec4 of_cells(int x, int y, int slot) {
   int cell = 4 * x / kCellPixels, columns = (push_size.x + kCellPixels - 1) / kCellPixels;
-  vec4 four = FETCH(force, FORCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
+  vec4 four = FETCH(source_term, SOURCE_STRIDE * ((y / kCellPixels) * int(QUADS(uint(columns))) + cell / 4) + slot);
   return kCellPixels == 4 ? vec4(four[cell & 3]) : (cell & 2) == 0 ? four.xxyy : four.zzww;
 }
 
@@ -78,7 +78,7 @@ void main() {
   vec4 above = FETCH(now, top * packs + x) + push.around * lifted(x, top);
   int bottom = min(first + 4, last.y);
   vec4 below = FETCH(now, bottom * packs + x) + push.around * lifted(x, bottom);
-  vec4 lift, lift_before, lift_next, pull, screen_of_cell, anchor;  // of two rows, or of all where cells have four
+  vec4 lift, lift_before, lift_next, data, screen_of_cell, anchor;  // of two rows, or of all if cells have four
   fall[0] = (first > 0 ? 1.0 : 0.0) * FETCH(system, kStride * (top * packs + x) + SYSTEM_DOWN);
   [[unroll]] for (int k = 0; k < 4; ++k) {
     int y = min(first + k, last.y), at = kStride * (y * packs + x);  // rows below the frame repeat the last, unused
@@ -88,9 +88,9 @@ void main() {
       lift_next = push.around * lifted(next, y);
     }
     if (kCellPixels > 0 && (k == 0 || (k == 2 && kCellPixels == 2))) {
-      pull = of_cells(x, y, FORCE_PULL);
-      screen_of_cell = of_cells(x, y, FORCE_SCREEN);
-      anchor = of_cells(x, y, FORCE_ANCHOR);
+      data = of_cells(x, y, SOURCE_VALUE);
+      screen_of_cell = of_cells(x, y, SOURCE_SCREEN);
+      anchor = of_cells(x, y, SOURCE_ANCHOR);
     }
     u[k] = FETCH(now, y * packs + x) + lift;
     right[k] = FETCH(system, at + SYSTEM_RIGHT);
@@ -102,7 +102,7 @@ void main() {
     if (kCellPixels > 0) {
       vec4 share = shares(x, first + k, kCellPixels == 4 ? k : k % 2), screen = share * screen_of_cell;
       diagonal[k] += screen + counts(x, y) * anchor;
-      rhs[k] += share * pull + screen * u[k];
+      rhs[k] += share * data + screen * u[k];
     }
     rhs[k].x += left * (FETCH(now, y * packs + before).w + lift_before.w);
     rhs[k].w += right[k].w * (FETCH(now, y * packs + next).x + lift_next.x);

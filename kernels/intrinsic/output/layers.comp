@@ -6,10 +6,10 @@
 #include "intrinsic/guide/guide.glsl"
 #include "intrinsic/temporal/temporal.glsl"
 
-// The solution as layers in the output's scale c, S = e^s / c and R = I / S, and what the next frame wants to know of this
-// one. With kAnchored, reflectance first moves only part of the way from the frame before, so that the sensor's noise is
-// averaged over frames and stays in shading: as the cells say, interpolated between them, and less where a pixel changed
-// otherwise than its cell. One cell, 4 x 4 pixels, an invocation.
+// Writes the solution as layers in the output's scale c, S = e^s / c and R = I / S, and the history for the next frame. With
+// kAnchored, reflectance moves only part of the way from the frame before, so that sensor noise is averaged over frames and stays
+// in shading: by the share of the cells, interpolated between them, and less if a pixel changed otherwise than its cell. One cell,
+// 4 x 4 pixels, an invocation.
 layout(constant_id = 1) const bool kAnchored = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, cells);
@@ -28,13 +28,13 @@ PLANE_OUT(11, intrinsic);
 #include "image/tiles/tile_position.glsl"
 layout(push_constant) uniform Push {
   uvec2 size;
-  float texture;  // 1 / (difference between a pixel's change and its cell's that halves what stays)
+  float texture;  // 1 / (difference between the changes of a pixel and its cell that halves the kept share)
 } push;
 
 uint packs = QUADS(push.size.x);
 
 float hold_of(int x, int y) { return FETCH(start, START_STRIDE * (y * int(QUADS(packs)) + x / 4) + START_HOLD)[x & 3]; }
-// Of a row of cells: this one and those beside it.
+// The kept share of a row of cells: this one and those at its sides.
 vec3 holds_of(ivec2 cell, int y) {
   return vec3(hold_of(max(cell.x - 1, 0), y), hold_of(cell.x, y), hold_of(min(cell.x + 1, int(packs) - 1), y));
 }

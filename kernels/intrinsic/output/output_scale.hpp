@@ -9,14 +9,14 @@
 
 namespace inverse {
 
-/// The scale in which the layers of IntrinsicDecomposition go out: ScaleNormalization on its cells,
-/// with what a frame alone asks for from a quantile of max_c R.
+/// The scale of the layers of IntrinsicDecomposition: ScaleNormalization on its cells. The scale of
+/// a frame alone comes from a quantile of max_c R.
 class OutputScale {
  public:
   struct Params {
     /// Quantile of max_c R over the cells of a first frame, 0…1, that …
     float quantile = 0.98F;
-    /// … comes to this value, 0.05…1 (1 = the brightest that a display shows).
+    /// … is mapped to this value, 0.05…1 (1 = white of the display).
     float white_level = 0.9F;
     bool operator==(const Params&) const = default;
   };
@@ -25,7 +25,7 @@ class OutputScale {
   OutputScale(const std::shared_ptr<gpu::Device>& device, Extent cells);
 
   /// Records finding the scale for `shading`, the solution in packs of four. `decision` is
-  /// TemporalAnchor's verdict, which counts with History::decided. `frozen`: the scale stays.
+  /// TemporalAnchor's cut_decision, which counts with History::decided. `frozen`: the scale stays.
   void record(gpu::Commands& commands, const Guide& guide, const gpu::BufferPtr& shading,
               const gpu::BufferPtr& decision, History history, const Params& params,
               bool frozen = false);

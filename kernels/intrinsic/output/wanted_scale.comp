@@ -4,8 +4,7 @@
 #include "gpu/common.glsl"
 #include "intrinsic/output/brightness.glsl"
 
-// The scale that a frame alone asks for, from the mean around a quantile of the counts; and the counts back to zero. One
-// invocation.
+// The scale of a frame alone, from the mean around a quantile of the counts; and clears the counts. One invocation.
 //   wanted[0] = ln c less ln(white level), 1 or 0 if all of the frame is dark, -, -
 WORD_INOUT(0, counts);
 PLANE_OUT(1, wanted);
@@ -15,8 +14,8 @@ void main() {
   if (gl_GlobalInvocationID.x > 0u) return;
   uint total = 0u;
   for (uint i = 0u; i < kBrightnessBins; ++i) total += LOAD(counts, i);
-  // Ranks around the quantile, half of what lies above it wide on either side: a quantile alone jumps where it falls between
-  // two surfaces.
+  // Ranks around the quantile, to either side by half of the share above it: a quantile alone jumps if it falls between two
+  // surfaces.
   float center = push.quantile * float(total), reach = max(0.5 * (float(total) - center), 0.5);
   float low = clamp(center - reach, 0.0, max(float(total) - 0.5, 0.0)), high = min(center + reach, float(total));
   float below = 0.0, sum = 0.0;

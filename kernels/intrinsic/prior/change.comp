@@ -4,9 +4,9 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 
-// Flags the tiles whose edges have to be evaluated again: those where a cell of guide level 1, in the tile or up to two
-// cells around it, differs by more than the tolerance from what the edges were evaluated on; all of them where the frame's
-// statistics do, or where there are no edges yet (all = 1). One tile an invocation.
+// Flags the tiles whose edges have to be evaluated again: those with a cell of guide level 1, in the tile or up to two cells around
+// it, that differs by more than the tolerance from the saved one; all tiles if the frame's statistics differ so, or if no edges
+// are evaluated yet (all = 1). One tile an invocation.
 PLANE_IN(0, level1);
 PLANE_IN(1, kept);
 PLANE_IN(2, statistics);

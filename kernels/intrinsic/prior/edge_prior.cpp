@@ -77,7 +77,7 @@ void EdgePrior::record_changes(gpu::Commands& commands, const Guide& guide, cons
                                const Params& params, float tolerance) {
   Params edges = params;
   edges.chroma_weight =
-      known_params_.chroma_weight;  // and value_weight: of cells, made anew always
+      known_params_.chroma_weight;  // and value_weight: of cells, which are always evaluated
   edges.value_weight = known_params_.value_weight;
   const bool all = !known_ || known_params_ != edges || known_system_ != target.system;
   commands.dispatch(change_,

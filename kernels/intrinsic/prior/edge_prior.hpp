@@ -11,11 +11,10 @@
 
 namespace inverse {
 
-/// Decides edge by edge how much of a step is paint and how much is light, and cell by cell what
-/// pins the rest (energy.glsl: a, b, v, V, g). The solver knows nothing of how: whatever fills the
-/// same three buffers can take its place. This one evaluates two small fitted functions of local
-/// cues (docs/reference/methods/intrinsicdecomp.md, 2), and can leave alone the edges of tiles that
-/// have not changed.
+/// Weights every edge by how much of its step is reflectance or shading, and sets the value prior
+/// of every cell (energy.glsl: a, b, v, V, g), by two small fitted functions of local cues
+/// (docs/reference/methods/intrinsicdecomp.md, 2). Can reuse the edges of unchanged tiles. The
+/// solver only reads the three buffers of Target: another prior can replace this one.
 class EdgePrior {
  public:
   struct Params {
@@ -31,7 +30,7 @@ class EdgePrior {
     float chroma_weight = 1.0F;
     bool operator==(const Params&) const = default;
   };
-  /// Where the prior writes. Edges stay there from frame to frame.
+  /// Output buffers. Edges stay there from frame to frame.
   struct Target {
     gpu::BufferPtr system;  ///< three vec4 a pack; the first two are a + b to the right and down
     gpu::BufferPtr flux;    ///< two vec4 a pack: a (m_x - m_y) to the right and down
@@ -40,22 +39,22 @@ class EdgePrior {
   static constexpr uint64_t kFluxStride = shaders::intrinsic_prior_edges::FLUX_STRIDE,
                             kValueStride = shaders::intrinsic_prior_cell_values::VALUE_STRIDE;
   /// The largest g that it writes, for a chroma_weight of 1: e^3 a pixel, 16 pixels a cell.
-  static constexpr float kMostChroma = 16 * 20.0856F;
+  static constexpr float kMaxChroma = 16 * 20.0856F;
 
   EdgePrior(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records everything anew. `keep`: for a `record_changes` that follows.
+  /// Records all edges and values. `keep`: saves the guide for a later `record_changes`.
   void record(gpu::Commands& commands, const Guide& guide, const Target& target,
               const Params& params, bool keep = false);
-  /// As `record`, but keeps the edges of tiles of 16 x 16 pixels where the guide's 2 x 2 means are
-  /// within `tolerance` (log units) of those that the edges were evaluated on. The first time, and
-  /// after another target or other params, it does everything.
+  /// As `record`, but reuses the edges of tiles of 16 x 16 pixels whose 2 x 2 means of the guide
+  /// are within `tolerance` (log units) of the saved ones. Evaluates all the first time, and after
+  /// another target or other params.
   void record_changes(gpu::Commands& commands, const Guide& guide, const Target& target,
                       const Params& params, float tolerance);
-  /// Records the edges and values of listed tiles; the target has all the others already.
+  /// Records the edges and values of listed tiles only.
   void record_tiles(gpu::Commands& commands, const Guide& guide, const Target& target,
                     const Params& params, const TileList& listed) const;
-  /// Forgets what the edges were evaluated on.
+  /// Forgets the saved guide.
   void reset() { known_ = false; }
   /// How many tiles a frame has.
   uint32_t tiles() const { return changes_.tiles(); }

@@ -6,11 +6,11 @@
 #include "intrinsic/energy/energy.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// EdgePrior, pixels: from local cues of the guide, how much of every step is paint (a) and how much is light (b). An
-// invocation has a block of 4 x 4 pixels and their edges to the right or, with kDown, down. What edges share is evaluated
-// once: the surroundings on level 2 for up to twelve edges, those on level 1 for the two edges side by side in the same
-// cells, and along a row or column a pixel and a step serve the edges before and after. Only the two edges side by side are
-// unrolled, so that the function is compiled twice and not sixteen times.
+// EdgePrior, pixels: the weights of reflectance (a) and shading (b) of every edge, from local cues of the guide. An invocation
+// has a block of 4 x 4 pixels and their edges to the right or, with kDown, down. Common terms are evaluated once: the surroundings
+// on level 2 for up to twelve edges, those on level 1 for the two adjacent edges in the same cells, and along a row or column a
+// pixel and a step for the edges before and after. Only the two adjacent edges are unrolled, so that the function is compiled
+// twice and not sixteen times.
 layout(constant_id = 1) const bool kDown = false;
 PLANE_IN(0, level0);
 PLANE_IN(1, level1);
@@ -35,7 +35,7 @@ float value_step(vec4 step) { return 5.0 * clamp(abs(step.x + step.w) - abs(step
 
 ivec2 last = push.size - 1;
 
-// Level 0 at a place that may lie beyond the border.
+// Level 0, clamped to the border.
 vec4 pixel(ivec2 at) {
   at = clamp(at, ivec2(0), last);
   return FETCH(level0, at.y * push.size.x + at.x);

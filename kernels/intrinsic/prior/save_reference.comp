@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 
-// Keeps what the edges of listed tiles are evaluated on, and where all tiles are listed the frame's statistics. One cell of
+// Saves the guide that the edges of listed tiles are evaluated on, and if all tiles are listed the frame's statistics. One cell of
 // guide level 1 an invocation.
 PLANE_IN(0, level1);
 PLANE_IN(1, statistics);

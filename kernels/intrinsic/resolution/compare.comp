@@ -4,8 +4,8 @@
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// How far two decompositions of a frame are apart: sums over pixels of w, w d and w d^2, d the difference of log shading and w
-// the trust in the pixel, as what is dark shows neither reflectance nor shading. A strip of kRows pixels an invocation.
+// Distance of two decompositions of a frame: sums over pixels of w, w d and w d^2, d the difference of log shading and w the weight
+// of the pixel, low for dark ones, which show neither layer. A strip of kRows pixels an invocation.
 layout(constant_id = 1) const uint kRows = 8;
 PLANE_IN(0, frame);
 PLANE_IN(1, one);    // R.rgb, S
@@ -14,7 +14,7 @@ PLANE_OUT(3, sums);
 layout(push_constant) uniform Push { uvec2 size; } push;
 
 const float kLittleLight = 0.02;
-const float kLeastShading = 1e-20;
+const float kMinShading = 1e-20;
 
 void main() {
   uint x = gl_GlobalInvocationID.x % push.size.x, first = gl_GlobalInvocationID.x / push.size.x * kRows;
@@ -23,7 +23,7 @@ void main() {
     int at = int(y * push.size.x + x);
     vec3 rgb = sanitize(FETCH(frame, at).rgb);
     float light = (rgb.r + rgb.g + rgb.b) / 3.0, w = light / (light + kLittleLight);
-    float d = log(max(FETCH(one, at).w, kLeastShading) / max(FETCH(other, at).w, kLeastShading));
+    float d = log(max(FETCH(one, at).w, kMinShading) / max(FETCH(other, at).w, kMinShading));
     sum += w * vec3(1.0, d, d * d);
   }
   SUM_PARTIALS(sums, vec4(sum, 0.0));

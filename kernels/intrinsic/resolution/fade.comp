@@ -4,14 +4,14 @@
 #include "gpu/common.glsl"
 #include "intrinsic/guide/guide.glsl"
 
-// Leads from one solution's layers to another's over several frames, where the picture stays. With kStart keeps what lies
-// between the two, d = difference of log shading, and the frame's m; without it adds to a later frame's log shading
-//   share d / (1 + ((m - m_kept) / kStays)^2).
-// One pixel an invocation.
+// Fades from one solution's layers to another's over several frames. With kStart saves the difference d of log shading between
+// the two, and the frame's m; without it adds to a later frame's log shading
+//   share d / (1 + ((m - m_saved) / kStays)^2),
+// which vanishes at pixels that changed. One pixel an invocation.
 layout(constant_id = 1) const bool kStart = false;
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);   // R.rgb, S
-PLANE_IN(2, shown);       // with kStart: the same of what has been shown so far
+PLANE_IN(2, shown);       // with kStart: the same of the layers shown so far
 PLANE_INOUT(3, between);  // d, m, -, -
 PLANE_OUT(4, faded);      // R.rgb, S
 layout(push_constant) uniform Push {
@@ -20,15 +20,15 @@ layout(push_constant) uniform Push {
 } push;
 
 const float kStays = 0.2;  // as TemporalAnchor's hold_texture, log units
-const float kLeastShading = 1e-20;
+const float kMinShading = 1e-20;
 
 void main() {
   uint at = gl_GlobalInvocationID.x;
   if (at >= push.size.x * push.size.y) return;
   vec3 rgb = sanitize(FETCH(frame, int(at)).rgb);
-  float m = guide_of(rgb).x, s = log(max(FETCH(intrinsic, int(at)).w, kLeastShading));
+  float m = guide_of(rgb).x, s = log(max(FETCH(intrinsic, int(at)).w, kMinShading));
   if (kStart) {
-    STORE(between, at, vec4(log(max(FETCH(shown, int(at)).w, kLeastShading)) - s, m, 0.0, 0.0));
+    STORE(between, at, vec4(log(max(FETCH(shown, int(at)).w, kMinShading)) - s, m, 0.0, 0.0));
   } else {
     vec4 kept = LOAD(between, at);
     float off = (m - kept.y) / kStays;

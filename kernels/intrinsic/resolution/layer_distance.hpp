@@ -9,9 +9,9 @@
 
 namespace inverse {
 
-/// How far two decompositions of a frame are apart: root mean square of the difference of log
-/// shading, natural log units, one common factor removed, over pixels weighted by I / (I + 0.02),
-/// I the mean channel: what is dark shows neither layer (compare.comp).
+/// Distance of two decompositions of a frame: root mean square of the difference of log shading,
+/// natural log units, one common factor removed, over pixels weighted by I / (I + 0.02), I the mean
+/// channel, since dark pixels show neither layer (compare.comp).
 class LayerDistance {
  public:
   LayerDistance(const std::shared_ptr<gpu::Device>& device, Extent extent);
@@ -19,7 +19,7 @@ class LayerDistance {
   /// kFramesInFlight.
   void record(gpu::Commands& commands, const gpu::BufferPtr& frame, const gpu::BufferPtr& one,
               const gpu::BufferPtr& other, uint64_t slot);
-  /// Of a slot whose Commands have been waited for.
+  /// The distance recorded in a slot, once its Commands have been waited for.
   float value(uint64_t slot) const;
 
  private:

@@ -8,22 +8,21 @@
 
 namespace inverse {
 
-/// Leads from one solution's layers to another's over the frames that follow, pixel by pixel where
-/// the picture stays what it was, so that nobody sees the change (fade.comp). Holds a plane while
-/// that goes on.
+/// Fades from one solution's layers to another's over some frames, at pixels that do not change, so
+/// that the change is not visible (fade.comp). Uses one plane while it lasts.
 class LayerFade {
  public:
   LayerFade(const std::shared_ptr<gpu::Device>& device, Extent extent);
-  /// Records that `shown` (R.rgb, S) went out for `frame`, where `now` is what the frames to come
-  /// continue.
+  /// Starts a fade: `shown` (R.rgb, S) is the output for `frame`, `now` the solution that later
+  /// frames continue.
   void start(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& shown,
              const PlanePtr& now);
-  /// What goes out for a later frame that was solved as `now`; `now` itself when the fade is over.
+  /// The output for a later frame with solution `now`; `now` itself after the fade.
   PlanePtr record(gpu::Commands& commands, const PlanePtr& frame, const PlanePtr& now);
   void stop() { between_.reset(); }
   bool on() const { return between_ != nullptr; }
 
-  /// What is left of the difference from frame to frame, and after how many it is dropped.
+  /// Share of the difference that stays from frame to frame, and frames until it is dropped.
   static constexpr float kShare = 0.8F;
   static constexpr unsigned kFrames = 20;
 

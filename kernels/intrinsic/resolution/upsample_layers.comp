@@ -13,8 +13,8 @@ PLANE_IN(1, lines);
 PLANE_OUT(2, intrinsic);
 layout(push_constant) uniform Push { uvec2 size; } push;  // of the frame
 
-// A left or upper pixel lies a quarter of a half-size pixel before the center: of the means of three around it, 1/4 of the one
-// before and 3/4 of its own. A right or lower pixel sees the mirror image.
+// A left or upper pixel is a quarter of a half-size pixel before the center: of the means of three around it, 1/4 of the one
+// before and 3/4 of its own. A right or lower pixel has the mirror image.
 float tap(int d) { return d == 2 ? 0.0 : d == 1 ? 3.0 / 12.0 : d == -2 ? 1.0 / 12.0 : 4.0 / 12.0; }
 
 void main() {

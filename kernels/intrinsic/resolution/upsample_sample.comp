@@ -6,7 +6,7 @@
 #include "image/pack4.glsl"
 #include "upsample.glsl"
 
-// What the lines are fitted to: (mean m of the up to 2 x 2 pixels, log shading). One half-size pixel an invocation.
+// Samples for the fit of the lines: (mean m of the up to 2 x 2 pixels, log shading). One half-size pixel an invocation.
 PLANE_IN(0, frame);
 PLANE_IN(1, intrinsic);  // of the half-size frame: R.rgb, S
 PLANE_OUT(2, samples);

@@ -3,11 +3,11 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gpu/common.glsl"
 
-// Whether a frame continues the one before. One workgroup of 64.
-//   verdict[0] = mean mismatch of the frame, 1 where it is anchored or 0 at a cut, the share of the picture's structure that
-//                moved, how many frames were anchored since the last cut or reset
+// Decides whether a frame continues the one before. One workgroup of 64.
+//   cut_decision[0] = mean mismatch of the frame, 1 if it is anchored or 0 at a cut, the share of the picture's structure that
+//                moved, number of frames anchored since the last cut or reset
 PLANE_IN(0, sums);
-PLANE_INOUT(1, verdict);
+PLANE_INOUT(1, cut_decision);
 layout(push_constant) uniform Push {
   uint count;
   float cells;
@@ -26,6 +26,6 @@ void main() {
   if (lane > 0u) return;
   for (uint i = 1u; i < 64u; ++i) sum += totals[i];
   float mean = sum.x / push.cells, anchored = mean < push.cut_fraction ? 1.0 : 0.0;
-  float frames = push.continues > 0.0 ? LOAD(verdict, 0).w : 0.0;
-  STORE(verdict, 0, vec4(mean, anchored, sum.y / max(sum.z, 1e-20), anchored * min(frames + 1.0, 1e6)));
+  float frames = push.continues > 0.0 ? LOAD(cut_decision, 0).w : 0.0;
+  STORE(cut_decision, 0, vec4(mean, anchored, sum.y / max(sum.z, 1e-20), anchored * min(frames + 1.0, 1e6)));
 }

@@ -6,10 +6,9 @@
 #include "image/pack4.glsl"
 #include "temporal.glsl"
 
-// How far every cell differs from the frame before: squared differences, in units of those that halve the anchor, of its local
-// contrast, its chroma (which says little where there is little light), and the variance of its pixels' change, which an even
-// change of light leaves alone. And how much of its structure, the variance of its pixels in both frames, has moved. One cell an
-// invocation.
+// Mismatch of every cell with the frame before: squared differences, in units of those that halve the anchor, of its local
+// contrast, its chroma (weighted low in dark cells), and the variance of its pixels' change, which an even change of light does not
+// affect. And the share of its structure, the variance of its pixels in both frames, that has moved. One cell an invocation.
 PLANE_IN(0, cells);
 PLANE_IN(1, wide);
 PLANE_IN(2, level0);

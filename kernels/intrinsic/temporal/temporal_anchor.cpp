@@ -48,7 +48,7 @@ void TemporalAnchor::record(gpu::Commands& commands, const Guide& guide, const P
                     line_of(cells_.pixels()));
   commands.dispatch(static_tiles_, {.mismatch = mismatch_, .tiles = tiles_, .sums = sums_},
                     {.size = cells_}, line_of(tiles_of(cells_)));
-  commands.dispatch(decide_, {.sums = sums_, .verdict = cut_decision_},
+  commands.dispatch(decide_, {.sums = sums_, .cut_decision = cut_decision_},
                     {.count = static_cast<uint32_t>(sums_->count()),
                      .cells = static_cast<float>(cells_.pixels()),
                      .cut_fraction = params.cut_fraction,

@@ -10,17 +10,17 @@
 
 namespace inverse {
 
-/// What a frame leaves to the next one, and how far the next one may believe it (temporal.glsl;
-/// docs/reference/methods/intrinsicdecomp.md, 6). Cuts are found on the device, so that nothing
+/// The history of a frame for the next one, and how well both match (temporal.glsl;
+/// docs/reference/methods/intrinsicdecomp.md, 6). Cuts are detected on the device, so that nothing
 /// waits for the host.
 class TemporalAnchor {
  public:
   struct Params {
-    /// Weight of the previous frame's reflectance where nothing moves but the light, pixel by
-    /// pixel, 0…1e3; 0 switches it off, and holding it with it.
+    /// Weight of the previous frame's reflectance if only light changes, per pixel, 0…1e3; 0 turns
+    /// the anchor and `hold` off.
     float anchor_weight = 1.2F;
-    /// How many frames after a reset or cut it takes until the weight is that, 1…1e3: a first
-    /// frame's word is worth no more than another's.
+    /// Frames after a reset or cut until the weight is full, 1…1e3: a first frame is no more
+    /// certain than others.
     float anchor_frames = 7.0F;
     /// Change of chroma that halves it, natural log units, 1e-3…10; it counts less in the dark.
     float anchor_chroma = 0.5F;
@@ -31,8 +31,8 @@ class TemporalAnchor {
     /// Share of the structure around, 0.01…100, that halves it when it moves: edges of shadows come
     /// and go, but paint stays in place unless content moves.
     float anchor_motion = 0.4F;
-    /// Share of the previous frame's reflectance that stays, 0…0.99, where neither content nor
-    /// light changes: what is left to withstand there is the sensor's noise.
+    /// Share of the previous frame's reflectance that is kept, 0…0.99, if neither content nor light
+    /// changes: it averages sensor noise.
     float hold = 0.8F;
     /// Change of a cell's log intensity that halves that, 1e-3…10.
     float hold_light = 0.02F;
@@ -50,9 +50,8 @@ class TemporalAnchor {
 
   TemporalAnchor(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Records how far the frame of `guide` matches the one kept; needs `kept` and `memory` of one.
-  /// `continues`: that one was compared with another, too. Where only tiles are `listed`, the
-  /// others are as they were.
+  /// Records the mismatch of the frame of `guide` with the frame before; needs `kept` and `memory`
+  /// of that. `continues`: that frame had a frame before, too. With `listed`, only of its tiles.
   void record(gpu::Commands& commands, const Guide& guide, const Params& params, bool continues,
               const TileList* listed = nullptr);
   const gpu::BufferPtr& kept() const {
@@ -64,14 +63,14 @@ class TemporalAnchor {
   const gpu::BufferPtr& now() const {
     return now_;
   }  ///< the same of the frame at work: assemble.comp writes its m, layers.comp all
-  /// The frame at work is done: what it left is what the next one finds. Where it worked on
-  /// `listed` tiles alone, records carrying theirs over.
+  /// Ends a frame: its history is that of the next one. If it worked on `listed` tiles only,
+  /// records copying theirs.
   void advance(gpu::Commands& commands, const TileList* listed = nullptr);
   const gpu::BufferPtr& mismatch() const { return mismatch_; }  ///< vec4 a cell (mismatch.comp)
   const gpu::BufferPtr& tiles() const {
     return tiles_;
   }  ///< vec4 a tile of 4 x 4 cells (static_tiles.comp)
-  const gpu::BufferPtr& verdict() const {
+  const gpu::BufferPtr& cut_decision() const {
     return cut_decision_;
   }  ///< one vec4 (cut_decision.comp): mean mismatch; 1 anchored or 0 cut; share of structure that
      ///< moved

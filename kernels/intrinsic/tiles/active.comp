@@ -4,18 +4,18 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 
-// Flags the tiles that a frame has to work on: those where the input changed, and those that by now lack more than `tolerance`
-// of what frames that worked on them would have given them, by what the last one that did changed and by what the coarse solve,
-// which goes on for all, would. One tile an invocation.
+// Flags the tiles that a frame works on: those whose input changed, and those whose estimated error exceeds `tolerance`. The
+// estimate is the number of frames since the tile was solved, times the larger of its last change per frame and the last coarse
+// correction there. One tile an invocation.
 WORD_IN(0, changed);
-PLANE_IN(1, correction);  // of packs of cells: what the last cycle of the coarse solve added or, where left out, would add
+PLANE_IN(1, correction);  // of packs of cells: by the last cycle of the coarse solve
 PLANE_INOUT(2, activity);
 WORD_OUT(3, flags);
 layout(push_constant) uniform Push {
   uvec2 tiles;
   uvec2 cell_packs;  // a row, rows
   float tolerance;   // log units; negative: all tiles
-  float hold;        // share of reflectance that stays from frame to frame where the input does
+  float hold;        // share of reflectance that is kept from frame to frame without changes
 } push;
 #include "activity.glsl"
 

@@ -17,7 +17,7 @@ ActiveTiles::ActiveTiles(const std::shared_ptr<gpu::Device>& device, Extent exte
       dilate_tiles_(device),
       look_(device, {}, 1, 1),
       activity_(gpu::Buffer::create(device, gpu::Element::vec4, tiles())),
-      busy_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
+      moving_(gpu::Buffer::create(device, gpu::Element::word, 1)) {
   for (auto& changed : changed_)
     changed = gpu::Buffer::create(device, gpu::Element::word, tiles(), gpu::Memory::upload);
 }
@@ -29,7 +29,7 @@ float ActiveTiles::take(std::span<const uint8_t> changed) {
                                          " tiles of a frame that has " + std::to_string(tiles()));
   ++frame_;
   std::copy(changed.begin(), changed.end(), changed_[frame_]->map_as<uint32_t>());
-  const auto concerned = spread_tiles(changed, lists_[0].columns());
+  const auto concerned = dilate_tiles(changed, lists_[0].columns());
   return static_cast<float>(std::count(concerned.begin(), concerned.end(), 1)) /
          static_cast<float>(tiles());
 }
@@ -58,13 +58,13 @@ void ActiveTiles::record_list(gpu::Commands& commands, const gpu::BufferPtr& cor
 void ActiveTiles::record_activity(gpu::Commands& commands, const gpu::BufferPtr& before,
                                   const gpu::BufferPtr& now, const TileList* listed,
                                   float tolerance) {
-  commands.fill(busy_);
+  commands.fill(moving_);
   look_.dispatch(commands, listed,
                  {.changed = changed_[frame_],
                   .before = before,
                   .now = now,
                   .activity = activity_,
-                  .busy = busy_},
+                  .moving = moving_},
                  {.tiles = {lists_[0].columns(), lists_[0].rows()},
                   .packs = {pack4_count(extent_.width), extent_.height},
                   .size = extent_,

@@ -5,13 +5,13 @@
 #include "intrinsic/temporal/temporal.glsl"
 #include "image/pack4.glsl"
 
-// How much the log shading of tiles has changed by a frame, for each of those that it stood for, which shows in the brightness
-// of reflectance where the input is the same. Counts the tiles that the next frame will not leave out. One tile an invocation.
+// The change of log shading of every tile per frame, from the brightness of reflectance, which mirrors it if the input is
+// unchanged. Counts the tiles that the next frame will not skip. One tile an invocation.
 WORD_IN(0, changed);
 PLANE_IN(1, before);  // memory of the last frame
 PLANE_IN(2, now);
 PLANE_INOUT(3, activity);
-WORD_INOUT(4, busy);  // one word
+WORD_INOUT(4, moving);  // one word
 #define TILE_CONSTANT 1
 #define TILE_BINDING 5
 #include "image/tiles/tile_position.glsl"
@@ -37,7 +37,7 @@ void main() {
   uvec2 pixels = min(push.size - 16u * tile, uvec2(16u));
   uint at = tile.y * push.tiles.x + tile.x;
   float frames = kTileAcross == 0u ? 1.0 : LOAD(activity, at).y;
-  float moved = near_change(ivec2(tile), ivec2(push.tiles)) ? kBusy : sqrt(dot(sum, vec4(1.0)) / float(pixels.x * pixels.y)) / frames;
+  float moved = near_change(ivec2(tile), ivec2(push.tiles)) ? kMoving : sqrt(dot(sum, vec4(1.0)) / float(pixels.x * pixels.y)) / frames;
   STORE(activity, at, vec4(moved, 0.0, frames, 0.0));
-  if (!(moved <= push.tolerance)) atomicAdd(LOAD(busy, 0), 1u);
+  if (!(moved <= push.tolerance)) atomicAdd(LOAD(moving, 0), 1u);
 }

@@ -4,7 +4,7 @@
 #include "gpu/common.glsl"
 #include "image/pack4.glsl"
 
-// Flags the tiles whose picture differs where the flagged ones do: those themselves and, as chroma is averaged with pixels to
+// Flags the tiles whose picture differs if the flagged ones do: those themselves and, as chroma is averaged with pixels to
 // the left and above, those to the right and below. One tile an invocation.
 WORD_IN(0, flags);
 WORD_OUT(1, drawn);

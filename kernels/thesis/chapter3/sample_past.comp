@@ -7,7 +7,7 @@
 
 // The pulls of a pixel that stay the same while a level is solved: samples from keyframes and, in mode 1, the cluster.
 PLANE_IN(6, image);
-PLANE_IN(7, clusters);  // (r_cluster, index), index < 0 where there is none
+PLANE_IN(7, clusters);  // (r_cluster, index), index < 0 if there is none
 PLANE_OUT(8, pulls);
 
 void main() {

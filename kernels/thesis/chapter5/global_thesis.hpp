@@ -134,7 +134,7 @@ class GlobalThesis {
 
   /// Builds the kernels for any number of base colors and runs each once on a tiny frame, which is
   /// when a software device compiles them; for the present exponent p. Otherwise that is done when
-  /// a frame first needs them. Does nothing where it was done on this device before for what it
+  /// a frame first needs them. Does nothing if it was done on this device before for what it
   /// depends on. Waits for the device.
   void warm_up() const;
 

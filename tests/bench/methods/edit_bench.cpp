@@ -235,7 +235,7 @@ Image displayed(const Image& linear) {
   return out;
 }
 
-/// 1 where paint is unchanged; with `spill` only where light changes by more than 2 %, too.
+/// 1 if paint is unchanged; with `spill` only where light changes by more than 2 %, too.
 Image unchanged_paint(const Pair& pair, bool spill) {
   constexpr float kSeen = 0.02F;
   Image out = pair.matte;

@@ -30,7 +30,7 @@ void record(DeviceSession& session, const Scene& scene) {
   for (size_t k = 0; k < kFrames; ++k) {
     const Image& frame = frames[to_and_fro(k, frames.size())];
     const auto changed = before ? changed_tiles(*before, frame) : std::vector<uint8_t>();
-    const auto affected = spread_tiles(changed, TileList::along(extent.width));
+    const auto affected = dilate_tiles(changed, TileList::along(extent.width));
     const auto count = std::accumulate(affected.begin(), affected.end(), 0U);
     const bool repeated = before && count == 0;
     Cost cost;

@@ -130,7 +130,7 @@ inline constexpr std::array<std::pair<const char*, double Scores::*>, 7> kScoreF
 Scores score(const Image& reflectance, const Image& shading, const Image& true_reflectance,
              const Image& true_shading, const Image& mask);
 
-/// The least-squares factor from estimate to truth, one for all channels; 0 where the estimate is.
+/// The least-squares factor from estimate to truth, one for all channels; 0 if the estimate is.
 double best_scale(const Image& estimate, const Image& truth, const Image& mask);
 
 /// Squared error of scale times the estimate over the squared truth, both summed over pixels and

@@ -64,7 +64,7 @@ void pose(clip::Scene& scene) {
       {Shape::kEllipsoid, {0.34F, 0.2F, 0.17F}, {0, 0.17F, 0.06F}, {}, shirt});
 }
 
-/// A frame and the same after the edit; `id` is 1 where paint changed.
+/// A frame and the same after the edit; `id` is 1 if paint changed.
 Scene pair(const char* name, const char* regime, const clip::Scene& before,
            const clip::Scene& after) {
   constexpr clip::Quality kStill{36, 25, 4};

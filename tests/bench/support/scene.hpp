@@ -44,7 +44,7 @@ std::vector<Scene> read_scenes(const std::string& folder);
 /// repeating the ends: 0 1 2 1 0 1 … of three.
 std::size_t to_and_fro(std::size_t k, std::size_t count);
 
-/// Halves the size by 2 x 2 means; an odd last row or column is dropped. A mask stays 1 where all
+/// Halves the size by 2 x 2 means; an odd last row or column is dropped. A mask stays 1 if all
 /// four are.
 Image halve(const Image& image, bool is_mask = false);
 

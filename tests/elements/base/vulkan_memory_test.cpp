@@ -43,7 +43,7 @@ void expect_same(const std::string& system, const std::string& images) {
   gst_caps_unref(caps);
 }
 
-/// What stands at a pad as the context `type`; null where nothing does. Borrowed.
+/// What stands at a pad as the context `type`; null if nothing does. Borrowed.
 template <typename T>
 T* shared(GstElement* pipeline, const char* element, const char* pad, const char* type) {
   GstElement* found = gst_bin_get_by_name(GST_BIN(pipeline), element);

@@ -34,7 +34,7 @@ std::vector<std::string> formats_of(const char* factory) {
   return formats;
 }
 
-/// The (R.rgb, S) layer of a buffer in host memory; empty where there is none.
+/// The (R.rgb, S) layer of a buffer in host memory; empty if there is none.
 std::vector<float> layer_of(GstBuffer* buffer, GstInverseRole role) {
   GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
   if (!meta) return {};

@@ -9,7 +9,7 @@ namespace {
 
 constexpr guint kTop = 3;  // of quality=low
 
-/// What `stats` of intrinsicdecomp says of the trade; `on` false where it says nothing.
+/// What `stats` of intrinsicdecomp says of the trade; `on` false if it says nothing.
 struct Live {
   bool on = false;
   guint level = 0, cycles = 0;

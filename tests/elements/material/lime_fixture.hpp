@@ -9,7 +9,7 @@ namespace inverse::testing {
 
 inline constexpr int kWidth = 96, kHeight = 64;
 
-/// Gray, with a disc that the networks take for an object; none where the radius is 0.
+/// Gray, with a disc that the networks take for an object; none if the radius is 0.
 inline std::vector<uint8_t> scene(int x, int y, int radius, int width = kWidth,
                                   int height = kHeight) {
   std::vector<uint8_t> bytes(static_cast<size_t>(width) * height * 4, 128);

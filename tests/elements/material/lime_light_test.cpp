@@ -16,7 +16,7 @@ namespace {
 
 class LimeLight : public LimeElementTest {
  protected:
-  /// The light of the last of some frames; empty where there is none.
+  /// The light of the last of some frames; empty if there is none.
   std::vector<float> light(const std::string& more, int frames = 8) {
     VideoHarness harness(line(more), caps(), caps());
     std::vector<float> result;

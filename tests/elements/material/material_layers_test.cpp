@@ -15,7 +15,7 @@ constexpr const char* kMaterial =
 
 class MaterialLayers : public LimeElementTest {
  protected:
-  /// A layer of a buffer; empty where there is none.
+  /// A layer of a buffer; empty if there is none.
   static std::vector<float> layer(GstBuffer* buffer, GstInverseRole role) {
     GstInverseLayersMeta* meta = gst_buffer_get_inverse_layers_meta(buffer);
     GBytes* bytes = meta ? meta->download(meta, role) : nullptr;

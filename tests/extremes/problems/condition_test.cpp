@@ -12,7 +12,7 @@ namespace inverse::extremes {
 namespace {
 
 /// Digits that are kept, the fewest of three variants on llvmpipe, rounded down. What the condition
-/// predicts says nothing where it is 1e6 or more.
+/// predicts says nothing if it is 1e6 or more.
 const std::map<std::string, double> kDigits{
     {"multigrid: edges over 0 decades", 7.0},
     {"multigrid: edges over 2 decades", 6.6},

@@ -92,14 +92,17 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
   const auto system_buffer = lab.upload(pixels), terms_buffer = lab.upload(terms),
              force_buffer = lab.upload(forces);
   const Multigrid::Params params;
-  const ChromaBins::State state{
-      terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
-      multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
+  const ChromaBins::State state{terms_buffer,
+                                multigrid.cell_means(),
+                                multigrid.cell_correction(),
+                                multigrid.cell_residual(),
+                                multigrid.cell_system(),
+                                multigrid.cell_source_term()};
   lab.run([&](gpu::Commands& commands) {
     guide.record(commands, frame);
     commands.fill(multigrid.field());
     commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
-    commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
+    commands.copy(force_buffer, multigrid.cell_source_term(), force_buffer->bytes());
     multigrid.record_operators(commands, params);
     bins.record_weights(commands, guide, terms_buffer, 1);
   });
@@ -108,7 +111,7 @@ std::vector<std::vector<double>> cycles_on_device(const Lab& lab, const GridSyst
     lab.run([&](gpu::Commands& commands) {
       multigrid.record_cycle(
           commands, params, k, {}, [&] { bins.record(commands, guide, state); },
-          [&] { bins.record_force(commands, state); });
+          [&] { bins.record_source_term(commands, state); });
     });
     if (last && k + 1 < cycles) continue;
     const Pixels got = lab.download(multigrid.field());

@@ -9,7 +9,7 @@
 
 namespace inverse::extremes {
 
-/// Edges live with the pixel on their left or upper end; 0 where there is none. Cells of 4 × 4
+/// Edges live with the pixel on their left or upper end; 0 if there is none. Cells of 4 × 4
 /// pixels carry screen (mean s)² − 2 pull (mean s), and t of each of their pixels.
 struct GridSystem {
   Extent extent, cells;

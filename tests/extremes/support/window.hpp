@@ -61,7 +61,7 @@ struct SpoiltVideo {
   }
 };
 
-/// Tiles of 16 x 16 pixels, row by row, 1 where frames differ in a bit.
+/// Tiles of 16 x 16 pixels, row by row, 1 if frames differ in a bit.
 inline std::vector<uint8_t> changed_tiles(Extent extent, const Pixels& a, const Pixels& b) {
   const size_t columns = (extent.width + 15) / 16, rows = (extent.height + 15) / 16;
   std::vector<uint8_t> changed(columns * rows);

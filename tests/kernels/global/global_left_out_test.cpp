@@ -110,7 +110,7 @@ Pixels passed(Pixels frame, Extent extent, uint32_t left) {
   return frame;
 }
 
-/// A byte a tile, 1 where two frames differ.
+/// A byte a tile, 1 if two frames differ.
 std::vector<uint8_t> changed_tiles(const Pixels& before, const Pixels& now, Extent extent) {
   std::vector<uint8_t> changed(TileList::count(extent));
   for (size_t i = 0; i < now.size(); ++i) {
@@ -151,7 +151,7 @@ TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother)
     });
     if (stats.solve.plan.tiles()) {
       ++listed;
-      const auto concerned = spread_tiles(truth, TileList::along(extent.width));
+      const auto concerned = dilate_tiles(truth, TileList::along(extent.width));
       EXPECT_GE(got.found.solve.tiles_active,
                 uint32_t(std::count(concerned.begin(), concerned.end(), 1)))
           << k;

@@ -144,17 +144,20 @@ TEST_F(IntrinsicTest, CycleAgreesWithReference) {
       guide.record(commands, frame.buffer);
       commands.copy(system_buffer, multigrid.system(), system_buffer->bytes());
       commands.copy(field_buffer, multigrid.field(), field_buffer->bytes());
-      commands.copy(force_buffer, multigrid.cell_force(), force_buffer->bytes());
+      commands.copy(force_buffer, multigrid.cell_source_term(), force_buffer->bytes());
       multigrid.record_operators(commands, params);
       bins.record_weights(commands, guide, terms_buffer, 1);
-      const ChromaBins::State state{
-          terms_buffer,         multigrid.cell_means(),  multigrid.cell_correction(),
-          multigrid.cell_far(), multigrid.cell_system(), multigrid.cell_force()};
+      const ChromaBins::State state{terms_buffer,
+                                    multigrid.cell_means(),
+                                    multigrid.cell_correction(),
+                                    multigrid.cell_residual(),
+                                    multigrid.cell_system(),
+                                    multigrid.cell_source_term()};
       for (int k = 0; k < 3; ++k)
         multigrid.record_cycle(
             commands, params, static_cast<uint32_t>(k), {},
             [&] { bins.record(commands, guide, state); },
-            [&] { bins.record_force(commands, state, false); });
+            [&] { bins.record_source_term(commands, state, false); });
     });
     auto levels = grid::hierarchy(finest, screen, static_cast<double>(params.scale));
     std::vector<double> force(cells.pixels());
@@ -201,7 +204,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const uint64_t packs = pack4_count(cells);
   Pixels terms(packs * 16), means(packs * 4), correction(packs * 4), far(packs * 4);
   std::vector<double> g(cells.pixels()), rho(cells.pixels());
-  const float most = EdgePrior::kMostChroma;
+  const float most = EdgePrior::kMaxChroma;
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t i = static_cast<size_t>(y) * cells.width + x;
@@ -256,7 +259,7 @@ TEST_F(IntrinsicTest, OutputScaleAgreesWithReference) {
     using History = OutputScale::History;
     const struct {
       History history;
-      float same;  // the decision: 1 where the frame continues the one before
+      float same;  // the decision: 1 if the frame continues the one before
       bool dark;
     } frames[] = {{History::none, 0, false},    {History::decided, 1, false},
                   {History::decided, 1, true},  {History::decided, 1, false},

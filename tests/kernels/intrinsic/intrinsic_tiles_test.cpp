@@ -19,7 +19,7 @@ TileList all_tiles(const std::shared_ptr<gpu::Device>& device, Extent extent) {
 class Video {
  public:
   explicit Video(Extent extent) : extent_(extent) {}
-  /// The tiles of `next` that differ from the frame before; none where there is none.
+  /// The tiles of `next` that differ from the frame before; none if there is none.
   std::vector<uint8_t> changed(const Pixels& next) {
     const uint32_t columns = (extent_.width + 15) / 16, rows = (extent_.height + 15) / 16;
     std::vector<uint8_t> changed;
@@ -134,7 +134,7 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
         Multigrid& grid = grids[k];
         const TileList* list = k == 0 ? nullptr : &all;
         commands.fill(grid.system());
-        commands.fill(grid.cell_force());
+        commands.fill(grid.cell_source_term());
         commands.fill(grid.cell_system());
         prior.record(commands, whole, {grid.system(), flux, value}, {});
         commands.copy(field, grid.field(), field->bytes());
@@ -149,7 +149,7 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
               [] {}, list);
       });
     same(grids[0].system(), grids[1].system(), "system");
-    same(grids[0].cell_far(), grids[1].cell_far(), "what is left to the cells");
+    same(grids[0].cell_residual(), grids[1].cell_residual(), "what is left to the cells");
     same(grids[0].field(), grids[1].field(), "solution");
     EXPECT_NEAR(download(grids[0].progress())[0], download(grids[1].progress())[0],
                 1e-4F * download(grids[0].progress())[0]);
@@ -204,7 +204,7 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
 // as the video goes on: also where tiles are left out, to within the bound of
 // docs/reference/methods/intrinsicdecomp.md, 8.
 TEST_F(IntrinsicTilesTest, WhatMovingThingsLeaveBehindFades) {
-  constexpr double kMostRms = 0.04, kMostTile = 0.15;
+  constexpr double kMaxRms = 0.04, kMaxTile = 0.15;
   const Extent extent{240, 176};
   for (const unsigned seed : {26U, 27U}) {
     const Pixels background = scene(extent, seed);
@@ -226,8 +226,8 @@ TEST_F(IntrinsicTilesTest, WhatMovingThingsLeaveBehindFades) {
       if (k % 32 != 31) continue;
       const Apart now = apart(extent, got, static_cast<double>(found.scale), want,
                               static_cast<double>(whole.findings().scale));
-      EXPECT_LT(now.rms, kMostRms) << "scene " << seed << ", frame " << k;
-      EXPECT_LT(now.tile, kMostTile) << "scene " << seed << ", frame " << k;
+      EXPECT_LT(now.rms, kMaxRms) << "scene " << seed << ", frame " << k;
+      EXPECT_LT(now.tile, kMaxTile) << "scene " << seed << ", frame " << k;
       if (k > 96) {
         EXPECT_LT(now.rms, before + 0.003) << "it must not grow, scene " << seed << ", frame " << k;
       }

@@ -26,7 +26,7 @@ Graph small_graph() {
   return b.graph();
 }
 
-/// What reading these bytes complains of; empty where it does not.
+/// What reading these bytes complains of; empty if it does not.
 std::string complaint(const std::vector<std::byte>& bytes) {
   try {
     network::from_file(bytes, "some.net");

@@ -67,7 +67,7 @@ Grid make_grid(const std::vector<double>& rgb, const std::vector<double>& shadin
                int height, int factor);
 
 /// Log chroma of the light by "shades of gray": the sixth-power mean of the grid's colors
-/// (Finlayson and Trezzi 2004); 0 where none can be trusted.
+/// (Finlayson and Trezzi 2004); 0 if none can be trusted.
 Chroma illuminant(const Grid& grid);
 
 /// Bilinear position of the center of fine point x in a grid whose points are `factor` fine ones

@@ -11,7 +11,7 @@ namespace inverse::reference {
 /// Meaning of a frame's samples, pixel by pixel from the definitions, in double precision. Pixels
 /// are four interleaved numbers.
 
-/// Codes of one row position: luma or R, G, B, and alpha (0 where there is none).
+/// Codes of one row position: luma or R, G, B, and alpha (0 if there is none).
 struct Codes {
   uint32_t value[4];
 };
@@ -32,7 +32,7 @@ uint32_t components(PixelFormat format);
 /// Linear light of a frame, w = alpha.
 std::vector<double> unpack(const FrameFormat& format, const std::vector<std::byte>& bytes);
 
-/// The bytes of a frame (padding zero) from a picture: rgb, or w as gray where `shading`; alpha
+/// The bytes of a frame (padding zero) from a picture: rgb, or w as gray if `shading`; alpha
 /// from another picture's w, null for opaque.
 std::vector<std::byte> pack(const FrameFormat& format, const std::vector<float>& picture,
                             bool shading, float gain, const std::vector<float>* alpha);

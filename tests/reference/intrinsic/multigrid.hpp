@@ -11,7 +11,7 @@
 namespace inverse::reference::multigrid {
 
 /// One level of A s = f: A(x,x) = mass + edges, A(x,y) = -right or -down. Planes of width x height;
-/// edges live with the pixel on their left or upper end, 0 where the other end is outside.
+/// edges live with the pixel on their left or upper end, 0 if the other end is outside.
 struct Level {
   int width = 0, height = 0;
   std::vector<double> right, down, mass, f, s;

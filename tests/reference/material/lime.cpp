@@ -73,7 +73,7 @@ struct Counted {
   const Plane& at;
   bool (*counts)(const Vec4&);
 
-  /// Mean of `value` over the 5 × 5 points around (x, y) that count; 0 where none does.
+  /// Mean of `value` over the 5 × 5 points around (x, y) that count; 0 if none does.
   template <typename Value>
   double mean(int x, int y, Value value) const {
     double sum = 0, count = 0;

@@ -74,7 +74,7 @@ class Palette {
 /// The color nearest to r by Euclidean distance; ties go to the lowest index. `colors` not empty.
 std::size_t nearest_color(const Vec4& r, const std::vector<Vec3>& colors);
 
-/// Every pixel's nearest color and its position in `colors` (w); empty where there are no colors.
+/// Every pixel's nearest color and its position in `colors` (w); empty if there are no colors.
 Plane clustered(const Plane& r, const std::vector<Vec3>& colors);
 
 }  // namespace inverse::reference

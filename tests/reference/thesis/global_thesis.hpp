@@ -16,7 +16,7 @@ namespace inverse::reference {
 Vec3 base_color(const Vec3& color);
 
 /// Every pixel's cluster: the nearest of `centers` (ln chromaticity) to ln c(I), written as
-/// (ln `colors`, 1); w = 0 where there are no clusters. Ties go to the lowest index.
+/// (ln `colors`, 1); w = 0 if there are no clusters. Ties go to the lowest index.
 Plane cluster_targets(const Plane& linear, const std::vector<Vec3>& centers,
                       const std::vector<Vec3>& colors, double chroma_floor);
 

@@ -72,7 +72,7 @@ struct GlobalThesisScene {
   Plane image;                  ///< linear light I, sanitized
   ThesisLevel sampling;         ///< what the samples of section 3.4.3 need of it
   std::vector<double> retinex;  ///< w_SR (5.10)
-  Plane targets;                ///< r_cluster, w = 1 where the pixel has a cluster, else 0
+  Plane targets;                ///< r_cluster, w = 1 if the pixel has a cluster, else 0
   std::vector<Vec3> colors;     ///< b_1 … b_K
 
   GlobalThesisScene(const Plane& linear, const Plane& clusters, std::vector<Vec3> base_colors,

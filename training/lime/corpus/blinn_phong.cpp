@@ -89,7 +89,7 @@ Vec Lights::diffuse(Vec n) const {
 Vec Lights::specular(Vec n, Vec view, float shininess, bool all) const {
   const float facing = dot(n, view);
   const Vec mirror = 2 * facing * n - view;
-  // cos of the cone around `mirror` outside of which the lobe is negligible; −1 where it covers the
+  // cos of the cone around `mirror` outside of which the lobe is negligible; −1 if it covers the
   // sphere.
   const float edge = std::exp(-9.2103f / shininess);  // ln 1e4
   const float lobe_cosine = all || edge < 0.7072f ? -1.f : 2 * edge * edge - 1;

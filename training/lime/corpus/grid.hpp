@@ -25,7 +25,7 @@ struct Grid {
   int cells() const { return wrap_rows ? rows : rows - 1; }
 };
 
-/// The grid of `position(u, v)`: u in [0, 1] over rows (without 1 where they wrap), v in [0, 1)
+/// The grid of `position(u, v)`: u in [0, 1] over rows (without 1 if they wrap), v in [0, 1)
 /// over columns; finished.
 Grid make_grid(int rows, int columns, bool wrap_rows,
                const std::function<Vec(float u, float v)>& position);

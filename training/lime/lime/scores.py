@@ -8,7 +8,7 @@ import torch
 
 from . import encoding
 
-LEAST_SHARE = 0.005  # of a picture, that an object has to cover to count: kLeastShare of object_tracker.cpp
+LEAST_SHARE = 0.005  # of a picture, that an object has to cover to count: kMinShare of object_tracker.cpp
 LOG_CENTERS = torch.log10(torch.tensor(encoding.CENTERS))
 
 

@@ -37,7 +37,7 @@ extern "C" {
 /// Why the last call of this thread failed.
 const char* olat_error() { return last_error.c_str(); }
 
-/// A head model, or none where `vertices` is 0. `deltas`: identities, then expressions. `faces`:
+/// A head model, or none if `vertices` is 0. `deltas`: identities, then expressions. `faces`:
 /// three indices each; `kinds`: 0 skin, 1 eye at x < 0, 2 eye at x > 0, 3 teeth, 4 mouth; -1: left
 /// out.
 OlatCorpus* olat_open(int vertices, const float* neutral, int identities, int expressions,

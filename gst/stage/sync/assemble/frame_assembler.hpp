@@ -20,9 +20,9 @@ class FrameAssembler {
   virtual ~FrameAssembler() = default;
 
   /// The caps of frames that come from now on: agrees with what follows on what leaves, and says
-  /// so. False where nothing suits.
+  /// so. False if nothing suits.
   virtual bool set_caps(GstCaps* caps);
-  /// Takes a buffer; `label` is null where frames without one pass, too.
+  /// Takes a buffer; `label` is null if frames without one pass, too.
   virtual GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label);
   /// Nothing more comes of what is held: the program has ended, or the stream has before it.
   virtual GstFlowReturn finish(bool /*program_over*/) { return GST_FLOW_OK; }

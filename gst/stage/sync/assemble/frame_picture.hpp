@@ -9,7 +9,7 @@
 namespace inverse {
 
 /// A frame as OpenCV has pictures: its code values as GStreamer unpacks them (CV_8UC4 or CV_16UC4).
-/// Throws Error(unsupported) where the buffer does not hold what its caps promise.
+/// Throws Error(unsupported) if the buffer does not hold what its caps promise.
 cv::Mat read_codes(const GstVideoInfo& info, GstBuffer* buffer);
 /// Writes such a picture into a writable buffer.
 void write_codes(const GstVideoInfo& info, GstBuffer* buffer, const cv::Mat& codes);

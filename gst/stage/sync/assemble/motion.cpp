@@ -9,13 +9,12 @@
 namespace inverse {
 namespace {
 
-constexpr int kLeastSize = 64;    // DIS wants some levels and whole patches
+constexpr int kMinSize = 64;      // DIS wants some levels and whole patches
 constexpr double kWhite = 0.995;  // share of pixels below what becomes white
 constexpr int kFixedPointSteps = 4;
 
 cv::Mat enlarged(const cv::Mat& image) {
-  const int right = std::max(0, kLeastSize - image.cols),
-            below = std::max(0, kLeastSize - image.rows);
+  const int right = std::max(0, kMinSize - image.cols), below = std::max(0, kMinSize - image.rows);
   if (!right && !below) return image;
   cv::Mat large;
   cv::copyMakeBorder(image, large, 0, below, 0, right, cv::BORDER_REPLICATE);

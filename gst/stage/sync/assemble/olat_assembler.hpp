@@ -19,7 +19,7 @@ class OlatAssembler final : public FrameAssembler {
  public:
   OlatAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels,
                 const SyncParams& params, uint32_t camera);
-  /// Throws Error(file) where `params` ask for OLATs and the program has none or no tracking
+  /// Throws Error(file) if `params` ask for OLATs and the program has none or no tracking
   /// frames, or where the folder cannot be made.
   static void check(const SyncParams& params, const LightProgram& program);
   /// Steps of a pass, for which its first frame is held at most: until the frame after it.

@@ -161,7 +161,7 @@ GstFlowReturn PairAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
   return GST_FLOW_OK;
 }
 
-/// B where the subject was in A, a new buffer, or null where that is not known. Motion is read from
+/// B where the subject was in A, a new buffer, or null if that is not known. Motion is read from
 /// what differs in nothing else, this B and the one before, with A halfway between them: half of
 /// it.
 GstBuffer* PairAssembler::aligned(GstBuffer* b, const FrameLabel& label) {

@@ -14,7 +14,7 @@ class PairAssembler final : public FrameAssembler {
   PairAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels,
                 const SyncParams& params, DeviceContext& context);
   ~PairAssembler() override;
-  /// Throws Error(file) where `params` ask for pairs and no B follows an A in the program.
+  /// Throws Error(file) if `params` ask for pairs and no B follows an A in the program.
   static void check(const SyncParams& params, const LightProgram& program);
 
   bool set_caps(GstCaps* caps) override;

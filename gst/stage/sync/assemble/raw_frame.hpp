@@ -13,7 +13,7 @@ namespace inverse {
 /// GStreamer unpacks it: four samples a pixel, alpha first, of 8 or 16 bits.
 class RawFrame {
  public:
-  /// Throws Error(unsupported) where the buffer does not hold the frame that its caps promise.
+  /// Throws Error(unsupported) if the buffer does not hold the frame that its caps promise.
   RawFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flags);
   RawFrame(const RawFrame&) = delete;
   RawFrame& operator=(const RawFrame&) = delete;

@@ -14,7 +14,7 @@ namespace inverse {
 /// without Aravis in the build, `find` does.
 class CameraTrigger final : public TriggeredCamera {
  public:
-  /// Looks through queues, converters and bins. Throws Error(unsupported) where there is none.
+  /// Looks through queues, converters and bins. Throws Error(unsupported) if there is none.
   static std::unique_ptr<CameraTrigger> find(GstPad* sink);
   ~CameraTrigger() override;
   CameraTrigger(const CameraTrigger&) = delete;
@@ -23,7 +23,7 @@ class CameraTrigger final : public TriggeredCamera {
   /// Before the source starts: it will not run freely.
   void prepare();
   /// When its caps have come, so that the camera is open and sends: makes it wait for triggers, if
-  /// it does not yet. Throws Error(unsupported) where the camera has no software trigger.
+  /// it does not yet. Throws Error(unsupported) if the camera has no software trigger.
   void configure();
 
   /// No more frames are wanted: end of stream after those that are there.

@@ -42,7 +42,7 @@ class StageTrigger {
     Handling(const Handling&) = delete;
     Handling& operator=(const Handling&) = delete;
     ~Handling();
-    /// The frame's, or nothing where it is of none.
+    /// The frame's, or nothing if it is of none.
     const std::optional<uint64_t>& trigger() const { return label_; }
 
    private:

@@ -7,11 +7,11 @@
 namespace inverse {
 
 /// The first element upstream of a sink pad that is `wanted`, through queues, converters and bins:
-/// a new reference; null where there is none.
+/// a new reference; null if there is none.
 GstElement* upstream_element(GstPad* sink, bool (*wanted)(GstElement* element));
 
 /// What an element upstream says of its frames' ids by a property `frame-id-bits`, as
-/// lightstagearavissrc does once its camera is open: 16, 32 or 64; 0 where none says so.
+/// lightstagearavissrc does once its camera is open: 16, 32 or 64; 0 if none says so.
 uint32_t upstream_id_bits(GstPad* sink);
 
 }  // namespace inverse

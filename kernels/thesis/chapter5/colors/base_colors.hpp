@@ -31,14 +31,14 @@ class BaseColors {
   };
 
   /// Takes a new palette in: colors that it no longer has retire, new ones join, the others follow
-  /// it until they are fixed. Does nothing where colors were given.
+  /// it until they are fixed. Does nothing if colors were given.
   void update(std::span<const Palette::Cluster> clusters, float tau_neutral);
   /// Uses these colors (linear, any scale), one layer each, until `reset`. At most kMaxColors.
   void set(std::span<const Rgb> colors);
   /// The palette moves the present colors no more: their refinement begins.
   void fix();
   /// b_k += Δb_k for the layers in their order, kept within kDarkest … 1; a channel that would
-  /// not be finite stays as it is. Returns the largest change of a channel, 1 where one stayed.
+  /// not be finite stays as it is. Returns the largest change of a channel, 1 if one stayed.
   float refine(std::span<const Rgb> delta);
   /// The palette may move all colors again: of another scene.
   void loosen();

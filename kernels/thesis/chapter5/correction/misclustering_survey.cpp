@@ -15,19 +15,19 @@ constexpr float kFloor = 3e-3f;  // ε_c of chromaticities, as in the method's d
 
 // All of these were chosen on the project's own scenes and hold on those that are given, see
 // docs/reference/methods/globalintrinsicthesis.md.
-constexpr float kLeastArea = 0.003f;     // of the frame
-constexpr int kLeastPixels = 12;         // of the small frame
-constexpr float kLeastShare = 0.1f;      // of a region's border, to the cluster of its base color
-constexpr float kLeastBorder = 0.5f;     // share of it that is none of paint
-constexpr float kLeastContrast = 0.15f;  // distance of two base colors, ln chroma
-constexpr float kNear = 0.5f;            // "the same chroma", in distances of the two base colors
-constexpr float kShadow = 0.15f;         // by how much a shadow is darker
-constexpr float kBrighter = 1.3f;        // at most, than the surface in other light
-constexpr float kHidden = 3;             // see the header
-constexpr float kLeastTint = 0.02f;      // share of colored light
-constexpr float kWorstTint = 0.3f;       // ln chroma that it leaves unexplained,
-constexpr float kWorstShare = 0.6f;      // also as a share of the difference
-constexpr float kLeastScore = 0.05f;
+constexpr float kMinArea = 0.003f;     // of the frame
+constexpr int kMinPixels = 12;         // of the small frame
+constexpr float kMinShare = 0.1f;      // of a region's border, to the cluster of its base color
+constexpr float kMinBorder = 0.5f;     // share of it that is none of paint
+constexpr float kMinContrast = 0.15f;  // distance of two base colors, ln chroma
+constexpr float kNear = 0.5f;          // "the same chroma", in distances of the two base colors
+constexpr float kShadow = 0.15f;       // by how much a shadow is darker
+constexpr float kBrighter = 1.3f;      // at most, than the surface in other light
+constexpr float kHidden = 3;           // see the header
+constexpr float kMinTint = 0.02f;      // share of colored light
+constexpr float kWorstTint = 0.3f;     // ln chroma that it leaves unexplained,
+constexpr float kWorstShare = 0.6f;    // also as a share of the difference
+constexpr float kMinScore = 0.05f;
 constexpr int kShares = 20;    // of colored light that are tried
 constexpr int kCell = 8;       // pixels, along an axis, that are looked at as one from afar
 constexpr int kLookouts = 64;  // pixels of a region that look
@@ -64,7 +64,7 @@ class Search {
         h_(static_cast<int>(survey.extent.height)) {
     for (const BaseColors::Color& color : survey.colors)
       by_slot_.at(static_cast<size_t>(color.slot)) = &color;
-    least_ = std::max(kLeastPixels, static_cast<int>(kLeastArea * static_cast<float>(w_ * h_)));
+    least_ = std::max(kMinPixels, static_cast<int>(kMinArea * static_cast<float>(w_ * h_)));
   }
 
   SurveyResult run() {
@@ -233,7 +233,7 @@ class Search {
       const float scale = 1 / std::max(mean(k.initial), 1e-6f);
       for (int i = 1; i <= kShares; ++i) {
         const float share = static_cast<float>(i) / kShares;
-        if (share > most || share < kLeastTint) continue;
+        if (share > most || share < kMinTint) continue;
         Rgb light{};
         for (size_t c = 0; c < 3; ++c) light[c] = 1 - share + share * k.initial[c] * scale;
         best = std::min(best, length(minus(tint, log_chroma(light))));
@@ -253,15 +253,15 @@ class Search {
       const Border& border = borders_[index][static_cast<size_t>(b.slot)];
       const float share = border.steps / std::max(steps, 1.0f);
       const float soft = std::max(border.gradual, border.shadow) / std::max(border.steps, 1.0f);
-      if (b.slot == c.cluster || share < kLeastShare || soft < kLeastBorder) continue;
+      if (b.slot == c.cluster || share < kMinShare || soft < kMinBorder) continue;
       if (border.here > kBrighter * border.there) continue;
-      if (length(minus(color(c.cluster).center, b.center)) < kLeastContrast) continue;
+      if (length(minus(color(c.cluster).center, b.center)) < kMinContrast) continue;
       if (!std::exchange(looked, true)) around = surroundings(index);
       const Rgb tint = minus(c.chroma, b.center);
       const float left = unexplained(tint, around), all = length(tint);
       if (left > kWorstTint || left > kWorstShare * all) continue;
       const float score = share * soft * (1 - left / all);
-      if (score < kLeastScore || score <= best.score) continue;
+      if (score < kMinScore || score <= best.score) continue;
       best.score = score;
       best.color = b.slot;
     }

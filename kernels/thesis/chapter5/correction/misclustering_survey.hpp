@@ -36,7 +36,7 @@ struct Misclustered {
 
 struct SurveyResult {
   std::vector<Misclustered> found;  ///< the largest first
-  /// Number of the connected component of each pixel, from 0; −1 where there is no cluster.
+  /// Number of the connected component of each pixel, from 0; −1 if there is no cluster.
   std::vector<int> components;
 };
 

@@ -23,7 +23,7 @@ RegionProposals::RegionProposals(const std::shared_ptr<gpu::Device>& device, Ext
   const auto part = [&](uint32_t size) { return (size - 1) / static_cast<uint32_t>(factor_) + 1; };
   do {
     small_ = {part(extent.width), part(extent.height)};
-  } while (small_.pixels() > kMostPixels && ++factor_);
+  } while (small_.pixels() > kMaxPixels && ++factor_);
 }
 
 /// Nothing that was recorded in another mode counts in this one.
@@ -155,7 +155,7 @@ void RegionProposals::forget_lost(const MarkedRegions& regions) {
     const MarkedRegions::Region* region = find(regions, seen.region);
     if (region && region->proposed) continue;
     seen.region = 0;
-    seen.refused = ++seen.failures >= kMostFailures;
+    seen.refused = ++seen.failures >= kMaxFailures;
   }
 }
 

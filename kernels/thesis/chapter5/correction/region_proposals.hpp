@@ -58,10 +58,10 @@ class RegionProposals {
   int count() const;
 
  private:
-  static constexpr uint64_t kMostPixels = 160 * 160;  ///< of a small frame
-  static constexpr uint64_t kSoon = 4, kLater = 15;   ///< frames from one to the next
-  static constexpr int kMisses = 3;                   ///< after which a proposal is over
-  static constexpr int kMostFailures = 2;             ///< after which it is refused
+  static constexpr uint64_t kMaxPixels = 160 * 160;  ///< of a small frame
+  static constexpr uint64_t kSoon = 4, kLater = 15;  ///< frames from one to the next
+  static constexpr int kMisses = 3;                  ///< after which a proposal is over
+  static constexpr int kMaxFailures = 2;             ///< after which it is refused
   struct Frame {
     gpu::BufferPtr pixels;
     std::vector<BaseColors::Color> colors;

@@ -6,7 +6,7 @@ layout(set = 0, binding = TABLE_SLOT, std430) readonly restrict buffer table_blo
 
 vec4 center(int k) { return LOAD(table, k); }
 vec4 center_target(int k) { return LOAD(table, kMaxColors + k); }
-/// Columns: the base colors of a plane's four layers, w = 1 where there is one.
+/// Columns: the base colors of a plane's four layers, w = 1 if there is one.
 mat4 base_colors(int group) {
   int k = 2 * kMaxColors + 4 * (group - 1);
   return mat4(LOAD(table, k), LOAD(table, k + 1), LOAD(table, k + 2), LOAD(table, k + 3));

@@ -188,7 +188,7 @@ void MarkedRegions::collect(uint64_t number) {
     region.cluster = static_cast<int>(clusters[region.number]) - 1;
     const uint32_t before = std::exchange(region.pixels, counts[region.number]);
     if (region.since < number && before > 0 &&
-        region.pixels > kMostGrowth * std::max(before, kFewPixels)) {
+        region.pixels > kMaxGrowth * std::max(before, kFewPixels)) {
       lost_.push_back({region.number, Loss::spilled});
       region.pixels = 0;
       continue;

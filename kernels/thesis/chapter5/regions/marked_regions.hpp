@@ -25,7 +25,7 @@ class MarkedRegions {
   static constexpr size_t kMaxClicks = 16;  ///< taken in a frame: more than there are numbers
   /// A tracked region that grows by more from one frame to the next is no longer what was marked:
   /// its component has joined another one, and goes.
-  static constexpr uint32_t kMostGrowth = 3;
+  static constexpr uint32_t kMaxGrowth = 3;
 
   struct Region {
     int number;   ///< 1 … kMaxRegions
@@ -41,7 +41,7 @@ class MarkedRegions {
     nothing_there,  ///< no cluster was under the click
     taken_over,     ///< its pixels went to another region
     lost,           ///< no pixel of it was left to follow
-    spilled,        ///< it ran over into what has the same cluster around it (kMostGrowth)
+    spilled,        ///< it ran over into what has the same cluster around it (kMaxGrowth)
     no_candidates,  ///< there was no base color to give it (MisclusteringCorrection)
     unmarked,       ///< somebody removed it
     withdrawn,      ///< it was proposed and does not look misclustered any more, or nothing is to
@@ -58,7 +58,7 @@ class MarkedRegions {
   /// Throws Error(limit, out_of_memory).
   MarkedRegions(const std::shared_ptr<gpu::Device>& device, Extent extent);
 
-  /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 where the
+  /// Marks the region around a pixel, from the next frame on. Returns its number, or 0 if the
   /// pixel is outside the frame or all numbers are taken. A click into a region that is marked
   /// already makes another one, which takes its pixels over. Where all numbers are taken, the
   /// smallest region that was only proposed gives its own away.
@@ -71,12 +71,12 @@ class MarkedRegions {
   /// The base color (slot) that a region has whatever it looks like; −1: that of its cluster.
   /// Numbers that mark nothing are ignored.
   void set_color(int number, int slot);
-  /// False where the number marks nothing.
+  /// False if the number marks nothing.
   bool remove(int number, Loss loss = Loss::unmarked);
   /// Forgets all regions: at a flush, a discontinuity or a scene cut.
   void reset(Loss loss = Loss::reset);
 
-  /// Takes in a frame: w of `features` is each pixel's cluster, −1 where there is none.
+  /// Takes in a frame: w of `features` is each pixel's cluster, −1 if there is none.
   void record(gpu::Commands& commands, const Plane& features);
   /// Number of the last frame that was recorded, for `collect`.
   uint64_t last() const { return recorded_ - 1; }
