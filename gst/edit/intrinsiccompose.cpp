@@ -38,11 +38,11 @@ const PropertyTable<Params>& table() {
           {{static_cast<int>(Show::composed), "composed", "The frame with its edits"},
            {static_cast<int>(Show::reflectance), "reflectance", "Reflectance, edited"},
            {static_cast<int>(Show::shading), "shading",
-            "Shading, edited: gray, or in color where light has layers"},
+            "Shading, edited: gray, or in color with layers of light"},
            {static_cast<int>(Show::input), "input", "The frame as it came in"},
            {static_cast<int>(Show::mask), "mask", "The mask layer, as gray"},
            {static_cast<int>(Show::difference), "difference",
-            "What the edits changed, on middle gray"},
+            "Change by the edits, on middle gray"},
            {static_cast<int>(Show::direct), "direct",
             "Light that comes straight from the lamps (globalintrinsic)"},
            {static_cast<int>(Show::indirect), "indirect",
@@ -53,23 +53,21 @@ const PropertyTable<Params>& table() {
             "The frame without its object's highlights (limematerial)"},
            {static_cast<int>(Show::specular), "specular", "The object's highlights (limematerial)"},
            {static_cast<int>(Show::mirror), "mirror",
-            "What the object would reflect if it were a mirror of its specular albedo "
-            "(limematerial)"}},
-          "What to show"),
+            "Reflection by a mirror of the object's shape and specular albedo (limematerial)"}},
+          "Picture to show"),
       number<P>("layer", &P::layer, 0, static_cast<int>(kMaxBases) - 1,
-                "The base color whose layer show=layer shows"),
+                "Base color whose layer show=layer shows"),
       choice<P>(
           "residual", &P::residual, "GstInverseResidual",
           {{static_cast<int>(Residual::add), "add",
             "input + edited - unedited model: highlights stay as they are"},
            {static_cast<int>(Residual::ratio), "ratio",
             "input x edited / unedited model: noise and fine detail scale with the edit"},
-           {static_cast<int>(Residual::none), "none",
-            "The edited model alone, without what it does not explain"}},
-          "What becomes of the part of the frame that reflectance x shading does not explain; "
-          "diffuse + specular (limematerial) explain all of it"),
+           {static_cast<int>(Residual::none), "none", "The edited model without the residual"}},
+          "How to treat the residual, input - reflectance x shading; layers of limematerial have "
+          "none"),
       number<P>("strength", &P::strength, 0, 1,
-                "How much of all the edits to show: 0 = the input, 1 = all of them"),
+                "Share of the edits to show: 0 = the input, 1 = all of them"),
   };
   return table;
 }

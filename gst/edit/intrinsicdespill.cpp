@@ -24,27 +24,27 @@ struct Params {
 const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
-      number<P>("layer", &P::layer, -1, static_cast<int>(kMaxBases) - 1,
-                "The base color whose light to change, as show=layer of intrinsiccompose numbers "
-                "them; -1 = those near to key"),
+      number<P>(
+          "layer", &P::layer, -1, static_cast<int>(kMaxBases) - 1,
+          "Base color whose light to change, as numbered by show=layer; -1 = those near the key"),
       color<P>("key", &P::key_color,
-               "The color of the surfaces whose light to change (0xAARRGGBB, sRGB; alpha is "
-               "ignored); only its chromaticity counts"),
+               "Color of the surfaces whose bounced light to change (0xAARRGGBB, sRGB; alpha and "
+               "brightness are ignored)"),
       number<P>("tolerance", &P::tolerance, 0, 4.25F,
-                "How far the chromaticity b / mean(b) of a base color may be from the key's: "
-                "Euclidean distance; gray is 2.45 from a pure primary"),
+                "Maximum distance of a base color's chromaticity b / mean(b) from the key's; gray "
+                "is 2.45 from a pure primary"),
       number<P>("softness", &P::softness, 0, 3,
-                "Over what distance beyond tolerance the effect falls to nothing; 0 = all or none"),
+                "Distance beyond tolerance over which the effect falls to 0; 0 = all or none"),
       color<P>("tint", &P::tint_color,
-               "The color that the light gets (0xAARRGGBB, sRGB; alpha and brightness are "
-               "ignored); white = no color cast"),
-      number<P>("keep", &P::keep, 0, 1,
-                "How much of the light's brightness stays: 1 = it only changes color, 0 = it is "
-                "taken away"),
+               "New color of the light (0xAARRGGBB, sRGB; alpha and brightness are ignored); white "
+               "= no color cast"),
+      number<P>(
+          "keep", &P::keep, 0, 1,
+          "Share of the light's brightness to keep: 1 = only its color changes, 0 = it is removed"),
       number<P>("strength", &P::strength, 0, 1,
-                "How far all that goes; 0 = layers pass through untouched"),
+                "Share of the change of light; 0 = layers pass through unchanged"),
       flag<P>("use-mask", &P::use_mask,
-              "Only change light where the mask layer says so, where the frame has one"),
+              "Change light by the mask layer only, if the frame has one"),
   };
   return table;
 }

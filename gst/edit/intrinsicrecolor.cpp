@@ -21,43 +21,36 @@ const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
       color<P>("key", &P::key_color,
-               "A color of the region to recolor, as the reflectance layer shows it (0xAARRGGBB, "
-               "sRGB; alpha is ignored). Its chromaticity selects, and its brightness is what "
-               "becomes the target's; a gray selects all grays, so narrow value-tolerance then"),
+               "Reflectance of the surface to recolor (0xAARRGGBB, sRGB; alpha is ignored); a gray "
+               "selects all grays, so lower value-tolerance then"),
       number<P>("tolerance", &P::tolerance, 0, 4.25F,
-                "How far chromaticity R / mean(R) may be from the key's: Euclidean distance; gray "
-                "is 2.45 from a pure primary"),
+                "Maximum distance of chromaticity R / mean(R) from the key's; gray is 2.45 from a "
+                "pure primary"),
       number<P>("value-tolerance", &P::value_tolerance, 0, P::kAnyValue,
-                "How far mean reflectance may be from the key's: |ln ratio|, so 0.7 is a factor of "
-                "two either way; 20 = any"),
+                "Maximum distance of mean reflectance from the key's, |ln ratio|: 0.7 is a factor "
+                "of two; 20 = any"),
       number<P>("softness", &P::softness, 0, 3,
-                "Over what distance beyond the tolerances the selection falls to nothing, in their "
-                "units; with a cluster or a base color, over what difference between the distances "
-                "to the nearest two in ln R or ln chromaticity; 0 = hard edges"),
+                "Distance beyond the tolerances over which the selection falls to 0, in their "
+                "units; 0 = hard edges"),
       number<P>("base-color", &P::base, P::kByKey, static_cast<int>(kMaxBases) - 1,
-                "Recolor the surfaces of this base color of bounced light, by the number that "
-                "layer of globalintrinsic and globalintrinsicthesis has for it, instead of those "
-                "near the key; comes before cluster. -1 = by cluster or key. Frames that have no "
-                "such base color stay as they are"),
+                "Recolor the surfaces of this base color (layer of globalintrinsic) instead of "
+                "those near the key; -1 = by cluster or key"),
       number<P>("cluster", &P::cluster, P::kByKey, static_cast<int>(Palette::kMaxClusters) - 1,
-                "Recolor the pixels nearest to this cluster of the scene's reflectances instead of "
-                "those near the key; -1 = by key. The field clusters of stats lists their colors"),
+                "Recolor the pixels nearest to this reflectance cluster (clusters of stats) "
+                "instead of those near the key; -1 = by key"),
       number<P>("clusters", &P::clusters, 1, static_cast<int>(Palette::kMaxClusters),
-                "How many clusters to look for; only used where cluster is not -1. A change starts "
-                "the search afresh"),
+                "Number of clusters to search for, if cluster is not -1"),
       color<P>("target", &P::target_color,
-               "The reflectance that the key becomes (0xAARRGGBB, sRGB; alpha is ignored)"),
+               "Reflectance that replaces the key (0xAARRGGBB, sRGB; alpha is ignored)"),
       number<P>("texture", &P::texture, 0, 1,
-                "How much of the region's own variation in brightness stays: 0 = flat paint, 1 = "
+                "Share of the surface's own variation of brightness to keep: 0 = flat paint, 1 = "
                 "all of it"),
       number<P>("strength", &P::strength, 0, 1,
-                "How far the colors go to the target; 0 = layers pass through untouched"),
+                "Share of the change of color; 0 = layers pass through unchanged"),
       flag<P>("use-mask", &P::use_mask,
-              "Multiply the selection by the mask layer where the frame has one"),
-      flag<P>(
-          "write-mask", &P::write_mask,
-          "Leave the selection behind as the mask layer, for the editors after this one, and to "
-          "look at"),
+              "Multiply the selection by the mask layer if the frame has one"),
+      flag<P>("write-mask", &P::write_mask,
+              "Write the selection to the mask layer, for later editors and show=mask"),
   };
   return table;
 }

@@ -20,19 +20,19 @@ using Clock = std::chrono::steady_clock;
 const PropertyTable<SplitParams>& SplitElement::table() {
   using P = SplitParams;
   static const PropertyTable<P> table{
-      choice<P>("encoding", &P::encoding, "GstInverseSplitEncoding",
-                {{static_cast<int>(P::Encoding::linear), "linear",
-                  "Linear light: values are proportional to reflectance and shading"},
-                 {static_cast<int>(P::Encoding::srgb), "srgb",
-                  "The sRGB curve, as screens expect it; where what follows insists on another "
-                  "colorimetry, its curve"}},
-                "How numbers are written", Mutable::ready),
+      choice<P>(
+          "encoding", &P::encoding, "GstInverseSplitEncoding",
+          {{static_cast<int>(P::Encoding::linear), "linear",
+            "Linear light: values are proportional to reflectance and shading"},
+           {static_cast<int>(P::Encoding::srgb), "srgb",
+            "The sRGB curve for displays, or that of the colorimetry that downstream requires"}},
+          "Transfer function of the pictures", Mutable::ready),
       number<P>("reflectance-scale", &P::reflectance_scale, 0, 100,
-                "Multiplies reflectance before it is clipped at 1"),
+                "Factor on reflectance before it is clipped at 1"),
       number<P>("shading-scale", &P::shading_scale, 0, 100,
-                "Multiplies shading before it is clipped at 1"),
+                "Factor on shading before it is clipped at 1"),
       number<P>("mirror-scale", &P::mirror_scale, 0, 100,
-                "Multiplies the mirror image before it is clipped at 1"),
+                "Factor on the mirror image before it is clipped at 1"),
   };
   return table;
 }

@@ -41,24 +41,21 @@ struct Params : LimeMaterial::Params {
 const PropertyTable<Params>& table() {
   using P = Params;
   static const PropertyTable<P> table{
-      choice<P>(
-          "show", &P::show, "GstInverseLimeShow",
-          {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
-           {static_cast<int>(LimeShow::mask), "mask", "Where the object is, as gray"},
-           {static_cast<int>(LimeShow::specular), "specular",
-            "Highlights: what the object's surface reflects, as gray; where the picture is "
-            "clipped, what is missing of it by channel, and so tinted"},
-           {static_cast<int>(LimeShow::diffuse), "diffuse",
-            "The frame without the object's highlights"},
-           {static_cast<int>(LimeShow::mirror), "mirror",
-            "What the object would reflect if it were a mirror of its specular albedo, as gray"},
-           {static_cast<int>(LimeShow::mosaic), "mosaic",
-            "Input, diffuse, specular and mirror at half size, side by side"},
-           {static_cast<int>(LimeShow::preview), "preview",
-            "The frame, and in its bottom right corner a sphere of the object's material under "
-            "the estimated light (that of a studio while none is known); nothing there while "
-            "no material is known"}},
-          "Layer to show as ordinary video; elements that take layers get all of them"),
+      choice<P>("show", &P::show, "GstInverseLimeShow",
+                {{static_cast<int>(LimeShow::input), "input", "The frame as it came in"},
+                 {static_cast<int>(LimeShow::mask), "mask", "Mask of the object, as gray"},
+                 {static_cast<int>(LimeShow::specular), "specular",
+                  "Highlights of the object, as gray; tinted if the picture is clipped"},
+                 {static_cast<int>(LimeShow::diffuse), "diffuse",
+                  "The frame without the object's highlights"},
+                 {static_cast<int>(LimeShow::mirror), "mirror",
+                  "Reflection by a mirror of the object's shape and specular albedo, as gray"},
+                 {static_cast<int>(LimeShow::mosaic), "mosaic",
+                  "Input, diffuse, specular and mirror at half size, side by side"},
+                 {static_cast<int>(LimeShow::preview), "preview",
+                  "The frame with a sphere of the object's material, under the estimated light or "
+                  "a studio's, in the bottom right corner"}},
+                "Layer to show as ordinary video; elements that take layers get all of them"),
       number<P>("preview-size", &P::preview_size, 0.02F, 1,
                 "Diameter of the sphere of show=preview, relative to the frame's shorter side"),
       text<P>(
@@ -80,11 +77,10 @@ const PropertyTable<Params>& table() {
       flag<P>("light", &P::tell_light,
               "Estimate the light around the object, for GstMaterialMeta and save-environment"),
       choice<P>("normals", &P::normals, "GstInverseLightNormals",
-                {{static_cast<int>(LightNormals::none), "none",
-                  "There are none: without normal-map there is no light"},
+                {{static_cast<int>(LightNormals::none), "none", "None: light needs normal-map"},
                  {static_cast<int>(LightNormals::silhouette), "silhouette",
-                  "The object is taken for a body inflated from its outline: right for spheres, "
-                  "near for other round things"}},
+                  "A body inflated from the object's outline: exact for spheres, approximate for "
+                  "other round objects"}},
                 "Source of the surface normals for the light if there is no normal-map"),
       text<P>("normal-map", &P::normal_map,
               "PNG file of the normals in the frame, RGB = xyz from -1 to 1, z to the camera; "
@@ -242,7 +238,7 @@ class LimeElement final : public Filter {
   void describe(GstStructure* stats, uint64_t number) const override {
     const LimeMaterial::Report& report = method_->report(past(number).method);
     const bool asked = params().asks_for_light();
-    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "kept", G_TYPE_BOOLEAN,
+    gst_structure_set(stats, "skipped", G_TYPE_STRING, report.skipped, "reused", G_TYPE_BOOLEAN,
                       past(number).kept, "segmentations", G_TYPE_UINT64, report.segmentations,
                       "estimates", G_TYPE_UINT64, report.estimates, "light-views", G_TYPE_UINT64,
                       asked ? method_->light_views() : 0, "network-bytes", G_TYPE_UINT64,
@@ -456,7 +452,7 @@ const ElementInfo kLimeMaterial{
     "GstLimeMaterial",
     "Live material estimation",
     "Filter/Analyzer/Video",
-    "Names the material of the object in front of the camera: diffuse and specular albedo and "
+    "Estimates the material of the object in front of the camera: diffuse and specular albedo and "
     "shininess, with its mask, highlights and mirror image",
     Flow::pixels,
     Flow::pixels_or_layers,

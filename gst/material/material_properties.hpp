@@ -36,17 +36,16 @@ class MaterialProperties final : public PropertyStore {
     };
     const auto& [diffuse, specular, shininess] = kMaterialResults;
     add(g_param_spec_uint(diffuse, "diffuse albedo",
-                          "Diffuse albedo of the object (0xAARRGGBB, sRGB); 0 where there is "
-                          "none. Notified, as specular-albedo and shininess are, with the message "
-                          "material",
+                          "Diffuse albedo of the object (0xAARRGGBB, sRGB), notified with the "
+                          "message material; 0 if there is no object",
                           0, G_MAXUINT, 0, flags));
     add(g_param_spec_float(specular, "specular albedo",
-                           "Specular albedo of the object, white; 0 where there is none", 0, 1, 0,
+                           "Specular albedo of the object, white; 0 if there is no object", 0, 1, 0,
                            flags));
-    add(g_param_spec_float(shininess, "shininess",
-                           "Exponent of the object's highlights (Blinn-Phong), 2 to 1024; 0 where "
-                           "there is no object",
-                           0, 1024, 0, flags));
+    add(g_param_spec_float(
+        shininess, "shininess",
+        "Exponent of the object's highlights (Blinn-Phong), 2 to 1024; 0 if there is no object", 0,
+        1024, 0, flags));
   }
   void get(size_t index, GValue* value) const override {
     if (index < count_) return own_.get(index, value);

@@ -89,13 +89,12 @@ const PropertyTable<Params>& table() {
                   "had; before the first one, diffuse-color, specular and shininess"},
                  {static_cast<int>(MaterialFrom::properties), "properties",
                   "diffuse-color, specular and shininess"}},
-                "Where the material comes from"),
+                "Source of the material"),
       color<P>("diffuse-color", &P::diffuse,
-               "Diffuse albedo (0xAARRGGBB, sRGB) where the stream has none"),
-      number<P>("specular", &P::specular, 0, 1,
-                "Specular albedo, white, where the stream has none"),
+               "Diffuse albedo (0xAARRGGBB, sRGB) if the stream has none"),
+      number<P>("specular", &P::specular, 0, 1, "Specular albedo, white, if the stream has none"),
       number<P>("shininess", &P::shininess, 2, 1024,
-                "Exponent of highlights (Blinn-Phong) where the stream has none"),
+                "Exponent of highlights (Blinn-Phong) if the stream has none"),
   };
   return table;
 }
@@ -291,19 +290,18 @@ class CloneElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kMaterialClone;
-const ElementInfo kMaterialClone{
-    "materialclone",
-    "GstMaterialClone",
-    "Live material cloning",
-    "Filter/Effect/Video",
-    "Draws an object into the video, of the material that limematerial sees in it and under the "
-    "light there, with a soft contact shadow",
-    Flow::pixels,
-    Flow::pixels,
-    nullptr,
-    nullptr,
-    [] { return std::unique_ptr<Filter>(new CloneElement); },
-    {},
-    true};
+const ElementInfo kMaterialClone{"materialclone",
+                                 "GstMaterialClone",
+                                 "Live material cloning",
+                                 "Filter/Effect/Video",
+                                 "Draws an object into the video, with the material and the light "
+                                 "that limematerial estimates, and a soft contact shadow",
+                                 Flow::pixels,
+                                 Flow::pixels,
+                                 nullptr,
+                                 nullptr,
+                                 [] { return std::unique_ptr<Filter>(new CloneElement); },
+                                 {},
+                                 true};
 
 }  // namespace inverse

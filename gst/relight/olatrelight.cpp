@@ -38,14 +38,12 @@ Property<Params> direction_property() {
     char text[64];
     snprintf(text, sizeof(text), "%g,%g,%g", double{defaults.light[0]}, double{defaults.light[1]},
              double{defaults.light[2]});
-    return g_param_spec_string(
-        "light-direction", "light direction",
-        "Where the light of show=olat is, from the subject: x,y,z (x right, y up, z to the "
-        "camera), of any length but 0. light-x, light-y and light-z are the same, one by one, for "
-        "controllers; the mouse moves it while its first button is down",
-        g_intern_string(text),
-        static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
-                                 GST_PARAM_MUTABLE_PLAYING));
+    return g_param_spec_string("light-direction", "light direction",
+                               "Direction of the light of show=olat from the subject: x,y,z (x "
+                               "right, y up, z to the camera); drag the mouse to move it",
+                               g_intern_string(text),
+                               static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
+                                                        GST_PARAM_MUTABLE_PLAYING));
   };
   property.read = [](const Params& from, GValue* to) {
     char text[64];
@@ -75,21 +73,21 @@ const PropertyTable<Params>& table() {
           "show", &P::show, "GstInverseRelightShow",
           {{static_cast<int>(RelightShow::relit), "relit", "The subject under the environment"},
            {static_cast<int>(RelightShow::olat), "olat",
-            "The subject under one light at light-direction, as bright as a quarter of the stage's "
-            "lights together"},
+            "The subject under one light at light-direction, a quarter as bright as all lights of "
+            "the stage"},
            {static_cast<int>(RelightShow::mosaic), "mosaic",
             "All lights on, directions, one light and relit at half size, side by side"},
            {static_cast<int>(RelightShow::normal), "normal",
-            "Mean direction of the light that each pixel gives back, as a normal map: RGB = xyz"},
+            "Mean direction of the light that each pixel reflects, as a normal map: RGB = xyz"},
            {static_cast<int>(RelightShow::albedo), "albedo",
             "The subject under all lights: gradient A + gradient B"}},
-          "What to show"),
+          "Picture to show"),
       choice<P>("model", &P::model, "GstInverseRelightModel",
                 {{static_cast<int>(Relighting::Model::cosine_lobe), "cosine-lobe",
-                  "Each pixel gives light back in one lobe around one direction, which the "
-                  "gradients tell: no shadows, no training, fast"},
+                  "Each pixel reflects light in one lobe around one direction, found from the "
+                  "gradients: no shadows, no training, fast"},
                  {static_cast<int>(Relighting::Model::network), "network",
-                  "A network that was trained on heads: shadows and highlights, too"}},
+                  "A network trained on heads: with shadows and highlights"}},
                 "Method that predicts the picture under one light", Mutable::ready),
       text<P>(
           "models", &P::models,
@@ -418,20 +416,19 @@ class RelightElement final : public Filter {
 }  // namespace
 
 extern const ElementInfo kOlatRelight;
-const ElementInfo kOlatRelight{
-    "olatrelight",
-    "GstOlatRelight",
-    "Light stage relighting",
-    "Filter/Effect/Video",
-    "Shows a subject that a light stage lit by two color gradients under any light: an environment "
-    "map, or one light from any direction",
-    Flow::layers_or_pixels,
-    Flow::pixels,
-    kGradientLayers,
-    "lightstagesync",
-    [] { return std::unique_ptr<Filter>(new RelightElement); },
-    {},
-    true,
-    2};
+const ElementInfo kOlatRelight{"olatrelight",
+                               "GstOlatRelight",
+                               "Light stage relighting",
+                               "Filter/Effect/Video",
+                               "Relights a subject lit by two color gradients of a light stage: by "
+                               "an environment map, or by one light from any direction",
+                               Flow::layers_or_pixels,
+                               Flow::pixels,
+                               kGradientLayers,
+                               "lightstagesync",
+                               [] { return std::unique_ptr<Filter>(new RelightElement); },
+                               {},
+                               true,
+                               2};
 
 }  // namespace inverse

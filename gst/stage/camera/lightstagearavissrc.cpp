@@ -232,59 +232,52 @@ void install(GObjectClass* object) {
     g_object_class_install_property(object, id, spec);
   };
   put(PROP_CAMERA_NAME,
-      g_param_spec_string(
-          "camera-name", "camera name",
-          "The camera, as arv-tool-0.8 lists it; empty: the first one that is found", "", fixed));
-  put(PROP_CAMERA,
-      g_param_spec_object("camera", "camera",
-                          "The open ArvCamera, for those who want to trigger it; null before READY "
-                          "is left",
-                          ARV_TYPE_CAMERA, readable));
+      g_param_spec_string("camera-name", "camera name",
+                          "Camera name, as arv-tool-0.8 lists it; empty = the first one found", "",
+                          fixed));
+  put(PROP_CAMERA, g_param_spec_object("camera", "camera",
+                                       "The open ArvCamera, for triggering; null up to READY",
+                                       ARV_TYPE_CAMERA, readable));
   put(PROP_EXPOSURE,
-      g_param_spec_double("exposure", "exposure", "Exposure time in µs; -1: as the camera has it",
+      g_param_spec_double("exposure", "exposure", "Exposure time in µs; -1 = the camera's setting",
                           -1, 1e8, -1, live));
-  put(PROP_GAIN, g_param_spec_double("gain", "gain",
-                                     "Gain in the camera's unit (mostly dB); -1: as the camera "
-                                     "has it",
-                                     -1, 500, -1, live));
+  put(PROP_GAIN,
+      g_param_spec_double("gain", "gain",
+                          "Gain in the camera's unit (mostly dB); -1 = the camera's setting", -1,
+                          500, -1, live));
   put(PROP_FEATURES,
-      g_param_spec_string("features", "features",
-                          "More of the camera's features, \"Name=Value Command\", set after all "
-                          "else and before it starts",
-                          "", fixed));
+      g_param_spec_string(
+          "features", "features",
+          "Other features of the camera as \"Name=Value Command\", set last before it starts", "",
+          fixed));
   put(PROP_PACKET_SIZE, g_param_spec_uint("packet-size", "packet size",
-                                          "Bytes of a GigE Vision camera's packets; 0: as it is. "
-                                          "Networks with jumbo frames take 9000",
+                                          "Packet size of a GigE Vision camera, bytes; 0 = its "
+                                          "setting, 9000 for networks with jumbo frames",
                                           0, 65535, 0, fixed));
   put(PROP_TRIGGER_SOURCE,
       g_param_spec_string("trigger-source", "trigger source",
-                          "What triggers each frame, by the camera's names: Software, Line0 …; "
-                          "empty: it runs at the caps' frame rate",
+                          "Trigger of each frame by the camera's name: Software, Line0 …; empty = "
+                          "the frame rate of the caps",
                           "", fixed));
   put(PROP_NUM_BUFFERS_QUEUED,
-      g_param_spec_uint("num-buffers-queued", "num buffers queued",
-                        "Frames for which the camera has memory. Half of them can be held "
-                        "downstream; further ones are copied",
-                        4, 1024, 16, fixed));
+      g_param_spec_uint(
+          "num-buffers-queued", "num buffers queued",
+          "Number of frame buffers; downstream can hold half of them, further frames are copied", 4,
+          1024, 16, fixed));
   put(PROP_TIMEOUT,
-      g_param_spec_uint("timeout", "timeout",
-                        "Milliseconds without a complete frame after which it is an error (three "
-                        "frames at least; without an error where frames are triggered and the "
-                        "camera still answers); 0: never",
-                        0, 3600000, 2000, live));
+      g_param_spec_uint(
+          "timeout", "timeout",
+          "Time without a complete frame that is an error, ms, at least three frames; 0 = never", 0,
+          3600000, 2000, live));
   put(PROP_FRAME_ID_BITS,
       g_param_spec_uint("frame-id-bits", "frame id bits",
-                        "Bits of the camera's frame ids, which are the buffers' offsets: 16 go on "
-                        "from 65535 to 1, 64 do not end; 0: no camera is open",
+                        "Bits of the camera's frame ids, which are the buffers' offsets: 16 wrap "
+                        "from 65535 to 1; 0 = no camera is open",
                         0, 64, 0, readable));
-  put(PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "stats",
-          "Since READY was left: frames (count), incomplete (lost packets), missed (by the ids), "
-          "timeouts, underruns (no memory was free), misfits (not as the caps say), stale (came "
-          "while nobody played), lent, copied, lent-now, resent-packets, missing-packets, "
-          "clock-jumps, clock-correction-ppm (the camera's clock to the pipeline's)",
-          GST_TYPE_STRUCTURE, readable));
+  put(PROP_STATS, g_param_spec_boxed("stats", "stats",
+                                     "Counts of frames, losses, copies and packets, and the "
+                                     "correction of the camera's clock, since READY",
+                                     GST_TYPE_STRUCTURE, readable));
 }
 
 void class_init(gpointer klass, gpointer) {

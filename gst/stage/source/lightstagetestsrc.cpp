@@ -356,7 +356,7 @@ void class_init(gpointer klass, gpointer) {
       object, PROP_LIVE,
       g_param_spec_boolean(
           "is-live", "is live",
-          "Frames come when the program has them, as from a camera; false: as fast as they can",
+          "Produce frames at the program's times, as a camera does; false = as fast as possible",
           TRUE,
           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS |
                                    GST_PARAM_MUTABLE_READY)));

@@ -8,10 +8,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
   constexpr Mutable kReady = Mutable::ready;
   static const PropertyTable<P> table{
       text<P>("program", &P::program,
-              "Light program: a JSON file, or performance or static, with a number of lights as "
-              "performance:96",
-              kReady),
-      number<P>("rate", &P::rate, 1, 1000, "Frames per second of programs that are no files",
+              "Light program: a JSON file, or performance[:N] or static[:N] for N lights", kReady),
+      number<P>("rate", &P::rate, 1, 1000, "Frames per second of performance and static programs",
                 kReady),
       number<P>("start", &P::start, 0, 1e6,
                 "Running time of the program's start in seconds; equal for several cameras, 0 = "
@@ -21,8 +19,8 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
               "Folder of OLAT images to play instead of the head: lights.json and olat/NNN.exr",
               kReady),
       text<P>("listen", &P::listen,
-              "Follow sACN packets to this host:port, such as :5568, instead of the program's "
-              "steps; empty = off",
+              "Host:port of sACN packets that set the lights, such as :5568; empty = the program's "
+              "steps do",
               kReady),
       tuning(number<P>("universe", &P::universe, 1, 63999,
                        "With listen: the sACN universe that channel 1 is in", kReady)),
@@ -53,7 +51,7 @@ const PropertyTable<TestSourceParams>& test_source_properties() {
       number<P>("noise", &P::noise, 0, 1,
                 "Standard deviation of sensor noise at white, relative to white"),
       number<P>("motion", &P::motion, -1000, 1000,
-                "Amplitude of the top row's horizontal motion, pixels; the bottom row stays"),
+                "Amplitude of the horizontal motion of the top row, pixels; the bottom row stays"),
       tuning(number<P>("motion-period", &P::motion_period, 0.01F, 3600,
                        "Period of the motion, seconds")),
       tuning(number<P>("drop-rate", &P::drop_rate, 0, 1, "Share of frames that are lost")),

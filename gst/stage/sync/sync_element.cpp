@@ -329,8 +329,11 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     SyncCamera::Item* item = camera.find(frame.token);
     if (!item) continue;  // flushed meanwhile
     if (frame.fate == FrameLabeler::Fate::ended) end_program(camera, true);
-    if (frame.fate != FrameLabeler::Fate::labeled) {
-      const bool passes = !params_.drop_unlabeled && params_.assemble == SyncParams::Assemble::none;
+    const bool is_labeled = frame.fate == FrameLabeler::Fate::labeled;
+    const bool passes =
+        is_labeled || (!params_.drop_unlabeled && params_.assemble == SyncParams::Assemble::none);
+    log_label(camera, *item, frame, passes);
+    if (!is_labeled) {
       item->state = passes ? State::leaves : State::dropped;
       continue;
     }
@@ -359,6 +362,12 @@ void SyncElement::advance() {
     SyncCamera::Item* item = camera->second->find(frame.token);
     if (!item) continue;
     item->state = frame.out ? State::leaves : State::dropped;
+    if (!frame.out)
+      GST_CAT_DEBUG_OBJECT(log_.category, camera->second->sink,
+                           "frame of trigger %" G_GUINT64_FORMAT
+                           " is dropped: its set lacks frames "
+                           "of other cameras",
+                           item->label ? item->label->trigger : 0);
     camera->second->incomplete += frame.out ? 0 : 1;
     if (!frame.out) lacked_ended(frame.camera);
     --camera->second->in_sets;

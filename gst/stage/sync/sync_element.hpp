@@ -95,6 +95,9 @@ class SyncElement {
   // With the mutex held; what they have to say on the bus is posted by `post` once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
   void end_program(SyncCamera& camera, bool over);
+  /// Logs what became of a frame in labeling (DEBUG).
+  void log_label(const SyncCamera& camera, const SyncCamera::Item& item,
+                 const FrameLabeler::Labeled& frame, bool passes) const;
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
   void advance();
   void look_for_silence();

@@ -16,7 +16,50 @@ double seconds(SyncCamera::Clock::duration time) {
   return std::chrono::duration<double>(time).count();
 }
 
+const char* reason_of(FrameLabeler::Fate fate) {
+  using Fate = FrameLabeler::Fate;
+  switch (fate) {
+    case Fate::labeled:
+      return "labeled";
+    case Fate::duplicate:
+      return "second frame of its trigger";
+    case Fate::late:
+      return "after a frame of a later trigger, or stamped too late";
+    case Fate::ambiguous:
+      return "several triggers fit";
+    case Fate::contradicted:
+      return "time stamp and picture fit different steps";
+    case Fate::before_marker:
+      return "before the marker of the program, or after labels were lost";
+    case Fate::ended:
+      return "after the end of the program";
+    case Fate::untimed:
+      return "it has neither a time nor a frame id";
+  }
+  return "";
+}
+
+const char* name_of(LightProgram::Position::Part part) {
+  using Part = LightProgram::Position::Part;
+  return part == Part::marker ? "marker" : part == Part::step ? "step" : "end";
+}
+
 }  // namespace
+
+void SyncElement::log_label(const SyncCamera& camera, const SyncCamera::Item& item,
+                            const FrameLabeler::Labeled& frame, bool passes) const {
+  const GstClockTime time = GST_BUFFER_PTS(GST_BUFFER_CAST(item.object));
+  if (frame.fate == FrameLabeler::Fate::labeled)
+    GST_CAT_DEBUG_OBJECT(log_.category, camera.sink,
+                         "frame at %" GST_TIME_FORMAT " is labeled: trigger %" G_GUINT64_FORMAT
+                         ", %s %u of pass %" G_GUINT64_FORMAT,
+                         GST_TIME_ARGS(time), frame.trigger, name_of(frame.position.part),
+                         frame.position.index, frame.position.pass);
+  else
+    GST_CAT_DEBUG_OBJECT(log_.category, camera.sink,
+                         "frame at %" GST_TIME_FORMAT " has no label and is %s: %s",
+                         GST_TIME_ARGS(time), passes ? "passed" : "dropped", reason_of(frame.fate));
+}
 
 void SyncElement::warn(const std::string& text) { warnings_.push_back(text); }
 

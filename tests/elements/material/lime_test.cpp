@@ -136,7 +136,7 @@ TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
   for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
     VideoHarness harness(line(std::string("tuning=recheck=1000 show=") + show), caps(), caps());
     GstElement* lime = harness.find("limematerial");
-    const auto kept = [lime] { return stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN); };
+    const auto kept = [lime] { return stat<gboolean>(lime, "reused", G_TYPE_BOOLEAN); };
     std::vector<uint8_t> out;
     for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
     EXPECT_TRUE(kept()) << show;
@@ -156,7 +156,7 @@ TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
   std::vector<uint8_t> out;
   for (int i = 0; i < 40; ++i) out = harness.process(scene(60, 30, 20));
   EXPECT_GT(out[4 * (30 * kWidth + 60)], 20) << "there are highlights";
-  EXPECT_TRUE(stat<gboolean>(harness.find("limematerial"), "kept", G_TYPE_BOOLEAN));
+  EXPECT_TRUE(stat<gboolean>(harness.find("limematerial"), "reused", G_TYPE_BOOLEAN));
   g_object_set(harness.find("limematerial"), "adaptive", FALSE, nullptr);
   EXPECT_EQ(harness.process(scene(60, 30, 20)), out);
 }
@@ -184,7 +184,7 @@ TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
   GstElement* lime = harness.find("limematerial");
   std::vector<uint8_t> lit;
   for (int i = 0; i < 40; ++i) lit = harness.process(scene(60, 30, 20));
-  EXPECT_TRUE(stat<gboolean>(lime, "kept", G_TYPE_BOOLEAN));
+  EXPECT_TRUE(stat<gboolean>(lime, "reused", G_TYPE_BOOLEAN));
   EXPECT_GT(stat<guint64>(lime, "light-views", G_TYPE_UINT64), 0u);
   gst_util_set_object_arg(G_OBJECT(lime), "normals", "none");
   EXPECT_NE(harness.process(scene(60, 30, 20)), lit) << "in a studio's light, as none is known";

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "stage_fixture.hpp"
+#include "tests/elements/log_reader.hpp"
 
 namespace inverse::testing {
 namespace {
@@ -30,6 +31,17 @@ TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
   EXPECT_EQ(count("labeled"), 30u);
   EXPECT_EQ(count("before-marker"), 10u);
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
+}
+
+TEST_F(StageSync, TheLogTellsTheLabelOfEveryFrame) {
+  const LogReader log("lightstagesync", GST_LEVEL_DEBUG);
+  use_performance();
+  start();
+  for (int64_t n = -10; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK) << n;
+  ASSERT_EQ(pull(30).size(), 30u);
+  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "is labeled: trigger "), 30u);
+  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "trigger 4, step 1 of pass 0"), 1u);
+  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "has no label and is dropped: before the marker"), 10u);
 }
 
 TEST_F(StageSync, LostFramesAreCountedAndToldOf) {

@@ -9,10 +9,9 @@ const PropertyTable<SyncParams>& sync_properties() {
   const auto value = [](auto choice) { return static_cast<int>(choice); };
   static const PropertyTable<P> table{
       text<P>("program", &P::program,
-              "Light program: a JSON file, or performance or static, with a number of lights as "
-              "static:96",
+              "Light program: a JSON file, or performance[:N] or static[:N] for N lights",
               Mutable::ready),
-      number<P>("rate", &P::rate, 1u, 1000u, "Steps per second of programs that are no files",
+      number<P>("rate", &P::rate, 1u, 1000u, "Steps per second of performance and static programs",
                 Mutable::ready),
       choice<P>(
           "frame-id", &P::frame_id, "GstInverseFrameId",
@@ -20,7 +19,7 @@ const PropertyTable<SyncParams>& sync_properties() {
            {value(P::FrameId::offset), "offset",
             "GST_BUFFER_OFFSET is the number that the camera gave the frame (v4l2src); it "
             "counts, and time stamps check"}},
-          "Where the camera's frame id is", Mutable::ready),
+          "Source of the camera's frame id", Mutable::ready),
       choice<P>(
           "frame-id-bits", &P::frame_id_bits, "GstInverseFrameIdBits",
           {{0, "auto",
@@ -28,8 +27,7 @@ const PropertyTable<SyncParams>& sync_properties() {
            {16, "16", "Ids wrap after 65535"},
            {32, "32", "Ids wrap after 4294967295"},
            {64, "64", "Ids wrap after 2^64 - 1"}},
-          "Bits of a frame id; after the largest comes 0, or 1 where the camera leaves 0 out",
-          Mutable::ready),
+          "Bits of a frame id, after which it starts again at 0 or 1", Mutable::ready),
       tuning(
           number<P>("jitter", &P::jitter, 0.01, 0.45,
                     "Maximum deviation of a time stamp from its trigger, in periods of the program",
@@ -41,9 +39,9 @@ const PropertyTable<SyncParams>& sync_properties() {
                 {{value(P::Sets::complete), "complete",
                   "Only frames of triggers that every camera has sent a frame of"},
                  {value(P::Sets::all), "all", "All labeled frames"}},
-                "Which frames pass where there are several cameras", Mutable::ready),
+                "Which sets of frames of several cameras pass", Mutable::ready),
       number<P>("timeout", &P::timeout, 0.01, 60,
-                "Seconds to wait for a camera that has stopped before others continue without it",
+                "Seconds without frames of a camera after which others continue without it",
                 Mutable::ready),
       tuning(number<P>("max-frames", &P::max_frames, 0u, 1024u,
                        "Maximum number of waiting frames per camera; 0 = by timeout, up to 1 GiB",
@@ -59,12 +57,12 @@ const PropertyTable<SyncParams>& sync_properties() {
                  {value(P::Assemble::olat), "olat",
                   "Frames of a static capture, each moved to where the subject was in its last "
                   "tracking frame, once that has come"}},
-                "What becomes of labeled frames", Mutable::ready),
+                "How to combine labeled frames", Mutable::ready),
       choice<P>("align", &P::align, "GstInverseAlign",
                 {{value(P::Align::none), "none", "B as it was seen, one trigger after A"},
                  {value(P::Align::flow), "flow",
                   "B moved to where the subject was in A, by optical flow"}},
-                "How a pair is put together (assemble=pairs)", Mutable::ready),
+                "Alignment of the two frames of a pair (assemble=pairs)", Mutable::ready),
       text<P>("location", &P::location,
               "Folder for the OpenEXR files of a static capture (assemble=olat); empty = none",
               Mutable::ready),
@@ -79,7 +77,7 @@ const PropertyTable<SyncParams>& sync_properties() {
                  {value(P::CameraTrigger::aravis_software), "aravis-software",
                   "This element steps the lights, then fires the software trigger of every camera "
                   "upstream (lightstagearavissrc, aravissrc), waits for these frames, and so on"}},
-                "What triggers the cameras", Mutable::ready),
+                "Trigger of the cameras", Mutable::ready),
       tuning(number<P>("trigger-timeout", &P::trigger_timeout, 0.01, 60,
                        "camera-trigger=aravis-software: seconds to wait for the frame of a trigger",
                        Mutable::ready)),
@@ -97,13 +95,13 @@ const PropertyTable<SyncParams>& sync_properties() {
            {value(Backend::serial), "serial",
             "A controller on a serial line that is given the program before the start, and a "
             "pulse for each step"}},
-          "How the lights are reached", Mutable::ready),
+          "Protocol to control the lights", Mutable::ready),
       tuning(number<P>("lead-in", &P::lead_in, 0, 3600,
                        "Minimum seconds of black from PLAYING to the program's start",
                        Mutable::ready)),
       text<P>(
           "host", [](P & p) -> auto& { return p.lights.sacn.destination; },
-          "backend=sacn: receiver as host or host:port; empty = multicast", Mutable::ready),
+          "Receiver as host or host:port (backend=sacn); empty = multicast", Mutable::ready),
       tuning(text<P>(
           "interface", [](P & p) -> auto& { return p.lights.sacn.interface_address; },
           "backend=sacn: IPv4 address of the network interface for multicast; empty = chosen by "
@@ -111,7 +109,7 @@ const PropertyTable<SyncParams>& sync_properties() {
           Mutable::ready)),
       number<P>(
           "universe", [](P & p) -> auto& { return p.lights.dmx.universe; }, 1u, 63999u,
-          "backend=sacn, ola: the universe in which the program's channel 1 is", Mutable::ready),
+          "Universe of the program's channel 1 (backend=sacn, ola)", Mutable::ready),
       tuning(number<P>(
           "sync-universe", [](P & p) -> auto& { return p.lights.sacn.sync_universe; }, 0u, 63999u,
           "backend=sacn: universe of synchronization packets; 0 = none", Mutable::ready)),
@@ -123,7 +121,7 @@ const PropertyTable<SyncParams>& sync_properties() {
           "backend=ola: the port on which olad answers", Mutable::ready)),
       text<P>(
           "serial-port", [](P & p) -> auto& { return p.lights.serial.port; },
-          "backend=serial: the port, such as /dev/ttyUSB0", Mutable::ready),
+          "Serial port, such as /dev/ttyUSB0 (backend=serial)", Mutable::ready),
       tuning(number<P>(
           "baud", [](P & p) -> auto& { return p.lights.serial.baud; }, 9600u, 3000000u,
           "backend=serial: its speed, bits a second", Mutable::ready)),
