@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The elements of light stages, nothing else.
+// The elements of light stages.
 #include <gst/gst.h>
 
 #include "gst/base/filter.hpp"

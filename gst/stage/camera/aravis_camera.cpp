@@ -30,8 +30,8 @@ std::string cameras_there() {
                       : "there are: " + list;
 }
 
-/// GStreamer's caps for a pixel format; null if it has none. Aravis names some whose bits are
-/// packed otherwise than GStreamer's: these are none.
+/// GStreamer's caps for a pixel format; null if there are none, also for formats of Aravis whose
+/// bits are packed in another way than GStreamer's.
 GstStructure* structure_of(ArvPixelFormat format) {
   const char* text = arv_pixel_format_to_gst_caps_string(format);
   GstStructure* structure = text ? gst_structure_from_string(text, nullptr) : nullptr;
@@ -41,7 +41,7 @@ GstStructure* structure_of(ArvPixelFormat format) {
   if (gst_structure_has_name(structure, "video/x-raw")) {
     const char* name = gst_structure_get_string(structure, "format");
     const auto* info = gst_video_format_get_info(gst_video_format_from_string(name ? name : ""));
-    // Of subsampled ones a pixel has half of what the stride of two says.
+    // A subsampled pixel has half of the stride of two.
     wanted = info && info->format > GST_VIDEO_FORMAT_ENCODED
                  ? 8 * static_cast<uint32_t>(info->pixel_stride[0])
                  : 0;
@@ -51,7 +51,7 @@ GstStructure* structure_of(ArvPixelFormat format) {
   return nullptr;
 }
 
-/// Significant bits of what is sent in 16.
+/// Significant bits of a 16-bit format.
 uint32_t depth_of(ArvPixelFormat format) {
   switch (format) {
     case ARV_PIXEL_FORMAT_MONO_10:
@@ -129,13 +129,13 @@ AravisCamera::AravisCamera(const std::string& name, std::function<void()> lost) 
                 "the camera " + name_ +
                     " is in use by another program: close that (the camera waits some seconds "
                     "for one that was killed)");
-  // The signal's own copy: it may be called while we are deleted.
+  // The signal has its own copy: it may be emitted during destruction.
   using Lost = std::function<void()>;
   lost_handler_ = g_signal_connect_data(
       device, "control-lost", G_CALLBACK(+[](ArvDevice*, Lost* call) { (*call)(); }),
       new Lost(std::move(lost)), [](gpointer call, GClosure*) { delete static_cast<Lost*>(call); },
       static_cast<GConnectFlags>(0));
-  // As root, Aravis reads packets below the network's layers, where loopback has none.
+  // As root, Aravis reads packets below the network's layers, which does not work on loopback.
   if (ARV_IS_GV_DEVICE(device)) {
     GInetAddress* address = g_inet_socket_address_get_address(
         G_INET_SOCKET_ADDRESS(arv_gv_device_get_device_address(ARV_GV_DEVICE(device))));
@@ -241,8 +241,8 @@ FrameLayout AravisCamera::configure(const GstCaps* caps, const CameraSettings& s
   gst_structure_get_int(wanted, "width", &width);
   gst_structure_get_int(wanted, "height", &height);
 
-  // Several of a camera's formats can have the same caps (10, 12 and 16 bits): the one that it has
-  // now, or else the deepest.
+  // Several formats of a camera can have the same caps (10, 12 and 16 bits): the current one, or
+  // else the deepest.
   AravisError error;
   guint count = 0;
   Owned<gint64> formats(arv_camera_dup_available_pixel_formats(get(), &count, error.out()));
@@ -301,7 +301,7 @@ FrameLayout AravisCamera::configure(const GstCaps* caps, const CameraSettings& s
                                         error.out());
     error.check(cannot + "features=\"" + settings.features + "\"");
   }
-  // What features set instead is not what the caps say.
+  // `features` may have set another region than the caps.
   arv_camera_get_region(get(), nullptr, nullptr, &was_width, &was_height, error.out());
   error.check("cannot read the region of the camera " + name_);
   if (was_width != width || was_height != height ||
@@ -370,7 +370,7 @@ void AravisCamera::start() {
 void AravisCamera::stop() noexcept {
   if (!std::exchange(sending_, false)) return;
   const std::lock_guard lock(mutex_of(get()));
-  arv_camera_stop_acquisition(get(), nullptr);  // a camera that is gone has stopped
+  arv_camera_stop_acquisition(get(), nullptr);  // may fail if the camera is gone
 }
 
 bool AravisCamera::answers() const {

@@ -34,7 +34,7 @@ class ObjectRef {
   T* object_ = nullptr;
 };
 
-/// Takes a GError: pass `out()` where one is asked for, then `check`.
+/// Owns a GError: pass `out()` to a call, then `check`.
 class AravisError {
  public:
   AravisError() = default;
@@ -51,19 +51,18 @@ class AravisError {
   }
   /// "Timeout while waiting for acknowledge"
   std::string text() const { return error_ ? error_->message : ""; }
-  /// Throws Error(connection) if the camera did not answer, else Error(unsupported): `what` it
-  /// was that failed, and why.
+  /// Throws Error(connection) if the camera did not answer, else Error(unsupported); `what` failed.
   void check(const std::string& what) const;
 
  private:
   GError* error_ = nullptr;
 };
 
-/// What may speak to a camera at a time: Aravis' own access to features is not thread-safe. One for
-/// each camera, whoever holds it.
+/// The mutex of a camera: Aravis' access to features is not thread-safe. One for each camera, for
+/// all its users.
 std::mutex& mutex_of(ArvCamera* camera);
 
-/// What a camera is asked for before it sends. Empty or negative: as it is.
+/// Settings of a camera before it sends. Empty or negative: unchanged.
 struct CameraSettings {
   std::string features, trigger_source;
   double exposure = -1;      ///< µs
@@ -71,7 +70,7 @@ struct CameraSettings {
   uint32_t packet_size = 0;  ///< of GigE Vision, bytes; 0: as it is
 };
 
-/// How a camera's frames are laid out and how GStreamer wants them.
+/// Layout of a camera's frames, and of GStreamer's.
 struct FrameLayout {
   ArvPixelFormat pixel_format = 0;
   uint32_t width = 0, height = 0;
@@ -79,17 +78,17 @@ struct FrameLayout {
   size_t stride = 0;     ///< of GStreamer: a multiple of 4
   /// Cameras send 10, 12 or 14 bits in the low bits of 16; white is white after this shift.
   uint32_t shift = 0;
-  double frame_rate = 0;  ///< 0: frames come when they are triggered
-  double frame_time = 0;  ///< seconds from a frame's begin to its end, at most; 0: not known
-  size_t payload = 0;     ///< of a frame with all that comes with it, bytes
+  double frame_rate = 0;  ///< 0: frames are triggered
+  double frame_time = 0;  ///< max seconds from a frame's begin to its end; 0: not known
+  size_t payload = 0;     ///< bytes of a frame with its metadata
 };
 
 /// A camera of the industrial kind (GigE Vision, USB3 Vision), open and under our control.
 class AravisCamera {
  public:
-  /// Opens the camera of this name, the first one for an empty name. Throws Error: `no_device`
-  /// that names those that are there, `connection` where another program has it.
-  /// `lost` is called from another thread when the camera is gone.
+  /// Opens the camera of this name, the first one for an empty name. Throws Error: `no_device`,
+  /// which names those that are there; `connection` if another program uses it. `lost` is called
+  /// from another thread when the camera is gone.
   AravisCamera(const std::string& name, std::function<void()> lost);
   ~AravisCamera();
   AravisCamera(const AravisCamera&) = delete;
@@ -98,10 +97,10 @@ class AravisCamera {
   ArvCamera* get() const { return camera_.get(); }
   const std::string& name() const { return name_; }
 
-  /// All that it can send and GStreamer has a name for. Throws Error(unsupported) that names the
-  /// camera's formats where there is nothing.
+  /// All formats of the camera that GStreamer has. Throws Error(unsupported), which names the
+  /// camera's formats, if there are none.
   GstCaps* caps(bool triggered) const;
-  /// Fills in what caps leave open from what the camera is set to now.
+  /// Fixates open fields of caps to the camera's current settings.
   GstCaps* fixate(GstCaps* caps, bool triggered) const;
   /// Makes it send these (fixed) caps; throws Error.
   FrameLayout configure(const GstCaps* caps, const CameraSettings& settings);
@@ -111,12 +110,12 @@ class AravisCamera {
 
   void start();
   void stop() noexcept;
-  /// Whether it still answers; asks nothing if Aravis does by itself.
+  /// Whether it still answers; true without asking if Aravis checks by itself.
   bool answers() const;
 
   /// How many bits its frame ids have before they start again.
   uint32_t frame_id_bits() const;
-  /// Whether its clock is one that others on the network share (IEEE 1588).
+  /// Whether its clock is shared on the network (IEEE 1588).
   bool has_shared_clock() const;
 
  private:

@@ -78,7 +78,7 @@ void AravisSource::open() {
 
 void AravisSource::close() {
   end();
-  std::shared_ptr<AravisCamera> closed;  // after the lock: that joins threads that take it
+  std::shared_ptr<AravisCamera> closed;  // freed after the lock: that joins threads that lock it
   const Lock lock(mutex);
   closed = std::move(camera);
   id_bits = 0;
@@ -96,7 +96,7 @@ void AravisSource::end() {
     lost = lost_;
     if (ended) add(&before_, ended->counts());
   }
-  // What a camera that is gone does not hear has not to be waited for.
+  // A lost camera does not answer.
   if (sender && !lost) sender->stop();
 }
 
@@ -137,7 +137,7 @@ void AravisSource::set_flushing(bool flush) {
   changed.notify_all();
 }
 
-/// The time of frames without one of their own is when they came.
+/// A frame without a time of its own gets that of its arrival.
 GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, int64_t now) {
   const int64_t arrival = std::max<int64_t>(now - frame.age, 0);
   GstBuffer* buffer = frame.pixels;
@@ -152,7 +152,7 @@ GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, i
   if (frame.camera_time)
     gst_buffer_add_reference_timestamp_meta(buffer, reference_, frame.camera_time,
                                             GST_CLOCK_TIME_NONE);
-  if (id_bits < 64 && frame.id > 65535) {  // so it counts further, after all
+  if (id_bits < 64 && frame.id > 65535) {  // it has more bits than expected
     id_bits = 64;
     ids_ = FrameIds(64);
   }
@@ -168,11 +168,11 @@ GstBuffer* AravisSource::finish(GstElement* element, const CameraFrame& frame, i
   return buffer;
 }
 
-/// Tells the user when frames get lost on the way, and again each time there are ten times as many.
+/// Warns of frames that were lost in transfer, and again after ten times as many.
 void AravisSource::report_incomplete(GstElement* element, Lock& lock) {
   const auto counts = stream->counts();
   const uint64_t bad = before_.incomplete + counts.incomplete + counts.misfits;
-  // The first one may be: Aravis asks for a buffer of the frames' size when it has come.
+  // The first one may be: Aravis allocates buffers of the frames' size after it.
   if (bad < std::max<uint64_t>(told_, 2)) return;
   told_ = 10 * bad;
   const uint64_t good = frames_;
@@ -202,7 +202,7 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
     const int64_t now = running_time(element);
     const GstClockTime start = gst_element_get_start_time(element);
     const int64_t since = GST_CLOCK_TIME_IS_VALID(start) ? static_cast<int64_t>(start) : 0;
-    // What came while nobody played is stale.
+    // Frames that came while nothing was playing are stale.
     const auto frame = stream->take([&](int64_t age) { return now >= 0 && now - age < since; });
     report_incomplete(element, lock);
     if (frame) {
@@ -230,7 +230,7 @@ GstFlowReturn AravisSource::next(GstElement* element, GstBuffer** buffer) {
                       " seconds: is it connected, and does it run without a trigger? (timeout "
                       "sets the time, trigger-source says that it is triggered)");
     }
-    // Nobody may have triggered it: that is no error. That it is gone is one.
+    // A missing trigger is no error; a missing camera is.
     quiet_since = Time::now();
     const auto asked = camera;
     lock.unlock();

@@ -13,8 +13,8 @@
 
 namespace inverse {
 
-/// The work behind lightstagearavissrc, which binds it to GObject: a camera, what comes from it,
-/// and how it is numbered and timed. Aravis' threads hold it, too.
+/// The implementation of lightstagearavissrc: a camera, its frames, their numbers and times.
+/// Aravis' threads have references to it, too.
 struct AravisSource : std::enable_shared_from_this<AravisSource> {
   using Lock = std::unique_lock<std::mutex>;
 
@@ -23,13 +23,13 @@ struct AravisSource : std::enable_shared_from_this<AravisSource> {
   void close();
   /// Makes the camera send frames of these caps. Throws Error.
   void begin(const GstCaps* caps);
-  /// Not with the mutex held: the stream's thread may wait for that.
+  /// Not with the mutex locked: the stream's thread may wait for it.
   void end();
   /// Waits for the next frame of `element`. Flushing, or throws Error.
   GstFlowReturn next(GstElement* element, GstBuffer** buffer);
   void set_flushing(bool flush);
 
-  /// The camera, where it is open, and whether somebody triggers it.
+  /// The open camera, and whether it is triggered.
   std::pair<std::shared_ptr<AravisCamera>, bool> opened();
   GstStructure* stats();
 

@@ -8,7 +8,7 @@
 
 namespace inverse {
 
-/// Who frames go back to. Outlives the stream: buffers may.
+/// Receiver of returned frames. Outlives the stream, as buffers may.
 struct AravisStream::Lender {
   std::mutex mutex;
   ArvStream* stream = nullptr;  ///< null when it has ended
@@ -39,8 +39,8 @@ AravisStream::AravisStream(AravisCamera& camera, const FrameLayout& layout, uint
   error.check("cannot get frames from the camera " + camera.name());
   if (!stream_)
     throw Error(ErrorKind::connection, "cannot get frames from the camera " + camera.name());
-  // The system's usual buffer holds less than a frame; it gives as much of this as it is allowed
-  // to.
+  // The system's default buffer is smaller than a frame; it grants as much of this as its limits
+  // allow.
   if (ARV_IS_GV_STREAM(stream_.get()))
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size",
@@ -70,7 +70,7 @@ std::optional<CameraFrame> AravisStream::take(const std::function<bool(int64_t a
     result.camera_time = arv_buffer_get_timestamp(frame);
     const auto began = static_cast<int64_t>(arv_buffer_get_system_timestamp(frame));
     result.age = g_get_real_time() * 1000 - began;
-    // Somebody set the machine's clock in between.
+    // The machine's clock was set in between.
     if (began <= 0 || result.age < 0 || result.age > 3600 * GST_SECOND) result.age = 0;
     if (arv_buffer_get_status(frame) != ARV_BUFFER_STATUS_SUCCESS)
       ++counts_.incomplete;
@@ -85,8 +85,8 @@ std::optional<CameraFrame> AravisStream::take(const std::function<bool(int64_t a
   return std::nullopt;
 }
 
-/// The pixels of a frame, which then is lent or back in the stream; null if it is not what the
-/// caps say.
+/// The pixels of a frame, which is then lent or returned to the stream; null if it does not fit the
+/// caps.
 GstBuffer* AravisStream::pixels(ArvBuffer* frame) {
   const ArvBufferPayloadType type = arv_buffer_get_payload_type(frame);
   if (type != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && type != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART &&

@@ -8,7 +8,7 @@
 
 namespace inverse {
 
-/// A frame as it came, its pixels in the layout that GStreamer wants.
+/// A received frame in GStreamer's layout.
 struct CameraFrame {
   GstBuffer* pixels = nullptr;  ///< the taker's
   uint64_t id = 0;              ///< as the camera counts
@@ -16,9 +16,9 @@ struct CameraFrame {
   int64_t age = 0;              ///< ns since it began to arrive
 };
 
-/// What comes from a camera. A frame's memory is lent to the buffer that carries it and goes back
-/// to the camera when that is freed, even after the stream has ended. No more than half of the
-/// frames are lent: then they are copied, so that the camera always has where to write.
+/// The stream of a camera. A frame's memory is lent to the buffer that carries it, and returns to
+/// the camera when that is freed, even after the stream has ended. At most half of the frames are
+/// lent; further ones are copied, so that the camera always has free memory.
 class AravisStream {
  public:
   /// Frames go into `frames` buffers of memory. `arrived` is called from another thread when one
@@ -29,8 +29,7 @@ class AravisStream {
   AravisStream(const AravisStream&) = delete;
   AravisStream& operator=(const AravisStream&) = delete;
 
-  /// The next complete frame, if there is one. `stale` tells by its age whether nobody wants it
-  /// any more.
+  /// The next complete frame, if there is one. `stale` decides by its age whether to skip it.
   std::optional<CameraFrame> take(const std::function<bool(int64_t age)>& stale);
 
   struct Counts {
@@ -39,7 +38,7 @@ class AravisStream {
     uint64_t resent_packets = 0, missing_packets = 0;
   };
   Counts counts() const;
-  /// How many buffers downstream holds.
+  /// Number of buffers that downstream holds.
   uint32_t lent_now() const;
 
  private:

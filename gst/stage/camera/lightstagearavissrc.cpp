@@ -14,7 +14,7 @@ using inverse::AravisSource;
 
 struct GstLightStageAravisSrc {
   GstPushSrc parent;
-  std::shared_ptr<AravisSource>* source;  // threads of Aravis hold it, too
+  std::shared_ptr<AravisSource>* source;  // Aravis' threads have references, too
 };
 
 struct GstLightStageAravisSrcClass {
@@ -79,7 +79,7 @@ void get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
   }
 }
 
-/// Sends a value that can change while frames come to the camera, if it is there.
+/// Sends a value that can change during capture to the camera, if it is open.
 template <typename Send>
 void set_live(GObject* object, Send send) {
   std::shared_ptr<AravisCamera> camera;
@@ -171,7 +171,7 @@ gboolean set_caps(GstBaseSrc* base, GstCaps* caps) {
   return TRUE;
 }
 
-/// Says what there is where downstream takes none of it.
+/// Reports the camera's formats if downstream accepts none of them.
 gboolean negotiate(GstBaseSrc* base) {
   if (GST_BASE_SRC_CLASS(parent_class)->negotiate(base)) return TRUE;
   GstCaps* own = get_caps(base, nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// lightstagetestsrc: a camera that looks at a head on a virtual light stage.
+// lightstagetestsrc: a camera with a view of a head on a virtual light stage.
 #include <gst/base/gstpushsrc.h>
 
 #include <algorithm>
@@ -192,7 +192,7 @@ bool wait_until(GstLightStageTestSrc& self, GstClockTime running) {
   return result != GST_CLOCK_UNSCHEDULED;
 }
 
-/// The camera begins with the next period: what it sees may have taken a while to be made.
+/// Starts the camera at the next period: rendering its view may have taken a while.
 void begin(GstLightStageTestSrc& self, bool live) {
   self.frame = 0;
   if (live) {
@@ -211,7 +211,7 @@ inverse::Exposure exposure_of(const GstLightStageTestSrc& self) {
   return exposure;
 }
 
-/// Where a live camera is after this machine was held up: frames that nobody fetched are gone.
+/// Skips frames that a live camera would have lost while this machine was busy.
 void catch_up(GstLightStageTestSrc& self) {
   constexpr uint64_t kBuffers = 4;  // as many may wait in a camera
   const GstClockTime now = gst_element_get_current_running_time(GST_ELEMENT(&self));
@@ -261,7 +261,7 @@ GstFlowReturn create(GstPushSrc* push, GstBuffer** buffer) {
     if (!fate.dropped) break;
     source.count(true, false);
     ++self.frame;
-    // Where all are dropped, time goes by all the same.
+    // If all frames are dropped, time still passes.
     if (live && !wait_until(self, source.time_of(self.frame))) return GST_FLOW_FLUSHING;
   }
   const GstClockTime time = source.time_of(self.frame);

@@ -15,7 +15,7 @@ namespace inverse {
 /// A folder of images under one light at a time: lights.json with the lights' "directions" (unit
 /// vectors from the subject to the light: x right, y up, z to the camera), and olat/NNN.exr, linear
 /// RGB; or with "lights", objects with a "direction" and a "file", as lightstagesync writes it.
-/// Everything throws Error(file), saying what is missing or wrong.
+/// All calls throw Error(file) if something is missing or wrong.
 class OlatFolder {
  public:
   static constexpr uint32_t kMaxPixels = 16384;  ///< along a side

@@ -21,7 +21,7 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Where the names that stand for programs leave the number of lights open, it is the folder's.
+/// `performance` and `static` without a number get the folder's number of lights.
 LightProgram program_for(const TestSourceParams& params, const OlatFolder* folder) {
   if (!folder || (params.program != "performance" && params.program != "static"))
     return light_program(params.program, params.rate);
@@ -45,7 +45,7 @@ void check_agreement(const LightProgram& program, const OlatFolder& folder) {
                                          remedy);
 }
 
-/// What is white in a picture as a camera took it, RGB: a hundredth of what is lit is brighter.
+/// White of a photograph, RGB: the value that a hundredth of the lit pixels exceeds.
 float white_of(const std::vector<float>& rgb) {
   std::vector<float> lit;
   for (size_t i = 0; i + 2 < rgb.size(); i += 3) {
@@ -134,7 +134,7 @@ std::unique_ptr<OlatStack> TestSource::make_stack(const std::shared_ptr<gpu::Dev
   const auto lights = static_cast<uint32_t>(program_.lights.size());
   auto stack =
       std::make_unique<OlatStack>(device, extent, lights, uint64_t{started_.stack_limit} << 20);
-  // Lambert's law: all around, white gives back a quarter of what all lights send.
+  // Lambert's law: under light from all sides, white reflects a quarter of the sum of all lights.
   full_on_ = static_cast<float>(lights) / 4;
   if (folder_) {
     std::vector<float> sum;
@@ -162,7 +162,7 @@ bool TestSource::set_caps(const GstVideoInfo& info, const std::function<bool()>&
   const Extent extent{static_cast<uint32_t>(GST_VIDEO_INFO_WIDTH(&info)),
                       static_cast<uint32_t>(GST_VIDEO_INFO_HEIGHT(&info))};
   if (!stack_ || stack_->extent() != extent || !commands_ || commands_->device() != device) {
-    stack_.reset();  // before the next one takes its memory
+    stack_.reset();  // frees memory before the next one
     stack_ = make_stack(device, extent, go_on);
     if (!stack_) return false;
     commands_ = std::make_unique<gpu::Commands>(device);
@@ -177,8 +177,8 @@ bool TestSource::set_caps(const GstVideoInfo& info, const std::function<bool()>&
   return true;
 }
 
-/// What takes longer the first time is done before frames are due: kernels are built, and sums of
-/// many lights are made where they will be kept.
+/// Does slow first work before frames are due: builds kernels, and sums many lights in the final
+/// buffers.
 void TestSource::warm_up() {
   constexpr size_t kSteps = 6;
   commands_->begin();

@@ -24,8 +24,8 @@ struct Exposure {
   std::optional<uint64_t> trigger;  ///< of the program; nothing before its start
 };
 
-/// What lightstagetestsrc does: a light program (or sACN packets), a head (or an OLAT folder) under
-/// its lights, a camera that looks. The element around it has the clock and the pad.
+/// The implementation of lightstagetestsrc: a light program (or sACN packets), a head (or an OLAT
+/// folder) under its lights, a camera. The element has the clock and the pad.
 class TestSource {
  public:
   explicit TestSource(GstElement* element) : element_(element), context_(element) {}
@@ -36,28 +36,28 @@ class TestSource {
   std::string device_name() const;
   void set_device_name(const char* name);
 
-  /// READY → PAUSED: reads program and folder, opens the port. Returns what is misconfigured in
-  /// words, empty if nothing is. Throws.
+  /// READY → PAUSED: reads program and folder, opens the port. Returns a configuration warning,
+  /// empty if there is none. Throws.
   std::string start();
   void stop();
 
   /// Video of the program's rate, and of the folder's size; before `start` of any. New reference.
   GstCaps* caps() const;
-  /// Renders what these caps need, which may take seconds; where `go_on` says no meanwhile it stops
-  /// and gives false. Throws.
+  /// Renders the views for these caps, which may take seconds; stops and returns false if `go_on`
+  /// returns false meanwhile. Throws.
   bool set_caps(const GstVideoInfo& info, const std::function<bool()>& go_on);
 
   /// From running time 0 to the start of so many steps.
   GstClockTime time_of(uint64_t steps) const;
   GstClockTime period() const { return time_of(1); }
-  /// Step at which the program starts, where that is said.
+  /// Step at which the program starts, if it is set.
   std::optional<uint64_t> said_start() const;
   /// From the start of a step to the middle of its exposure.
   GstClockTime until_exposure(const Exposure& exposure) const;
   /// Whether the program has ended before this; never with `listen`.
   bool ended(const Exposure& exposure) const;
   FrameFate fate(const Exposure& exposure) const;
-  /// Draws what the camera sees: what the lights do now.
+  /// Draws the camera's view under the current lights.
   void draw(const Exposure& exposure, GstBuffer* buffer);
   /// How many frames went lost because this machine was too slow for a live camera.
   void overran(uint64_t frames) { overruns_ += frames; }
@@ -82,7 +82,7 @@ class TestSource {
   std::string device_name_;
   GstStructure* stats_ = nullptr;
 
-  TestSourceParams started_;  // what holds from start to stop
+  TestSourceParams started_;  // constant from start to stop
   LightProgram program_;
   uint64_t program_id_ = 0;
   std::optional<OlatFolder> folder_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// lightstagesync: says of each frame of the cameras of a light stage which lights lit it, keeps the
-// cameras together, and assembles what belongs together.
+// lightstagesync: labels each frame of the cameras of a light stage with the lights that lit it,
+// synchronizes the cameras, and assembles frames.
 #include <gst/gst.h>
 #include <gst/video/video.h>
 
@@ -128,7 +128,7 @@ bool is_running(GstElement* element) {
   return running;
 }
 
-/// A camera has come or gone: frames wait for others where there are some.
+/// A camera was added or removed: frames wait for those of other cameras.
 void post_latency(GstElement* element) {
   if (is_running(element))
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));

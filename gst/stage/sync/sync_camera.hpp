@@ -15,12 +15,12 @@
 
 namespace inverse {
 
-/// One camera of lightstagesync: its two pads, and what is on the way between them. All of it is
-/// under the element's mutex, apart from what the two streaming threads have for themselves.
+/// One camera of lightstagesync: its two pads, and the items between them. All of it is under the
+/// element's mutex, except what belongs to the two streaming threads.
 struct SyncCamera {
   using Clock = std::chrono::steady_clock;
 
-  /// A buffer or an event in the order in which they came.
+  /// A buffer or an event, in order of arrival.
   struct Item {
     enum class State : uint8_t { waiting, leaves, dropped } state = State::waiting;
     GstMiniObject* object = nullptr;
@@ -41,7 +41,7 @@ struct SyncCamera {
     line.push_back(
         {Item::State::leaves, GST_MINI_OBJECT_CAST(event), 0, std::nullopt, GST_CLOCK_TIME_NONE});
   }
-  /// Moves what is decided at the head of the line on to the source pad's thread.
+  /// Moves decided items at the head of the line on to the source pad's thread.
   void advance() {
     while (!line.empty() && line.front().state != Item::State::waiting) {
       if (line.front().state == Item::State::leaves) {
@@ -85,7 +85,7 @@ struct SyncCamera {
 
   // Under the mutex.
   std::deque<Item> line, out;
-  size_t in_sets = 0, outgoing_buffers = 0;  // buffers that wait for other cameras, or to leave
+  size_t in_sets = 0, outgoing_buffers = 0;  // buffers that wait for other cameras, or to be pushed
   size_t frame_bytes = 0;                    // of the caps
   std::unique_ptr<FrameLabeler> labeler;
   uint64_t run = 0;    // of the program: labels of different runs do not compare
@@ -94,18 +94,18 @@ struct SyncCamera {
   GstClockTime last_time = GST_CLOCK_TIME_NONE;  // running time of that frame
   std::string stream_id;
   bool live = false, upstream_known = false;
-  GstClockTime sinks_wait = 0;  // latency that those sinks keep that follow it
+  GstClockTime sinks_wait = 0;  // latency of the sinks after it
   uint32_t id_bits = 0;         // as upstream says; 0: it does not
   bool flushing = true, ended = false, released = false;
   bool program_ended = false;  // and that is on its way to the assembler
-  bool blocked = false;        // its frames are not taken because there is no room
+  bool blocked = false;        // its thread waits because there is no room
   bool left_alone = false;     // sets do not wait for it any more
-  bool silent = false;         // and that was told
+  bool silent = false;         // and that was reported
   bool begun = false;          // caps or a frame have come
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push
-  FrameLabeler::Counts triggered;    // in place of the labeler's where we trigger
-  FrameLabeler::Counts told;         // what the last warning counted
+  FrameLabeler::Counts triggered;    // in place of the labeler's if frames are triggered
+  FrameLabeler::Counts told;         // at the last warning
   Clock::time_point told_at{};
   bool was_anchored = false;
   uint64_t incomplete = 0, sent = 0;  // frames

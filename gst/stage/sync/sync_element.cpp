@@ -12,9 +12,9 @@
 namespace inverse {
 namespace {
 
-/// Tells a camera's assembler, in the order of frames, that the program has ended.
+/// Event to a camera's assembler, in the order of frames: the program has ended.
 constexpr const char* kProgramEnded = "lightstage-program-ended";
-constexpr const char* kOver = "over";  // by itself; else another stream came before its end
+constexpr const char* kOver = "over";  // true: by itself; false: another stream came before its end
 constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr uint32_t kUsualIdBits = 64;
 
@@ -61,7 +61,7 @@ bool SyncElement::start() {
 }
 
 void SyncElement::stop() {
-  std::shared_ptr<StageTrigger> trigger;  // ends after the lock: its threads may take that
+  std::shared_ptr<StageTrigger> trigger;  // freed after the lock, which its threads may take
   lights_.reset();
   Lock lock(mutex_);
   trigger = std::move(trigger_);
@@ -97,7 +97,7 @@ void SyncElement::set_playing(bool playing) {
     lacking_since_ = Clock::now();
     for (auto& [number, camera] : cameras_) {
       camera->last_arrival = lacking_since_;
-      // The program starts anew, which no camera has seen yet.
+      // The program starts again, which no camera has seen yet.
       if (playing && lights_ && camera->labeler) {
         labeled(*camera, camera->labeler->drain());
         camera->labeler->reset();
@@ -129,9 +129,9 @@ void SyncElement::make_labeler(SyncCamera& camera) {
       std::make_unique<FrameLabeler>(labels_->program(), labeler_params(camera.id_bits));
 }
 
-/// What a camera's source says of itself, when its first frame comes.
+/// Queries properties of a camera's source when its first frame comes.
 void SyncElement::ask_upstream(SyncCamera& camera) {
-  // Frames of a file wait for each other; those of a camera cannot for long.
+  // Frames of files can wait for each other; those of cameras cannot for long.
   GstQuery* query = gst_query_new_latency();
   gboolean live = FALSE;
   if (gst_pad_peer_query(camera.sink, query))
@@ -201,7 +201,7 @@ void SyncElement::remove(const CameraPtr& camera) {
   gst_pad_set_active(camera->src, FALSE);
 }
 
-/// What upstream hears: its own way's flow, unless another way has failed for good.
+/// The flow for upstream: of its own branch, unless another branch has failed for good.
 GstFlowReturn SyncElement::combined_flow(const SyncCamera& camera) const {
   bool all_ended = true, all_unlinked = true;
   for (const auto& [number, other] : cameras_) {
@@ -269,7 +269,7 @@ GstFlowReturn SyncElement::chain(const CameraPtr& camera, GstBuffer* buffer) {
   return flow;
 }
 
-/// What is to be triggered by us, null if nothing is.
+/// The trigger of the cameras, null without camera-trigger.
 std::shared_ptr<StageTrigger> SyncElement::make_trigger(
     const SyncParams& params, std::shared_ptr<const StageLabels> labels) const {
   if (params.camera_trigger == SyncParams::CameraTrigger::none) return nullptr;
@@ -285,8 +285,8 @@ std::shared_ptr<StageTrigger> SyncElement::make_trigger(
   return std::make_shared<StageTrigger>(element_, std::move(labels), settings, sinks);
 }
 
-/// Seconds for which sets wait for a camera: as long as it may be triggered again. That is no
-/// latency, as no other frame is asked for meanwhile.
+/// Seconds for which sets wait for a camera: as long as it may be triggered again. That adds no
+/// latency, since no other frame is triggered meanwhile.
 double SyncElement::frame_timeout() const {
   if (!trigger_) return params_.timeout;
   return std::max(params_.timeout, params_.trigger_timeout * (params_.trigger_retries + 3));
@@ -314,7 +314,7 @@ FrameLabeler::Counts SyncElement::counts_of(const SyncCamera& camera) const {
   return camera.labeler ? camera.labeler->counts() : FrameLabeler::Counts{};
 }
 
-/// The assembler hears that there is no more of what it has.
+/// Tells the assembler to end what is incomplete.
 void SyncElement::end_program(SyncCamera& camera, bool over) {
   if (camera.program_ended) return;
   camera.program_ended = true;
@@ -345,7 +345,7 @@ void SyncElement::labeled(SyncCamera& camera, const std::vector<FrameLabeler::La
     camera.last_time = item->time;
     ++camera.in_sets;
     sets_.add(camera.number, camera.run << 40 | frame.trigger, frame.token);
-    // Frames of another run meet no others of the newest.
+    // Frames of an older run are in no set of the newest one.
     if (camera.left_alone && camera.run == newest_run()) {
       camera.left_alone = false;
       sets_.wait_for(camera.number, true);
@@ -442,7 +442,7 @@ void SyncElement::push_out(SyncCamera& camera) {
   Lock lock(mutex_);
   if (is_buffer && flow == GST_FLOW_OK) ++camera.sent;
   if (ending) {
-    if (camera.ended) gst_pad_pause_task(camera.src);  // else another stream has begun meanwhile
+    if (camera.ended) gst_pad_pause_task(camera.src);  // else another stream has begun
     return;
   }
   if (flow != camera.flow && !camera.released) camera.flow = flow;
@@ -472,7 +472,7 @@ bool SyncElement::activate_src(const CameraPtr& camera, bool active) {
       if (camera->released) return false;
       camera->flushing = false;
     }
-    // Which may post a message, so that the mutex is not held.
+    // May post a message, so the mutex is not locked.
     const bool good = gst_pad_start_task(camera->src, push_task, camera->src, nullptr);
     {
       Lock lock(mutex_);

@@ -17,12 +17,12 @@
 
 namespace inverse {
 
-/// The work behind lightstagesync: cameras, the sets of their frames, what waits for what.
+/// The implementation of lightstagesync: cameras, the sets of their frames, and waits between them.
 /// lightstagesync.cpp binds it to GObject.
 ///
-/// Each sink pad's thread labels its frames and puts them into a line; where a set is decided its
-/// frames go on to the threads of the source pads, one for each, which assemble and push them. So
-/// no camera can be held up by what follows another.
+/// Each sink pad's thread labels its frames and appends them to a line. Once a set is decided, its
+/// frames go on to the threads of the source pads, one for each, which assemble and push them: a
+/// slow branch after one camera does not block the others.
 class SyncElement {
  public:
   using CameraPtr = std::shared_ptr<SyncCamera>;
@@ -45,10 +45,10 @@ class SyncElement {
   void remove(const CameraPtr& camera);
 
   GstFlowReturn chain(const CameraPtr& camera, GstBuffer* buffer);
-  /// Takes the event.
+  /// Takes ownership of the event.
   gboolean sink_event(const CameraPtr& camera, GstEvent* event);
   gboolean sink_query(const CameraPtr& camera, GstQuery* query);
-  /// Takes the event.
+  /// Takes ownership of the event.
   gboolean src_event(const CameraPtr& camera, GstEvent* event);
   gboolean src_query(const CameraPtr& camera, GstQuery* query);
   bool activate_sink(const CameraPtr& camera, bool active);
@@ -81,7 +81,7 @@ class SyncElement {
   GstFlowReturn combined_flow(const SyncCamera& camera) const;
   GstStructure* camera_stats(const SyncCamera& camera) const;
 
-  // With the mutex held.
+  // With the mutex locked.
   uint64_t max_steps() const;
   GstClockTime own_latency() const;
   size_t max_in_sets(const SyncCamera& camera) const;
@@ -92,10 +92,10 @@ class SyncElement {
   std::optional<FrameLabeler::Running> running_for(const SyncCamera& camera, GstClockTime pts,
                                                    GstClockTime time) const;
 
-  // With the mutex held; what they have to say on the bus is posted by `post` once it is not.
+  // With the mutex locked; `post` sends their messages once it is not.
   void start_stream(SyncCamera& camera, GstEvent* event);
   void end_program(SyncCamera& camera, bool over);
-  /// Logs what became of a frame in labeling (DEBUG).
+  /// Logs the label of a frame, or why it has none (DEBUG).
   void log_label(const SyncCamera& camera, const SyncCamera::Item& item,
                  const FrameLabeler::Labeled& frame, bool passes) const;
   void labeled(SyncCamera& camera, const std::vector<FrameLabeler::Labeled>& frames);
@@ -123,15 +123,15 @@ class SyncElement {
   std::condition_variable changed_;
   std::map<uint32_t, CameraPtr> cameras_;
   std::shared_ptr<const StageLabels> labels_;
-  uint64_t max_steps_ = 0;                 // of this program: every frame asks
-  std::shared_ptr<StageTrigger> trigger_;  // where we trigger the cameras
+  uint64_t max_steps_ = 0;                 // of this program, cached
+  std::shared_ptr<StageTrigger> trigger_;  // with camera-trigger
   FrameSets sets_{true};
   uint64_t next_token_ = 1;
   uint64_t lacked_ended_ = 0;  // frames dropped since a camera has ended
   uint64_t run_ = 0;
   Clock::time_point run_since_{};
   bool playing_ = false;
-  std::vector<uint32_t> lacking_;  // what the oldest set waits for, and since when
+  std::vector<uint32_t> lacking_;  // cameras that the oldest set waits for, and since when
   Clock::time_point lacking_since_{};
   std::vector<GstMessage*> messages_;
   std::vector<std::string> warnings_;

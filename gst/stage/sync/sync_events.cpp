@@ -15,7 +15,7 @@ constexpr double kSameRate = 1e-3;  // of the program's
 
 }  // namespace
 
-/// With the mutex held.
+/// With the mutex locked.
 void SyncElement::start_stream(SyncCamera& camera, GstEvent* event) {
   const gchar* id = nullptr;
   gst_event_parse_stream_start(event, &id);
@@ -23,7 +23,7 @@ void SyncElement::start_stream(SyncCamera& camera, GstEvent* event) {
   const bool another = camera.ended || (!camera.stream_id.empty() && camera.stream_id != name);
   camera.stream_id = name;
   if (another) {
-    // Another recording has another clock, and a program of its own.
+    // Another recording has another clock, and its own start of the program.
     labeled(camera, camera.labeler->drain());
     camera.labeler->reset();
     end_program(camera, false);
@@ -67,7 +67,7 @@ bool SyncElement::set_caps(SyncCamera& camera, GstCaps* caps) {
   const LightProgram& program = labels_->program();
   const double rate = double(program.rate_numerator) / program.rate_denominator;
   const int num = GST_VIDEO_INFO_FPS_N(&info), den = GST_VIDEO_INFO_FPS_D(&info);
-  // 0 is a camera that does not know: its trigger does.
+  // 0 means that the camera is triggered.
   if (num > 0 && den > 0 && std::abs(double(num) / den / rate - 1) > kSameRate)
     warn("camera " + camera.name() + " says that it has " + std::to_string(double(num) / den) +
          " frames a second, the light program " + std::to_string(rate) +
@@ -92,7 +92,7 @@ gboolean SyncElement::sink_event(const CameraPtr& camera, GstEvent* event) {
     }
     case GST_EVENT_FLUSH_STOP: {
       {
-        // The thread of the pad has stopped: what it held is nobody's.
+        // The thread of the pad has stopped: its item has no owner.
         Lock lock(mutex_);
         if (camera->released) {
           gst_event_unref(event);
@@ -174,15 +174,15 @@ gboolean SyncElement::sink_query(const CameraPtr& camera, GstQuery* query) {
       return TRUE;
     }
     case GST_QUERY_ALLOCATION:
-      // Frames wait here: a pool of what follows would run dry.
+      // Frames wait here: a pool of downstream would run dry.
       return FALSE;
     default:
       return gst_pad_query_default(camera->sink, GST_OBJECT(element_), query);
   }
 }
 
-/// Steps that a frame may stay here for the other of its pair or the rest of its pass, and for the
-/// picture that confirms its label.
+/// Max number of steps that a frame waits for the other of its pair or the rest of its pass, and
+/// for the picture that confirms its label.
 uint64_t SyncElement::max_steps() const {
   uint64_t steps = 0;
   if (params_.assemble == SyncParams::Assemble::pairs) steps += 1;
@@ -192,7 +192,7 @@ uint64_t SyncElement::max_steps() const {
   return steps;
 }
 
-/// How long a frame may stay here: for the others of its set, and so many steps.
+/// Max time of a frame in the element: for the others of its set, and these steps.
 GstClockTime SyncElement::own_latency() const {
   GstClockTime latency = 0;
   if (cameras_.size() > 1) latency += static_cast<GstClockTime>(params_.timeout * GST_SECOND);

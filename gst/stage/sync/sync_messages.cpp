@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What lightstagesync tells of its cameras: cameras that stop, frames that are lost, stats.
+// Messages and stats of lightstagesync: cameras that stop, frames that are lost.
 #include <algorithm>
 
 #include "sync_element.hpp"
@@ -76,8 +76,7 @@ void SyncElement::report_event(const char* event, const SyncCamera& camera, GstS
   messages_.push_back(gst_message_new_element(GST_OBJECT(element_), fields));
 }
 
-/// Says on the bus what has come up. The mutex is not held meanwhile: who listens may ask for
-/// stats.
+/// Posts pending messages. The mutex is not locked meanwhile: a handler may read stats.
 void SyncElement::post(Lock& lock) {
   if (messages_.empty() && warnings_.empty()) return;
   std::vector<GstMessage*> messages;
@@ -103,15 +102,15 @@ SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& came
                                     periods(kFewPeriods)});
 }
 
-/// Whether what a camera has not sent yet may come at any time, as nothing runs away meanwhile. Of
-/// one that has not begun it is not known whether it is live; then others tell.
+/// Whether the frames of a camera can come late, because its source waits. A camera that has not
+/// begun may be live; the others decide.
 bool SyncElement::can_wait(const SyncCamera& camera) const {
   if (camera.silent) return false;
   if (camera.begun) return !camera.live;
   return std::ranges::none_of(cameras_, [](const auto& other) { return other.second->live; });
 }
 
-/// Cameras that have stopped are told of, and not waited for.
+/// Reports cameras that have stopped, and does not wait for them any longer.
 void SyncElement::look_for_silence() {
   const auto now = Clock::now();
   const auto timeout = std::chrono::duration<double>(frame_timeout());
@@ -138,7 +137,7 @@ void SyncElement::look_for_silence() {
   const auto lacking = sets_.lacking();
   const bool held_up = std::any_of(lacking.begin(), lacking.end(), [&](uint32_t number) {
     const SyncCamera& camera = *cameras_.at(number);
-    return camera.blocked || can_wait(camera);  // by what follows it
+    return camera.blocked || can_wait(camera);  // by downstream
   });
   if (lacking.empty() || held_up || lacking != lacking_) {
     lacking_ = lacking;
@@ -180,8 +179,8 @@ void SyncElement::leave_alone(SyncCamera& camera) {
             : "they go on without it until it sends labeled frames again"));
 }
 
-/// A frame was dropped because another camera has none: told once where that one has ended. Streams
-/// that end together do so within some frames.
+/// A frame was dropped because another camera has none: reported once if that camera has ended.
+/// Streams that end together do so within some frames.
 void SyncElement::lacked_ended(uint32_t number) {
   const auto has_ended = [](const auto& camera) { return camera.second->ended; };
   const auto ended = std::ranges::find_if(cameras_, has_ended);
@@ -195,13 +194,13 @@ void SyncElement::lacked_ended(uint32_t number) {
       "them pass)");
 }
 
-/// What came up with a camera's frames; losses at most once a second.
+/// Reports events of a camera's frames; losses at most once a second.
 void SyncElement::report(SyncCamera& camera) {
   if (camera.silent) {
     camera.silent = false;
     report_event("camera-sends", camera);
   }
-  if (trigger_) return;  // whoever triggers tells
+  if (trigger_) return;  // the trigger reports
   const FrameLabeler& labeler = *camera.labeler;
   const FrameLabeler::Counts& counts = labeler.counts();
   if (labeler.anchored() != camera.was_anchored) {

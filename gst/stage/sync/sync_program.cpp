@@ -7,13 +7,13 @@
 namespace inverse {
 namespace {
 
-constexpr auto kSameRun = std::chrono::seconds(2);  // cameras see the same marker within it
+constexpr auto kSameRun = std::chrono::seconds(2);  // max delay between cameras for the same marker
 constexpr uint32_t kMarkerPeriods = 40;             // the same, in slow programs
 
 }  // namespace
 
-/// A camera's labels start anew: a new run of the program, unless its count is another camera's, or
-/// that has seen the same marker a moment ago. Files may begin at any time and are of one run.
+/// A camera's labels start: a new run of the program, unless its count continues another camera's,
+/// or that has just seen the same marker. Files may begin at any time and are of one run.
 void SyncElement::join_run(SyncCamera& camera, const FrameLabeler::Labeled& frame) {
   const bool another = frame.start.number != camera.start;
   const bool rises = !camera.last_trigger || frame.trigger > *camera.last_trigger;
@@ -38,8 +38,8 @@ uint64_t SyncElement::newest_run() const {
   return newest;
 }
 
-/// Where the program is by what another camera has seen of it; `pts` and `time` are of one frame.
-/// Cameras' time stamps are of one clock. Those of files are not.
+/// Position of the program according to another camera; `pts` and `time` are of one frame. Cameras'
+/// time stamps are of one clock; those of files are not.
 std::optional<FrameLabeler::Running> SyncElement::running_for(const SyncCamera& camera,
                                                               GstClockTime pts,
                                                               GstClockTime time) const {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kFew = 4;  // frames
 
-/// How many frames of a camera may wait, for other cameras or for what follows, by their memory.
+/// Max number of frames of a camera that may wait, by their memory.
 size_t fitting(const SyncCamera& camera) {
   constexpr size_t kMaxBytes = size_t{1} << 30;
   return kMaxBytes / std::max<size_t>(camera.frame_bytes, 1);
@@ -18,17 +18,16 @@ size_t fitting(const SyncCamera& camera) {
 
 }  // namespace
 
-/// Frames that may wait for what follows. Sinks keep to the latency: a frame that came without a
-/// detour waits there for the time that others take here, and those behind it must not hold the
-/// camera up.
+/// Max number of frames that may wait for downstream. Sinks wait for the latency: a frame without
+/// delay waits there as long as others wait here, and those behind it must not block the camera.
 size_t SyncElement::max_outgoing(const SyncCamera& camera) const {
   const GstClockTime ours = camera.live ? own_latency() : 0;
   const uint64_t frames = labels_ ? std::max(ours, camera.sinks_wait) / labels_->period() : 0;
   return kFew + static_cast<size_t>(std::min<uint64_t>(frames, fitting(camera)));
 }
 
-/// Frames of a camera that may wait for those of others: as many as come until these are left
-/// alone, and a few, since threads are not punctual.
+/// Max number of frames of a camera that may wait for those of others: as many as come until others
+/// are given up, and a few more, since threads are not punctual.
 size_t SyncElement::max_in_sets(const SyncCamera& camera) const {
   if (params_.max_frames || !labels_) return std::max(params_.max_frames, 1u);
   const double timeout = 1e9 * params_.timeout / static_cast<double>(labels_->period());

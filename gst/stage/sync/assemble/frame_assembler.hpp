@@ -9,8 +9,8 @@
 
 namespace inverse {
 
-/// What becomes of one camera's labeled frames on their way out of lightstagesync. Called by the
-/// thread that pushes on the source pad, unless said otherwise. What throws is an element error.
+/// Combines one camera's labeled frames for the output of lightstagesync. Called by the thread of
+/// the source pad, unless said otherwise. What it throws becomes an element error.
 class FrameAssembler {
  public:
   FrameAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels)
@@ -19,16 +19,16 @@ class FrameAssembler {
   FrameAssembler& operator=(const FrameAssembler&) = delete;
   virtual ~FrameAssembler() = default;
 
-  /// The caps of frames that come from now on: agrees with what follows on what leaves, and says
-  /// so. False if nothing suits.
+  /// Sets the caps of the following frames: negotiates the output's caps with downstream. False if
+  /// there are none.
   virtual bool set_caps(GstCaps* caps);
-  /// Takes a buffer; `label` is null if frames without one pass, too.
+  /// A buffer; `label` is null for an unlabeled frame that passes.
   virtual GstFlowReturn take(GstBuffer* buffer, const FrameLabel* label);
-  /// Nothing more comes of what is held: the program has ended, or the stream has before it.
+  /// Ends what is incomplete: the program has ended, or the stream before it.
   virtual GstFlowReturn finish(bool /*program_over*/) { return GST_FLOW_OK; }
-  /// A flush: what is held is forgotten. From upstream's thread, while none pushes.
+  /// A flush: drops frames. From upstream's thread, while none pushes.
   virtual void forget() {}
-  /// Adds what it has to tell to the camera's stats. From any thread.
+  /// Adds fields to the camera's stats. From any thread.
   virtual void add_stats(GstStructure*) const {}
 
  protected:
@@ -37,7 +37,7 @@ class FrameAssembler {
   std::shared_ptr<const StageLabels> labels_;
 };
 
-/// What the source pads of an element with these parameters can send of frames of `in`. New
+/// Possible caps of the source pads of an element with these parameters, for frames of `in`. New
 /// reference.
 GstCaps* assembled_caps(GstCaps* in, SyncParams::Assemble assemble);
 

@@ -8,8 +8,8 @@
 
 namespace inverse {
 
-/// A frame as OpenCV has pictures: its code values as GStreamer unpacks them (CV_8UC4 or CV_16UC4).
-/// Throws Error(unsupported) if the buffer does not hold what its caps promise.
+/// A frame as an OpenCV picture of its code values, unpacked by GStreamer (CV_8UC4 or CV_16UC4).
+/// Throws Error(unsupported) if the buffer does not fit its caps.
 cv::Mat read_codes(const GstVideoInfo& info, GstBuffer* buffer);
 /// Writes such a picture into a writable buffer.
 void write_codes(const GstVideoInfo& info, GstBuffer* buffer, const cv::Mat& codes);

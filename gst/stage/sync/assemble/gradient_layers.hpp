@@ -11,7 +11,7 @@ namespace inverse {
 /// Brings pairs of frames to the device, as layers.
 class GradientLayers {
  public:
-  /// Throws Error where the frames' format is none that kernels read, or there is no device.
+  /// Throws Error if kernels cannot read the frames' format, or if there is no device.
   GradientLayers(const GstVideoInfo& info, const std::shared_ptr<gpu::Device>& device);
 
   /// A buffer without memory that carries both. Throws Error.

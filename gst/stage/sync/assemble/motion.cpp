@@ -9,8 +9,8 @@
 namespace inverse {
 namespace {
 
-constexpr int kMinSize = 64;      // DIS wants some levels and whole patches
-constexpr double kWhite = 0.995;  // share of pixels below what becomes white
+constexpr int kMinSize = 64;      // DIS needs some levels and whole patches
+constexpr double kWhite = 0.995;  // share of pixels below white
 constexpr int kFixedPointSteps = 4;
 
 cv::Mat enlarged(const cv::Mat& image) {
@@ -61,7 +61,7 @@ cv::Mat Motion::between(const cv::Mat& from, const cv::Mat& to, const cv::Mat& g
 
 cv::Mat Motion::half(const cv::Mat& later, const cv::Mat& earlier) {
   const cv::Mat back = between(later, earlier);
-  // p = q + back(q) / 2 is where pixel q of `later` was halfway; q from p, by fixed point.
+  // p = q + back(q) / 2 is the place of pixel q of `later` halfway; q from p, by fixed point.
   cv::Mat displacement = back * -0.5;
   for (int step = 0; step < kFixedPointSteps; ++step)
     displacement = moved(back, displacement) * -0.5;

@@ -44,7 +44,7 @@ void write_exr(const std::string& path, const cv::Mat& light) try {
 constexpr double kMaxClipped = 0.1;
 constexpr double kWhole = 0.9;  // of the pictures: frames are lost now and then
 
-/// How much of what is lit is at the end of the scale in all channels.
+/// Share of the lit pixels that are at the end of the scale in all channels.
 double clipped_share(const cv::Mat& light) {
   double lit = 0, clipped = 0;
   for (int y = 0; y < light.rows; y += 2)
@@ -63,7 +63,7 @@ std::string file_name(const LightStep& step) {
   return name;
 }
 
-/// Takes those pictures of an earlier capture away that are not of the new one, and nothing else.
+/// Deletes the pictures of an earlier capture that the new one does not have, and nothing else.
 void clear_capture(const std::string& folder, const std::set<std::string>& fresh) {
   std::error_code none;
   for (const char* kind : {"tracking", "gradient-a", "gradient-b"})
@@ -128,7 +128,7 @@ uint64_t OlatAssembler::longest_pass(const LightProgram& program) {
 }
 
 bool OlatAssembler::set_caps(GstCaps* caps) {
-  // What was before has another size or format: it goes out as far as it came.
+  // Frames of the old size or format are assembled first, as far as they came.
   if (finish(false) < GST_FLOW_EOS) return false;
   if (!gst_video_info_from_caps(&info_, caps)) return false;
   linear_.emplace(info_);
@@ -164,7 +164,7 @@ GstFlowReturn OlatAssembler::finish(bool program_over) {
 void OlatAssembler::forget() { held_.clear(); }
 
 GstFlowReturn OlatAssembler::assemble(bool ended) {
-  // Whatever goes wrong: they are not assembled again, and no draft stays.
+  // After an error, too, they are not assembled again, and no draft stays.
   std::vector<Held> all = std::exchange(held_, {});
   const auto remove_draft = [this](const void*) {
     std::error_code none;
@@ -262,7 +262,7 @@ void OlatAssembler::save(const Held& held, const cv::Mat& light) {
   ++written_;
 }
 
-/// lights.json beside the pictures, as lightstagetestsrc reads it: which is which.
+/// lights.json beside the pictures, in the format of lightstagetestsrc.
 void OlatAssembler::save_list() const {
   const LightProgram& program = labels_->program();
   Json list = {{"format", LightList::kCapture},
@@ -274,7 +274,7 @@ void OlatAssembler::save_list() const {
                {"light", "linear, 1 = full scale of the camera"}};
   for (const auto& [kind, file] : files_) list[kind] = file;
   list["lights"] = Json::array();
-  // All of them: one whose frame was lost has no file.
+  // All lights: one whose frame was lost has no file.
   for (uint32_t light = 0; light < program.lights.size(); ++light) {
     Json one = {{"index", light}, {"direction", program.lights[light].direction}};
     if (const auto file = olat_files_.find(light); file != olat_files_.end())
@@ -287,8 +287,7 @@ void OlatAssembler::save_list() const {
   if (!file.flush()) throw Error(ErrorKind::output, "cannot write " + path);
 }
 
-/// The draft takes the place of an earlier capture. One that was cut short, whatever by, is put
-/// beside it.
+/// Replaces an earlier capture by the draft. An incomplete draft is put beside it.
 void OlatAssembler::publish(bool ended) try {
   save_list();
   const size_t wanted = pictures_of(labels_->program()), got = files_.size() + olat_files_.size();

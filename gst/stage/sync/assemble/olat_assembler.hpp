@@ -12,17 +12,17 @@
 
 namespace inverse {
 
-/// Frames of a static capture, each moved to where the subject was in the last tracking frame
-/// (thesis 7.3.2): flow from that one to all others, linearly interpolated in time between them.
-/// All frames are held until the pass is over.
+/// Frames of a static capture, each aligned with the last tracking frame (thesis 7.3.2): flow from
+/// that one to all others, linearly interpolated in time between them. Keeps all frames until the
+/// pass is over.
 class OlatAssembler final : public FrameAssembler {
  public:
   OlatAssembler(GstElement* element, GstPad* src, std::shared_ptr<const StageLabels> labels,
                 const SyncParams& params, uint32_t camera);
-  /// Throws Error(file) if `params` ask for OLATs and the program has none or no tracking
-  /// frames, or where the folder cannot be made.
+  /// Throws Error(file) if `params` ask for OLATs and the program has none or no tracking frames,
+  /// or if the folder cannot be made.
   static void check(const SyncParams& params, const LightProgram& program);
-  /// Steps of a pass, for which its first frame is held at most: until the frame after it.
+  /// Max number of steps of a pass for which its first frame is kept: until the frame after it.
   static uint64_t longest_pass(const LightProgram& program);
 
   bool set_caps(GstCaps* caps) override;
@@ -40,14 +40,14 @@ class OlatAssembler final : public FrameAssembler {
     HeldBuffer buffer;
     FrameLabel label;
   };
-  /// `ended`: the pass has come to its end, whatever frames of it were lost.
+  /// `ended`: the pass was complete, apart from lost frames.
   GstFlowReturn assemble(bool ended);
   GstFlowReturn send(const Held& held, const cv::Mat& displacement);
   void save(const Held& held, const cv::Mat& light);
   void save_list() const;
   void publish(bool ended);
   std::string folder() const;
-  /// Where files are until all are written: on the same disk.
+  /// Folder of files until all are written, on the same disk.
   std::string draft() const { return folder() + "/new"; }
 
   const std::string location_;

@@ -8,7 +8,7 @@ namespace inverse {
 OlatMotion::OlatMotion(const std::map<uint64_t, cv::Mat>& tracking) {
   const auto& [last, reference] = *tracking.rbegin();
   displacements_[last] = cv::Mat::zeros(reference.size(), CV_32FC2);
-  // Backwards in time: each starts from what is known of the one after it.
+  // Backwards in time: each starts from the flow of the one after it.
   cv::Mat guess;
   for (auto frame = std::next(tracking.rbegin()); frame != tracking.rend(); ++frame) {
     guess = Motion::between(reference, frame->second, guess);

@@ -15,7 +15,7 @@ namespace {
 
 using Position = LightProgram::Position;
 
-/// Where all planes of a frame can be put beside another's, byte by byte.
+/// Whether planes of two frames can be joined side by side, byte by byte.
 bool joins_by_bytes(const GstVideoInfo& info) {
   const GstVideoFormatInfo* format = info.finfo;
   if (GST_VIDEO_FORMAT_INFO_IS_COMPLEX(format) || GST_VIDEO_FORMAT_INFO_IS_TILED(format))
@@ -24,7 +24,7 @@ bool joins_by_bytes(const GstVideoInfo& info) {
     if (GST_VIDEO_INFO_WIDTH(&info) % (1 << GST_VIDEO_FORMAT_INFO_W_SUB(format, c)) ||
         GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c) <= 0 || GST_VIDEO_FORMAT_INFO_BITS(format) < 8)
       return false;
-  // Pixels that share bytes in pairs have to come in pairs.
+  // Formats that share bytes between two pixels need an even width.
   return GST_VIDEO_INFO_WIDTH(&info) % 2 == 0 || !GST_VIDEO_FORMAT_INFO_IS_YUV(format);
 }
 
@@ -80,8 +80,7 @@ void PairAssembler::check(const SyncParams& params, const LightProgram& program)
                   "assemble; take the program \"performance\", or assemble=none");
 }
 
-/// What follows decides by its own order between layers and pictures; who takes anything gets
-/// pictures.
+/// Chooses layers or pictures by downstream's preference; pictures if it accepts anything.
 bool PairAssembler::choose_caps(GstCaps* caps) {
   GstCaps* ours = assembled_caps(caps, SyncParams::Assemble::pairs);
   GstCaps* taken = gst_pad_peer_query_caps(src_, nullptr);
@@ -126,7 +125,7 @@ bool PairAssembler::set_caps(GstCaps* caps) {
                       ("what follows lightstagesync takes neither layers of gradients nor pictures "
                        "of double width; insert olatrelight, videoconvert or videoscale"),
                       ("frames are %" GST_PTR_FORMAT, caps));
-  // Where pictures go out, who takes them can tell.
+  // For pictures, downstream can decide.
   if (layers_ && GST_VIDEO_INFO_IS_GRAY(&info_))
     post_warning(log_of(GST_ELEMENT(element_)), GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT, "%s",
                  kGrayGradients);
@@ -161,9 +160,8 @@ GstFlowReturn PairAssembler::take(GstBuffer* buffer, const FrameLabel* label) {
   return GST_FLOW_OK;
 }
 
-/// B where the subject was in A, a new buffer, or null if that is not known. Motion is read from
-/// what differs in nothing else, this B and the one before, with A halfway between them: half of
-/// it.
+/// B aligned with the subject in A, a new buffer, or null if the motion is not known. The motion is
+/// half of that from this B to the one before, which are lit alike, with A halfway between them.
 GstBuffer* PairAssembler::aligned(GstBuffer* b, const FrameLabel& label) {
   const cv::Mat codes = read_codes(info_, b);
   auto now =

@@ -35,7 +35,7 @@ class PairAssembler final : public FrameAssembler {
   DeviceContext& context_;
   GstVideoInfo info_, out_info_;
   bool negotiated_ = false;
-  std::unique_ptr<GradientLayers> layers_;  // where layers go out
+  std::unique_ptr<GradientLayers> layers_;  // if layers go out
   std::optional<Linearizer> linear_;
   GstBuffer* a_ = nullptr;  // waits for its B
   FrameLabel a_label_;

@@ -10,15 +10,15 @@
 namespace inverse {
 namespace {
 
-constexpr uint32_t kGrid = 48;  // rows and columns that are looked at
+constexpr uint32_t kGrid = 48;  // rows and columns of samples
 constexpr size_t kCurveSteps = 4096;
 constexpr float kClipped = 0.97F;  // of full scale
 
-/// Whether all rows of the frame lie in the memory that was mapped for it: GStreamer looks at the
-/// first byte alone where a GstVideoMeta says where they are.
+/// Whether all rows of the frame are in its mapped memory: GStreamer only checks the first byte if
+/// a GstVideoMeta gives the offsets.
 bool is_whole(const GstVideoFrame& frame) {
   const GstVideoFormatInfo* format = frame.info.finfo;
-  // Strides of tiles are numbers of tiles; all of them are there where the bytes are.
+  // Strides of tiled formats count tiles; all are there if the bytes are.
   if (GST_VIDEO_FORMAT_INFO_IS_TILED(format))
     return gst_buffer_get_size(frame.buffer) >= GST_VIDEO_INFO_SIZE(&frame.info);
   for (guint plane = 0; plane < GST_VIDEO_FORMAT_INFO_N_PLANES(format); ++plane) {

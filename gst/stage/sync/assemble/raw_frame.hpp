@@ -13,7 +13,7 @@ namespace inverse {
 /// GStreamer unpacks it: four samples a pixel, alpha first, of 8 or 16 bits.
 class RawFrame {
  public:
-  /// Throws Error(unsupported) if the buffer does not hold the frame that its caps promise.
+  /// Throws Error(unsupported) if the buffer does not fit its caps.
   RawFrame(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags flags);
   RawFrame(const RawFrame&) = delete;
   RawFrame& operator=(const RawFrame&) = delete;
@@ -25,7 +25,7 @@ class RawFrame {
   bool wide() const { return unpacked_->bits > 8; }
   size_t row_bytes() const { return size_t{width()} * (wide() ? 8 : 4); }
   void unpack(uint32_t row, void* to) const;
-  /// Writes a row; rows have to come from the top down.
+  /// Writes a row; rows must come from the top down.
   void pack(uint32_t row, void* from);
   GstVideoFrame* frame() { return &frame_; }
 
@@ -35,8 +35,8 @@ class RawFrame {
   const GstVideoFormatInfo* unpacked_;
 };
 
-/// From what RawFrame unpacks to linear light, 1 = full scale; blacks and whites beyond the
-/// nominal range are clipped.
+/// Converts unpacked values of RawFrame to linear light, 1 = full scale; clips beyond the nominal
+/// range.
 class Linearizer {
  public:
   explicit Linearizer(const GstVideoInfo& info);
@@ -55,7 +55,7 @@ class Linearizer {
   double kr_ = 0.2126, kb_ = 0.0722;
 };
 
-/// What a frame tells at a glance: its mean light, on a grid, and a fingerprint.
+/// Features of a frame for labeling: its mean light, on a grid, and a fingerprint.
 ImageEvidence look_at(const GstVideoInfo& info, const Linearizer& linear, GstBuffer* buffer);
 
 }  // namespace inverse

@@ -74,7 +74,7 @@ void CameraTrigger::configure() {
   const char* mode = arv_camera_get_string(camera, "TriggerMode", nullptr);
   const bool on = g_strcmp0(mode, "On") == 0;
   if (on && g_strcmp0(arv_camera_get_trigger_source(camera, nullptr), kSoftware) == 0) return;
-  // Many cameras do not take it while they send.
+  // Many cameras refuse it while they send.
   const std::string cannot = "cannot make the camera of " + name() + " wait for triggers";
   arv_camera_stop_acquisition(camera, error.out());
   error.check(cannot);

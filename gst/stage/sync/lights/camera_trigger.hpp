@@ -22,8 +22,8 @@ class CameraTrigger final : public TriggeredCamera {
 
   /// Before the source starts: it will not run freely.
   void prepare();
-  /// When its caps have come, so that the camera is open and sends: makes it wait for triggers, if
-  /// it does not yet. Throws Error(unsupported) if the camera has no software trigger.
+  /// Once its caps have come, so that the camera is open and sends: sets it to wait for triggers.
+  /// Throws Error(unsupported) if the camera has no software trigger.
   void configure();
 
   /// No more frames are wanted: end of stream after those that are there.
@@ -40,7 +40,7 @@ class CameraTrigger final : public TriggeredCamera {
   explicit CameraTrigger(GstElement* source);
 
   GstElement* source_;
-  bool set_source_ = false;  ///< its trigger-source, which is empty else
+  bool set_source_ = false;  ///< its trigger-source, which was empty
   std::unique_ptr<Camera> camera_;
 };
 

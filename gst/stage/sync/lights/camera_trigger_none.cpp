@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// In the place of camera_trigger.cpp where Aravis was not found.
+// Replaces camera_trigger.cpp in builds without Aravis.
 #include "camera_trigger.hpp"
 
 namespace inverse {

@@ -42,7 +42,7 @@ void LightClock::pause() {
   stop_waiting();
 }
 
-/// With the mutex held.
+/// With the mutex locked.
 void LightClock::stop_waiting() {
   if (wait_) gst_clock_id_unschedule(wait_);
   changed_.notify_all();
@@ -75,7 +75,7 @@ void LightClock::work() {
     }
     done = requests_;
     lock.unlock();
-    // After black() it takes another start, and after an error another try.
+    // After black() it needs another start, and after an error another try.
     if (ready || upload()) guarded(element_, [&] { run(done); });
     ready = false;
     try {
@@ -103,7 +103,7 @@ void LightClock::run(uint64_t request) {
   const GstClockTime nominator = GST_SECOND * program.rate_denominator;
   const uint64_t before = gst_util_uint64_scale_ceil(first, program.rate_numerator, nominator);
   for (uint64_t trigger = 0; !triggers || trigger < *triggers; ++trigger) {
-    // From the program's start, so that nothing adds up.
+    // From the program's start, so that errors do not accumulate.
     const GstClockTime time =
         base + gst_util_uint64_scale(before + trigger, nominator, program.rate_numerator);
     GstClockID wait = nullptr;

@@ -13,9 +13,9 @@
 
 namespace inverse {
 
-/// Steps the lights of a stage through a program by the pipeline's clock. A thread of its own does
-/// all that may have to wait for a controller, so that no state change does; what goes wrong there
-/// is an element error.
+/// Steps the lights of a stage through a program by the pipeline's clock. Its own thread does all
+/// that may wait for a controller, so that no state change does; errors there become element
+/// errors.
 class LightClock {
  public:
   /// Begins to hand the program to the lights. Throws Error for settings that make no sense.
@@ -29,7 +29,7 @@ class LightClock {
   /// To PLAYING: the program starts after the lead-in, in which lights are off, once the lights
   /// have it.
   void play();
-  /// Out of PLAYING: lights off. The program starts anew with the next `play`.
+  /// Out of PLAYING: lights off. The program starts again with the next `play`.
   void pause();
   /// Whether the program has started since the last `play`.
   bool started() const { return started_; }

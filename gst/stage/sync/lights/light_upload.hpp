@@ -8,8 +8,8 @@
 
 namespace inverse {
 
-/// Hands a program to the lights, which may take minutes: whether they have it. What goes wrong is
-/// an element error, unless it is that somebody has `given_up` and canceled the driver.
+/// Sends a program to the lights, which may take minutes; true on success. Errors become element
+/// errors, unless `given_up` and the driver was canceled.
 bool upload_program(GstElement* element, LightDriver& driver, const LightProgram& program,
                     const std::function<bool()>& given_up);
 

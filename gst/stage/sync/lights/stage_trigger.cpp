@@ -42,11 +42,11 @@ StageTrigger::~StageTrigger() {
     lights_->black();
   } catch (const std::exception& error) {
     GST_CAT_WARNING_OBJECT(log_of(GST_ELEMENT(element_)).category, element_, "lights: %s",
-                           error.what());  // that they are gone was an error
+                           error.what());  // the loss itself was an error before
   }
 }
 
-/// May take minutes on a serial line, so that no state change waits for it.
+/// May take minutes on a serial line, so no state change waits for it.
 void StageTrigger::upload() {
   const bool good = upload_program(element_, *lights_, labels_->program(), [this] {
     const Lock lock(mutex_);
@@ -98,13 +98,13 @@ void StageTrigger::set_playing(bool playing) {
   playing_ = playing;
   if (playing) return begin();
   const auto capture = capture_;
-  lock.unlock();  // a frame may be on its way
+  lock.unlock();  // a frame may be arriving
   const uint64_t next = capture ? capture->stop() : 0;
   lock.lock();
   next_ = next;
 }
 
-/// With the mutex held.
+/// With the mutex locked.
 void StageTrigger::begin() {
   if (!playing_ || !uploaded_ ||
       !std::all_of(cameras_.begin(), cameras_.end(), [](const Camera& one) { return one.ready; }))
@@ -119,7 +119,7 @@ void StageTrigger::begin() {
   capture_->start(next_);
 }
 
-/// How long ago a frame began to arrive, in seconds, where its source tells.
+/// Time since a frame began to arrive, in seconds, if its source reports it.
 std::optional<double> StageTrigger::age(const CameraTrigger& camera, GstBuffer* buffer) const {
   if (!camera.has_times() || !GST_BUFFER_PTS_IS_VALID(buffer)) return std::nullopt;
   GstClock* clock = gst_element_get_clock(element_);

@@ -12,8 +12,8 @@
 
 namespace inverse {
 
-/// What lightstagesync does where it is who triggers the cameras: finds them upstream, steps the
-/// lights, and says of each frame that arrives which trigger it is of. Thread-safe.
+/// Triggers the cameras for lightstagesync: finds them upstream, steps the lights, and gives each
+/// frame that arrives its trigger. Thread-safe.
 class StageTrigger {
  public:
   struct Settings {
@@ -35,7 +35,7 @@ class StageTrigger {
   void camera_ready(uint32_t number);
   void set_playing(bool playing);
 
-  /// While one of these lives, a frame is being handled, and no next one is asked for.
+  /// While one exists, a frame is being handled, and the next one is not triggered.
   class Handling {
    public:
     Handling(StageTrigger& trigger, uint32_t number, GstBuffer* buffer);
@@ -51,7 +51,7 @@ class StageTrigger {
     std::optional<uint64_t> label_;
   };
 
-  /// Adds what it counted to an element's stats.
+  /// Adds its counts to an element's stats.
   void add_stats(GstStructure* stats) const;
 
  private:

@@ -32,7 +32,7 @@ GBytes* StageLabels::colors(const LightProgram::Position& position) const {
 
 void StageLabels::attach(GstBuffer* buffer, const FrameLabel& label) const {
   if (GstLightStageMeta* old = gst_buffer_get_light_stage_meta(buffer))
-    gst_buffer_remove_meta(buffer, &old->meta);  // of whoever labeled it before
+    gst_buffer_remove_meta(buffer, &old->meta);  // of an element before
   GstLightStageMeta* meta = add_light_stage_meta(buffer);
   const LightProgram::Position& at = label.position;
   meta->program = id_;

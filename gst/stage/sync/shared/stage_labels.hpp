@@ -10,7 +10,7 @@
 
 namespace inverse {
 
-/// What lit a frame.
+/// The light of a frame.
 struct FrameLabel {
   uint64_t trigger = 0;
   LightProgram::Position position;

@@ -37,7 +37,7 @@ GstElement* found_upstream(GstPad* sink, bool (*wanted)(GstElement*), int distan
   return found;
 }
 
-/// A number, or an enum whose values are these numbers.
+/// Whether `frame-id-bits` is a number, or an enum whose values are these numbers.
 bool tells_id_bits(GstElement* element) {
   const GParamSpec* spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), kIdBits);
   return spec && (spec->flags & G_PARAM_READABLE) &&

@@ -10,8 +10,8 @@ namespace inverse {
 /// a new reference; null if there is none.
 GstElement* upstream_element(GstPad* sink, bool (*wanted)(GstElement* element));
 
-/// What an element upstream says of its frames' ids by a property `frame-id-bits`, as
-/// lightstagearavissrc does once its camera is open: 16, 32 or 64; 0 if none says so.
+/// Bits of frame ids by the property `frame-id-bits` of an element upstream, as lightstagearavissrc
+/// has it once its camera is open: 16, 32 or 64; 0 if there is none.
 uint32_t upstream_id_bits(GstPad* sink);
 
 }  // namespace inverse
