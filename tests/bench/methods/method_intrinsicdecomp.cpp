@@ -4,7 +4,7 @@
 
 #include "adaptive_settings.hpp"
 #include "kernels/intrinsic/quality_levels.hpp"
-#include "ladder_settings.hpp"
+#include "level_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 
 namespace inverse::bench {
@@ -52,7 +52,7 @@ class Settings {
 
   /// The levels of the element; presets are some of them.
   void add_ladder() {
-    all = ladder_settings(
+    all = level_settings(
         intrinsic_levels(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 

@@ -118,7 +118,7 @@ TEST_P(RepeatedFrames, KeepTheirLayersOnceSettled) {
   }
 }
 
-TEST_P(RepeatedFrames, AreComputedWhereNothingIsToBeLeftOut) {
+TEST_P(RepeatedFrames, AreComputedIfNothingIsToBeSkipped) {
   VideoHarness harness(std::string(GetParam()) + " adaptive=false", caps_of(), caps_of());
   const auto picture = tiles(64, 48);
   for (int i = 0; i < 40; ++i) {

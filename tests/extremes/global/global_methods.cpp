@@ -53,7 +53,7 @@ GlobalLayers GlobalMethod::decompose(const Pixels& frame, std::span<const uint8_
   } else {
     const uint64_t last = global_->recorded() - 1;
     found_ = global_->findings(last);
-    left_out_ = global_->stats(last);
+    last_stats_ = global_->stats(last);
   }
   GlobalLayers got;
   got.intrinsic = lab_.download(layers[Role::intrinsic]->buffer);

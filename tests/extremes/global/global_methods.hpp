@@ -37,7 +37,7 @@ class GlobalMethod {
 
   /// Of globalintrinsic's last frame.
   const GlobalIntrinsic::Findings& found() const { return found_; }
-  const GlobalIntrinsic::Stats& left_out() const { return left_out_; }
+  const GlobalIntrinsic::Stats& last_stats() const { return last_stats_; }
   GlobalThesis& thesis() { return *thesis_; }
   /// Of the thesis' method's last frame.
   const GlobalThesis::Stats& stats() const { return stats_; }
@@ -49,7 +49,7 @@ class GlobalMethod {
   std::unique_ptr<GlobalIntrinsic> global_;
   std::unique_ptr<GlobalThesis> thesis_;
   GlobalIntrinsic::Findings found_;
-  GlobalIntrinsic::Stats left_out_;
+  GlobalIntrinsic::Stats last_stats_;
   GlobalThesis::Stats stats_;
   bool first_ = true;
 };

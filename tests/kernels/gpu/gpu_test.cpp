@@ -59,7 +59,7 @@ TEST_F(DeviceTest, ChainedKernelsSeeEachOthersWrites) {
 }
 
 // The device decides: the second condition is what a kernel wrote in the same submit.
-TEST_F(DeviceTest, KernelsAreLeftOutWhereTheirConditionIsZero) {
+TEST_F(DeviceTest, KernelsAreSkippedIfTheirConditionIsZero) {
   const Halve halve(device);
   const Plane ones = plane({2, 2}, Pixels(16, 1.0f)), zeros = plane({2, 2}, Pixels(16, 0.0f));
   for (const bool runs : {true, false}) {

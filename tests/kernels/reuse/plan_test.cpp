@@ -99,7 +99,7 @@ TEST(Plan, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
   EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
 }
 
-TEST(Plan, BinsAndAnchorAreLookedAtMoreOftenWhereTheyAreLeftOut) {
+TEST(Plan, SkippedBinsAndAnchorAreMeasuredMoreOften) {
   const auto looks = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;

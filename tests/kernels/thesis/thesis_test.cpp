@@ -215,7 +215,7 @@ TEST_F(ThesisTest, EveryParameterReachesTheSolution) {
   }
 }
 
-TEST_F(ThesisTest, TermsWithoutWeightAreLeftOut) {
+TEST_F(ThesisTest, TermsWithoutWeightAreSkipped) {
   const Extent extent{37, 21};
   const auto skipped = [&](const ThesisParams& params) {
     ThesisDecomposition method(device, extent);

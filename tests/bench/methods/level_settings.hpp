@@ -15,8 +15,8 @@ namespace inverse::bench {
 /// `others`, in videos with --full and on the project's own scenes only. Params: ScaledIntrinsic's,
 /// and those of the method.
 template <typename Params, typename MakeOf>
-std::vector<Setting> ladder_settings(const QualityLevels<Params>& ladder, const MakeOf& make,
-                                     Setting::Effort others) {
+std::vector<Setting> level_settings(const QualityLevels<Params>& ladder, const MakeOf& make,
+                                    Setting::Effort others) {
   std::vector<Setting> all;
   for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
     Params params;

@@ -37,7 +37,7 @@ double apart(const Pixels& one, const Pixels& other) {
 
 }  // namespace
 
-class LeaveOutTest : public IntrinsicTest {
+class SkipTest : public IntrinsicTest {
  protected:
   Pixels frame(ScaledIntrinsic& method, const PlanePtr& in, const ScaledIntrinsic::Params& params,
                bool reset = false) {
@@ -50,7 +50,7 @@ class LeaveOutTest : public IntrinsicTest {
   }
 };
 
-TEST_F(LeaveOutTest, BinsWithoutWeightAreLeftOutWhateverIsAskedFor) {
+TEST_F(SkipTest, BinsWithoutWeightAreSkippedWhateverTheSettings) {
   const Extent extent{97, 61};
   const Pixels pixels = scene(extent, 3);
   for (const bool adaptive : {false, true}) {
@@ -70,7 +70,7 @@ TEST_F(LeaveOutTest, BinsWithoutWeightAreLeftOutWhateverIsAskedFor) {
   }
 }
 
-TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
+TEST_F(SkipTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
   const Extent extent{64, 48};
   for (const float weight : {1.0F, 0.03F, 0.001F})
     for (const unsigned seed : {1U, 2U, 3U}) {
@@ -120,7 +120,7 @@ TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
     }
 }
 
-TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
+TEST_F(SkipTest, APictureWithoutColorsToCompareNeedsNoBins) {
   const Extent extent{160, 120};
   const PlanePtr plain = input(extent, Pixels(extent.pixels() * 4, 0.4F));
   const PlanePtr colored = input(extent, scene(extent, 2));
@@ -128,19 +128,20 @@ TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
   IntrinsicDecomposition::Params params, always, off;
   always.chroma_tolerance = 0;
   off.adaptive = false;
-  int left_out = 0;
+  int skipped = 0;
   for (int i = 0; i < 16; ++i) {
     const Pixels got = decompose(method, plain, params, false);
     EXPECT_LT(apart(got, decompose(whole, plain, always, false)), 0.005);
     decompose(all, plain, off, false);
     const auto& stats = method.stats(method.recorded() - 1);
-    left_out += !stats.plan.bins;
-    EXPECT_EQ(tells(stats.plan.skipped, "chroma bins: their effect is below its tolerance"), !stats.plan.bins);
+    skipped += !stats.plan.bins;
+    EXPECT_EQ(tells(stats.plan.skipped, "chroma bins: their effect is below its tolerance"),
+              !stats.plan.bins);
     EXPECT_TRUE(whole.stats(whole.recorded() - 1).plan.bins);
     EXPECT_TRUE(all.stats(all.recorded() - 1).plan.bins);
   }
-  EXPECT_GE(left_out, 9);
-  EXPECT_LE(left_out, 12) << "now and then it has to look";
+  EXPECT_GE(skipped, 9);
+  EXPECT_LE(skipped, 12) << "now and then it has to look";
   for (int i = 0; i < 8; ++i) decompose(method, colored, params, false);
   for (int i = 0; i < 8; ++i) {
     decompose(method, colored, params, false);
@@ -148,31 +149,33 @@ TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
   }
 }
 
-TEST_F(LeaveOutTest, PixelsAreNotComparedWhereNothingStays) {
+TEST_F(SkipTest, PixelsAreNotComparedWhereNothingStays) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent), whole(device, extent);
   IntrinsicDecomposition::Params params, always;
   always.gate_tolerance = 0;
-  int left_out = 0;
+  int skipped = 0;
   for (unsigned i = 0; i < 16; ++i) {  // a cut at every frame
     const PlanePtr in = input(extent, scene(extent, i % 2 ? 4 : 5));
     const Pixels got = decompose(method, in, params, false);
     EXPECT_LT(apart(got, decompose(whole, in, always, false)), 0.01) << "frame " << i;
     const auto& stats = method.stats(method.recorded() - 1);
-    left_out += stats.plan.history && !stats.plan.compares_pixels;
-    EXPECT_EQ(tells(stats.plan.skipped, "anchor of pixels"), stats.plan.history && !stats.plan.compares_pixels);
+    skipped += stats.plan.history && !stats.plan.compares_pixels;
+    EXPECT_EQ(tells(stats.plan.skipped, "anchor of pixels"),
+              stats.plan.history && !stats.plan.compares_pixels);
     EXPECT_EQ(whole.stats(whole.recorded() - 1).plan.compares_pixels, i > 0);
   }
-  EXPECT_GE(left_out, 8);
+  EXPECT_GE(skipped, 8);
   const PlanePtr still = input(extent, scene(extent, 4));
   for (int i = 0; i < 8; ++i) decompose(method, still, params, false);
   for (int i = 0; i < 4; ++i) {
     decompose(method, still, params, false);
-    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.compares_pixels) << "what stands still is held";
+    EXPECT_TRUE(method.stats(method.recorded() - 1).plan.compares_pixels)
+        << "what stands still is held";
   }
 }
 
-TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
+TEST_F(SkipTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
   for (const Extent extent : {Extent{160, 120}, Extent{61, 35}, Extent{7, 2}}) {
     const PlanePtr still = input(extent, scene(extent, 6));
     ScaledIntrinsic carried(device, extent), forgets(device, extent);
@@ -210,7 +213,7 @@ TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
   }
 }
 
-TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
+TEST_F(SkipTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   const Extent extent{160, 120};
   const PlanePtr soft = input(extent, soft_scene(extent, 0)),
                  sharp = input(extent, scene(extent, 4));
@@ -251,7 +254,7 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.half_tolerance);
 }
 
-TEST_F(LeaveOutTest, DistanceOfLayersIsThatOfTheirShading) {
+TEST_F(SkipTest, DistanceOfLayersIsThatOfTheirShading) {
   for (const Extent extent : kOddSizes) {
     const Pixels pixels = random_pixels(extent, 1), one = random_pixels(extent, 2, 0.1F, 2),
                  other = random_pixels(extent, 3, 0.1F, 2);

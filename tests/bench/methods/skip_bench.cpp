@@ -3,7 +3,7 @@
 // half of the resolution. Reports saved time, change of the result, and what was predicted; also
 // the visible change when the resolution switches.
 //
-//   leave-out-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…
+//   skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…
 //
 // The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
 // .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are processor
@@ -18,6 +18,7 @@
 
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
 #include "tests/bench/metrics/metrics.hpp"
+#include "tests/bench/support/changed_tiles.hpp"
 #include "tests/bench/support/device_session.hpp"
 #include "tests/bench/support/frames.hpp"
 #include "tests/bench/support/scene.hpp"
@@ -78,13 +79,16 @@ struct Run {
 
   Run(DeviceSession& session, Extent extent, const Params& with)
       : method(session.device(), extent), params(with) {}
-  void step(DeviceSession& session, const TruthFrame& frame, bool reset) {
+  void step(DeviceSession& session, const TruthFrame& frame, bool reset,
+            const std::vector<uint8_t>& changed = {}) {
     Cost spent;
     before = std::move(now);
     now = session.run(
         frame.input,
         [&](gpu::Commands& commands, const PlanePtr& input) {
-          return method.record(commands, input, params, {reset});
+          const bool repeated = !changed.empty() && std::none_of(changed.begin(), changed.end(),
+                                                                 [](uint8_t c) { return c != 0; });
+          return method.record(commands, input, params, {reset, changed, repeated});
         },
         spent);
     cost.push_back(spent.processor);
@@ -278,6 +282,40 @@ void adaptive(DeviceSession& session, const Scene& scene, size_t frames) {
   std::printf("%.3f | %.3f | %.3f |\n", median(ratios), medians[950], costs[1] / costs[0]);
 }
 
+/// For skip-error at 0, a quarter of the default, the default and twice that: distance of shading
+/// from that with all work done, mean and maximum over the frames, and relative time.
+void error(DeviceSession& session, const Scene& scene, size_t frames) {
+  const Extent extent{uint32_t(scene.frames[0].input.width),
+                      uint32_t(scene.frames[0].input.height)};
+  Params off;
+  off.adaptive = false;
+  Run all{session, extent, off};
+  std::vector<std::unique_ptr<Run>> some;
+  for (const float factor : {0.0F, 0.25F, 1.0F, 2.0F}) {
+    Params params;
+    params.scale_tolerances(factor);
+    some.push_back(std::make_unique<Run>(session, extent, params));
+  }
+  std::vector<std::vector<double>> apart(some.size());
+  TruthFrame before;
+  for (size_t k = 0; k < frames; ++k) {
+    TruthFrame frame = frame_at(scene, k);
+    frame.input = through_8_bits(frame.input);
+    const auto changed = k > 0 ? changed_tiles(before.input, frame.input) : std::vector<uint8_t>();
+    all.step(session, frame, k == 0);
+    for (size_t i = 0; i < some.size(); ++i) {
+      some[i]->step(session, frame, k == 0, changed);
+      apart[i].push_back(distance(frame.input, all.now.shading, some[i]->now.shading));
+    }
+    before = frame;
+  }
+  name(scene);
+  for (size_t i = 0; i < some.size(); ++i)
+    std::printf("%.4f, %.4f, %.2f | ", mean(apart[i]),
+                *std::max_element(apart[i].begin(), apart[i].end()), ratio(all, *some[i]));
+  std::printf("\n");
+}
+
 /// Settings of little work and the presets to compare with: time relative to quality=medium, and
 /// error.
 void cheap(DeviceSession& session, const Scene& scene, size_t frames) {
@@ -320,6 +358,7 @@ void run(int argc, char** argv) {
                        : what == "crossing" ? crossing
                        : what == "cheap"    ? cheap
                        : what == "adaptive" ? adaptive
+                       : what == "error"    ? error
                                             : nullptr;
   std::vector<std::filesystem::path> files;
   size_t frames = 24;
@@ -332,7 +371,7 @@ void run(int argc, char** argv) {
   }
   if (!measure || files.empty())
     throw std::runtime_error(
-        "usage: leave-out-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…");
+        "usage: skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   if (measure == terms)
@@ -350,6 +389,6 @@ int main(int argc, char** argv) try {
   inverse::bench::run(argc, argv);
   return 0;
 } catch (const std::exception& error) {
-  std::fprintf(stderr, "leave-out-bench: %s\n", error.what());
+  std::fprintf(stderr, "skip-bench: %s\n", error.what());
   return 1;
 }
