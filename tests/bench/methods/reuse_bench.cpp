@@ -2,7 +2,7 @@
 // When the layers of an unchanged image can be reused: error against the truth once the change by
 // the last cycle falls below a bound (keep-tolerance), compared with further frames.
 //
-//   kept-bench --data FOLDER [--frames N]
+//   reuse-bench --data FOLDER [--frames N]
 //
 // FOLDER has scenes as flat dumps (import-scenes, own-scenes); the first frame of every still is
 // sent N times (default 150). Prints LMSE (k = 20), the mean of reflectance and shading, by regime,
@@ -104,7 +104,7 @@ int main(int argc, char** argv) try {
   std::string data;
   int frames = 150;
   const bench::Options known{{"--data", bench::text(data)}, {"--frames", bench::integer(frames)}};
-  if (!bench::read(known, argc, argv, "kept_bench.cpp") || data.empty() || frames < 1) return 2;
+  if (!bench::read(known, argc, argv, "reuse_bench.cpp") || data.empty() || frames < 1) return 2;
   bench::DeviceSession session("");
   std::map<std::string, Found> regimes;
   for (const bench::Scene& scene : bench::read_scenes(data)) {
@@ -120,6 +120,6 @@ int main(int argc, char** argv) try {
   for (const auto& [name, found] : regimes) print(name, found);
   return 0;
 } catch (const std::exception& error) {
-  std::fprintf(stderr, "kept-bench: %s\n", error.what());
+  std::fprintf(stderr, "reuse-bench: %s\n", error.what());
   return 1;
 }
