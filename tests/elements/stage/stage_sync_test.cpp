@@ -32,7 +32,7 @@ TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
-TEST_F(StageSync, LostFramesAreCountedAndToldOf) {
+TEST_F(StageSync, LostFramesAreCountedAndReported) {
   use_performance();
   start();
   for (int64_t n = -10; n < 60; ++n)
@@ -84,7 +84,7 @@ TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
   EXPECT_EQ(pull(39, 1).back().trigger, 39);
 }
 
-TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedForAndNotLeftAlone) {
+TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedFor) {
   use(static_capture(stage_lights(geodesic_directions(42)), 60));
   g_object_set(element_, "timeout", 0.1, nullptr);
   start(0);
@@ -105,7 +105,7 @@ TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedForAndNotLeftAlone) {
     EXPECT_EQ(text.find("have waited"), std::string::npos) << text;
 }
 
-TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
+TEST_F(StageSync, AStoppedCameraIsReportedAndTheOtherContinues) {
   use_performance();
   g_object_set(element_, "timeout", 0.1, nullptr);
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
@@ -125,7 +125,7 @@ TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
-TEST_F(StageSync, ALoneCameraThatStopsIsToldOfAndMaySendAgain) {
+TEST_F(StageSync, ASingleStoppedCameraIsReportedAndMayResume) {
   use_performance();
   start();
   for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
@@ -144,7 +144,7 @@ TEST_F(StageSync, ACameraThatHasNotBegunIsGivenTimeAndOneThatHasIsNot) {
   EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
 }
 
-TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
+TEST_F(StageSync, ACameraThatDoesNotStartBlocksNoOther) {
   use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
   start(0);
@@ -152,7 +152,7 @@ TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
   const gint64 from = g_get_monotonic_time();
   for (int64_t n = -10; n < 60; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
   EXPECT_EQ(pull(60).back().trigger, 59);
-  EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not until that is told of
+  EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not only after the report
   EXPECT_TRUE(warned_of("whose source has not begun"));
 }
 
@@ -302,7 +302,7 @@ TEST_F(StageSync, ABufferThatIsTooSmallIsOneError) {
   EXPECT_NE(errors[0].find("100 bytes"), std::string::npos) << errors[0];
 }
 
-TEST_F(StageSync, ARateThatIsNotTheProgramsIsAWarningAndAnUnknownOneIsNone) {
+TEST_F(StageSync, OnlyAKnownRateOtherThanTheProgramsIsAWarning) {
   use_performance();
   start(0, caps(kWidth, kHeight, "0/1"));
   EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
@@ -327,7 +327,7 @@ TEST_F(StageSync, FilesHaveARateOfTheirOwn) {
   EXPECT_TRUE(warned_of("\"rate\" in " + path_));
 }
 
-TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
+TEST_F(StageSync, LatencyIsReportedForSeveralCameras) {
   use_performance();
   g_object_set(element_, "timeout", 0.3, nullptr);
   start(0);

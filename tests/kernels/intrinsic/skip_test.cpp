@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicdecomp: terms and resolution that a scene does not need are left out, and what was found
-// carries over.
+// intrinsicdecomp skips terms and resolution that a scene does not need; history carries over.
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/resolution/layer_distance.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
@@ -37,7 +36,7 @@ double apart(const Pixels& one, const Pixels& other) {
 
 }  // namespace
 
-class LeaveOutTest : public IntrinsicTest {
+class SkipTest : public IntrinsicTest {
  protected:
   Pixels frame(ScaledIntrinsic& method, const PlanePtr& in, const ScaledIntrinsic::Params& params,
                bool reset = false) {
@@ -50,7 +49,7 @@ class LeaveOutTest : public IntrinsicTest {
   }
 };
 
-TEST_F(LeaveOutTest, BinsWithoutWeightAreLeftOutWhateverIsAskedFor) {
+TEST_F(SkipTest, BinsWithoutWeightAreAlwaysSkipped) {
   const Extent extent{97, 61};
   const Pixels pixels = scene(extent, 3);
   for (const bool adaptive : {false, true}) {
@@ -70,7 +69,7 @@ TEST_F(LeaveOutTest, BinsWithoutWeightAreLeftOutWhateverIsAskedFor) {
   }
 }
 
-TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
+TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
   const Extent extent{64, 48};
   for (const float weight : {1.0F, 0.03F, 0.001F})
     for (const unsigned seed : {1U, 2U, 3U}) {
@@ -120,7 +119,7 @@ TEST_F(LeaveOutTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
     }
 }
 
-TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
+TEST_F(SkipTest, APictureWithoutColorsSkipsBins) {
   const Extent extent{160, 120};
   const PlanePtr plain = input(extent, Pixels(extent.pixels() * 4, 0.4F));
   const PlanePtr colored = input(extent, scene(extent, 2));
@@ -148,7 +147,7 @@ TEST_F(LeaveOutTest, APictureWithoutColorsToCompareNeedsNoBins) {
   }
 }
 
-TEST_F(LeaveOutTest, PixelsAreNotComparedWhereNothingStays) {
+TEST_F(SkipTest, PixelsAreNotComparedIfEverythingMoves) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent), whole(device, extent);
   IntrinsicDecomposition::Params params, always;
@@ -172,14 +171,14 @@ TEST_F(LeaveOutTest, PixelsAreNotComparedWhereNothingStays) {
   }
 }
 
-TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
+TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
   for (const Extent extent : {Extent{160, 120}, Extent{61, 35}, Extent{7, 2}}) {
     const PlanePtr still = input(extent, scene(extent, 6));
     ScaledIntrinsic carried(device, extent), forgets(device, extent);
     ScaledIntrinsic::Params params;
     params.half_bound = 0;
     Pixels before[2];
-    double most = 0, most_anew = 0;
+    double largest = 0, most_anew = 0;
     for (int i = 0; i < 40; ++i) {
       const int at = i / 10;  // full, half, a quarter, full
       params.half_resolution = at == 1 || at == 2;
@@ -195,7 +194,7 @@ TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
       }
       for (const float value : now[0]) ASSERT_TRUE(std::isfinite(value));
       if (i >= 10) {
-        most = std::max(most, apart(now[0], before[0]));
+        largest = std::max(largest, apart(now[0], before[0]));
         most_anew = std::max(most_anew, apart(now[1], before[1]));
         if (crosses) {
           EXPECT_LT(apart(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
@@ -205,12 +204,12 @@ TEST_F(LeaveOutTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
       before[1] = now[1];
     }
     std::printf("%s: largest step of log shading %.3f, history forgotten %.3f\n",
-                name_of(extent).c_str(), most, most_anew);
-    EXPECT_LT(most, 0.4 * most_anew) << name_of(extent);
+                name_of(extent).c_str(), largest, most_anew);
+    EXPECT_LT(largest, 0.4 * most_anew) << name_of(extent);
   }
 }
 
-TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
+TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
   const Extent extent{160, 120};
   const PlanePtr soft = input(extent, soft_scene(extent, 0)),
                  sharp = input(extent, scene(extent, 4));
@@ -240,7 +239,7 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);
   EXPECT_LT(soft_distance, params.half_bound);
-  // A cut: looked at as soon as it is noticed, and given up.
+  // A cut: compared as soon as it is detected, and given up.
   for (uint64_t i = 0; i < 8; ++i) step(sharp, i);
   float off_by = 0;
   for (uint64_t i = 0; i < 90; ++i) {  // the anchor leads on to what full resolution finds
@@ -251,7 +250,7 @@ TEST_F(LeaveOutTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   EXPECT_GT(method.findings(method.recorded() - 1).half_distance, params.half_bound);
 }
 
-TEST_F(LeaveOutTest, DistanceOfLayersIsThatOfTheirShading) {
+TEST_F(SkipTest, DistanceOfLayersIsThatOfTheirShading) {
   for (const Extent extent : kOddSizes) {
     const Pixels pixels = random_pixels(extent, 1), one = random_pixels(extent, 2, 0.1F, 2),
                  other = random_pixels(extent, 3, 0.1F, 2);

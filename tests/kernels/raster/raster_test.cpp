@@ -34,7 +34,7 @@ std::vector<reference::Triangle> random_triangles(unsigned seed, size_t count, d
   std::vector<reference::Triangle> triangles(count);
   for (auto& triangle : triangles) {
     const double x = value(random) * width, y = value(random) * height, z = value(random) - .5;
-    // Steep ones have a depth that depends on the last bit of where they are looked at.
+    // The depth of steep ones depends on the last bit of the sample's position.
     const double tilt = reach > 1000 ? 100 : 0;
     for (auto& p : triangle)
       p = {static_cast<float>(x + reach * (value(random) - .5)),
@@ -313,7 +313,7 @@ TEST_F(RasterTest, ASphereLooksLikeItsLitSphere) {
   EXPECT_LT(largest, .03);
 }
 
-TEST(MeshTest, PreparesWhatIsAmiss) {
+TEST(MeshTest, PreparesBadMeshes) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Mesh mesh;
   mesh.positions = {{10, 10, 10}, {14, 10, 10}, {10, 13, 10},
