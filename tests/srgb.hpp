@@ -6,7 +6,7 @@
 namespace inverse {
 
 /// sRGB's curve (IEC 61966-2-1) as tests, references and benchmarks have it: the code 0…1 of linear
-/// light, and back. Light beyond 1 goes on along the curve.
+/// light, and back. Light beyond 1 continues along the curve.
 template <std::floating_point T>
 T srgb_code(T light) {
   return light <= T(0.0031308) ? T(12.92) * light

@@ -243,7 +243,7 @@ int largest_difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>
 
 namespace {
 
-/// Keeps the plugin's device open while it is told to.
+/// Keeps the plugin's device open on request.
 class DeviceHolder : public ::testing::Environment {
  public:
   static DeviceHolder& get() {

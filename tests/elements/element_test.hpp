@@ -40,7 +40,7 @@ std::vector<LineResult> run_line_again(const std::string& line, size_t times,
                                        const std::function<void()>& between);
 
 /// The tests share the plugin's device, whose kernels are then built once for all of them. While
-/// one of these lives, nobody holds it between streams: each begins with no kernel built.
+/// one of these lives, it is closed between streams: each begins with no kernel built.
 class NewDevice {
  public:
   NewDevice();

@@ -3,7 +3,7 @@
 //
 // The stability suite. --case TEXT runs one random case, as a failure names it. --search runs COUNT
 // of a solver's cases from seed FIRST on and shrinks the first that fails. --report FILE runs
-// the ladder of stiff systems instead of the tests and writes condition numbers against digits
+// the stiff systems instead of the tests and writes condition numbers against digits
 // kept, for every solver, as JSON.
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ int report(const char* path) {
          "digits");
   fprintf(file, "{\"device\": \"%s\", \"cases\": [", lab.device()->name().c_str());
   const char* separator = "";
-  for (const Problem& problem : ladder()) {
+  for (const Problem& problem : stiff_problems()) {
     const Outcome outcome = judge(problem, lab);
     printf("%-10s %-40s %9.2g %9.2g %6.2f %6.2f\n", name_of(problem.solver), problem.name.c_str(),
            outcome.condition, outcome.condition_preconditioned, outcome.digits_plain,

@@ -207,7 +207,7 @@ TEST_P(StreamMixtures, GiveAFrameForAFrameOrOneClearError) {
     std::vector<Planned> plan = random_plan(seed);
     auto reason = wrong(GetParam(), plan, ends);
     if (!reason) continue;
-    // Leave out every step that the failure does not need.
+    // Remove every step that the failure does not need.
     for (size_t i = plan.size(); i-- > 0;) {
       std::vector<Planned> fewer;
       for (size_t k = 0; k < plan.size(); ++k)

@@ -20,7 +20,7 @@ using Pixels = std::vector<float>;  ///< vec4 pixels, row by row
 /// gpu::Variant choose the variant.
 class GpuTest : public ::testing::Test {
  protected:
-  void SetUp() override { kept() = device = gpu::Device::open(); }
+  void SetUp() override { shared_device() = device = gpu::Device::open(); }
 
   gpu::BufferPtr upload(gpu::Element element, const void* data, uint64_t count) {
     auto buffer = gpu::Buffer::create(device, element, count, gpu::Memory::upload);
@@ -61,7 +61,7 @@ class GpuTest : public ::testing::Test {
   std::shared_ptr<gpu::Device> device;
 
   /// The device between the tests, so that its kernels are built once for all of them.
-  static std::shared_ptr<gpu::Device>& kept() {
+  static std::shared_ptr<gpu::Device>& shared_device() {
     static std::shared_ptr<gpu::Device> device;
     return device;
   }
@@ -72,7 +72,7 @@ template <typename Fixture>
 class OnANewDevice : public Fixture {
  protected:
   void SetUp() override {
-    this->kept().reset();
+    this->shared_device().reset();
     Fixture::SetUp();
     if (this->device->kernels_used() > 0)
       GTEST_SKIP() << "another test holds the device: run these alone, --gtest_filter=*WarmUp.*";

@@ -139,24 +139,25 @@ void compare(const std::string& name, const std::string& model, uint32_t size, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  bench::NetworkArguments asked;
+  bench::NetworkArguments requested;
   bool layers = false;
-  if (!asked.read(argc, argv, "onnx_bench.cpp",
-                  {{"--layers", bench::flag([&layers] { layers = true; })}}))
+  if (!requested.read(argc, argv, "onnx_bench.cpp",
+                      {{"--layers", bench::flag([&layers] { layers = true; })}}))
     return 2;
-  const uint32_t size = asked.size();
+  const uint32_t size = requested.size();
   try {
     const auto device = gpu::Device::open();
     std::printf("%s, %d threads of OpenCV\n", device->name().c_str(), cv::getNumThreads());
-    for (const std::string& path : asked.files) {
+    for (const std::string& path : requested.files) {
       std::ifstream file(path, std::ios::binary);
       if (!file) throw Error(ErrorKind::file, path + ": it cannot be read");
-      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, asked.runs, layers, device);
+      compare(path, {std::istreambuf_iterator<char>(file), {}}, size, requested.runs, layers,
+              device);
     }
-    if (asked.files.empty())
+    if (requested.files.empty())
       for (const int64_t width : {8, 16, 32})
-        compare("U-Net of " + std::to_string(width), u_net(width, size), size, asked.runs, layers,
-                device);
+        compare("U-Net of " + std::to_string(width), u_net(width, size), size, requested.runs,
+                layers, device);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -400,7 +400,7 @@ TEST_F(OnnxTest, RefusesInputsOfOtherKinds) {
   }
 }
 
-TEST_F(OnnxTest, RefusesBatchesAndOperatorSetsThatItDoesNotKnow) {
+TEST_F(OnnxTest, RefusesUnsupportedBatchesAndOperatorSets) {
   const auto refused = [](int64_t opset, int64_t batch) {
     OnnxBuilder b(1, opset);
     const std::string image = b.input("image", {batch, 4, 8, 8});

@@ -175,7 +175,7 @@ TEST_F(Files, TestPatternTurnsRedBarsGreen) {
   EXPECT_GT(bar(6, 2), 150) << "blue was touched";
 }
 
-TEST_F(Files, BatchGoesOnWhereItWasAndTellsWhatFailed) {
+TEST_F(Files, BatchResumesAndReportsFailures) {
   std::filesystem::create_directories(file("day one/deep"));
   make_clip(file("day one/a.mkv"));
   make_silent_clip(file("day one/deep/b c.mkv"));

@@ -10,7 +10,7 @@
 namespace inverse::testing {
 namespace {
 
-/// A UDP port that nobody uses now.
+/// An unused UDP port.
 std::string free_port() {
   const int descriptor = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};

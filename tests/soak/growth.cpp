@@ -47,12 +47,13 @@ Holding holding_now(uint64_t device_bytes) {
 }
 
 void Growth::sample_now(uint64_t device_bytes, std::chrono::milliseconds timeout) {
-  const auto fewest = [&](double Holding::*field) {
-    double least = std::numeric_limits<double>::max();
-    for (const Holding& sample : samples_) least = std::min(least, sample.*field);
-    return least;
+  const auto smallest_count = [&](double Holding::*field) {
+    double smallest = std::numeric_limits<double>::max();
+    for (const Holding& sample : samples_) smallest = std::min(smallest, sample.*field);
+    return smallest;
   };
-  const double threads = fewest(&Holding::threads), descriptors = fewest(&Holding::descriptors);
+  const double threads = smallest_count(&Holding::threads),
+               descriptors = smallest_count(&Holding::descriptors);
   const auto end = std::chrono::steady_clock::now() + timeout;
   Holding now = holding_now(device_bytes);
   while ((now.threads > threads || now.descriptors > descriptors) &&

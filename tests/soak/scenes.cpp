@@ -105,12 +105,12 @@ int next_difference(GstElement* sink, const Frame& expected) {
   if (!sample) throw std::runtime_error("no frame for a minute");
   GstMapInfo map;
   gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ);
-  int most = map.size == expected.size() ? 0 : 256;
-  for (size_t i = 0; most < 256 && i < map.size; ++i)
-    most = std::max(most, std::abs(int{map.data[i]} - int{expected[i]}));
+  int largest = map.size == expected.size() ? 0 : 256;
+  for (size_t i = 0; largest < 256 && i < map.size; ++i)
+    largest = std::max(largest, std::abs(int{map.data[i]} - int{expected[i]}));
   gst_buffer_unmap(gst_sample_get_buffer(sample), &map);
   gst_sample_unref(sample);
-  return most;
+  return largest;
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST_F(MarkerInEveryPass, ACameraThatComesLateAndHasOtherTimesCountsAlone) {
   EXPECT_TRUE(told_.back().start.apart);
 }
 
-TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDoesNotGoOnWithTheOldOne) {
+TEST_F(MarkerInEveryPass, ACameraThatSeesANewStartFirstDropsTheOldOne) {
   play(-20, 120);
   EXPECT_EQ(told_[tokens_ - 1].start.number, 1U);
   running_ = FrameLabeler::Running{at(120), 120, 7, true};
@@ -124,7 +124,7 @@ TEST_F(Unmarked, WhatComesAfterTheEndIsNotTheStart) {
 }
 
 /// For any input, each pushed frame is reported once: elements rely on that.
-TEST(Labeling, EveryFrameIsToldOnceWhateverHappens) {
+TEST(Labeling, EveryFrameIsReportedExactlyOnce) {
   using Marker = LightProgram::Marker;
   std::vector<LightProgram> programs{performance(some_lights()), static_capture(some_lights(40)),
                                      featureless()};

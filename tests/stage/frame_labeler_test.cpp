@@ -94,7 +94,7 @@ TEST(Labeling, SingleLightsWhoseFullFrameIsLost) {
     EXPECT_LE(result.ambiguous, result.counts.markers ? 3U : camera.frames) << seed;
     found += result.counts.markers;
   }
-  EXPECT_GE(found, 34U);  // one of the frames that tell may be lost, too
+  EXPECT_GE(found, 34U);  // one of the deciding frames may be lost, too
 }
 
 TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
@@ -107,7 +107,7 @@ TEST_F(ByHand, TheMarkerItselfIsLabeledAndWhatWasBeforeIsNot) {
   }
 }
 
-TEST_F(ByHand, AMarkerThatNeverComesIsToldOnce) {
+TEST_F(ByHand, AMissingMarkerIsReportedOnce) {
   play(-400, -105);
   EXPECT_FALSE(labeler_.take_overdue());
   play(-105, 0);
@@ -365,7 +365,7 @@ TEST_F(SingleLights, FlashesNowAndThenAreForgiven) {
   EXPECT_GT(labeler_.counts().labeled, static_cast<uint64_t>(triggers) * 9 / 10);
 }
 
-TEST_F(SingleLights, EachFrameIsToldOnceAlsoWhereAllComeThrice) {
+TEST_F(SingleLights, EachFrameIsReportedOnceEvenIfSentThrice) {
   std::vector<int> told;
   const auto count = [&](const Labels& labels) {
     for (const auto& one : labels) {

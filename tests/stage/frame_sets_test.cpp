@@ -24,7 +24,7 @@ TEST(FrameSets, WaitForEveryCamera) {
   EXPECT_EQ(sets.complete_sets(), 1U);
 }
 
-TEST(FrameSets, ALaterFrameTellsThatOneIsLost) {
+TEST(FrameSets, ALaterFrameRevealsALostOne) {
   for (const bool complete : {true, false}) {
     FrameSets sets(complete);
     sets.add_camera(0);
@@ -39,7 +39,7 @@ TEST(FrameSets, ALaterFrameTellsThatOneIsLost) {
   }
 }
 
-TEST(FrameSets, NobodyWaitsForACameraThatIsLeftAloneOrGone) {
+TEST(FrameSets, NoWaitForAnIdleOrMissingCamera) {
   FrameSets sets(false);
   for (const uint32_t camera : {0U, 1U, 2U}) sets.add_camera(camera);
   sets.add(0, 1, 10);

@@ -213,7 +213,7 @@ TEST(LightProgram, IsTheSameWhenReadAgain) {
     }
 }
 
-TEST(LightProgram, FieldsThatAreNotKnownAreNamed) {
+TEST(LightProgram, UnknownFieldsAreNamed) {
   EXPECT_NE(error_of(with(kTwo, kBlack, R"("repeats": 4, )")).find("\"repeats\""),
             std::string::npos);
   EXPECT_NE(error_of(with(kTwo, R"({"kind": "black", "gard": 1})"))

@@ -233,7 +233,7 @@ TEST_F(OladTest, IsDrivenByItsClient) {
 TEST(Ola, IsMissedInWords) {
   LightDriverSettings settings;
   settings.backend = LightDriverSettings::Backend::ola;
-  settings.ola.port = 1;  // nobody answers there
+  settings.ola.port = 1;  // nothing answers there
   try {
     make_light_driver(settings)->upload(large_stage());
     FAIL() << "there is an olad on port 1?";

@@ -34,7 +34,7 @@ Bytes text(const std::string& value, size_t size) {
 void expect_fields(const Bytes& packet, const std::vector<Field>& fields) {
   size_t next = 0;
   for (const Field& field : fields) {
-    ASSERT_EQ(field.first, next) << field.name;  // no octet is left out
+    ASSERT_EQ(field.first, next) << field.name;  // no octet is missing
     next = field.last + 1;
     ASSERT_EQ(field.value.size(), next - field.first) << field.name;
     ASSERT_LE(next, packet.size()) << field.name;

@@ -127,7 +127,7 @@ TEST(SacnDriver, SendsEveryUniverseAtEveryStep) {
   EXPECT_TRUE(port.next().empty());
 }
 
-TEST(SacnDriver, LeavesTheStreamOpenWhereAsked) {
+TEST(SacnDriver, LeavesTheStreamOpenOnRequest) {
   Port port;
   auto settings = settings_for(port.address());
   settings.sacn.terminate = false;
@@ -201,7 +201,7 @@ class Heard : public ::testing::Test {
   Universes universes;
 };
 
-TEST_F(Heard, LateOnesAreLeftOut) {
+TEST_F(Heard, LateOnesAreIgnored) {
   EXPECT_EQ(level(0), -1);
   take(from(1, 250, 10), 0);
   take(from(1, 251, 11), 0);
@@ -260,7 +260,7 @@ TEST_F(Heard, SynchronizedDataWaits) {
   };
   const sacn::Cid cid = from(1, 0, 0).cid;
   take(synced(0, 10), 0);
-  EXPECT_EQ(level(0), 10);  // nobody has synchronized so far
+  EXPECT_EQ(level(0), 10);  // not synchronized so far
   take(SyncPacket{cid, 0, 9}, 0);
   take(synced(1, 11), .1);
   EXPECT_EQ(level(.1), 10);

@@ -149,7 +149,7 @@ TEST_F(SerialDriver, UploadsBigPrograms) {
   EXPECT_EQ(lights[329][1], 0);
 }
 
-TEST_F(SerialDriver, LeavesSteppingToTheRig) {
+TEST_F(SerialDriver, DoesNotStepForTheRig) {
   Rig rig;
   Controller controller([&](const std::string& line) { return rig(line); });
   auto settings = settings_for(controller.path());
@@ -177,8 +177,8 @@ TEST_F(SerialDriver, WaitsForControllersThatWakeUp) {
 }
 
 TEST_F(SerialDriver, SaysThatNobodyAnswers) {
-  Controller silent([](const std::string&) { return ""; });
-  EXPECT_NE(upload_error(silent).find("does not answer; check its cable"), std::string::npos);
+  Controller unresponsive([](const std::string&) { return ""; });
+  EXPECT_NE(upload_error(unresponsive).find("does not answer; check its cable"), std::string::npos);
   Rig rig;
   Controller half(
       [&](const std::string& line) { return line.starts_with("set 3") ? "" : rig(line); });
@@ -254,8 +254,8 @@ TEST_F(SerialDriver, ControllersThatStopTakingPulses) {
 }
 
 TEST_F(SerialDriver, CanBeCancelled) {
-  Controller silent([](const std::string&) { return ""; });
-  auto settings = settings_for(silent.path());
+  Controller unresponsive([](const std::string&) { return ""; });
+  auto settings = settings_for(unresponsive.path());
   settings.serial.timeout = 60;
   const auto driver = make_light_driver(settings);
   std::thread other([&] {

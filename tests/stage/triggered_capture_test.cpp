@@ -268,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(Capture, Mislabeled,
                                   (info.param.age ? "Age" : "");
                          });
 
-TEST_F(Capture, StepsWithoutAFrameAreTold) {
+TEST_F(Capture, StepsWithoutAFrameAreReported) {
   Camera camera(lights_, 16, 1);
   // The second step: three triggers, no frame.
   camera.deeds = {Deed::frame, Deed::lost_frame, Deed::lost_frame, Deed::lost_frame};

@@ -126,11 +126,9 @@ void write_csv(const std::string& path, const std::vector<Frame>& without,
 void write_svg(const std::string& path, const std::vector<Frame>& without,
                const std::vector<Frame>& with, const Setting& setting) {
   constexpr double kWidth = 720, kTimes = 240, kHeight = 380, kMargin = 48;
-  const double budget = 1e3 / setting.fps, most_ms = 4 * budget;
+  const double budget = 1e3 / setting.fps, max_ms = 4 * budget;
   const auto x = [&](double s) { return kMargin + (kWidth - 1.5 * kMargin) * s / setting.seconds; };
-  const auto y = [&](double ms) {
-    return kTimes - (kTimes - 30) * std::min(ms, most_ms) / most_ms;
-  };
+  const auto y = [&](double ms) { return kTimes - (kTimes - 30) * std::min(ms, max_ms) / max_ms; };
   guint top = 1;
   for (const Frame& frame : with) top = std::max(top, frame.level);
   const auto level_y = [&](guint level) {

@@ -325,7 +325,7 @@ struct Spreads {
   }
 };
 
-/// Plays noisy clips of one resting object; adds the variation of single and of fused estimates
+/// Plays noisy clips of one static object; adds the variation of single and of fused estimates
 /// within a clip, and of fused ones after kFused frames between clips.
 struct NoiseStudy {
   static constexpr uint64_t kFused = 34, kFrames = 64;

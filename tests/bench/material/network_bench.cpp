@@ -89,22 +89,22 @@ network::Graph convolution(uint32_t channels, uint32_t kernel, uint32_t stride) 
 }  // namespace
 
 int main(int argc, char** argv) {
-  bench::NetworkArguments asked;
-  if (!asked.read(argc, argv, "network_bench.cpp")) return 2;
-  const uint32_t size = asked.size();
+  bench::NetworkArguments requested;
+  if (!requested.read(argc, argv, "network_bench.cpp")) return 2;
+  const uint32_t size = requested.size();
   try {
     const auto device = gpu::Device::open();
     std::printf("%s\n", device->name().c_str());
-    for (const std::string& path : asked.files)
-      report(path, network::load(path), size, device, asked.runs);
-    if (!asked.files.empty()) return 0;
+    for (const std::string& path : requested.files)
+      report(path, network::load(path), size, device, requested.runs);
+    if (!requested.files.empty()) return 0;
     for (const uint32_t channels : {16u, 32u, 64u, 128u}) {
       const uint32_t side = size * 16 / channels;
-      report("3 x 3", convolution(channels, 3, 1), side, device, asked.runs);
-      report("3 x 3 / 2", convolution(channels, 3, 2), side, device, asked.runs);
-      report("1 x 1", convolution(channels, 1, 1), side, device, asked.runs);
+      report("3 x 3", convolution(channels, 3, 1), side, device, requested.runs);
+      report("3 x 3 / 2", convolution(channels, 3, 2), side, device, requested.runs);
+      report("1 x 1", convolution(channels, 1, 1), side, device, requested.runs);
     }
-    report("U-Net", testing::u_net(3, 1, 16, 4, 1), size, device, asked.runs);
+    report("U-Net", testing::u_net(3, 1, 16, 4, 1), size, device, requested.runs);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -71,9 +71,9 @@ class Run {
     for (int frame = 0; frame < kMaxFrames && idle < 20; ++frame) {
       stage_.run(first().input, false);
       const size_t made = stage_.proposals().size();
-      const bool news = act(first(), outcome_.clicks) || made != proposed_;
+      const bool acted = act(first(), outcome_.clicks) || made != proposed_;
       proposed_ = made;
-      idle = news || stage_.deciding() || undecided() ? 0 : idle + 1;
+      idle = acted || stage_.deciding() || undecided() ? 0 : idle + 1;
     }
     const Clusters clusters = stage_.clusters(first());
     look_at_regions(clusters);

@@ -2,7 +2,7 @@
 // globalintrinsic in the benchmark.
 #include "adaptive_settings.hpp"
 #include "kernels/global/quality_levels.hpp"
-#include "level_settings.hpp"
+#include "quality_level_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 
 namespace inverse::bench {
@@ -47,7 +47,7 @@ Method globalintrinsic(DeviceSession& session) {
       return std::make_unique<GlobalSolver>(session, size, params, shares);
     };
   };
-  std::vector<Setting> all = level_settings(
+  std::vector<Setting> all = quality_level_settings(
       global_levels(), [&](const Params& params) { return make(params); }, Effort::full);
 
   const struct {

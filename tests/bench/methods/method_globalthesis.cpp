@@ -304,18 +304,18 @@ Method globalintrinsicthesis(DeviceSession& session) {
     setting.effort = Effort::full;
     method.settings.push_back(setting);
   };
-  const auto& ladder = global_thesis_levels();
-  for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
+  const auto& table = global_thesis_levels();
+  for (std::size_t k = 0; k < table.levels.size(); ++k) {
     Params params = still_params();
-    ladder.levels[k].set(params);
-    Setting s{.curve = "ladder",
+    table.levels[k].set(params);
+    Setting s{.curve = "quality",
               .name = std::to_string(params.steps) + "x" + std::to_string(params.pcg_iterations),
               .order = double(k),
               .parameters = {{"steps", std::to_string(params.steps)},
                              {"pcg-iterations", std::to_string(params.pcg_iterations)}}};
     for (const auto& [quality, name] : kQualities)
-      if (ladder.top(quality) == k) s.preset = name;
-    s.base = k == ladder.top(Quality::medium);
+      if (table.top(quality) == k) s.preset = name;
+    s.base = k == table.top(Quality::medium);
     const bool base = s.base;
     add(std::move(s), params, {.tells = base});
   }

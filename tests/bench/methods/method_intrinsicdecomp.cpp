@@ -4,7 +4,7 @@
 
 #include "adaptive_settings.hpp"
 #include "kernels/intrinsic/quality_levels.hpp"
-#include "level_settings.hpp"
+#include "quality_level_settings.hpp"
 #include "tests/bench/support/changed_tiles.hpp"
 
 namespace inverse::bench {
@@ -51,8 +51,8 @@ class Settings {
   }
 
   /// The levels of the element; presets are some of them.
-  void add_ladder() {
-    all = level_settings(
+  void add_quality_levels() {
+    all = quality_level_settings(
         intrinsic_levels(), [this](const Params& params) { return make(params); }, Effort::usual);
   }
 
@@ -188,7 +188,7 @@ class Settings {
 
 Method intrinsicdecomp(DeviceSession& session) {
   Settings settings(session);
-  settings.add_ladder();
+  settings.add_quality_levels();
   settings.add_cycles();
   settings.add_resolutions();
   settings.add_coarse_cycles();

@@ -3,7 +3,7 @@
 // half of the resolution. Reports saved time, change of the result, and what was predicted; also
 // the visible change when the resolution switches.
 //
-//   skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…
+//   skip-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…
 //
 // The folders hold scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
 // .dump, frames without truth (frames.hpp). Settings take turns on every frame; times are processor
@@ -186,7 +186,7 @@ void half(DeviceSession& session, const Scene& scene, size_t frames) {
   Params full, small, looking, chosen;
   full.half_tolerance = 0;
   small.half_resolution = true;
-  looking.half_tolerance = 1e-6F;  // compares and keeps the resolution
+  looking.half_tolerance = 1e-6F;  // compares without changing the resolution
   Run runs[] = {{session, extent, full},
                 {session, extent, small},
                 {session, extent, looking},
@@ -371,7 +371,7 @@ void run(int argc, char** argv) {
   }
   if (!measure || files.empty())
     throw std::runtime_error(
-        "usage: skip-bench terms|half|crossing|cheap|adaptive|error [--frames N] FOLDER…");
+        "usage: skip-bench terms|half|crossing|cheap|adaptive [--frames N] FOLDER…");
   std::sort(files.begin(), files.end());
   DeviceSession session("");
   if (measure == terms)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A plain float image: interleaved channels, rows top to bottom, no padding.
+// A float image: interleaved channels, rows top to bottom, no padding.
 #pragma once
 
 #include <cstddef>

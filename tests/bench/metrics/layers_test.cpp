@@ -65,7 +65,7 @@ TEST(Layers, TintIsTheDistanceOfLogChroma) {
   const Image red = even(e - 0.003F, 0.997F, 0.997F);
   EXPECT_NEAR(tint_error(gray, red, {}), std::sqrt(1.0 / 2 + 1.0 / 6), kNear);
   EXPECT_NEAR(tint_error(red, red, {}), 0, kNear);
-  // The estimate comes to the truth's scale before the floor is added.
+  // The estimate is scaled to the truth before the floor is added.
   EXPECT_NEAR(tint_error(even(10 * (e - 0.003F), 9.97F, 9.97F), red, {}), 0, kNear);
 }
 
@@ -97,7 +97,7 @@ TEST(Layers, ScoreLmseIsThatOfScore) {
                    score(estimate, shading, truth, true_shading, {}).lmse20);
 }
 
-TEST(Layers, OfOneLayerTheScaleIsFreeAndItsColorCountsWhereItIsKnown) {
+TEST(Layers, OneLayersScaleIsFreeAndItsKnownColorCounts) {
   // A ramp in two colors: the same at twice the scale is perfect either way.
   Image truth(40, 40, 3), twice = truth, tinted = truth;
   for (int y = 0; y < 40; ++y)

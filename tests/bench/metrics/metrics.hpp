@@ -43,7 +43,7 @@ double color_lmse(const Image& estimate, const Image& truth, const Image& mask, 
 
 /// Structural similarity (Wang et al. 2004), mean over pixels and channels; 11 x 11 Gaussian
 /// windows of sigma 1.5, population variances; `range` is that of the values. Windows that reach
-/// over the border are left out where the frame has others; windows lose the weight of pixels
+/// over the border are ignored if the frame has others; windows lose the weight of pixels
 /// outside the mask. 1 for equal images.
 double ssim(const Image& estimate, const Image& truth, const Image& mask, double range = 1);
 
@@ -57,7 +57,7 @@ double ms_ssim(const Image& estimate, const Image& truth, const Image& mask, dou
 
 // Order of reflectances (metrics/order.cpp).
 
-/// What somebody, or the truth, says about two points' reflectances.
+/// A judgment, by a person or the truth, of two points' reflectances.
 struct Judgment {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   enum class Darker : std::uint8_t { neither, first, second } darker = Darker::neither;
@@ -101,7 +101,7 @@ double common_drift(const std::vector<Image>& reflectance, const std::vector<Tra
 
 /// As flicker without the scale, of changes from frame to frame: the root mean square of successive
 /// differences over the square root of 2, which is the standard deviation where frames are
-/// independent. Slow drift, which nobody sees, hardly counts.
+/// independent. Slow, invisible drift hardly counts.
 double jitter(const std::vector<Image>& reflectance, const Image& mask = {});
 
 /// Pixels (1 or 0) whose true reflectance stays within 1 % in all frames.

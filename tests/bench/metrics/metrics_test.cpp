@@ -51,7 +51,7 @@ TEST(SquaredError, IsTheMeanOverPixelsAndChannels) {
   EXPECT_NEAR(mse(one_off, zero, {}), 1.0 / 36, kNear);
 }
 
-TEST(SquaredError, LeavesOutWhatTheMaskDoes) {
+TEST(SquaredError, IgnoresMaskedPixels) {
   const Image truth(8, 6, 1, 1.0F), estimate = halves(8, 6, 3);
   EXPECT_DOUBLE_EQ(mse(estimate, truth, {}), 2);
   EXPECT_DOUBLE_EQ(mse(estimate, truth, left_mask(8, 6)), 0);

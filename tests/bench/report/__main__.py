@@ -45,7 +45,7 @@ def summarize(results):
     rows = results["rows"] = summary.marked(results["rows"])
     own = summary.points(rows, sets={"own"}, device=results["device"])
     names = sorted(dict.fromkeys(r["regime"] for r in rows if not r["video"]), key=lambda n: n.endswith(summary.MARK))
-    videos = summary.points([r for r in rows if r["curve"] == "video ladder"], video=True, sets={"own"})
+    videos = summary.points([r for r in rows if r["curve"] == "video quality"], video=True, sets={"own"})
     clock = summary.steady_time(results["device"])
     curve = [p for p in own if p["method"] == "intrinsicdecomp" and p["curve"] == "cycles"]
     results["summary"] = {
@@ -118,7 +118,7 @@ def picture(folder, work):
     """The layers that methods make of one own still, side by side, where they were kept."""
     scene = work / "scenes-own" / "own-still_life.f32"
     columns = [("truth", None)]
-    for title, name in [("intrinsicdecomp", "intrinsicdecomp-ladder-4"), ("thesis", "thesis_PCG-iterations-4x8"),
+    for title, name in [("intrinsicdecomp", "intrinsicdecomp-quality-4"), ("thesis", "thesis_PCG-iterations-4x8"),
                         ("color Retinex", "color_Retinex-thresholds-t_.5,_c_.1"),
                         ("R = I / max_c I", "R_=_I___max_c_I-only-")]:
         dump = work / "layers" / f"own-still_life-{name}.f32"

@@ -43,7 +43,7 @@ def stills(rows, method, clock):
 def videos(rows, clock):
     """The same of terms that only videos have: LMSE, flicker and jitter, by what happens."""
     rows = [r for r in rows if r["method"] == OURS and r["video"]]
-    whole = by_scene(r for r in rows if r["curve"] == "video ladder" and r["preset"] == "medium")
+    whole = by_scene(r for r in rows if r["curve"] == "video quality" and r["preset"] == "medium")
     out = [{"term": "", "rows": whole}]
     for term in dict.fromkeys(r["setting"] for r in rows if r["curve"] == "without"):
         out.append({"term": term, "rows": by_scene(r for r in rows if r["curve"] == "without" and r["setting"] == term)})

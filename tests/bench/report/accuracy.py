@@ -77,7 +77,7 @@ def paired(rows):
 
 VIDEOS = [("input", "constant shading", "only", ""), ("thesis, no keyframes", "thesis PCG", "keyframes", "none"),
           ("thesis", "thesis PCG", "video", "4x8"), ("intrinsicdecomp, anchor off", "intrinsicdecomp", "without", "temporal anchor"),
-          ("intrinsicdecomp", "intrinsicdecomp", "video ladder", "2, 0.05")]
+          ("intrinsicdecomp", "intrinsicdecomp", "video quality", "2, 0.05")]
 
 
 def sequences(rows):

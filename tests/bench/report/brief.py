@@ -19,7 +19,7 @@ import tables
 from tables import figure, find, table, time
 
 SHOWN = ["intrinsicdecomp", "globalintrinsic", "thesis PCG", "color Retinex", "gray Retinex", "R = I / max_c I", "constant shading"]
-CURVES = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
+CURVES = {"intrinsicdecomp": "quality", "globalintrinsic": "quality", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
 KEYS = ["device", "method", "curve", "setting", "order", "preset", "base", "scenes", "wall_ms"]
 LIGHT = ["ind", "indJ", "dirJ", "tint"]
 SIZES = [(320, 240), (640, 480), (1280, 720), (1920, 1080)]
@@ -76,7 +76,7 @@ def figures(results):
         "videos": points_of([p for p in results["summary"]["videos"] if p["method"] in CURVES],
                             ["lmse20", "flicker", "jitter", "device_ms", "processor_ms"], True) +
                   [{k: p[k] for k in KEYS + ["lmse20", "flicker", "jitter", "device_ms", "processor_ms"]}
-                   for p in results["summary"]["videos"] if p["curve"] == "video ladder"],
+                   for p in results["summary"]["videos"] if p["curve"] == "video quality"],
         "regimes": {n: points_of(of, ["lmse20", "device_ms", "processor_ms"], False) for n, of in results["summary"]["regimes"].items()},
         "intervals": results["summary"]["intervals"], "light": light_of(results),
         "elements": [{k: e[k] for k in ("element", "width", "height", "wall_ms", "processor_ms", "first_frame_ms", "device_bytes_per_pixel")}
@@ -120,8 +120,8 @@ def scenes(f):
 def presets(f):
     rows = []
     for quality in tables.QUALITIES:
-        still = next(p for p in f["own"] if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder" and p["preset"] == quality)
-        video = next((p for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["curve"] == "video ladder" and p["preset"] == quality), None)
+        still = next(p for p in f["own"] if p["method"] == "intrinsicdecomp" and p["curve"] == "quality" and p["preset"] == quality)
+        video = next((p for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["curve"] == "video quality" and p["preset"] == quality), None)
         rows.append([f"`{quality}`{' (default)' if quality == 'medium' else ''}", time(still["wall_ms"]), time(still["processor_ms"]),
                      figure(still["lmse20"]), figure(still["to_converged"])] +
                     ([time(video["wall_ms"]), figure(video["lmse20"]), figure(video["flicker"]), figure(video["jitter"])] if video else ["–"] * 4))
@@ -155,7 +155,7 @@ def sizes(f):
 def page(f):
     machine = f["machine"]
     busy = max(machine["load_before"], machine["load_after"]) > 2.5
-    low, medium = (next(p for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["preset"] == q and p["curve"] == "video ladder")
+    low, medium = (next(p for p in f["videos"] if p["method"] == "intrinsicdecomp" and p["preset"] == q and p["curve"] == "video quality")
                    for q in ("low", "medium"))
     return f"""# Report: error against run time
 

@@ -32,8 +32,8 @@ def title(row):
 
 def wanted(row):
     """Whether these sections ask for a row; all must be of one run, as others take other frames of a scene."""
-    ladder = row["curve"] == "ladder" and row["method"] in (THESIS, "globalintrinsic", "intrinsicdecomp")
-    return not row["video"] and row["set"] in GROUPS and row.get("lmse20_R") is not None and (ladder or bool(title(row)))
+    quality = row["curve"] == "quality" and row["method"] in (THESIS, "globalintrinsic", "intrinsicdecomp")
+    return not row["video"] and row["set"] in GROUPS and row.get("lmse20_R") is not None and (quality or bool(title(row)))
 
 
 def chosen(results):

@@ -4,7 +4,7 @@ import ablations
 import light
 import summary
 from tables import (adaptivity, all_elements, by_device, by_parts, by_regime, by_regime_intervals, elements, everybody, exchange, extremes, folded, headline,
-                    ladder_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, parts_of_elements, through_elements, videos, without, without_on_videos)
+                    quality_by_regime, layers_beyond_two, left_out, left_out_where, other_measures, parts_of_elements, through_elements, videos, without, without_on_videos)
 
 
 def terms(results):
@@ -50,8 +50,8 @@ def why_medium(stills, videos, has, regimes):
     """What the default buys beside the preset below it, in figures of this run."""
     def preset(points, curve, name):
         return next((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == curve and p["preset"] == name), None)
-    low, medium = preset(stills, "ladder", "low"), preset(stills, "ladder", "medium")
-    low_video, medium_video = preset(videos, "video ladder", "low"), preset(videos, "video ladder", "medium")
+    low, medium = preset(stills, "quality", "low"), preset(stills, "quality", "medium")
+    low_video, medium_video = preset(videos, "video quality", "low"), preset(videos, "video quality", "medium")
     wanted = [low, medium, low_video, medium_video]
     if not all(wanted) or None in (low["to_converged"], medium["to_converged"], low_video["flicker"], medium_video["flicker"]):
         return ""
@@ -71,7 +71,7 @@ def sharper(regimes):
     """LMSE of both presets on hard shadows and real objects, in brackets; empty where they were not measured."""
     out = []
     for regime, name in (("hard shadow" + summary.MARK, "hard shadows" + summary.MARK), ("MIT objects", "real objects")):
-        low, medium = (next((p["lmse20"] for p in regimes.get(regime, []) if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder" and
+        low, medium = (next((p["lmse20"] for p in regimes.get(regime, []) if p["method"] == "intrinsicdecomp" and p["curve"] == "quality" and
                              p["preset"] == preset), None) for preset in ("low", "medium"))
         if low and medium:
             out.append(f"{name} {medium:.4f} against {low:.4f}")
@@ -126,9 +126,9 @@ Every method, its peers and answers without a solve, on one machine in one run. 
         out.append("![Layers](layers.jpg)\n\n*The still life: truth, and each method at its default (scaled to the truth by "
                    "least squares).*\n")
     out.append("## Quality levels\n\nThe levels of `intrinsicdecomp` as shipped: presets (`quality`), and the levels between them that the rate "
-               "controller (`target-fps`, `latency-budget`) uses. Single frames, own stills:\n\n" + exchange(points, "ladder") +
+               "controller (`target-fps`, `latency-budget`) uses. Single frames, own stills:\n\n" + exchange(points, "quality") +
                "\nFrames that continue a video, own videos:\n\n" +
-               exchange(results["summary"]["videos"], "video ladder") + why_medium(points, results["summary"]["videos"], has, results["summary"]["regimes"]) +
+               exchange(results["summary"]["videos"], "video quality") + why_medium(points, results["summary"]["videos"], has, results["summary"]["regimes"]) +
                "\n## Each further cycle\n\nThe solve alone, at full resolution and with every cycle run:\n\n" +
                exchange(points, "cycles"))
     if knee:
@@ -160,7 +160,7 @@ Every method, its peers and answers without a solve, on one machine in one run. 
                    "\nBest baseline: the best peer or constant answer in that regime at its best setting, which favors it. Separated: zero "
                    "lies outside the interval. Under six scenes even full agreement is weak evidence; under four the interval "
                    "is only the range; under three no statement is made.\n")
-    levels = ladder_by_regime(results["summary"]["regimes"])
+    levels = quality_by_regime(results["summary"]["regimes"])
     if levels:
         out.append("The quality levels, LMSE (k = 20) / DSSIM:\n\n" + levels)
     out.append(f"Given data: {results['data']}.\n")
@@ -200,7 +200,7 @@ Every method, its peers and answers without a solve, on one machine in one run. 
     out.append("## By other clocks\n\n![Device and processor time](other-clocks.png)\n")
     out.append("## By device\n\n" + by_device(results))
     for other in results.get("others") or []:
-        out.append(f"### Each step on {other['device']}\n\n" + exchange(other["points"], "ladder"))
+        out.append(f"### Each step on {other['device']}\n\n" + exchange(other["points"], "quality"))
     failed = failures(results)
     if failed:
         out.append(failed)

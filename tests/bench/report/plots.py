@@ -28,10 +28,10 @@ STYLES = {"intrinsicdecomp": ("#0072B2", "o"), "globalintrinsic": ("#E69F00", "p
           "constant shading": ("#222222", "_"), "constant reflectance": ("#222222", "|")}
 SPARE = [("#F0E442", "H"), ("#000000", "8")]  # methods to come
 # The curves that are joined in the main diagrams; a method that is not here shows all of its points.
-MAIN = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
+MAIN = {"intrinsicdecomp": "quality", "globalintrinsic": "quality", "thesis PCG": "iterations", "thesis Schwarz": "iterations",
         "same energy, CPU CG": "tolerance"}
 SIDE = ["adaptive", "without", "weights", "guess", "keyframes", "resolution", "levels", "coarse cycles", "cycles", "base colors",
-        "with", "video", "video ladder"]  # have plots of their own
+        "with", "video", "video quality"]  # have plots of their own
 LMSE = "LMSE (k = 20)"
 TIME_NAMES = {"wall_ms": "milliseconds on the clock, 320×240", "device_ms": "milliseconds on the device, 320×240",
               "processor_ms": "milliseconds of processor time, 320×240"}
@@ -209,7 +209,7 @@ def knobs(points, time, folder):
     alone = ("cycles", "iterations", "half resolution, guided")  # curves that the default is not a point of, or is already
     some = []
     for p in usable(points, error, time):
-        if p["curve"] == "ladder" and p["setting"].startswith("half, "):
+        if p["curve"] == "quality" and p["setting"].startswith("half, "):
             p = {**p, "curve": "half resolution, guided", "setting": p["setting"].removeprefix("half, ")}
         if p["curve"] in lines or p["base"]:
             some.append(p)

@@ -9,8 +9,8 @@ import summary
 from labels import BELOW, Labels
 
 
-def ladder_panel(ax, points, error, ylabel, time, front_of=None):
-    """Curves of the ladders with presets; the front is that of `front_of` alone, if given."""
+def quality_panel(ax, points, error, ylabel, time, front_of=None):
+    """Curves of quality levels with presets; the front is that of `front_of` alone, if given."""
     points = plots.usable(points, error, time)
     plots.finish_axes(ax, *plots.extent(points, error, time), plots.TIME_NAMES[time], ylabel)
     labels = Labels(ax)
@@ -30,13 +30,13 @@ def fronts(videos, regimes, time, folder):
     ours = ("intrinsicdecomp", "globalintrinsic")
     panels = [("Flicker, own videos", [p for p in videos if p["method"] in ours], "flicker", "flicker: standard deviation of ln R over time")]
     for regime, heading in (("MIT objects", "Real objects (MIT)"), ("hard shadow" + summary.MARK, "Hard shadows" + summary.MARK)):
-        panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "ladder"], "lmse20", plots.LMSE))
+        panels.append((heading, [p for p in regimes.get(regime, []) if p["method"] in ours and p["curve"] == "quality"], "lmse20", plots.LMSE))
     panels = [panel for panel in panels if len(plots.usable(panel[1], panel[2], time)) > 2]
     if not panels:
         return False
     figure, axes = plt.subplots(1, len(panels), squeeze=False, figsize=(4.9 * len(panels), 4.3))
     for ax, (heading, points, error, ylabel) in zip(axes.flat, panels):
-        ladder_panel(ax, points, error, ylabel, time, "intrinsicdecomp")
+        quality_panel(ax, points, error, ylabel, time, "intrinsicdecomp")
         ax.set_title(heading)
     figure.tight_layout()
     plots.save(figure, folder, "fronts")
@@ -46,7 +46,7 @@ def fronts(videos, regimes, time, folder):
 def work_precision(rows, device, time, folder):
     """Methods that know of bounced light, on the scenes whose direct and bounced light are known."""
     some = [r for r in rows if r["method"] in (light.THESIS, "globalintrinsic", "intrinsicdecomp", "guessed indirect light")
-            and r["curve"] in ("ladder", "guess")]
+            and r["curve"] in ("quality", "guess")]
     points = summary.points(some, device=device)
     if not any(p["method"] == light.THESIS for p in points):
         return False
@@ -56,9 +56,9 @@ def work_precision(rows, device, time, folder):
         plots.finish_axes(ax, *plots.extent(here, error, time), plots.TIME_NAMES[time],
                           plots.LMSE if error == "lmse20_R" else "squared error relative to the truth, own scale")
         labels = Labels(ax)
-        ladders = [p for p in here if p["curve"] == "ladder"]
-        for method in dict.fromkeys(p["method"] for p in ladders):
-            plots.draw_curve(ax, sorted((p for p in ladders if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
+        curves = [p for p in here if p["curve"] == "quality"]
+        for method in dict.fromkeys(p["method"] for p in curves):
+            plots.draw_curve(ax, sorted((p for p in curves if p["method"] == method), key=lambda p: p["order"]), error, time, labels)
         for p in here:
             if p["curve"] == "guess":
                 ax.plot(p[time][1], p[error], "*", color=plots.FAINT, markersize=9)
@@ -67,7 +67,7 @@ def work_precision(rows, device, time, folder):
                 color, _ = plots.style(p["method"])
                 ax.plot(p[time][1], p[error], "o", markersize=11, markerfacecolor="none", markeredgecolor=color, markeredgewidth=1.3)
                 labels.put(p[time][1], p[error], p["preset"], color, BELOW, 7, "bold" if p["base"] else "normal")
-        plots.name_curves(ladders, error, time, labels)
+        plots.name_curves(curves, error, time, labels)
         ax.set_title(heading)
     figure.tight_layout()
     plots.save(figure, folder, "light")

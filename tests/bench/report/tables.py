@@ -58,14 +58,14 @@ def exchange(points, along):
     """What each further step along a curve of intrinsicdecomp costs and brings."""
     curve = sorted((p for p in points if p["method"] == "intrinsicdecomp" and p["curve"] == along and p["wall_ms"]),
                    key=lambda p: p["order"])
-    heads = {"ladder": "resolution, cycles", "video ladder": "resolution, warm cycles, edge-tolerance",
+    heads = {"quality": "resolution, cycles", "video quality": "resolution, warm cycles, edge-tolerance",
              "cycles": "cycles (all run)"}
     rows = []
     for before, p in zip([None] + curve, curve):
         gain = "" if before is None else f"{100 * (p['lmse20'] / before['lmse20'] - 1):+.1f} %"
         cost = "" if before is None else f"{p['processor_ms'][1] - before['processor_ms'][1]:+.1f} ms"
         name = f"`{p['preset']}`{' (default)' if p['preset'] == 'medium' else ''}" if p["preset"] else ""
-        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video ladder" else [figure(p["to_converged"])]
+        last = [figure(p["flicker"]), figure(p["jitter"])] if along == "video quality" else [figure(p["to_converged"])]
         rows.append([p["setting"], name, spread(p["wall_ms"]), time(p["device_ms"]), time(p["processor_ms"]),
                      figure(p["lmse20"])] + last + [cost, gain])
     if along == "cycles":
@@ -73,7 +73,7 @@ def exchange(points, along):
     head = [heads[along], "`quality`", "ms on the clock (quartiles)", "on the device", "of the processor", "LMSE"]
     if along == "cycles":
         head.remove("`quality`")
-    return table(head + (["flicker", "jitter"] if along == "video ladder" else ["to converged"]) +
+    return table(head + (["flicker", "jitter"] if along == "video quality" else ["to converged"]) +
                  ["step costs (processor)", "step brings"], rows)
 
 
@@ -166,7 +166,7 @@ def folded(title, text):
 def videos(rows):
     """The project's own, and those that were given, out of sight until they are asked for."""
     rows = [r for r in rows if r["video"] and r.get("flicker") is not None and r.get("lmse20") is not None and
-            (r["curve"] not in ("adaptive", "video ladder") or r["preset"]) and
+            (r["curve"] not in ("adaptive", "video quality") or r["preset"]) and
             (r["curve"] != "without" or r["setting"] == "temporal anchor") and r["curve"] != "base colors" and
             r["method"] not in ("constant reflectance", "R = I / max_c I")]
     own, given = [], []
@@ -373,7 +373,7 @@ def by_device(results):
     if len(columns) < 2:
         return ("One device so far. `bench-methods` needs no more than libvulkan and the scenes: run it on another machine "
                 "(`tests/bench/methods/methods_main.cpp`), and `--add FILE` gives that device a column here.\n")
-    curves = {"intrinsicdecomp": "ladder", "globalintrinsic": "ladder", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
+    curves = {"intrinsicdecomp": "quality", "globalintrinsic": "quality", "thesis PCG": "iterations", "thesis Schwarz": "iterations"}
     rows = []
     for p in columns[0][1]:
         if p["curve"] != curves.get(p["method"]) or not (p["preset"] or p["base"]) or not p["wall_ms"]:
@@ -387,13 +387,13 @@ def by_device(results):
     return table(["320×240, own stills"] + heads, rows)
 
 
-def ladder_by_regime(panels):
+def quality_by_regime(panels):
     """The quality levels on all data."""
-    names = [n for n, points in panels.items() if any(p["curve"] == "ladder" for p in points)]
+    names = [n for n, points in panels.items() if any(p["curve"] == "quality" for p in points)]
     levels = {}
     for n in names:
         for p in panels[n]:
-            if p["method"] == "intrinsicdecomp" and p["curve"] == "ladder":
+            if p["method"] == "intrinsicdecomp" and p["curve"] == "quality":
                 levels.setdefault((p["order"], p["setting"], p["preset"]), {})[n] = p
     levels = {level: of for level, of in levels.items() if len(of) == len(names)}
     if len(levels) < 5:  # presets alone

@@ -125,13 +125,13 @@ class Light(unittest.TestCase):
             return row(setting, [1], error, **{"method": method, "curve": curve, "set": group, "base": base, "lmse20_R": [error],
                                                "mse_R": [error], **more})
         thesis = light.THESIS
-        some = [one("intrinsicdecomp", "ladder", "4", 0.4, base=True), one("intrinsicdecomp", "cycles", "8", 0.1),
+        some = [one("intrinsicdecomp", "quality", "4", 0.4, base=True), one("intrinsicdecomp", "cycles", "8", 0.1),
                 one("gray Retinex", "thresholds", "t .1", 0.5), one("gray Retinex", "thresholds", "t .2", 0.3),
-                one(thesis, "ladder", "5x16", 0.3, base=True, base_before=[0.1, None, 0.3], base_after=[0.4], misclustered=[0.25],
+                one(thesis, "quality", "5x16", 0.3, base=True, base_before=[0.1, None, 0.3], base_after=[0.4], misclustered=[0.25],
                     layers=[8]),
                 one(thesis, "with", "correction", 0.2, base_before=[0.1], base_after=[0.1], misclustered=[0.01], clicks=[3, 5],
                     clicks_right=[2, 4], layers=[8]),
-                one(thesis, "ladder", "1x8", 0.9)]
+                one(thesis, "quality", "1x8", 0.9)]
         return [summary.condensed(r) for r in some]
 
     def test_tables_show_one_setting_of_a_method(self):
@@ -149,7 +149,7 @@ class Light(unittest.TestCase):
         self.assertIn("away from", light.verdict(found))
 
     def test_scenes_that_a_method_misses_are_not_compared(self):
-        rows = self.rows() + [summary.condensed(row("4", [1], 0.1, scene="b", method="intrinsicdecomp", curve="ladder", base=True,
+        rows = self.rows() + [summary.condensed(row("4", [1], 0.1, scene="b", method="intrinsicdecomp", curve="quality", base=True,
                                                     set="cornell", lmse20_R=[0.1]))]
         self.assertEqual(list(light.by_group(rows)), ["intrinsicdecomp"])
 
@@ -234,7 +234,7 @@ class Ablations(unittest.TestCase):
                  "regime": regimes[n], "processor_ms": [time] * 3 + [1]} for n, e in enumerate(errors)]
 
     def test_errors_by_regime_and_time(self):
-        whole = self.ours("ladder", "4", [0.1, 0.3, 0.5])
+        whole = self.ours("quality", "4", [0.1, 0.3, 0.5])
         for r in whole:
             r["base"] = True
         rows = whole + self.ours("without", "chroma", [0.2, 0.4, 0.4], time=8) + self.ours("weights", "b v g", [9, 9, 9])
@@ -287,7 +287,7 @@ class Page(unittest.TestCase):
 
     def test_devices_are_columns(self):
         def points(device, time):
-            return [{"device": device, "method": "intrinsicdecomp", "curve": "ladder", "setting": "4", "preset": "medium",
+            return [{"device": device, "method": "intrinsicdecomp", "curve": "quality", "setting": "4", "preset": "medium",
                      "base": True, "wall_ms": [time] * 3, "device_ms": [time] * 3, "lmse20": 0.1}]
         results = {"device": "llvmpipe (LLVM)", "summary": {"own": points("llvmpipe (LLVM)", 10)}}
         self.assertIn("One device so far", tables.by_device(results))

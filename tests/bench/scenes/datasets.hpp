@@ -29,7 +29,7 @@ int count_frames(const std::string& directory);
 
 /// A frame, its truth and its origin.
 struct LabeledFrame : TruthFrame {
-  std::string scene;  ///< Directory name; frames of one scene are left out together when tuning.
+  std::string scene;  ///< Directory name; frames of one scene are held out together when tuning.
   int index = 0;      ///< Frame number inside a sequence, 0 for stills.
   Regime regime = Regime::kMit;
 };

@@ -34,7 +34,7 @@ std::string with_colorimetry(const std::string& format, const char* colorimetry,
 
 }  // namespace
 
-TEST(Color, WhatCapsSayAndWhatTheyLeaveOpenGivesThePictureThatIsMeant) {
+TEST(Color, CompleteAndPartialCapsGiveTheIntendedPicture) {
   const Meaning meanings[] = {
       {"", 0.299, 0.114},                      // absent: by the size of the picture
       {"", 0.2126, 0.0722, false, 1280, 720},  // which is GStreamer's rule
@@ -97,7 +97,7 @@ TEST(Color, TransferCurvesBeyondDisplayLightAreOneClearErrorWhereverTheyAppear) 
     };
     for (const auto& place : places) {
       VideoHarness harness(place.line, place.in, place.out);
-      for (int i = 0; i < 2; ++i)  // who pushes on is not told again
+      for (int i = 0; i < 2; ++i)  // further buffers are not reported again
         EXPECT_NE(harness.push(random_frame(place.in, 1)), GST_FLOW_OK) << place.line;
       const auto errors = harness.errors();
       ASSERT_EQ(errors.size(), 1u) << place.line << ", " << colorimetry;

@@ -10,7 +10,7 @@ const std::string kCaps = VideoHarness::caps("RGBA", 64, 48);
 
 }  // namespace
 
-TEST(Log, TellsDeviceAndCaps) {
+TEST(Log, ReportsDeviceAndCaps) {
   const LogReader log("intrinsicdecomp", GST_LEVEL_INFO);
   VideoHarness harness("intrinsicdecomp", kCaps, kCaps);
   harness.process(random_frame(kCaps, 1));
@@ -20,7 +20,7 @@ TEST(Log, TellsDeviceAndCaps) {
   EXPECT_EQ(log.count(GST_LEVEL_DEBUG, ""), 0u);
 }
 
-TEST(Log, TellsWhyAFrameIsDecomposedOrSkipped) {
+TEST(Log, ReportsWhyAFrameIsDecomposedOrSkipped) {
   const LogReader log("intrinsicdecompthesis", GST_LEVEL_LOG);
   VideoHarness harness("intrinsicdecompthesis tuning=irls-iterations=1:pcg-iterations=1", kCaps,
                        kCaps);
@@ -37,7 +37,7 @@ TEST(Log, TellsWhyAFrameIsDecomposedOrSkipped) {
   EXPECT_GE(log.count(GST_LEVEL_LOG, "frame 0: buffer"), 1u);
 }
 
-TEST(Log, TellsOfSceneCuts) {
+TEST(Log, ReportsSceneCuts) {
   const LogReader log("intrinsicdecomp", GST_LEVEL_INFO);
   VideoHarness harness("intrinsicdecomp", kCaps, kCaps);
   for (int i = 0; i < 5; ++i) harness.process(random_frame(kCaps, 1));
@@ -46,7 +46,7 @@ TEST(Log, TellsOfSceneCuts) {
   EXPECT_EQ(log.count(GST_LEVEL_INFO, "scene cut at frame 5"), 1u);
 }
 
-TEST(Log, TellsOfChangedQuality) {
+TEST(Log, ReportsChangedQuality) {
   const LogReader log("intrinsicdecomp", GST_LEVEL_INFO);
   VideoHarness harness("intrinsicdecomp quality=low latency-budget=0.01", kCaps, kCaps);
   for (unsigned i = 0; i < 40; ++i) harness.process(random_frame(kCaps, i));

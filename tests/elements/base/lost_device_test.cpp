@@ -64,7 +64,7 @@ TEST(LostDevice, WhileKernelsAreWarmedUpIsAnErrorToo) {
     }
 }
 
-TEST(LostDevice, WhatThereWasToTellIsToldAllTheSame) {
+TEST(LostDevice, PendingMessagesArePostedAllTheSame) {
   // Lost with the first frame's base colors, while the frame is being recorded, and later.
   for (const char* submit : {"1", "2", "3"}) {
     const auto [status, text] = lost_at(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Pictures that come again keep their layers; target-fps and latency-budget choose the work.
+// Layers of repeated pictures are reused; target-fps and latency-budget choose the work.
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
 
@@ -66,7 +66,7 @@ std::vector<uint8_t> tiles(int width, int height, unsigned shift = 0) {
 
 class RepeatedFrames : public ::testing::TestWithParam<const char*> {
  protected:
-  /// Sends a picture again and again until its layers are kept; returns what came out last.
+  /// Sends a picture again and again until its layers are reused; returns the last output.
   std::vector<uint8_t> until_kept(VideoHarness& harness, const std::vector<uint8_t>& picture) {
     for (int i = 0; i < 200; ++i) {
       const auto shown = harness.process(picture);
@@ -99,7 +99,7 @@ TEST_P(RepeatedFrames, OfFilmOnAFasterScreenAreSolvedOnce) {
   }
 }
 
-TEST_P(RepeatedFrames, KeepTheirLayersOnceSettled) {
+TEST_P(RepeatedFrames, ReuseLayersOnceConverged) {
   VideoHarness harness(GetParam(), caps_of(), caps_of());
   const auto picture = tiles(64, 48);
   harness.process(picture);
@@ -118,7 +118,7 @@ TEST_P(RepeatedFrames, KeepTheirLayersOnceSettled) {
   }
 }
 
-TEST_P(RepeatedFrames, AreComputedIfNothingIsToBeSkipped) {
+TEST_P(RepeatedFrames, AreComputedIfNothingMayBeSkipped) {
   VideoHarness harness(std::string(GetParam()) + " adaptive=false", caps_of(), caps_of());
   const auto picture = tiles(64, 48);
   for (int i = 0; i < 40; ++i) {
@@ -129,7 +129,7 @@ TEST_P(RepeatedFrames, AreComputedIfNothingIsToBeSkipped) {
   }
 }
 
-TEST_P(RepeatedFrames, ANewPictureIsSeenAtOnce) {
+TEST_P(RepeatedFrames, AChangedPictureIsComputedAtOnce) {
   VideoHarness harness(std::string(GetParam()) + " show=input", caps_of(), caps_of());
   const auto a = tiles(64, 48), b = tiles(64, 48, 5);
   until_kept(harness, a);
@@ -223,7 +223,7 @@ TEST_P(RepeatedFrames, ThePaddingOfRowsIsNotPartOfThePicture) {
   EXPECT_FALSE(kept(harness));
 }
 
-TEST_P(RepeatedFrames, KeepTheirLayersWhereLayersGoOut) {
+TEST_P(RepeatedFrames, ReuseLayersIfLayersAreOutputs) {
   VideoHarness harness(GetParam(), caps_of(), kLayers);
   const auto picture = tiles(64, 48);
   const auto layers = [&](const std::vector<uint8_t>& bytes, GstInverseRole role) {

@@ -51,7 +51,7 @@ TEST(Stream, DroppedFramesDoNotEraseTheMemoryOfTheScene) {
   EXPECT_FALSE(history_of(harness)) << "so is the past";
 }
 
-TEST(Stream, StatsTellOfCompletedFramesWhereLayersGoOut) {
+TEST(Stream, StatsReportCompletedFramesIfLayersAreOutputs) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   VideoHarness harness("intrinsicdecomp", caps, kLayers);
   guint64 last = 0;
@@ -71,7 +71,7 @@ TEST(Stream, StatsTellOfCompletedFramesWhereLayersGoOut) {
       EXPECT_LE(evaluated, tiles);
       EXPECT_TRUE(change >= 0 && change < 10) << change;
       EXPECT_GT(device, 0);
-      // Stages that come in every cycle are told as their sum.
+      // Stages of every cycle are reported as their sum.
       gdouble stages = 0;
       for (const char* stage : {"unpack-ms", "guide-ms", "prior-ms", "assemble-ms", "operators-ms",
                                 "descend-ms", "cells-ms", "ascend-ms", "layers-ms"}) {

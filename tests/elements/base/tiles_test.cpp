@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Video of which only a small part changes: only tiles that need work are worked on.
+// Video of which only a small part changes: only tiles that need work are solved.
 #include "gst/base/meta/inverse_layers_meta.h"
 #include "tests/elements/element_test.hpp"
 
@@ -47,12 +47,12 @@ INSTANTIATE_TEST_SUITE_P(All, TilesOfADecomposer,
 
 TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSame) {
   const std::string& element = GetParam();
-  // Light is held after some frames.
+  // Light is reused after some frames.
   const int frames = element == "globalintrinsic" ? 40 : 24;
   const auto tiles = [&](VideoHarness& harness, const char* field) {
     return count(harness, field, element);
   };
-  for (const auto& [show, most] :
+  for (const auto& [show, largest] :
        {std::pair{"reflectance", 14}, {"shading", 8}, {"input", 0}, {"mosaic", 23}}) {
     VideoHarness some(element + " show=" + show, caps(), caps());
     VideoHarness all(element + " adaptive=false show=" + show, caps(), caps());
@@ -63,7 +63,7 @@ TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSam
       ASSERT_FALSE(got.empty());
       // Within a few percent of light, as docs/reference/methods/intrinsicdecomp.md, 8, promises on
       // the average; reached were 12, 7, 0 and, with half the pixels, 21.
-      EXPECT_LE(largest_difference(got, want), most) << show << " " << k;
+      EXPECT_LE(largest_difference(got, want), largest) << show << " " << k;
       double sum = 0;
       for (size_t i = 0; i < got.size(); ++i) sum += std::abs(int(got[i]) - int(want[i]));
       EXPECT_LT(sum / static_cast<double>(got.size()), 1) << show << " " << k;
@@ -80,18 +80,18 @@ TEST_P(TilesOfADecomposer, OnlyThoseThatNeedWorkAreWorkedOnAndThePictureIsTheSam
 TEST(TilesOfAVideo, PropertiesAndLightThatChangeConcernEveryTile) {
   VideoHarness harness("intrinsicdecomp", caps(), caps());
   int way = 0;
-  const auto calm = [&] {
+  const auto unchanged_frames = [&] {
     for (int k = 0; k < 12; ++k) harness.process(frame(way += 2));
     EXPECT_LT(count(harness, "tiles-active"), count(harness, "tiles") / 2);
   };
-  calm();
+  unchanged_frames();
   harness.process(frame(way += 2, 200));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
-  calm();
+  unchanged_frames();
   g_object_set(harness.find("intrinsicdecomp"), "shading-weight", 1.5F, nullptr);
   harness.process(frame(way += 2));
   EXPECT_EQ(count(harness, "tiles-active"), count(harness, "tiles"));
-  calm();
+  unchanged_frames();
   // Another drawing is drawn whole, though little changed.
   g_object_set(harness.find("intrinsicdecomp"), "show", 2, nullptr);  // input
   way += 2;
@@ -106,7 +106,7 @@ TEST(TilesOfAVideo, PropertiesAndLightThatChangeConcernEveryTile) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
-TEST(TilesOfAVideo, LayersThatSomebodyHoldsStayWhatTheyWere) {
+TEST(TilesOfAVideo, LayersStillInUseStayUnchanged) {
   VideoHarness harness("intrinsicdecomp", caps(),
                        "video/x-raw(" GST_CAPS_FEATURE_META_INVERSE_LAYERS
                        "), layers=(string)intrinsic");
@@ -167,8 +167,8 @@ TEST_P(TilesOfADecomposer, NoKernelIsBuiltOnceFramesCome) {
       few += count(harness, "tiles-active", element) < count(harness, "tiles", element) / 2;
     }
     EXPECT_GT(few, 20U) << format;
-    for (int k = 0; k < 6; ++k) harness.process(still);  // and is kept
-    // Down the ladder, where no time is enough.
+    for (int k = 0; k < 6; ++k) harness.process(still);  // and is reused
+    // Quality falls if no time is enough.
     g_object_set(harness.find(element), "latency-budget", 0.01, nullptr);
     for (unsigned k = 0; k < 12; ++k) {
       harness.process(random_frame(caps(format), k));

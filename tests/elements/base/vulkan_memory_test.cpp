@@ -281,7 +281,7 @@ TEST_F(VulkanMemory, AnImageThatIsNotWhatItsCapsSayIsRefused) {
   }
 }
 
-TEST_F(VulkanMemory, PicturesThatComeAgainGoOutAsImagesButAreNotLookedForInThem) {
+TEST_F(VulkanMemory, RepeatedPicturesAreOutputAsImagesButNotDetectedInThem) {
   const std::string caps = VideoHarness::caps("RGBA", 64, 48);
   const auto picture = random_frame(caps, 1), other = random_frame(caps, 2);
   const auto kept = [](VideoHarness& harness) {
@@ -301,7 +301,7 @@ TEST_F(VulkanMemory, PicturesThatComeAgainGoOutAsImagesButAreNotLookedForInThem)
   EXPECT_EQ(kept(in), 0u);
 }
 
-TEST_F(VulkanMemory, StatesCycleAndNothingIsLeftBehind) {
+TEST_F(VulkanMemory, StatesCycleAndNothingLeaks) {
   const std::string caps = VideoHarness::caps("RGBA", 61, 43);
   int alive = 0;
   for (const GstState rest : {GST_STATE_NULL, GST_STATE_READY}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What every decomposer promises whoever embeds it: formats, sizes, bad input, events, properties.
+// What every decomposer guarantees: formats, sizes, bad input, events, properties.
 #include <gst/controller/gstdirectcontrolbinding.h>
 #include <gst/controller/gstinterpolationcontrolsource.h>
 
@@ -283,7 +283,7 @@ TEST_P(Decomposer, SameFramesAndSeedGiveTheSameBytes) {
   }
 }
 
-TEST_P(Decomposer, StatsTellWhatAFrameTook) {
+TEST_P(Decomposer, StatsReportTheTimeOfAFrame) {
   const std::string caps = VideoHarness::caps("RGBA", 40, 30);
   VideoHarness harness(GetParam(), caps, caps);
   for (int i = 0; i < 3; ++i) harness.process(random_frame(caps, i));

@@ -166,7 +166,7 @@ TEST(Live, WhereNothingHelpsFramesAreDroppedAsEverywhere) {
   gst_harness_push_upstream_event(
       harness.harness(),
       gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 2.0, 100 * GST_MSECOND, 10 * GST_MSECOND));
-  // GstBaseTransform leaves out what is due before 110 ms.
+  // GstBaseTransform drops what is due before 110 ms.
   for (int i = 1; i < 5; ++i) EXPECT_EQ(harness.push(source.next()), GST_FLOW_OK);
   EXPECT_EQ(gst_harness_buffers_received(harness.harness()), 3u);
 }

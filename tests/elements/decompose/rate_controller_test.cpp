@@ -132,9 +132,9 @@ TEST(RateController, NoiseDoesNotMakeItSwing) {
   }
 }
 
-TEST(RateController, ALevelThatCostsMoreThanTheLadderSaysIsTriedEverMoreRarely) {
+TEST(RateController, ALevelAboveItsExpectedCostIsTriedEverMoreRarely) {
   RateController trade = trade_for(30);
-  // 20 ms where it settles; 25 expected above, and 40 found.
+  // 20 ms at the chosen level; 25 expected above, and 40 found.
   Machine machine{[](double) { return 25.; }, 0.05, {0.5, 0.6, 0.8, 1.6, 2, 3}};
   run(trade, machine, 0, 10);
   const uint64_t early = trade.report().moves;

@@ -63,7 +63,7 @@ class Regions : public ::testing::Test {
   void play(const std::vector<uint8_t>& frame, int count) {
     for (int k = 0; k < count; ++k) ASSERT_EQ(harness_.process(frame).size(), frame.size());
   }
-  /// What was told since this was last asked for, of these messages.
+  /// These messages, since the last call.
   std::vector<Told> told(const std::string& name) {
     std::vector<Told> result;
     while (GstMessage* message = gst_bus_pop_filtered(bus_, GST_MESSAGE_ELEMENT)) {
@@ -88,7 +88,7 @@ class Regions : public ::testing::Test {
   GstElement* element_ = nullptr;
 };
 
-TEST_F(Regions, AreProposedOnceAndOnlyToldAbout) {
+TEST_F(Regions, AreProposedOnceAndOnlyReported) {
   play(frame_, 5);
   EXPECT_TRUE(told("inverse-region-proposed").empty());
   propose("report");
@@ -113,7 +113,7 @@ TEST_F(Regions, AreProposedAndCorrected) {
   const std::vector<uint8_t> shown = harness_.process(frame_);
   const auto at = [&](size_t x, size_t y) { return &shown[4 * (y * 96 + x)]; };
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(at(42, 35)[c], at(70, 35)[c], 24) << c;
-  // Somebody does not want that.
+  // The proposal is rejected.
   unmark(1);
   play(frame_, 40);
   const auto lost = told("inverse-region-lost");
@@ -188,7 +188,7 @@ TEST_F(Regions, AreMarkedByAProperty) {
   g_object_set(element_, "marks", "39,29", nullptr);
   play(frame_, 3);
   EXPECT_EQ(told("inverse-region-marked").size(), 1U);
-  // What is not understood marks nothing, and is told.
+  // Invalid marks are ignored and reported.
   for (const char* text : {"1", "1,2,3", "1,2 x", "a,b", "1 ,2", "10,10;20,20"}) {
     g_object_set(element_, "marks", text, nullptr);
     play(frame_, 1);
@@ -229,7 +229,7 @@ TEST_F(Regions, CapsChangeAndFlushWhileTheCorrectionRuns) {
   EXPECT_GE(reset, 3);
 }
 
-TEST_F(Regions, ARegionThatVanishesIsTold) {
+TEST_F(Regions, AVanishedRegionIsReported) {
   play(frame_, 3);
   mark(42, 35);
   play(frame_, 30);

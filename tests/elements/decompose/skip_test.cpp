@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the decomposers leave out by what a scene shows, as stats tell it.
+// Work that the decomposers skip depending on the scene, by stats.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -102,11 +102,12 @@ TEST(ReusePolicy, BouncedLightOfVideoInBlackAndWhite) {
     return frame;
   };
   const auto bounced = [](const std::vector<uint8_t>& mosaic) {  // lower right of four
-    int most = 0;
+    int largest = 0;
     for (size_t y = kHeight / 2 + 1; y < kHeight; ++y)
       for (size_t x = kWidth / 2 + 1; x < kWidth; ++x)
-        for (size_t c = 0; c < 3; ++c) most = std::max(most, int(mosaic[4 * (y * kWidth + x) + c]));
-    return most;
+        for (size_t c = 0; c < 3; ++c)
+          largest = std::max(largest, int(mosaic[4 * (y * kWidth + x) + c]));
+    return largest;
   };
   const char* reason = "no color to find it by";
   for (int k = 0; k < 16; ++k) {

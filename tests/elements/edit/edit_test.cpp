@@ -319,7 +319,7 @@ TEST(Editors, WithoutADecomposerALineSaysSoToo) {
   }
 }
 
-TEST(Editors, AMissingMaskIsOneErrorThatSaysHowToGetOne) {
+TEST(Editors, AMissingMaskIsOneErrorWithItsRemedy) {
   const std::string caps = VideoHarness::caps("RGBA", 32, 24);
   VideoHarness harness("intrinsicdecomp ! intrinsiccompose show=mask", caps, caps);
   EXPECT_EQ(harness.push(random_frame(caps, 1)), GST_FLOW_ERROR);
@@ -362,8 +362,8 @@ TEST(Editors, AnotherRateChangesNothing) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
-TEST(Editors, LayersOfOthersMayHoldAnything) {
-  // Somebody's own element between ours: not-a-numbers must not reach the picture.
+TEST(Editors, LayersFromElsewhereMayHaveAnyValue) {
+  // An element of another plugin between ours: not-a-numbers must not reach the picture.
   const std::string caps = VideoHarness::caps("RGBA", 16, 8);
   VideoHarness decomposer("intrinsicdecomp", caps, kLayers);
   ASSERT_EQ(decomposer.push(random_frame(caps, 1)), GST_FLOW_OK);

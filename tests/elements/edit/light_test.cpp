@@ -137,7 +137,7 @@ TEST_F(LightOf, DespillTakesOneColorOfLightAway) {
               drawn(light_of(kFromGreen, kFromRed), s), "off");
 }
 
-TEST_F(LightOf, RecolorLeavesLightOfOtherSurfacesAlone) {
+TEST_F(LightOf, RecolorPreservesLightOfOtherSurfaces) {
   // No surface of the frame is red: nothing is selected, so no light turns.
   expect_near(through("intrinsicrecolor key=0xffff4040 target=0xff4040ff ! intrinsiccompose"),
               drawn(light_of(kFromGreen, kFromRed), 0.5 * kPaint[3]), "nothing selected");
@@ -221,14 +221,14 @@ TEST(GlobalIntrinsic, ShowsEveryLayerWhilePlaying) {
     }
   }
   EXPECT_EQ(seen[4], frame) << "the input";
-  // A picture that is kept has its layers made when they are asked for.
+  // An unchanged picture's layers are computed on request.
   int brightest = 0;
   for (size_t i = 0; i < seen.back().size(); ++i)
     if (i % 4 != 3) brightest = std::max(brightest, int(seen.back()[i]));
   EXPECT_NEAR(brightest, 119, 6);
 }
 
-TEST(GlobalIntrinsic, TellsTheAmountAndTakesOneThatIsSet) {
+TEST(GlobalIntrinsic, ReportsTheAmountAndAcceptsAGivenOne) {
   const std::string caps = VideoHarness::caps("RGBA", 160, 120);
   VideoHarness harness("globalintrinsic amount=0.33", caps, caps);
   harness.process(colored_corner(160, 120));
@@ -333,7 +333,7 @@ TEST_F(GlobalIntrinsicThesis, ClicksNobodyCanMeetAreRefusedWithAMessage) {
   EXPECT_EQ(regions(), 0u) << "a seek forgets what was marked";
 }
 
-TEST_F(GlobalIntrinsicThesis, TellsOfRegionsThatGo) {
+TEST_F(GlobalIntrinsicThesis, ReportsRemovedRegions) {
   harness_.process(frame_);
   mark(kSide / 2, kSide / 2);
   for (int k = 0; k < 5; ++k) harness_.process(frame_);
@@ -350,7 +350,7 @@ TEST_F(GlobalIntrinsicThesis, TellsOfRegionsThatGo) {
   EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("reset")}}));
 }
 
-TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
+TEST_F(GlobalIntrinsicThesis, ACutRemovesRegionsAndIsReported) {
   for (int k = 0; k < 3; ++k) harness_.process(frame_);
   mark(kSide / 2, kSide / 2);
   for (int k = 0; k < 5; ++k) harness_.process(frame_);
@@ -371,7 +371,7 @@ TEST_F(GlobalIntrinsicThesis, ACutForgetsRegionsAndIsTold) {
   EXPECT_EQ(cuts, 1);
   EXPECT_EQ(regions(), 0u);
   EXPECT_EQ(lost_regions(bus_), (std::vector{std::pair{1, std::string("cut")}}));
-  // It settles on the new scene: a picture that comes again is kept.
+  // It converges on the new scene: layers of a repeated picture are reused.
   gboolean kept = FALSE;
   for (int k = 0; k < 100 && !kept; ++k) {
     harness_.process(other);

@@ -183,14 +183,14 @@ TEST_F(Split, MaskPadSendsTheSelection) {
   const auto& layer = layers_[GST_INVERSE_ROLE_MASK];
   ASSERT_EQ(mask.size(), 16u * 8);
   ASSERT_EQ(layer.size(), 16u * 8 * 4);
-  float least = 1, most = 0;
+  float smallest = 1, largest = 0;
   for (size_t n = 0; n < mask.size(); ++n) {
     ASSERT_NEAR(mask[n], srgb_code(layer[4 * n]) * 255, 0.51);
-    least = std::min(least, layer[4 * n]);
-    most = std::max(most, layer[4 * n]);
+    smallest = std::min(smallest, layer[4 * n]);
+    largest = std::max(largest, layer[4 * n]);
   }
-  EXPECT_LT(least, 0.1f);
-  EXPECT_GT(most, 0.9f);
+  EXPECT_LT(smallest, 0.1f);
+  EXPECT_GT(largest, 0.9f);
 }
 
 TEST_F(Split, AnAbsentLayerIsOneErrorThatSaysHowToGetIt) {

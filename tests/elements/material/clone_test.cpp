@@ -58,7 +58,7 @@ class CloneTest : public LimeElementTest {
     const Environment map = lamp(4, red, green, blue);
     const auto [width, height] = map.extent();
     std::vector<Imf::Rgba> pixels(map.extent().pixels());
-    for (size_t i = 0; i < pixels.size(); ++i) {  // as somebody sees it who looks at the camera
+    for (size_t i = 0; i < pixels.size(); ++i) {  // as an observer facing the camera sees it
       const float* rgb = &map.rgb()[3 * (i / width * width + width - 1 - i % width)];
       pixels[i] = Imf::Rgba(rgb[0], rgb[1], rgb[2]);
     }
@@ -85,7 +85,7 @@ TEST_F(CloneTest, PixelsThatAreNotSquareAreWarnedOf) {
   EXPECT_NE(warnings.front().find("2:1"), std::string::npos) << warnings.front();
 }
 
-TEST_F(CloneTest, DrawsABallWithoutBeingToldAnything) {
+TEST_F(CloneTest, DrawsABallByDefault) {
   VideoHarness harness("materialclone diffuse-color=0xffff0000 specular=0", frame_caps(),
                        frame_caps());
   const auto out = harness.process(gray());
@@ -383,7 +383,7 @@ TEST_F(CloneTest, SpinWithoutTimeIsWarnedOf) {
   EXPECT_NE(result.warnings[0].find("stream time"), std::string::npos) << result.warnings[0];
 }
 
-TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
+TEST_F(CloneTest, BadFilesAreErrorsWithTheirCause) {
   const auto error = [](const std::string& properties) {
     return run_line("videotestsrc num-buffers=2 ! materialclone " + properties + " ! fakesink")
         .first_error();
@@ -393,7 +393,7 @@ TEST_F(CloneTest, FilesThatAreAmissAreErrorsThatSayWhy) {
       << error("mesh=/nowhere/a.obj");
   EXPECT_NE(error("environment-location=/nowhere/a.hdr").find("/nowhere/a.hdr cannot be read"),
             std::string::npos);
-  const std::string pipe = folder_ / "pipe.hdr";  // waits for somebody who writes into it
+  const std::string pipe = folder_ / "pipe.hdr";  // waits for a writer
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_NE(error("environment-location=" + pipe).find("pipe.hdr is no file"), std::string::npos);
   const std::string empty = written("empty.ply", "");

@@ -49,10 +49,10 @@ class LimeLight : public LimeElementTest {
 
 TEST_F(LimeLight, IsInTheMetaWhereItIsAskedFor) {
   EXPECT_TRUE(light("").empty()) << "nobody asked";
-  const auto asked = light("light=true");
-  ASSERT_FALSE(asked.empty());
-  for (const float v : asked) ASSERT_TRUE(v >= 0 && std::isfinite(v));
-  EXPECT_GT(*std::max_element(asked.begin(), asked.end()), .01);
+  const auto requested = light("light=true");
+  ASSERT_FALSE(requested.empty());
+  for (const float v : requested) ASSERT_TRUE(v >= 0 && std::isfinite(v));
+  EXPECT_GT(*std::max_element(requested.begin(), requested.end()), .01);
   EXPECT_FALSE(light("show=preview").empty());
   EXPECT_TRUE(light("light=true normals=none").empty());
 }
@@ -234,7 +234,7 @@ TEST_F(LimeLight, IsSavedOnRequest) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-TEST_F(LimeLight, PreviewShowsTheMaterialWhereItIsKnown) {
+TEST_F(LimeLight, PreviewShowsTheEstimatedMaterial) {
   VideoHarness harness(line("show=preview preview-size=0.5"), caps(), caps());
   const auto none = scene(0, 0, 0), frame = scene(30, 30, 20);
   EXPECT_EQ(harness.process(none), none) << "no object, no sphere";

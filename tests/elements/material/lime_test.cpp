@@ -14,7 +14,7 @@
 
 namespace inverse::testing {
 
-TEST_F(LimeElementTest, TellsTheMaterialInPropertiesStatsAndMeta) {
+TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   VideoHarness harness(line(), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 8; ++i) ASSERT_FALSE(harness.process(scene(60, 30, 20)).empty());
@@ -120,7 +120,7 @@ TEST_F(LimeElementTest, EveryShowHasAPicture) {
       << "or it tells nothing";
 }
 
-TEST_F(LimeElementTest, RestsWithARestingObject) {
+TEST_F(LimeElementTest, SkipsWorkForAnUnchangedObject) {
   VideoHarness harness(line("tuning=recheck=6"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   for (int i = 0; i < 30; ++i) harness.process(scene(60, 30, 20));
@@ -132,7 +132,7 @@ TEST_F(LimeElementTest, RestsWithARestingObject) {
   EXPECT_EQ(stat<guint64>(lime, "estimates", G_TYPE_UINT64), before + 9);
 }
 
-TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
+TEST_F(LimeElementTest, AnUnchangedPictureIsNotDrawnAgain) {
   for (const char* show : {"input", "diffuse", "mosaic", "preview"}) {
     VideoHarness harness(line(std::string("tuning=recheck=1000 show=") + show), caps(), caps());
     GstElement* lime = harness.find("limematerial");
@@ -150,7 +150,7 @@ TEST_F(LimeElementTest, APictureThatRestsIsNotDrawnAgain) {
   }
 }
 
-TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
+TEST_F(LimeElementTest, LayersOfAnUnchangedPictureAreReused) {
   VideoHarness harness(line("tuning=recheck=1000") + " ! intrinsiccompose show=specular", caps(),
                        caps());
   std::vector<uint8_t> out;
@@ -161,7 +161,7 @@ TEST_F(LimeElementTest, LayersOfAPictureThatRestsAreThoseOfTheFirst) {
   EXPECT_EQ(harness.process(scene(60, 30, 20)), out);
 }
 
-TEST_F(LimeElementTest, APictureThatRestsIsDrawnAgainWhereItIsToShowOtherThings) {
+TEST_F(LimeElementTest, AnUnchangedPictureIsDrawnAgainForAnotherView) {
   VideoHarness harness(line("tuning=recheck=1000 show=mask"), caps(), caps());
   GstElement* lime = harness.find("limematerial");
   const auto shown = [&](const char* property, const char* value) {
@@ -190,7 +190,7 @@ TEST_F(LimeElementTest, APreviewIsDrawnAgainWhereItsLightIsForgotten) {
   EXPECT_NE(harness.process(scene(60, 30, 20)), lit) << "in a studio's light, as none is known";
 }
 
-TEST_F(LimeElementTest, KeepsTheObjectWhenTheRateChanges) {
+TEST_F(LimeElementTest, TracksTheObjectAcrossAChangeOfRate) {
   const std::string caps = "video/x-raw,format=RGBA,width=96,height=64,framerate=";
   VideoHarness harness(line("adaptive=false"), caps + "25/1");
   GstElement* lime = harness.find("limematerial");

@@ -260,7 +260,7 @@ TEST_F(MeshFile, CountsInPlyThatCannotBeAreErrors) {
   EXPECT_EQ(load(written("good.ply", with("5", comment))).triangles(), 6U);
 }
 
-TEST_F(MeshFile, FacesThatAreNoAreasAreLeftOutWithAWarning) {
+TEST_F(MeshFile, DegenerateFacesAreDroppedWithAWarning) {
   std::string warning;
   const std::string obj = written(
       "nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nl 1 2\n");
@@ -381,7 +381,7 @@ TEST_F(MeshFile, NamedNodesOfGltfThatAreNoTreeAreRefused) {
 }
 
 // It names another file, which is no better than the first.
-TEST_F(MeshFile, FilesThatAMeshNamesAreLookedAtToo) {
+TEST_F(MeshFile, FilesThatAMeshNamesAreCheckedToo) {
   const std::string pipe = folder_ / "pipe.bin";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   ASSERT_EQ(mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);

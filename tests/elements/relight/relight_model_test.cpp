@@ -37,7 +37,7 @@ TEST_F(RelightTest, TheNetworkEvaluatesLightsThatMatter) {
   EXPECT_TRUE(harness.errors().empty());
 }
 
-TEST_F(RelightTest, TheNetworkThatComesAlongKeepsTheLight) {
+TEST_F(RelightTest, TheBundledNetworkPreservesTheLight) {
   const char* installed = g_getenv("INVERSE_MODELS");
   if (!installed || !std::filesystem::exists(std::string(installed) + "/olat/features.net"))
     GTEST_SKIP() << "built without libonnx-dev";

@@ -278,7 +278,7 @@ TEST_F(RelightTest, FramesThatCannotBeHalvedAreRefusedInWords) {
   std::string error;
   warnings_of(line("", 101), &error);
   EXPECT_NE(error.find("side by side"), std::string::npos) << error;
-  // The width that goes out settles the one that comes in.
+  // The output's width determines the input's.
   const auto result = run_line(
       "videotestsrc num-buffers=1 ! olatrelight ! video/x-raw,width=50,height=20 ! "
       "appsink name=out");
@@ -286,7 +286,7 @@ TEST_F(RelightTest, FramesThatCannotBeHalvedAreRefusedInWords) {
   EXPECT_EQ(GST_VIDEO_INFO_WIDTH(&result.info), 50);
 }
 
-TEST_F(RelightTest, FilesThatAreAmissAreErrorsThatSayWhy) {
+TEST_F(RelightTest, BadFilesAreErrorsWithTheirCause) {
   std::string error;
   warnings_of(line("environment=/nowhere/a.hdr"), &error);
   EXPECT_NE(error.find("/nowhere/a.hdr cannot be read"), std::string::npos) << error;
@@ -335,7 +335,7 @@ TEST_F(RelightTest, MapsOfSingleFloatsAreTakenAsTheyAre) {
   EXPECT_NE(error.find("View.G"), std::string::npos) << error;
 }
 
-TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
+TEST_F(RelightTest, AnUnreadableEnvironmentLeavesTheLightUnchanged) {
   VideoHarness harness("olatrelight", caps(), caps(kSide));
   GstElement* relight = harness.find("olatrelight");
   const auto before = harness.process(sphere.side_by_side());
@@ -344,7 +344,7 @@ TEST_F(RelightTest, AnotherEnvironmentThatCannotBeReadLeavesTheLightAsItWas) {
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   EXPECT_TRUE(harness.errors().empty());
-  // Asked for again when it is there.
+  // Set again once the file exists.
   g_object_set(relight, "environment", "", nullptr);
   EXPECT_EQ(harness.process(sphere.side_by_side()), before);
   ASSERT_EQ(white(3), file);
@@ -373,7 +373,7 @@ TEST_F(RelightTest, GrayGradientsAreAWarning) {
   EXPECT_TRUE(result.eos) << result.first_error();
   ASSERT_EQ(result.warnings.size(), 1u) << "told once";
   EXPECT_NE(result.warnings[0].find("gray video"), std::string::npos) << result.warnings[0];
-  // As layers they do not tell any more.
+  // As layers they no longer report it.
   const auto pairs = run_line(
       "lightstagetestsrc is-live=false num-buffers=14 program=performance:24 ! "
       "video/x-raw,format=GRAY8,width=64,height=48 ! lightstagesync program=performance:24 "

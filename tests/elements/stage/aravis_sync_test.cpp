@@ -67,7 +67,7 @@ class AravisSync : public FakeCamera {
   LightProgram program_;
 };
 
-/// Hears the lights, and remembers what was on when a frame left the camera.
+/// Receives the lights' levels and records which were on when a frame left the camera.
 struct Witness {
   Witness(const LightProgram& program, const std::vector<uint32_t>& universes)
       : patch(program, 1), receiver("127.0.0.1:0", universes) {}
@@ -188,10 +188,10 @@ TEST_F(AravisSync, LatencyHasNoTermForCamerasThatMayBeTriggeredAgain) {
   GstPad* pad = gst_element_get_static_pad(element("sync"), "src_0");
   GstQuery* query = gst_query_new_latency();
   EXPECT_TRUE(gst_pad_query(pad, query));
-  GstClockTime least = 0;
-  gst_query_parse_latency(query, nullptr, &least, nullptr);
-  EXPECT_GE(least, 300 * GST_MSECOND);
-  EXPECT_LT(least, GST_SECOND);  // sets wait for 10 s
+  GstClockTime smallest = 0;
+  gst_query_parse_latency(query, nullptr, &smallest, nullptr);
+  EXPECT_GE(smallest, 300 * GST_MSECOND);
+  EXPECT_LT(smallest, GST_SECOND);  // sets wait for 10 s
   gst_query_unref(query);
   gst_object_unref(pad);
   close();

@@ -25,7 +25,7 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
   g_object_get(element("camera"), "frame-id-bits", &bits, nullptr);
   EXPECT_EQ(bits, 16U);
   EXPECT_GE(stat("frames"), 220U);
-  // All are held: some are the camera's own memory, the others are copies.
+  // All stay in use: some are the camera's own memory, the others are copies.
   EXPECT_EQ(stat("lent"), 8U);
   EXPECT_GE(stat("copied"), 212U);
   EXPECT_EQ(stat("underruns"), 0U);
@@ -68,7 +68,7 @@ TEST_F(Aravis, IdsWrapAndEveryFrameIsItsOwn) {
 }
 
 /// Rows whose length is no multiple of four, two bytes a pixel.
-TEST_F(Aravis, RowsAreWhereGStreamerWantsThem) {
+TEST_F(Aravis, RowsHaveGStreamersStride) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   struct Case {
     const char* caps;
@@ -209,7 +209,7 @@ TEST_F(Aravis, WhatIsWrongIsSaid) {
   }
 }
 
-TEST_F(Aravis, LostPacketsAreCountedAndTold) {
+TEST_F(Aravis, LostPacketsAreCountedAndReported) {
   ASSERT_NO_FATAL_FAILURE(start_camera("15"));  // of a thousand, and a frame has nine
   ASSERT_NO_FATAL_FAILURE(play(source() + " ! " + kGray + kOut));
   take(200);

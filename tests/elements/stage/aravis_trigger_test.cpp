@@ -179,7 +179,7 @@ TEST_F(AravisTrigger, EachTriggerIsOneFrame) {
   trigger_.reset();
 }
 
-/// A source that knows nothing of triggers, as aravissrc, runs freely until it is told otherwise.
+/// A source without trigger properties, as aravissrc, runs freely by default.
 TEST_F(AravisTrigger, ACameraThatRunsFreelyIsTakenOver) {
   ASSERT_NO_FATAL_FAILURE(start_camera());
   ASSERT_NO_FATAL_FAILURE(

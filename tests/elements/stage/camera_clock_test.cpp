@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kFrame = 16'666'667;  // ns
 
-TEST(CameraClock, KeepsStepWithAClockThatDrifts) {
+TEST(CameraClock, FollowsAClockThatDrifts) {
   for (const double ppm : {-150.0, 0.0, 80.0, 150.0}) {
     SCOPED_TRACE(ppm);
     CameraClock clock;
@@ -42,13 +42,13 @@ TEST(CameraClock, KeepsStepWithAClockThatDrifts) {
   }
 }
 
-TEST(CameraClock, FollowsACameraThatStartsItsClockAnew) {
+TEST(CameraClock, FollowsACameraThatRestartsItsClock) {
   CameraClock clock;
   int64_t before = -1;
   for (int64_t i = 0; i < 600; ++i) {
     const int64_t now = i * kFrame;
     uint64_t camera = static_cast<uint64_t>(now) + 900'000'000'000;
-    if (i >= 200) camera = static_cast<uint64_t>(now) + 5;  // started anew: backwards
+    if (i >= 200) camera = static_cast<uint64_t>(now) + 5;  // restarted: backwards
     if (i >= 400) camera += 3'000'000'000;                  // set: forwards
     const int64_t time = clock.map(camera, now + 1'000'000);
     ASSERT_GT(time, before);
@@ -58,7 +58,7 @@ TEST(CameraClock, FollowsACameraThatStartsItsClockAnew) {
   EXPECT_EQ(clock.jumps(), 2U);
 }
 
-/// A pause in which nobody knows how the clocks drift.
+/// A pause without measurements of the clocks' drift.
 TEST(CameraClock, IsExactAgainAfterAGap) {
   CameraClock clock;
   for (int64_t i = 0; i < 100; ++i) clock.map(static_cast<uint64_t>(1000 + i * kFrame), i * kFrame);

@@ -81,7 +81,7 @@ TEST_F(StageCapture, LightsAreMovedToTheLastTrackingFrameAndWritten) {
   }
 }
 
-TEST_F(StageCapture, LatencyHasThePassThatIsHeld) {
+TEST_F(StageCapture, LatencyIncludesTheBufferedPass) {
   start();
   gst_harness_set_upstream_latency(camera(), 20 * GST_MSECOND);
   const GstClockTime period = GST_SECOND / 60 + 1;
@@ -167,7 +167,7 @@ TEST_F(StageCapture, FewFramesMayWaitForCamerasAndManyForTheMarker) {
   g_object_set(element_, "tuning", "max-frames=8", nullptr);
   start();
   for (int64_t n = -3; n < 40; ++n) {
-    if (n == 14) continue;  // the first tracking frame: the second one has to tell
+    if (n == 14) continue;  // the first tracking frame: the second one has to suffice
     ASSERT_EQ(push(n), GST_FLOW_OK);
   }
   ASSERT_TRUE(gst_harness_push_event(camera(), gst_event_new_eos()));
@@ -219,7 +219,7 @@ class StageCaptureFolder : public StageCapture {
   int64_t pass_ = 0;
 };
 
-TEST_F(StageCaptureFolder, KeepsAWholePassWhenTheStreamEndsInTheMarkerAfterIt) {
+TEST_F(StageCaptureFolder, KeepsACompletePassIfTheStreamEndsInTheNextMarker) {
   use_passes(LightProgram::Marker::pass);
   play(LightProgram::kMarkerSteps + pass_ + 2);
   EXPECT_EQ(pictures(location_ + "/camera_0"), 15u);
@@ -246,7 +246,7 @@ TEST_F(StageCaptureFolder, APassThatIsCutShortIsPutBesideTheWholeOneBeforeIt) {
   EXPECT_NE(warnings[0].find("camera_0.partial"), std::string::npos) << warnings[0];
 }
 
-TEST_F(StageCaptureFolder, WhatIsLeftOfAPassAfterAFlushOrOtherCapsReplacesNoWholeOne) {
+TEST_F(StageCaptureFolder, APartialPassAfterAFlushOrNewCapsReplacesNoCompleteOne) {
   use_passes(LightProgram::Marker::start);
   start();
   const int64_t first = LightProgram::kMarkerSteps + pass_, second = first + pass_,
@@ -316,10 +316,10 @@ TEST(StageRoundTrip, ACaptureIsPlayedAsBrightAsTheSubjectWas) {
   ASSERT_GT(pairs.frames.size(), 15u);
   // A and B are half of all lights each: the brightest of the subject is about half of white.
   const auto& frame = pairs.frames.back();
-  uint8_t most = 0;
-  for (size_t i = 0; i < frame.size(); i += 4) most = std::max(most, frame[i + 1]);
-  EXPECT_GT(most, 150);
-  EXPECT_LT(most, 255);
+  uint8_t largest = 0;
+  for (size_t i = 0; i < frame.size(); i += 4) largest = std::max(largest, frame[i + 1]);
+  EXPECT_GT(largest, 150);
+  EXPECT_LT(largest, 255);
 }
 
 }  // namespace

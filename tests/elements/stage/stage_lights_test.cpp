@@ -41,7 +41,7 @@ class Line {
   GstElement* pipeline_;
 };
 
-/// Whether the lights come to emit what the program has in a step, within half a minute.
+/// Whether the lights emit what the program has in a step, within half a minute.
 bool shows(sacn::Receiver& receiver, const LightProgram& program, StepKind kind) {
   const DmxPatch patch(program, 1);
   const auto wanted = program.colors(LightStep{kind, 0, {}, {}, {}});
@@ -66,7 +66,7 @@ TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
       std::string(kCamera) +
       "lightstagesync program=performance:42 backend=sacn tuning=lead-in=0.2 host=127.0.0.1:" +
       std::to_string(receiver.port()) + " ! fakesink");
-  for (int time = 0; time < 2; ++time) {  // after a pause it starts anew
+  for (int time = 0; time < 2; ++time) {  // after a pause it restarts
     ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
     EXPECT_TRUE(shows(receiver, program, StepKind::gradient_a));
     EXPECT_TRUE(shows(receiver, program, StepKind::gradient_b));
@@ -75,7 +75,7 @@ TEST(StageLights, AreSteppedWhilePlayingAndDarkAfterwards) {
   }
 }
 
-TEST_F(StageSync, ProgramsThatStartAnewAfterAPauseAreLabeledAnew) {
+TEST_F(StageSync, ProgramsThatRestartAfterAPauseAreLabeledAgain) {
   use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "backend", "sacn");
   const std::vector<uint32_t> universes = {1};
@@ -108,12 +108,12 @@ std::string on_line(const std::string& port) {
 TEST(StageLights, StateChangesDoNotWaitForAController) {
   if (!Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)))
     GTEST_SKIP() << "this system has no pseudo-terminals: mount /dev/pts";
-  Controller silent([](const std::string&) { return ""; });
+  Controller unresponsive([](const std::string&) { return ""; });
   const gint64 start = g_get_monotonic_time();
   {
-    Line line(on_line(silent.path()));
+    Line line(on_line(unresponsive.path()));
     ASSERT_NE(line.set(GST_STATE_PLAYING), GST_STATE_CHANGE_FAILURE);
-    EXPECT_FALSE(silent.lines(1).empty());  // it is being spoken to
+    EXPECT_FALSE(unresponsive.lines(1).empty());  // it is being spoken to
   }
   EXPECT_LT(g_get_monotonic_time() - start, 15 * G_USEC_PER_SEC);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// lightstagesync behind the virtual stage, which knows what lit each frame.
+// lightstagesync after the virtual stage, which reports what lit each frame.
 #include <map>
 #include <mutex>
 

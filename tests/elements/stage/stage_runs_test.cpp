@@ -34,7 +34,7 @@ class StageRuns : public StageSync {
   struct News {
     int left = 0, back = 0, causes = 0;
   };
-  News news() {
+  News messages() {
     News found;
     while (GstMessage* message = gst_bus_pop(bus_)) {
       if (const GstStructure* what = gst_message_get_structure(message);
@@ -53,14 +53,14 @@ class StageRuns : public StageSync {
     }
     return found;
   }
-  /// Frames go on; nothing more may be told of cameras that do not belong together.
+  /// Frames continue; cameras that do not belong together may not be reported again.
   void stays_so(int64_t from, double off, int64_t behind = 0) {
-    news();
+    messages();
     for (int64_t n = from; n < from + 60; n += 20) {
       play(n, n + 20, off, behind);
       g_usleep(250000);
     }
-    const News more = news();
+    const News more = messages();
     EXPECT_EQ(more.left, 0);
     EXPECT_EQ(more.back, 0);
     EXPECT_EQ(more.causes, 0);
@@ -84,7 +84,7 @@ TEST_F(StageRuns, ACameraThatComesPassesLateMeetsTheOthers) {
   EXPECT_EQ(one.back().trigger, 399);
 }
 
-TEST_F(StageRuns, ACameraOfUncertainPassesIsToldOfOnce) {
+TEST_F(StageRuns, ACameraOfUncertainPassesIsReportedOnce) {
   use_marker(LightProgram::Marker::pass);
   g_object_set(element_, "timeout", 0.1, "tuning", "max-frames=1000", nullptr);
   start(0);
@@ -95,7 +95,7 @@ TEST_F(StageRuns, ACameraOfUncertainPassesIsToldOfOnce) {
   stays_so(150, 21.5);
 }
 
-TEST_F(StageRuns, CamerasThatSawTheStartSecondsApartAreToldOfOnce) {
+TEST_F(StageRuns, StartsSecondsApartAreReportedOnce) {
   use_marker(LightProgram::Marker::start);
   g_object_set(element_, "timeout", 0.1, "tuning", "max-frames=1000", nullptr);
   start(0);

@@ -36,7 +36,7 @@ class StageSinks : public StageSync {
   std::map<GstPad*, gulong> held_;
 };
 
-TEST_F(StageSinks, WaitForWhatSetsMayTakeAndHoldNoCameraUp) {
+TEST_F(StageSinks, WaitForSetsAndBlockNoCamera) {
   use_performance();
   g_object_set(element_, "timeout", 0.5, nullptr);
   for (const unsigned number : {0u, 1u}) {
@@ -48,7 +48,7 @@ TEST_F(StageSinks, WaitForWhatSetsMayTakeAndHoldNoCameraUp) {
   for (const unsigned number : {0u, 1u}) EXPECT_EQ(pull(30, number).back().trigger, 29);
 }
 
-TEST_F(StageSinks, WaitForWhatConfirmingTakesAndHoldNoCameraUp) {
+TEST_F(StageSinks, WaitForConfirmationAndBlockNoCamera) {
   use(static_capture(stage_lights(geodesic_directions(42)), 60));
   start();
   gst_harness_set_live(camera(), TRUE);
@@ -57,7 +57,7 @@ TEST_F(StageSinks, WaitForWhatConfirmingTakesAndHoldNoCameraUp) {
   EXPECT_EQ(pull(39).back().trigger, 38);
 }
 
-TEST_F(StageSinks, WaitForOtherPartsOfAPipelineAndHoldNoCameraUp) {
+TEST_F(StageSinks, WaitForOtherBranchesAndBlockNoCamera) {
   use_performance();
   start();
   hold();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// lightstagesync: streams that end, begin anew, break off and go on.
+// lightstagesync: streams that end, restart, break off and resume.
 #include <atomic>
 #include <thread>
 
@@ -27,7 +27,7 @@ TEST_F(StageStreams, AnotherStreamWithoutAnEndOfTheLastOneGoesOn) {
   EXPECT_EQ(count("before-marker"), 20u);
 }
 
-TEST_F(StageStreams, FramesThatLackACameraWhichHasEndedAreToldOfOnce) {
+TEST_F(StageStreams, FramesWithoutAnEndedCameraAreReportedOnce) {
   use_performance();
   start(0);
   start(1);

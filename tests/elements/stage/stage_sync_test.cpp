@@ -33,18 +33,7 @@ TEST_F(StageSync, FramesLeaveAsTheyCameWithTheirLabels) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
-TEST_F(StageSync, TheLogTellsTheLabelOfEveryFrame) {
-  const LogReader log("lightstagesync", GST_LEVEL_DEBUG);
-  use_performance();
-  start();
-  for (int64_t n = -10; n < 30; ++n) ASSERT_EQ(push(n), GST_FLOW_OK) << n;
-  ASSERT_EQ(pull(30).size(), 30u);
-  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "is labeled: trigger "), 30u);
-  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "trigger 4, step 1 of pass 0"), 1u);
-  EXPECT_EQ(log.count(GST_LEVEL_DEBUG, "has no label and is dropped: before the marker"), 10u);
-}
-
-TEST_F(StageSync, LostFramesAreCountedAndToldOf) {
+TEST_F(StageSync, LostFramesAreCountedAndReported) {
   use_performance();
   start();
   for (int64_t n = -10; n < 60; ++n)
@@ -96,7 +85,7 @@ TEST_F(StageSync, AllSetsPassWhereThatIsWanted) {
   EXPECT_EQ(pull(39, 1).back().trigger, 39);
 }
 
-TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedForAndNotLeftAlone) {
+TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedFor) {
   use(static_capture(stage_lights(geodesic_directions(42)), 60));
   g_object_set(element_, "timeout", 0.1, nullptr);
   start(0);
@@ -117,7 +106,7 @@ TEST_F(StageSync, ACameraThatLosesATrackingFrameIsWaitedForAndNotLeftAlone) {
     EXPECT_EQ(text.find("have waited"), std::string::npos) << text;
 }
 
-TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
+TEST_F(StageSync, AStoppedCameraIsReportedAndTheOtherContinues) {
   use_performance();
   g_object_set(element_, "timeout", 0.1, nullptr);
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
@@ -137,7 +126,7 @@ TEST_F(StageSync, ACameraThatStopsIsToldOfAndTheOtherGoesOn) {
   EXPECT_TRUE(texts(GST_MESSAGE_ERROR).empty());
 }
 
-TEST_F(StageSync, ALoneCameraThatStopsIsToldOfAndMaySendAgain) {
+TEST_F(StageSync, ASingleStoppedCameraIsReportedAndMayResume) {
   use_performance();
   start();
   for (int64_t n = -10; n < 20; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
@@ -156,7 +145,7 @@ TEST_F(StageSync, ACameraThatHasNotBegunIsGivenTimeAndOneThatHasIsNot) {
   EXPECT_TRUE(warned_of("sink_0 has sent no frame"));
 }
 
-TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
+TEST_F(StageSync, ACameraThatDoesNotStartBlocksNoOther) {
   use_performance();
   gst_util_set_object_arg(G_OBJECT(element_), "sets", "all");
   start(0);
@@ -164,7 +153,7 @@ TEST_F(StageSync, ACameraThatDoesNotBeginHoldsNoOtherUp) {
   const gint64 from = g_get_monotonic_time();
   for (int64_t n = -10; n < 60; ++n) ASSERT_EQ(push(n), GST_FLOW_OK);
   EXPECT_EQ(pull(60).back().trigger, 59);
-  EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not until that is told of
+  EXPECT_LT(g_get_monotonic_time() - from, 25 * G_USEC_PER_SEC);  // not only after the report
   EXPECT_TRUE(warned_of("whose source has not begun"));
 }
 
@@ -314,7 +303,7 @@ TEST_F(StageSync, ABufferThatIsTooSmallIsOneError) {
   EXPECT_NE(errors[0].find("100 bytes"), std::string::npos) << errors[0];
 }
 
-TEST_F(StageSync, ARateThatIsNotTheProgramsIsAWarningAndAnUnknownOneIsNone) {
+TEST_F(StageSync, OnlyAKnownRateOtherThanTheProgramsIsAWarning) {
   use_performance();
   start(0, caps(kWidth, kHeight, "0/1"));
   EXPECT_TRUE(texts(GST_MESSAGE_WARNING).empty());
@@ -339,7 +328,7 @@ TEST_F(StageSync, FilesHaveARateOfTheirOwn) {
   EXPECT_TRUE(warned_of("\"rate\" in " + path_));
 }
 
-TEST_F(StageSync, LatencyIsToldForSeveralCameras) {
+TEST_F(StageSync, LatencyIsReportedForSeveralCameras) {
   use_performance();
   g_object_set(element_, "timeout", 0.3, nullptr);
   start(0);

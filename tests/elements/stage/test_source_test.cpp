@@ -197,7 +197,7 @@ TEST(LightStageTestSrc, SizesAndFormats) {
     const Shots shots = shoot("is-live=false program=performance:3 num-buffers=5", caps);
     EXPECT_EQ(shots.line.frames.size(), 5U) << caps << " " << shots.line.first_error();
   }
-  // What nobody asks for.
+  // Not requested.
   const LineResult line = run_line(
       "lightstagetestsrc is-live=false program=performance:2 num-buffers=2 ! appsink name=out",
       120);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What the steps of the thesis' global method promise of its energy, clusters fixed and nothing
+// What the steps of the thesis' global method do to its energy, clusters fixed and nothing
 // sampled. The bound of the norms by weighted squares holds everywhere but in the penalty of
 // negative light: light that is positive has no weight, and a step may take it below zero. A step
 // may so add what the penalty then is, and what the data term, linearized, left out.

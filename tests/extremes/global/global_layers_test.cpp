@@ -34,7 +34,7 @@ class GlobalLayerCounts : public testing::Test {
   static GlobalLayers with_colors(const std::vector<Rgb>& colors, const Pixels& frame) {
     GlobalMethod method(lab(), Solver::global_thesis, kExtent);
     GlobalThesisParams params;
-    params.steps = 8;  // many parallel layers come to rest more slowly than few
+    params.steps = 8;  // many parallel layers converge more slowly than few
     params.samples = 0;
     params.refine_rounds = 0;
     method.set(params);
@@ -99,11 +99,11 @@ TEST_F(GlobalLayerCounts, NoMoreColorsThanTheSceneHas) {
 TEST_F(GlobalLayerCounts, GrayScenesHaveNoIndirectLayers) {
   for (const Solver solver : kGlobalMethods) {
     GlobalMethod method(lab(), solver, kExtent);
-    size_t most = 0;
+    size_t largest = 0;
     for (unsigned frame = 0; frame < 4; ++frame)
-      most = std::max(most, method.decompose(mosaic(kExtent, 3)).shares.size());
-    EXPECT_GE(most, 2U) << name_of(solver) << ": more than four colors before";
-    // The thesis' method is told of a cut, as its element tells it.
+      largest = std::max(largest, method.decompose(mosaic(kExtent, 3)).shares.size());
+    EXPECT_GE(largest, 2U) << name_of(solver) << ": more than four colors before";
+    // The thesis' method is given the cut, as by its element.
     if (solver == Solver::global_thesis) method.reset();
     for (unsigned frame = 0; frame < 14; ++frame) {
       const GlobalLayers got = method.decompose(gray_picture(frame));

@@ -31,7 +31,7 @@ class GlobalMethod {
   void set(const GlobalThesisParams& params) { thesis_->set_params(params); }
 
   /// The next frame of a video. The thesis' method finds the colors of its first frame before.
-  /// globalintrinsic may be told which tiles changed (GlobalIntrinsic::FrameInfo::changed).
+  /// globalintrinsic may receive the changed tiles (GlobalIntrinsic::FrameInfo::changed).
   GlobalLayers decompose(const Pixels& frame, std::span<const uint8_t> changed = {});
   void reset();
 

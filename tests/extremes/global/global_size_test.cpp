@@ -72,14 +72,14 @@ TEST_P(GlobalSizes, LongNeedlesAreDecomposedOrRefusedByName) {
 TEST_P(GlobalSizes, TheLargestFrameIsDecomposedAndOnePixelMoreIsRefusedByName) {
   const gpu::Device& device = *lab_.device();
   const uint64_t bytes = device.limits().storage_buffer_bytes / 16;
-  const uint64_t most =
+  const uint64_t largest =
       device.variant().portable ? bytes : std::min(bytes, device.limits().texel_elements);
-  if (most > uint64_t{1} << 24) GTEST_SKIP() << "frames of this device are too large for a test";
+  if (largest > uint64_t{1} << 24) GTEST_SKIP() << "frames of this device are too large for a test";
   const uint64_t held_before = device.memory_bytes();
   // The thesis' field of K layers lies plane behind plane in one buffer, and so do what samples are
   // drawn from.
   const uint64_t planes = GetParam() == Solver::global ? 1 : 2;
-  const Extent extent{4096, static_cast<uint32_t>(most / planes / 4096)};
+  const Extent extent{4096, static_cast<uint32_t>(largest / planes / 4096)};
   {
     GlobalMethod method(lab_, GetParam(), extent);
     make_quick(method);
@@ -89,7 +89,7 @@ TEST_P(GlobalSizes, TheLargestFrameIsDecomposedAndOnePixelMoreIsRefusedByName) {
     printf("  %s: %.0f bytes a pixel at the peak\n", name_of(GetParam()),
            static_cast<double>(device.memory_peak_bytes()) / static_cast<double>(extent.pixels()));
   }
-  const Extent more{4096, static_cast<uint32_t>(most / 4096 + 1)};
+  const Extent more{4096, static_cast<uint32_t>(largest / 4096 + 1)};
   try {
     GlobalMethod method(lab_, GetParam(), more);
     make_quick(method);

@@ -17,7 +17,7 @@ constexpr double kMaxColor = 0.05, kMaxShare = 0.05;
 
 struct Counts {
   unsigned frames = 0, held = 0, listed = 0;  // with bad input in a tile
-  double color = 0, share = 0;                // the worst of frames whose light is held
+  double color = 0, share = 0;                // the worst of frames whose light is reused
 };
 
 struct Apart {
@@ -40,8 +40,8 @@ Apart apart(const Pixels& a, const Pixels& b) {
   return {std::sqrt(sum.color / pixels), std::sqrt(sum.share / pixels)};
 }
 
-/// A picture stays until its light is held; then bad frames come, go and come again in a window of
-/// it, once the whole frame is bad, and light is held again after it.
+/// A picture stays until its light is reused; then bad frames come, go and come again in a window
+/// of it, once the whole frame is bad, and light is reused again after it.
 std::optional<std::string> wrong_light(const Lab& lab, const Case& small, Counts& counts) {
   const Case one = enlarged(small, 64);
   const Extent extent{one.width, one.height};
@@ -96,7 +96,7 @@ class GlobalSkip : public testing::Test {
   const Lab lab_;
   Counts counts_;
   const Check check_ = [this](const Case& one) { return wrong_light(lab_, one, counts_); };
-  void tell() const {
+  void report() const {
     printf(
         "  %u frames, light held in %u, %u by tiles; from adaptive=false %.4f in color, %.4f in "
         "direct share\n",
@@ -105,7 +105,7 @@ class GlobalSkip : public testing::Test {
   }
 };
 
-TEST_F(GlobalSkip, EveryFaultComesInATileWhileLightIsHeld) {
+TEST_F(GlobalSkip, EveryFaultInATileWhileLightIsReused) {
   for (uint32_t fault = 0; fault < kFaults; ++fault)
     for (const Extent extent : {Extent{31, 18}, Extent{300, 1}}) {
       const Case one{Solver::global, extent.width, extent.height, 1, fault + 1, 1U << fault, 0};
@@ -113,13 +113,13 @@ TEST_F(GlobalSkip, EveryFaultComesInATileWhileLightIsHeld) {
       EXPECT_FALSE(wrong) << name_of(static_cast<Fault>(fault)) << ": " << one.text() << ": "
                           << *wrong;
     }
-  tell();
+  report();
 }
 
-TEST_F(GlobalSkip, MixturesComeInATileWhileLightIsHeld) {
+TEST_F(GlobalSkip, MixturesInATileWhileLightIsReused) {
   const auto failure = first_failure(Solver::global, 1, 20, 48, check_);
   EXPECT_FALSE(failure) << *failure;
-  tell();
+  report();
 }
 
 }  // namespace

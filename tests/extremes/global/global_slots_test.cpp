@@ -41,12 +41,12 @@ double apart(const Rgb& a, const Rgb& b) {
   return std::sqrt(sum);
 }
 
-std::optional<size_t> slot_near(const Slots& slots, const Rgb& color, double most) {
+std::optional<size_t> slot_near(const Slots& slots, const Rgb& color, double largest) {
   std::optional<size_t> best;
   for (size_t k = 0; k < slots.size(); ++k)
-    if (slots[k] && apart(*slots[k], color) < most) {
+    if (slots[k] && apart(*slots[k], color) < largest) {
       best = k;
-      most = apart(*slots[k], color);
+      largest = apart(*slots[k], color);
     }
   return best;
 }

@@ -71,7 +71,7 @@ class GlobalSymmetry : public testing::Test {
     params.adaptive = false;
     return params;
   }
-  /// The second frame of a fresh object: its gather knows the frame's base colors.
+  /// The second frame of a new object: its gather has the frame's base colors.
   GlobalLayers second(Extent extent, const Pixels& frame, const GlobalIntrinsic::Params& params) {
     GlobalMethod method(lab_, Solver::global, extent);
     method.set(params);

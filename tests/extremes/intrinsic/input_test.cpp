@@ -32,7 +32,7 @@ TEST_P(Inputs, MixturesOfFaultsAndParameters) {
   EXPECT_FALSE(failure) << *failure;
 }
 
-TEST(InputsThatFailed, ARowOfTwoThatNextToNothingHolds) {
+TEST(InputsThatFailed, AnAlmostUnconstrainedRowOfTwo) {
   // Black and 1e4 above and below: single precision lost what else holds the row, and its block
   // was solved for a pivot of 0.
   const Lab lab;

@@ -23,7 +23,7 @@ Pixels extreme(uint32_t frame) {
 
 const Case kPicture{Solver::multigrid, kExtent.width, kExtent.height, 1, 5, 0, 0};
 
-TEST(Recovery, ACutLeavesNothingOfWhatWasBefore) {
+TEST(Recovery, ACutDiscardsAllHistory) {
   const Lab lab;
   Method used(lab, Solver::multigrid, kExtent), fresh(lab, Solver::multigrid, kExtent);
   for (uint32_t frame = 0; frame < kFrames; ++frame) used.decompose(extreme(frame));

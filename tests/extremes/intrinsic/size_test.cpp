@@ -76,15 +76,15 @@ TEST_P(Sizes, LongNeedlesAreDecomposedOrRefusedByName) {
 }
 
 /// Pixels of the largest plane that the device can bind and, but in the portable variant, view.
-uint64_t most_pixels(const gpu::Device& device) {
+uint64_t max_pixels(const gpu::Device& device) {
   const uint64_t bytes = device.limits().storage_buffer_bytes / 16;
   return device.variant().portable ? bytes : std::min(bytes, device.limits().texel_elements);
 }
 
 TEST_P(LargestFrame, IsDecomposedAndOnePixelMoreIsRefusedByName) {
-  const uint64_t most = most_pixels(*lab_.device());
-  if (most > uint64_t{1} << 24) GTEST_SKIP() << "frames of this device are too large for a test";
-  const Extent extent{4096, static_cast<uint32_t>(most / 4096)};
+  const uint64_t largest = max_pixels(*lab_.device());
+  if (largest > uint64_t{1} << 24) GTEST_SKIP() << "frames of this device are too large for a test";
+  const Extent extent{4096, static_cast<uint32_t>(largest / 4096)};
   {
     Method method(lab_, GetParam(), extent);
     if (GetParam() == Solver::multigrid) {
@@ -106,9 +106,9 @@ TEST_P(LargestFrame, IsDecomposedAndOnePixelMoreIsRefusedByName) {
   }
   const uint64_t held = lab_.device()->memory_bytes();
   // One pixel more, as near to a square as its divisors allow.
-  Extent more{static_cast<uint32_t>(most + 1), 1};
-  for (uint32_t side = 2; uint64_t{side} * side <= most + 1; ++side)
-    if ((most + 1) % side == 0) more = {static_cast<uint32_t>((most + 1) / side), side};
+  Extent more{static_cast<uint32_t>(largest + 1), 1};
+  for (uint32_t side = 2; uint64_t{side} * side <= largest + 1; ++side)
+    if ((largest + 1) % side == 0) more = {static_cast<uint32_t>((largest + 1) / side), side};
   try {
     Method method(lab_, GetParam(), more);
     method.decompose(Pixels(4 * more.pixels(), 0.5F));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What intrinsicdecomp leaves out while frames hold anything: tiles of which a bad one changes, and
+// What intrinsicdecomp skips while frames hold anything: tiles of which a bad one changes, and
 // resolutions that it crosses with extreme content. Finite, R S = I, and near adaptive=false.
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// Log shading from that of adaptive=false, rms over pixels: with tiles left out; and at resolutions
+// Log shading from that of adaptive=false, rms over pixels: with tiles skipped; and at resolutions
 // that change, once a scene has stayed for kKnown frames, as what it needs is only known some
 // frames after it came.
 constexpr double kMaxByTiles = 0.2, kMaxAcross = 0.5;
@@ -147,35 +147,35 @@ class Skip : public testing::Test {
                             << *wrong;
       }
   }
-  void tell(const char* what) const {
+  void report(const char* what) const {
     printf("  %u frames, %u %s, log shading at most %.4f rms from adaptive=false\n", counts_.frames,
            counts_.listed, what, counts_.worst);
   }
 };
 
-TEST_F(Skip, EveryFaultComesInATileWhileOthersAreSkipped) {
+TEST_F(Skip, EveryFaultInATileWhileOthersAreSkipped) {
   each_fault(tiles_, {{31, 18}, {300, 1}, {3, 200}});
-  tell("by tiles");
+  report("by tiles");
   EXPECT_GT(counts_.listed, counts_.frames / 2);
 }
 
-TEST_F(Skip, MixturesComeInATileWhileOthersAreSkipped) {
+TEST_F(Skip, MixturesInATileWhileOthersAreSkipped) {
   const auto failure = first_failure(Solver::multigrid, 1, 40, 64, tiles_);
   EXPECT_FALSE(failure) << *failure;
-  tell("by tiles");
+  report("by tiles");
   EXPECT_GT(counts_.listed, counts_.frames / 2);
 }
 
-TEST_F(Skip, EveryFaultComesWhileTheResolutionChanges) {
+TEST_F(Skip, EveryFaultWhileTheResolutionChanges) {
   each_fault(crossings_, {{1, 1}, {2, 3}, {31, 18}, {97, 1}, {3, 1021}});
-  tell("across resolutions");
+  report("across resolutions");
   EXPECT_GT(counts_.listed, counts_.frames / 3);
 }
 
-TEST_F(Skip, MixturesComeWhileTheResolutionChanges) {
+TEST_F(Skip, MixturesWhileTheResolutionChanges) {
   const auto failure = first_failure(Solver::multigrid, 1, 40, 48, crossings_);
   EXPECT_FALSE(failure) << *failure;
-  tell("across resolutions");
+  report("across resolutions");
   EXPECT_GT(counts_.listed, counts_.frames / 3);
 }
 

@@ -63,7 +63,7 @@ TEST(Weights, MoreCyclesComeCloserAtEveryCorner) {
           const std::string name = "reflectance " + std::to_string(a) + ", shading " +
                                    std::to_string(b) + ", value " + std::to_string(v) +
                                    ", chroma " + std::to_string(g);
-          // Conditions of 1e8 and more: single precision cannot tell solutions nearer than that.
+          // Conditions of 1e8 and more: single precision cannot separate nearer solutions.
           EXPECT_LT(late, std::max(0.86 * early, 0.005)) << name;
           EXPECT_LT(early, 0.47) << name;
           early_sum += early;

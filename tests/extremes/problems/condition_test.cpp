@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The ladder of stiff systems: accuracy of solutions in single precision.
+// Stiff systems of increasing condition: accuracy of solutions in single precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 namespace inverse::extremes {
 namespace {
 
-/// Digits that are kept, the fewest of three variants on llvmpipe, rounded down. What the condition
-/// predicts says nothing if it is 1e6 or more.
+/// Digits reached, the min over three variants on llvmpipe, rounded down. What the condition
+/// predicts says nothing where it is 1e6 or more.
 const std::map<std::string, double> kDigits{
     {"multigrid: edges over 0 decades", 7.0},
     {"multigrid: edges over 2 decades", 6.6},
@@ -95,8 +95,8 @@ class Conditions : public testing::TestWithParam<Solver> {};
 
 TEST_P(Conditions, NoMoreDigitsAreLostThanTheConditionPredicts) {
   const Lab lab;
-  double least = 1e300, most = 0;
-  for (const Problem& problem : ladder()) {
+  double smallest = 1e300, largest = 0;
+  for (const Problem& problem : stiff_problems()) {
     if (problem.solver != GetParam()) continue;
     const Outcome outcome = judge(problem, lab);
     EXPECT_TRUE(outcome.finite) << problem.name;
@@ -105,11 +105,11 @@ TEST_P(Conditions, NoMoreDigitsAreLostThanTheConditionPredicts) {
     const auto digits = kDigits.find(std::string(name_of(problem.solver)) + ": " + problem.name);
     ASSERT_NE(digits, kDigits.end()) << problem.name << " has no line in the table";
     EXPECT_GE(outcome.digits_preconditioned, digits->second - 0.3) << problem.name;
-    least = std::min(least, outcome.condition);
-    most = std::max(most, outcome.condition);
+    smallest = std::min(smallest, outcome.condition);
+    largest = std::max(largest, outcome.condition);
   }
-  EXPECT_LT(least, 1e3) << "the ladder starts at well-conditioned systems";
-  EXPECT_GT(most, 1e8) << "and ends at hopeless ones";
+  EXPECT_LT(smallest, 1e3) << "the first systems are well-conditioned";
+  EXPECT_GT(largest, 1e8) << "and ends at hopeless ones";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Conditions,
@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(All, Conditions,
                            return name;
                          });
 
-TEST(Dense, KnowsSpectrumAndSolutionOfAChain) {
+TEST(Dense, SpectrumAndSolutionOfAChain) {
   // The chain 2, −1 of n: eigenvalues 2 − 2 cos(k π/(n + 1)).
   constexpr size_t n = 40;
   const double pi = std::acos(-1.0);

@@ -247,10 +247,10 @@ Step step_of(Setting setting) {
     }
   std::vector<reference::Vec3> colors;
   for (const auto& paint : kPaints) {
-    const double most = std::max({paint[0], paint[1], paint[2]});
+    const double largest = std::max({paint[0], paint[1], paint[2]});
     reference::Vec3 color{};
     for (size_t c = 0; c < 3; ++c)
-      color[c] = single(setting.alike + (1 - setting.alike) * paint[c] / most);
+      color[c] = single(setting.alike + (1 - setting.alike) * paint[c] / largest);
     colors.push_back(color);
   }
   return {GlobalThesisScene(in_single_precision(image), in_single_precision(clusters), colors,

@@ -157,7 +157,7 @@ std::vector<double> plain_single_precision(const Dense& matrix, const std::vecto
     return sum;
   };
   std::vector<float> x(n, 0), best(n, 0), residual(b.begin(), b.end()), direction = residual, q(n);
-  float rr = dot(residual, residual), least = rr;
+  float rr = dot(residual, residual), smallest = rr;
   for (int k = 0; k < iterations; ++k) {
     apply(direction, q);
     const float curvature = dot(direction, q);
@@ -172,8 +172,8 @@ std::vector<double> plain_single_precision(const Dense& matrix, const std::vecto
       for (size_t i = 0; i < n; ++i) residual[i] -= alpha * q[i];
     }
     const float next = dot(residual, residual);
-    if (next < least) {
-      least = next;
+    if (next < smallest) {
+      smallest = next;
       best = x;
     }
     const float beta = anew ? 0 : next / rr;

@@ -35,7 +35,7 @@ Dense scaled_by_diagonal(const Dense& matrix);
 std::vector<double> solve(const Dense& matrix, const std::vector<double>& b);
 
 /// At most `iterations` steps of conjugate gradients without preconditioner from 0, everything in
-/// single precision; the residual is computed anew every 50 steps. Gives the iterate of least
+/// single precision; the residual is recomputed every 50 steps. Gives the iterate of least
 /// residual.
 std::vector<double> plain_single_precision(const Dense& matrix, const std::vector<double>& b,
                                            int iterations);

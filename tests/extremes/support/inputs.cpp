@@ -263,9 +263,9 @@ ThesisParams thesis_params_of(const Case& one) {
   return params;
 }
 
-float finite_light(float value, float most) {
+float finite_light(float value, float largest) {
   if (!(value > 0)) return 0;
-  return std::isinf(value) ? 1 : std::min(value, most);
+  return std::isinf(value) ? 1 : std::min(value, largest);
 }
 
 }  // namespace inverse::extremes

@@ -38,16 +38,16 @@ struct Problem {
 struct Outcome {
   double condition = 0;                 ///< of A
   double condition_preconditioned = 0;  ///< of D^−1/2 A D^−1/2, D the diagonal of A
-  double digits_plain = 0;              ///< kept by single precision without preconditioner
-  double digits_preconditioned = 0;     ///< kept by the solver on the device
+  double digits_plain = 0;              ///< reached in single precision without preconditioner
+  double digits_preconditioned = 0;     ///< reached by the solver on the device
   bool finite = false;
 };
 Outcome judge(const Problem& problem, const Lab& lab);
 
-/// The ladder: systems of conditions from 1e2 to 1e8 for every solver.
-std::vector<Problem> ladder();
+/// Systems of conditions from 1e2 to 1e8 for every solver.
+std::vector<Problem> stiff_problems();
 
-/// The fewest digits that the outcome may have kept: the condition number predicts a relative error
+/// The min digits that the outcome must reach: the condition number predicts a relative error
 /// of C · condition · 2^−24. Conjugate gradients: the condition after scaling by the diagonal, C
 /// = 4. Multigrid: the condition of A, which it does not scale, C = 32; what of that it loses it
 /// has not reached yet, rather than lost to rounding. Negative where nothing is predicted.

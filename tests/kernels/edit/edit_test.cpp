@@ -135,7 +135,7 @@ TEST_F(EditTest, HardEdgeSelectsExactlyTheKeysNeighborhood) {
     const bool maybe = reference::selection(pixel_of(pixels, n), spec) > 0;
     spec.tolerance = params.tolerance - 1e-3;
     const bool surely = reference::selection(pixel_of(pixels, n), spec) > 0;
-    if (maybe != surely) continue;  // too near to the edge to tell in single precision
+    if (maybe != surely) continue;  // too near to the edge for single precision
     for (size_t c = 0; c < 3; ++c) {
       const float expected = surely ? params.target[c] : pixels[4 * n + c];
       ASSERT_NEAR(got[4 * n + c], expected, surely ? 1e-6 : 0.0) << n;
@@ -319,7 +319,7 @@ TEST_F(EditTest, OthersPlanesStayUntouchedAndOurOwnAreReused) {
   run([&](gpu::Commands& commands) { recolor.record(commands, frame, params); });
   EXPECT_NE(frame[Role::intrinsic], model);
   EXPECT_EQ(download(model->buffer), pixels);
-  // The second edit finds a plane that nobody else holds.
+  // The second edit reuses a plane that is not in use elsewhere.
   const Plane* first = frame[Role::intrinsic].get();
   const Pixels once = download(frame[Role::intrinsic]->buffer);
   params.target = {0.9f, 0.8f, 0.1f};
@@ -337,7 +337,7 @@ TEST_F(EditTest, OthersPlanesStayUntouchedAndOurOwnAreReused) {
   EXPECT_EQ(download(branch[Role::intrinsic]->buffer), twice);
 }
 
-TEST_F(EditTest, AbsurdParametersGiveFinitePictures) {
+TEST_F(EditTest, ExtremeParametersGiveFinitePictures) {
   using Limits = std::numeric_limits<float>;
   const Extent extent{33, 5};
   const Pixels pixels = hostile_pixels(extent, 2);

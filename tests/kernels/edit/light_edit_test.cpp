@@ -82,16 +82,16 @@ class LightEditTest : public GpuTest {
       for (size_t c = 0; c < 4; ++c) shares.push_back(plane[4 * n + c]);
     return shares;
   }
-  /// The light after base colors became `wanted`, and the base colors, against the reference.
-  void expect_edited(const Frame& frame, const std::vector<Rgb>& wanted, const Pixels* matte,
+  /// The light after base colors became `targets`, and the base colors, against the reference.
+  void expect_edited(const Frame& frame, const std::vector<Rgb>& targets, const Pixels* matte,
                      double sent_on = 1) {
     const auto before = bases_of(frame.bases);
     const Pixels bases = download(frame.layers[Role::bases]->buffer);
     std::vector<Rgb> change(kMaxBases);
     for (size_t k = 0; k < kMaxBases; ++k)
       for (size_t c = 0; c < 3; ++c) {
-        change[k][c] = sent_on * (wanted[k][c] - before[k].color[c]);
-        const double expected = matte ? before[k].color[c] : wanted[k][c];
+        change[k][c] = sent_on * (targets[k][c] - before[k].color[c]);
+        const double expected = matte ? before[k].color[c] : targets[k][c];
         ASSERT_NEAR(bases[4 * k + c], expected, 1e-4 * (1 + std::abs(expected))) << "base " << k;
       }
     const Pixels light = download(frame.layers[Role::light]->buffer);
@@ -124,13 +124,13 @@ TEST_F(LightEditTest, BaseColorsChosenByKeyTurn) {
           edit.change(commands, made.layers, {{0.9f, 0.3f, 0.2f}, 0.5f, 0.6f}, {0.2f, 1.1f, 1.7f},
                       0.8f, with_matte ? &matte : nullptr);
         });
-        std::vector<Rgb> wanted;
+        std::vector<Rgb> targets;
         for (const auto& base : bases_of(made.bases))
-          wanted.push_back(
+          targets.push_back(
               base.exists ? reference::changed(base.color, aim,
                                                0.8 * reference::chosen(base.color, key, 0.5, 0.6))
                           : base.color);
-        ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, with_matte ? &matte_pixels : nullptr));
+        ASSERT_NO_FATAL_FAILURE(expect_edited(made, targets, with_matte ? &matte_pixels : nullptr));
       }
 }
 
@@ -142,10 +142,10 @@ TEST_F(LightEditTest, OneBaseColorTurns) {
     run([&](gpu::Commands& commands) {
       edit.change(commands, made.layers, index, {0, 0, 0}, 1, nullptr);
     });
-    std::vector<Rgb> wanted;
-    for (const auto& base : bases_of(made.bases)) wanted.push_back(base.color);
-    if (index < 10) wanted[index] = {0, 0, 0};
-    ASSERT_NO_FATAL_FAILURE(expect_edited(made, wanted, nullptr));
+    std::vector<Rgb> targets;
+    for (const auto& base : bases_of(made.bases)) targets.push_back(base.color);
+    if (index < 10) targets[index] = {0, 0, 0};
+    ASSERT_NO_FATAL_FAILURE(expect_edited(made, targets, nullptr));
   }
 }
 
@@ -193,7 +193,7 @@ TEST_F(LightEditTest, PlanesOfOthersStayUntouched) {
   EXPECT_NE(made.layers[Role::light], before[Role::light]);
   EXPECT_EQ(download(before[Role::light]->buffer), made.light);
   EXPECT_EQ(download(before[Role::bases]->buffer), made.bases);
-  // The second edit finds a plane that nobody else holds.
+  // The second edit reuses a plane that is not in use elsewhere.
   const Plane* first = made.layers[Role::light].get();
   run([&](gpu::Commands& commands) {
     edit.change(commands, made.layers, 3, {1, 1, 1}, 1, nullptr);
@@ -316,7 +316,7 @@ TEST_F(LightEditTest, SurfacesOfABaseColorAreSelectedAndKeyed) {
   EXPECT_GT(selected, 100U);
 }
 
-TEST_F(LightEditTest, RecoloringThereAndBackLeavesTheLight) {
+TEST_F(LightEditTest, RecoloringAndBackPreservesTheLight) {
   // Two walls; one is painted blue, and red again.
   const Extent extent{32, 8};
   Pixels model(4 * extent.pixels()), light = model, shares = model, bases(4 * kMaxBases);

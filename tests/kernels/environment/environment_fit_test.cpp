@@ -106,11 +106,11 @@ double error_of(const Environment& truth, const Environment& light, bool facing)
   return std::sqrt(squares / count) / mean;
 }
 
-void expect_light(const std::optional<Environment>& light, float most) {
+void expect_light(const std::optional<Environment>& light, float largest) {
   ASSERT_TRUE(light.has_value());
   for (const float v : light->rgb()) {
     ASSERT_GE(v, 0);
-    ASSERT_LE(v, most);
+    ASSERT_LE(v, largest);
   }
 }
 
@@ -228,7 +228,7 @@ TEST(EnvironmentFit, ClippedPointsSayNothing) {
   EXPECT_LT(error_of(truth, *light, true), .15);
 }
 
-TEST(EnvironmentFit, BadPointsAreLeftOut) {
+TEST(EnvironmentFit, BadPointsAreIgnored) {
   const Environment truth = windows();
   auto points = seen(truth, sphere);
   const auto clean = fitted(points);
@@ -327,7 +327,7 @@ namespace {
 
 class NormalMapFile : public ::testing::Test {
  protected:
-  /// A map that nobody warns of.
+  /// A map without a warning.
   NormalMap load() const {
     std::string warning;
     NormalMap map = NormalMap::load(file.path(), warning);

@@ -180,7 +180,7 @@ TEST_F(EnvironmentTest, FilesThatAreNoMapsAreErrorsThatSayWhy) {
             std::string::npos);
 }
 
-TEST_F(EnvironmentTest, ValuesThatAreNoRadianceBecomeTheNearestThatIs) {
+TEST_F(EnvironmentTest, InvalidRadianceBecomesTheNearestValidValue) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   std::vector<float> rgb(3 * 16 * 8, 1.F);
   rgb[5] = 70000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What globalintrinsic leaves out: light of scenes without color, and of scenes that rest.
+// What globalintrinsic skips: light of scenes without color, and of static scenes.
 #include <cmath>
 
 #include "global_fixture.hpp"
@@ -42,7 +42,7 @@ TEST_F(GlobalTest, FramesWithoutColorHaveDirectLightAlone) {
   }
 }
 
-TEST_F(GlobalTest, ColorThatComesBackIsSeen) {
+TEST_F(GlobalTest, AReturningColorIsDetected) {
   const Extent extent{160, 120};
   const Pixels frame = room(extent, 3).frame, gray = colorless(frame);
   GlobalIntrinsic method(device, extent), fresh(device, extent);
@@ -123,13 +123,13 @@ std::vector<uint8_t> changed_tiles(const Pixels& before, const Pixels& now, Exte
   return changed;
 }
 
-TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother) {
+TEST_F(GlobalTest, ReusedLightListsEveryChangedTileForTheSolve) {
   const Extent extent{320, 240};
   const Pixels still = room(extent, 3).frame;
   GlobalIntrinsic method(device, extent);
-  ScaledIntrinsic alone(device, extent);  // is told of what changed in its input, as it is
+  ScaledIntrinsic alone(device, extent);  // receives what changed in its input, as it does
   GlobalIntrinsic::Params params;
-  // So that frames are worked on by tiles, and those where it changed alone.
+  // So that frames are solved by tiles, and only by changed ones.
   params.gate_tolerance = params.chroma_tolerance = 0;
   params.edge_tolerance = 0.5F;
   params.tile_tolerance = 0.3F;
@@ -167,7 +167,7 @@ TEST_F(GlobalTest, WhileLightIsHeldTheSolveIsToldOfEveryTileWhoseInputIsAnother)
   EXPECT_GT(listed, 30U);
 }
 
-TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
+TEST_F(GlobalTest, LightIsReusedIfLittleChanges) {
   const Extent extent{320, 240};
   const Pixels still = wall(extent);
   GlobalIntrinsic some(device, extent), all(device, extent);
@@ -222,7 +222,7 @@ TEST_F(GlobalTest, LightIsHeldWhereLittleChanges) {
   EXPECT_FALSE(some.stats(some.recorded() - 1).light.reused());
 }
 
-TEST_F(GlobalTest, HeldLightIsWhatItWasWhereNothingChanges) {
+TEST_F(GlobalTest, ReusedLightIsUnchangedIfNothingChanges) {
   const Extent extent{150, 100};
   const Pixels frame = room(extent, 3).frame;
   const std::vector<uint8_t> none(size_t{10} * 7);

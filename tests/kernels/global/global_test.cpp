@@ -129,10 +129,10 @@ TEST_F(GlobalTest, LabelsAreDrawnInTheBaseColorsOfTheReference) {
   for (size_t i = 0; i < extent.pixels(); ++i) {
     reference::Vec3 color =
         reference::global::color_of(*expected.colors.color[size_t(expected.label[i])]);
-    const double most = *std::max_element(color.begin(), color.end());
+    const double largest = *std::max_element(color.begin(), color.end());
     bool same = drawn[4 * i + 3] == 1;
     for (size_t c = 0; c < 3; ++c)
-      same &= std::fabs(double(drawn[4 * i + c]) - color[c] / most) < 0.02;
+      same &= std::fabs(double(drawn[4 * i + c]) - color[c] / largest) < 0.02;
     others += !same;
   }
   EXPECT_LT(others, extent.pixels() / 100);  // at the borders of bins
@@ -151,13 +151,13 @@ TEST_F(GlobalTest, LayersMakeUpTheFrame) {
   }
 }
 
-TEST_F(GlobalTest, LightIsGrayWhereItsAmountIsNotKnown) {
+TEST_F(GlobalTest, LightIsGrayIfItsAmountIsUnknown) {
   const Extent extent{160, 120};
   const Room made = room(extent, 3);
   GlobalIntrinsic::Params params = to_the_letter();
   reference::GlobalParams spec;
   // Little trust leaves little more than the prior: confidences below and above what is enough.
-  float least = 1, most = 0;
+  float smallest = 1, largest = 0;
   for (const float trust : {0.0F, 0.05F, 0.1F, 0.2F, 0.4F, 1.0F}) {
     params.trust = trust;
     spec.amount.trust = double(trust);
@@ -171,11 +171,11 @@ TEST_F(GlobalTest, LightIsGrayWhereItsAmountIsNotKnown) {
       if (i % 4 != 3) color = std::max(color, std::abs(got.light[i] - 1));
     EXPECT_TRUE(trust > 0 || color < 1e-5F) << color;
     EXPECT_TRUE(trust < 1 || color > 0.05F) << color;
-    least = std::min(least, got.found.confidence);
-    most = std::max(most, got.found.confidence);
+    smallest = std::min(smallest, got.found.confidence);
+    largest = std::max(largest, got.found.confidence);
   }
-  EXPECT_LT(least, 0.01F);
-  EXPECT_GT(most, 0.03F);
+  EXPECT_LT(smallest, 0.01F);
+  EXPECT_GT(largest, 0.03F);
 }
 
 TEST_F(GlobalTest, AnyFrameGivesFiniteLayers) {

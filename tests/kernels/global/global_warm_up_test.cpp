@@ -7,9 +7,9 @@ namespace inverse::testing {
 
 class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
  protected:
-  /// A video in which everything comes, three frames in flight: light that is held and let go, with
-  /// layers out and without, cuts, gray, the lamps' color, few base colors, every level of the
-  /// ladder. Counts what came.
+  /// A video in which everything comes, three frames in flight: light that is reused and
+  /// recomputed, with layers out and without, cuts, gray, the lamps' color, few base colors, every
+  /// quality level. Counts what came.
   struct Seen {
     unsigned held = 0, listed = 0, plain = 0, shares = 0;
   };
@@ -62,7 +62,7 @@ class GlobalWarmUp : public OnANewDevice<IntrinsicTest> {
   }
 };
 
-TEST_F(GlobalWarmUp, LeavesNothingToBeBuiltInMidStream) {
+TEST_F(GlobalWarmUp, BuildsEveryKernelBeforeTheStream) {
   for (const Extent extent : {Extent{349, 287}, Extent{150, 110}}) {
     GlobalIntrinsic method(device, extent);
     EXPECT_TRUE(method.warm_up());
@@ -76,7 +76,7 @@ TEST_F(GlobalWarmUp, LeavesNothingToBeBuiltInMidStream) {
   }
 }
 
-TEST_F(GlobalWarmUp, IsWhatSparesTheStreamIt) {
+TEST_F(GlobalWarmUp, WithoutItTheStreamBuildsKernels) {
   const Extent extent{349, 287};
   GlobalIntrinsic method(device, extent);
   const PlanePtr frame = input(extent, scene(extent, 31));

@@ -149,7 +149,7 @@ TEST_F(DeviceTest, StagesAreTimed) {
 }
 
 // A device that does not finish in time is reported, and what it still works on stays its own.
-TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
+TEST_F(DeviceTest, AnUnresponsiveDeviceIsLostAndKeepsItsBuffers) {
   const uint64_t before = device->memory_bytes();
   const uint64_t words = device->limits().storage_buffer_bytes >= (1u << 27) ? 1u << 25 : 1u << 22;
   const auto kept = std::make_shared<int>();
@@ -177,7 +177,7 @@ TEST_F(DeviceTest, ADeviceThatDoesNotAnswerIsLostAndKeepsItsBuffers) {
   }
   EXPECT_EQ(kept.use_count(), 2) << "what stands in line behind it is not waited for, either";
   EXPECT_GE(device->memory_bytes(), before + 4 * words);
-  // The device itself goes on: later work runs behind what it was left with.
+  // The device itself continues: later work runs after its unfinished work.
   const auto buffer = gpu::Buffer::create(device, gpu::Element::word, 4);
   run([&](gpu::Commands& commands) { commands.fill(buffer, 0x3f800000); });
   EXPECT_EQ(download(buffer), Pixels(4, 1.0f));

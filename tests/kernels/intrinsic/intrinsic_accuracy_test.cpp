@@ -82,9 +82,9 @@ TEST_F(IntrinsicTest, AccuracyOnTheClip) {
     const Pixels pixels = pixels_of(truth.input);
     Pixels brightest = pixels;  // R = I / max_c I
     for (size_t i = 0; i < brightest.size(); i += 4) {
-      const float most = std::max({brightest[i], brightest[i + 1], brightest[i + 2], 1e-3F});
-      for (size_t c = 0; c < 3; ++c) brightest[i + c] /= most;
-      brightest[i + 3] = most;
+      const float largest = std::max({brightest[i], brightest[i + 1], brightest[i + 2], 1e-3F});
+      for (size_t c = 0; c < 3; ++c) brightest[i + c] /= largest;
+      brightest[i + 3] = largest;
     }
     Layers layers;
     ThesisDecomposition thesis(device, extent);
@@ -172,7 +172,7 @@ TEST_F(IntrinsicTest, AnchorLetsGoOfAMovingPicture) {
   };
   IntrinsicDecomposition::Params loose, blind;
   loose.anchor.anchor_weight = 0;
-  blind.anchor.anchor_motion = 100;  // knows no motion
+  blind.anchor.anchor_motion = 100;  // detects no motion
   const double without = watch(loose), with = watch({}), deluded = watch(blind);
   std::printf("moving picture: LMSE %.4f without anchor, %.4f with it, %.4f if it knew no motion\n",
               without, with, deluded);

@@ -204,7 +204,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
   const uint64_t packs = pack4_count(cells);
   Pixels terms(packs * 16), means(packs * 4), correction(packs * 4), far(packs * 4);
   std::vector<double> g(cells.pixels()), rho(cells.pixels());
-  const float most = EdgePrior::kMaxChroma;
+  const float largest = EdgePrior::kMaxChroma;
   for (uint32_t y = 0; y < cells.height; ++y)
     for (uint32_t x = 0; x < cells.width; ++x) {
       const size_t i = static_cast<size_t>(y) * cells.width + x;
@@ -228,7 +228,7 @@ TEST_F(IntrinsicTest, BinsAgreeWithReference) {
     run([&](gpu::Commands& commands) {
       commands.fill(system);
       guide.record(commands, frame.buffer);
-      bins.record_weights(commands, guide, state.terms, most);
+      bins.record_weights(commands, guide, state.terms, largest);
       bins.record(commands, guide, state);
     });
     return download(system);

@@ -101,7 +101,7 @@ TEST_F(IntrinsicTest, FollowsAVideoAsTheReferenceDoes) {
   }
 }
 
-TEST_F(IntrinsicTest, EdgesOfStillTilesAreKept) {
+TEST_F(IntrinsicTest, EdgesOfStaticTilesAreReused) {
   const Extent extent{349, 287};
   const Pixels still = scene(extent, 15);
   Pixels moved = still;  // 20 x 20 pixels get darker
@@ -282,11 +282,11 @@ TEST_F(IntrinsicTest, AbsurdParametersStayFinite) {
   for (const float v : decompose(extent, pixels, params)) ASSERT_TRUE(std::isfinite(v));
 }
 
-// Cycles that are left out must show in what the device says, and cost no more than `cycle-tolerance`
+// Skipped cycles must show in the stats, and cost no more than `settled`
 // bounds: a cycle leaves up to 85 % of an error, so six times what the last one changed.
 TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   constexpr uint32_t kMost = 16;
-  const bool leaves_out = device->variant().conditional;
+  const bool skips = device->variant().conditional;
   const Extent extent{160, 120};
   const PlanePtr still = input(extent, scene(extent, 9));
   IntrinsicDecomposition::Params params, all;
@@ -295,14 +295,14 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
   IntrinsicDecomposition settling(device, extent), patient(device, extent);
   const Pixels complete = decompose(patient, still, all);
   EXPECT_EQ(patient.findings().cycles, kMost);
-  uint32_t fewest = kMost;
+  uint32_t smallest_count = kMost;
   for (const float settled : {0.01F, 0.03F, 0.1F}) {
     params.cycle_tolerance = settled;
     const Pixels got = decompose(settling, still, params);
     const uint32_t cycles = settling.findings().cycles;
     EXPECT_LT(settling.findings().change, settled);
-    EXPECT_LE(cycles, fewest);
-    fewest = cycles;
+    EXPECT_LE(cycles, smallest_count);
+    smallest_count = cycles;
     double sum = 0;
     for (size_t i = 3; i < got.size(); i += 4) {
       const double d = std::log(static_cast<double>(got[i] / complete[i]));
@@ -313,11 +313,11 @@ TEST_F(IntrinsicTest, CyclesEndWhenLittleChanges) {
                 cycles, kMost, distance);
     EXPECT_LT(distance, 6 * settled);
   }
-  EXPECT_LT(fewest, leaves_out ? 5 : kMost + 1);
-  // A still scene comes to rest: one cycle a frame.
+  EXPECT_LT(smallest_count, skips ? 5 : kMost + 1);
+  // A static scene converges: one cycle a frame.
   params.cycle_tolerance = 0.01F;
   for (int k = 0; k < 5; ++k) decompose(settling, still, params, false);
-  EXPECT_EQ(settling.findings().cycles, leaves_out ? 1 : kMost);
+  EXPECT_EQ(settling.findings().cycles, skips ? 1 : kMost);
   // 0 asks for all of them.
   params.cycle_tolerance = 0;
   decompose(settling, still, params, false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Work by tiles: kernels over a list do what they do over a frame, and a video of which only tiles
-// are worked on stays near the one of which everything is.
+// Work by tiles: kernels over a list give what they give over a frame, and a video solved by tiles
+// stays near the one solved whole.
 #include "intrinsic_fixture.hpp"
 #include "kernels/image/format/changed_tiles.hpp"
 #include "kernels/image/format/convert.hpp"
@@ -156,7 +156,7 @@ TEST_F(IntrinsicTilesTest, KernelsOverAllTilesDoWhatTheyDoOverTheFrame) {
   }
 }
 
-TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolve) {
+TEST_F(IntrinsicTilesTest, AStaticBackgroundIsReusedAndStaysNearTheWholeSolve) {
   const Extent extent{349, 287};
   const Pixels background = scene(extent, 21);
   IntrinsicDecomposition some(device, extent), whole(device, extent);
@@ -201,9 +201,9 @@ TEST_F(IntrinsicTilesTest, AStillBackgroundKeepsItsBytesAndStaysNearTheWholeSolv
 }
 
 // What moves leaves shading behind that is wrong for what it uncovers, and that fades for as long
-// as the video goes on: also where tiles are left out, to within the bound of
+// as the video continues: also if tiles are skipped, to within the bound of
 // docs/reference/methods/intrinsicdecomp.md, 8.
-TEST_F(IntrinsicTilesTest, WhatMovingThingsLeaveBehindFades) {
+TEST_F(IntrinsicTilesTest, TrailsOfMovingObjectsFade) {
   constexpr double kMaxRms = 0.04, kMaxTile = 0.15;
   const Extent extent{240, 176};
   for (const unsigned seed : {26U, 27U}) {
@@ -239,7 +239,7 @@ TEST_F(IntrinsicTilesTest, WhatMovingThingsLeaveBehindFades) {
   }
 }
 
-TEST_F(IntrinsicTilesTest, WhatChangesEverywhereIsWorkedOnEverywhere) {
+TEST_F(IntrinsicTilesTest, AChangeEverywhereIsSolvedEverywhere) {
   const Extent extent{349, 287};
   Pixels frame = scene(extent, 22);
   IntrinsicDecomposition some(device, extent), whole(device, extent);
@@ -252,7 +252,7 @@ TEST_F(IntrinsicTilesTest, WhatChangesEverywhereIsWorkedOnEverywhere) {
   };
   for (int k = 0; k < 12; ++k) step();
   EXPECT_TRUE(listed(some)) << "a still video must come to be worked on by tiles";
-  for (float& v : frame) v *= 0.7F;  // somebody dims the light
+  for (float& v : frame) v *= 0.7F;  // the light is dimmed
   EXPECT_LT(step(), 0.06);
   EXPECT_FALSE(listed(some));
   EXPECT_EQ(some.findings().tiles_active, some.stats(some.recorded() - 1).tiles);
@@ -263,7 +263,7 @@ TEST_F(IntrinsicTilesTest, WhatChangesEverywhereIsWorkedOnEverywhere) {
   EXPECT_FALSE(listed(some)) << "other parameters concern every tile";
   frame = scene(extent, 23);  // a cut
   for (int k = 0; k < 3; ++k) EXPECT_LT(step(), 0.06);
-  // Where nobody says what changed, everything may have; where told nonsense, it is refused.
+  // Without a list of changes everything may have changed; an invalid list is refused.
   for (int k = 0; k < 12; ++k) step();
   EXPECT_TRUE(listed(some));
   next(some, extent, frame, {}, params);
@@ -271,7 +271,7 @@ TEST_F(IntrinsicTilesTest, WhatChangesEverywhereIsWorkedOnEverywhere) {
   EXPECT_THROW(next(some, extent, frame, std::vector<uint8_t>(3), params), Error);
 }
 
-TEST_F(IntrinsicTilesTest, PlanesThatOthersHoldAreLeftAlone) {
+TEST_F(IntrinsicTilesTest, PlanesInUseElsewhereAreNotOverwritten) {
   const Extent extent{349, 287};
   const Pixels background = scene(extent, 24);
   IntrinsicDecomposition holding(device, extent), plain(device, extent);

@@ -9,7 +9,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
  protected:
   static constexpr Extent kExtent{349, 287};
   /// A video in which everything comes, three frames in flight: tiles begin and end, cuts, gray, a
-  /// fast camera, every level of the ladder, resolutions that are compared and crossed, other
+  /// fast camera, every quality level, resolutions that are compared and crossed, other
   /// parameters. Returns how many frames worked on tiles, how many compared, how many crossed.
   struct Seen {
     unsigned listed = 0, compared = 0, crossed = 0;
@@ -66,7 +66,7 @@ class IntrinsicWarmUp : public OnANewDevice<IntrinsicTest> {
   }
 };
 
-TEST_F(IntrinsicWarmUp, LeavesNothingToBeBuiltInMidStream) {
+TEST_F(IntrinsicWarmUp, BuildsEveryKernelBeforeTheStream) {
   ScaledIntrinsic method(device, kExtent);
   EXPECT_TRUE(method.warm_up());
   const uint64_t warm = device->kernels_used();
@@ -77,7 +77,7 @@ TEST_F(IntrinsicWarmUp, LeavesNothingToBeBuiltInMidStream) {
   EXPECT_GT(seen.crossed, 4U);
 }
 
-TEST_F(IntrinsicWarmUp, IsWhatSparesTheStreamIt) {
+TEST_F(IntrinsicWarmUp, WithoutItTheStreamBuildsKernels) {
   ScaledIntrinsic method(device, kExtent);
   const PlanePtr frame = input(kExtent, scene(kExtent, 31));
   run([&](gpu::Commands& commands) { method.record(commands, frame, {}, {}); });

@@ -52,7 +52,7 @@ TEST_F(ScaledIntrinsicTest, UpsamplingAgreesWithReference) {
   }
 }
 
-TEST_F(ScaledIntrinsicTest, UpsamplingOfWhatNoPictureShouldHoldStaysFinite) {
+TEST_F(ScaledIntrinsicTest, UpsamplingOfInvalidPixelsStaysFinite) {
   const Extent extent{9, 7};
   constexpr float kInf = std::numeric_limits<float>::infinity();
   Pixels frame = scene(extent, 1), half(half_of(extent).pixels() * 4, 0.0F);  // S = 0, too

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// intrinsicdecomp: terms and resolution that a scene does not need are left out, and what was found
-// carries over.
+// intrinsicdecomp skips terms and resolution that a scene does not need; history carries over.
 #include "intrinsic_fixture.hpp"
 #include "kernels/intrinsic/resolution/layer_distance.hpp"
 #include "kernels/intrinsic/scaled_intrinsic.hpp"
@@ -50,7 +49,7 @@ class SkipTest : public IntrinsicTest {
   }
 };
 
-TEST_F(SkipTest, BinsWithoutWeightAreSkippedWhateverTheSettings) {
+TEST_F(SkipTest, BinsWithoutWeightAreAlwaysSkipped) {
   const Extent extent{97, 61};
   const Pixels pixels = scene(extent, 3);
   for (const bool adaptive : {false, true}) {
@@ -70,7 +69,7 @@ TEST_F(SkipTest, BinsWithoutWeightAreSkippedWhateverTheSettings) {
   }
 }
 
-TEST_F(SkipTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
+TEST_F(SkipTest, TheEffectOfBinsIsBoundedBeforehand) {
   const Extent extent{64, 48};
   for (const float weight : {1.0F, 0.03F, 0.001F})
     for (const unsigned seed : {1U, 2U, 3U}) {
@@ -120,7 +119,7 @@ TEST_F(SkipTest, WhatBinsCanMoveIsBoundedByWhatIsKnownBeforehand) {
     }
 }
 
-TEST_F(SkipTest, APictureWithoutColorsToCompareNeedsNoBins) {
+TEST_F(SkipTest, APictureWithoutColorsSkipsBins) {
   const Extent extent{160, 120};
   const PlanePtr plain = input(extent, Pixels(extent.pixels() * 4, 0.4F));
   const PlanePtr colored = input(extent, scene(extent, 2));
@@ -149,7 +148,7 @@ TEST_F(SkipTest, APictureWithoutColorsToCompareNeedsNoBins) {
   }
 }
 
-TEST_F(SkipTest, PixelsAreNotComparedWhereNothingStays) {
+TEST_F(SkipTest, PixelsAreNotComparedIfEverythingMoves) {
   const Extent extent{160, 120};
   IntrinsicDecomposition method(device, extent), whole(device, extent);
   IntrinsicDecomposition::Params params, always;
@@ -175,14 +174,14 @@ TEST_F(SkipTest, PixelsAreNotComparedWhereNothingStays) {
   }
 }
 
-TEST_F(SkipTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
+TEST_F(SkipTest, AnotherResolutionStartsFromTheFirstsResult) {
   for (const Extent extent : {Extent{160, 120}, Extent{61, 35}, Extent{7, 2}}) {
     const PlanePtr still = input(extent, scene(extent, 6));
     ScaledIntrinsic carried(device, extent), forgets(device, extent);
     ScaledIntrinsic::Params params;
     params.half_tolerance = 0;
     Pixels before[2];
-    double most = 0, most_anew = 0;
+    double largest = 0, most_anew = 0;
     for (int i = 0; i < 40; ++i) {
       const int at = i / 10;  // full, half, a quarter, full
       params.half_resolution = at == 1 || at == 2;
@@ -198,7 +197,7 @@ TEST_F(SkipTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
       }
       for (const float value : now[0]) ASSERT_TRUE(std::isfinite(value));
       if (i >= 10) {
-        most = std::max(most, apart(now[0], before[0]));
+        largest = std::max(largest, apart(now[0], before[0]));
         most_anew = std::max(most_anew, apart(now[1], before[1]));
         if (crosses) {
           EXPECT_LT(apart(now[0], before[0]), 0.01) << name_of(extent) << " at " << i;
@@ -208,12 +207,12 @@ TEST_F(SkipTest, AnotherResolutionGoesOnWhereTheFirstHasCome) {
       before[1] = now[1];
     }
     std::printf("%s: largest step of log shading %.3f, history forgotten %.3f\n",
-                name_of(extent).c_str(), most, most_anew);
-    EXPECT_LT(most, 0.4 * most_anew) << name_of(extent);
+                name_of(extent).c_str(), largest, most_anew);
+    EXPECT_LT(largest, 0.4 * most_anew) << name_of(extent);
   }
 }
 
-TEST_F(SkipTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
+TEST_F(SkipTest, HalfResolutionIsChosenWithinItsBound) {
   const Extent extent{160, 120};
   const PlanePtr soft = input(extent, soft_scene(extent, 0)),
                  sharp = input(extent, scene(extent, 4));
@@ -243,7 +242,7 @@ TEST_F(SkipTest, HalfResolutionIsChosenWhereItKeepsItsBound) {
   const float soft_distance = method.findings(method.recorded() - 1).half_distance;
   EXPECT_GT(soft_distance, 0);
   EXPECT_LT(soft_distance, params.half_tolerance);
-  // A cut: looked at as soon as it is noticed, and given up.
+  // A cut: compared as soon as it is detected, and given up.
   for (uint64_t i = 0; i < 8; ++i) step(sharp, i);
   float off_by = 0;
   for (uint64_t i = 0; i < 90; ++i) {  // the anchor leads on to what full resolution finds

@@ -15,7 +15,7 @@ std::vector<float> gray(float value) {
   return std::vector<float>(size_t{4} * kSide * kSide, value);
 }
 
-TEST(CropChange, NothingIsKnownBeforeAPictureIsKept) {
+TEST(CropChange, NothingIsComparedBeforeTheFirstPicture) {
   CropChange change;
   EXPECT_EQ(change.since(gray(1), {}, kSide).largest, 0);
   change.keep(gray(.5F), {}, kSide);
@@ -38,7 +38,7 @@ TEST(CropChange, OneBlockOfOneChannelIsEnough) {
   EXPECT_EQ(change.since(other, {}, kSide).largest, 0);
 }
 
-TEST(CropChange, WhatHasMovedIsToldByTheMasks) {
+TEST(CropChange, MasksDetectMotion) {
   CropChange change;
   std::vector<uint8_t> mask(kSide * kSide, 0);
   std::fill(mask.begin(), mask.begin() + 100, 1);

@@ -27,7 +27,7 @@ namespace {
 using Push = shaders::material_networks_crop::Push;  // and of layers.comp
 
 /// Frames and squares of them: inside, reaching over the border, of less than a pixel a point, and
-/// of so many that not each is looked at.
+/// of so many that not each is read.
 struct Case {
   Extent extent;
   Push place;

@@ -6,7 +6,7 @@
 
 namespace inverse::testing {
 
-TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
+TEST_F(LimeTest, TheLightIsEstimatedIfRequested) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   for (int i = 0; i < 6; ++i) frame(lime, scene(50, 30, 20));
   EXPECT_EQ(lime.light(), nullptr);
@@ -29,10 +29,10 @@ TEST_F(LimeTest, TheLightIsLookedForWhereItIsWanted) {
   EXPECT_EQ(lime.light(), nullptr);
 }
 
-TEST_F(LimeTest, TheLightOfARestingObjectIsThatOfTheLamps) {
+TEST_F(LimeTest, TheLightOfAnUnchangedObjectIsThatOfTheLamps) {
   params.light_asked = true;
   params.recheck = 1000;
-  params.fusion.other = params.steady = 1;  // the material does not begin anew
+  params.fusion.other = params.steady = 1;  // the material does not restart
   for (delay = 0; delay < gpu::kFramesInFlight; ++delay) {
     LimeMaterial lime(device, kFrame, HandMadeLime::models());
     for (int i = 0; i < 40; ++i) unseen(lime, .4F);
@@ -96,7 +96,7 @@ TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
   params.light_asked = true;
   params.fusion.other = params.steady = 1;
   for (int i = 0; i < 40; ++i) unseen(lime, .4F);
-  // What turns in its place begins it anew once, and follows for a while.
+  // An object that turns in its place restarts it once, and follows for a while.
   for (int i = 0; i < 150; ++i) unseen(lime, i % 2 ? .45F : .6F);
   EXPECT_GE(lime.light_views(), 25u);
   // What is moved does not.
@@ -106,7 +106,7 @@ TEST_F(LimeTest, TheLightIsAMeanWhileThingsMove) {
   EXPECT_GT(lime.light_views(), views);
 }
 
-TEST_F(LimeTest, WhereAnObjectRestsAnewItIsLitByWhatIsThere) {
+TEST_F(LimeTest, AnObjectThatStopsElsewhereGetsTheLightThere) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.light_asked = true;
   params.fusion.other = params.steady = 1;
@@ -128,7 +128,7 @@ TEST_F(LimeTest, WhereAnObjectRestsAnewItIsLitByWhatIsThere) {
   for (int i = 0; i < 3000; ++i) put(56, .8F);
   EXPECT_GT(blueness(lime), 2 * before);
   EXPECT_NEAR(after / blueness(lime), 1, .2);
-  // In its place it is one light, however often it is looked at.
+  // In its place it is one light, however often it is estimated.
   EXPECT_GE(lime.light_views(), 60U);
 }
 

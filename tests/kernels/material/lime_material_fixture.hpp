@@ -49,7 +49,7 @@ class LimeTest : public GpuTest {
     if (lime.recorded() > delay) lime.done(lime.recorded() - 1 - delay);
     return layers;
   }
-  /// A frame whose layers nobody looks at.
+  /// A frame whose layers are not read.
   LimeMaterial::Report unseen(LimeMaterial& lime, float blue, float green = .4F) {
     run([&](gpu::Commands& commands) {
       lime.record(commands, scene(50, 30, 20, green, blue), params, false);

@@ -27,7 +27,7 @@ TEST_F(LimeTest, AnotherObjectInTheSquareIsNotMixedIn) {
   EXPECT_GT(diffuse[4 * (30 * kFrame.width + 60) + 3], .9);
 }
 
-TEST_F(LimeTest, WhatWasLeftOutHasNoEstimateBeforeItIsLookedAt) {
+TEST_F(LimeTest, ASkippedPartHasNoEstimateBeforeItRuns) {
   params.adaptive = false;
   const Plane other = scene(86, 56, 6, .4F, .9F), both = together(scene(60, 30, 20), other);
   const double of_nothing = 1 / (1 + std::exp(1));
@@ -46,7 +46,7 @@ TEST_F(LimeTest, WhatWasLeftOutHasNoEstimateBeforeItIsLookedAt) {
   }
 }
 
-TEST_F(LimeTest, AnObjectThatIsGoneLeavesNoEstimates) {
+TEST_F(LimeTest, AVanishedObjectHasNoEstimates) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   const Plane object = scene(60, 30, 20), nothing = scene(60, 30, 0);
   frame(lime, object);
@@ -131,7 +131,7 @@ TEST_F(LimeTest, APictureWithoutAnObjectIsSearchedOnce) {
   }
 }
 
-TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
+TEST_F(LimeTest, AnUnchangedObjectIsEstimatedNowAndThen) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 5;
   const Plane picture = scene(50, 30, 20);
@@ -145,7 +145,7 @@ TEST_F(LimeTest, ARestingObjectIsLookedAtNowAndThen) {
   EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, before + 9);
 }
 
-TEST_F(LimeTest, WhatChangesIsNotKnownHoweverOftenItIsSeen) {
+TEST_F(LimeTest, AChangingObjectIsNeverConfirmed) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
   params.fusion.memory = 1;
@@ -161,7 +161,7 @@ TEST_F(LimeTest, WhatChangesIsNotKnownHoweverOftenItIsSeen) {
   EXPECT_LT(lime.object().spread, params.steady * std::sqrt(60.F)) << "or any rule would do";
 }
 
-TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {
+TEST_F(LimeTest, LayersOfAnUnchangedObjectFollowItsLight) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
   const auto gloss = [&](float blue) {
@@ -178,7 +178,7 @@ TEST_F(LimeTest, LayersOfARestingObjectFollowItsLight) {
   EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
   EXPECT_EQ(lime.report(lime.recorded() - 1).estimates, estimates + 2);
-  // Nobody looks at the layers: the material is what it was.
+  // Layers are not read: the material is unchanged.
   for (int i = 0; i < 10; ++i) unseen(lime, i % 2 ? .5F : .47F, .5F);
   EXPECT_LE(lime.report(lime.recorded() - 1).estimates, estimates + 4);
   for (int i = 0; i < 10; ++i) gloss(i % 2 ? .5F : .47F);
@@ -206,7 +206,7 @@ TEST_F(LimeTest, LayersThatBeginToBeDrawnAreOfThePictureThatIsThere) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(gloss(.5F), decoded(.5F * .5F), 1e-3);
 }
 
-TEST_F(LimeTest, ASteadyObjectThatLeavesIsMissedAtOnce) {
+TEST_F(LimeTest, ASteadyObjectThatLeavesIsLostAtOnce) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   params.recheck = 1000;
   for (int i = 0; i < 30; ++i) frame(lime, scene(50, 30, 20));
@@ -227,7 +227,7 @@ TEST_F(LimeTest, ForgetsTheObjectOnReset) {
   for (const float v : download(frame(lime, scene(50, 30, 20)).gloss->buffer)) ASSERT_EQ(v, 0);
 }
 
-TEST_F(LimeTest, FramesInFlightWhenItIsResetAreNotLookedAt) {
+TEST_F(LimeTest, FramesInFlightAtAResetAreIgnored) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   for (int i = 0; i < 4; ++i) frame(lime, scene(50, 30, 20));
   ASSERT_TRUE(lime.object().found);
@@ -242,7 +242,7 @@ TEST_F(LimeTest, FramesInFlightWhenItIsResetAreNotLookedAt) {
   EXPECT_TRUE(lime.object().found) << "it goes on";
 }
 
-TEST_F(LimeTest, BadFramesLeaveNumbers) {
+TEST_F(LimeTest, BadFramesGiveFiniteEstimates) {
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   Pixels pixels(kFrame.pixels() * 4);
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), -3,
@@ -283,7 +283,7 @@ TEST_F(LimeTest, AnObjectElsewhereIsAnotherOne) {
   EXPECT_LT(lime.object().averaged, 4U) << "whose estimates are its own";
 }
 
-TEST_F(LimeTest, NetworksOfNoNumbersLeaveNumbersInTheLayers) {
+TEST_F(LimeTest, NonFiniteNetworksGiveFiniteLayers) {
   // What `weights` say of a point, but where its blue is strong: there it is infinity less
   // infinity.
   const auto spoilt = [](uint32_t channels, std::vector<float> weights, float bias,
@@ -324,7 +324,7 @@ TEST_F(LimeTest, NetworksOfNoNumbersLeaveNumbersInTheLayers) {
 class LimeWarmUp : public OnANewDevice<LimeTest> {};
 
 TEST_F(LimeWarmUp, NoKernelIsBuiltWhileFramesCome) {
-  // A square frame, all of which is looked at, and one where some of the square lies beyond it.
+  // A square frame, all of which is read, and one where some of the square lies beyond it.
   LimeMaterial(device, {64, 64}, HandMadeLime::models()).warm_up();
   LimeMaterial lime(device, kFrame, HandMadeLime::models());
   const uint64_t before = device->kernels_used();

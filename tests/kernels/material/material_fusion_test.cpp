@@ -34,7 +34,7 @@ TEST(MaterialFusion, OneEstimateIsItself) {
   EXPECT_EQ(fusion.spread(), 0);
 }
 
-TEST(MaterialFusion, SingleOutliersLeaveNoTrace) {
+TEST(MaterialFusion, SingleOutliersHaveNoEffect) {
   MaterialFusion fusion, clean;
   for (int i = 0; i < 40; ++i) {
     fusion.add(material(i % 7 == 6 ? .95F : .3F, .4F, i % 7 == 6 ? 7 : 2), {});
@@ -70,7 +70,7 @@ TEST(MaterialFusion, TheMeanOfManyThatScatterIsAsSteadyAsThatOfAFewThatDoNot) {
   EXPECT_FALSE(even.steady(std::numeric_limits<float>::quiet_NaN()));
 }
 
-TEST(MaterialFusion, AnObjectALittleDifferentIsNotKnownBeforeTheMeanIsIt) {
+TEST(MaterialFusion, ASimilarObjectIsNotConfirmedBeforeItsMean) {
   constexpr float kLimit = .02F;
   for (const float noise : {0.F, .03F}) {
     std::mt19937 random(4);
@@ -78,7 +78,7 @@ TEST(MaterialFusion, AnObjectALittleDifferentIsNotKnownBeforeTheMeanIsIt) {
     MaterialFusion fusion;
     for (int i = 0; i < 100; ++i) fusion.add(material(.2F + scatter(random), .4F, 2), {});
     ASSERT_TRUE(fusion.steady(kLimit));
-    // Less than another object, which would begin anew.
+    // Less than another object, which would restart it.
     for (int i = 0; i < 20; ++i) fusion.add(material(.35F + scatter(random), .4F, 2), {});
     EXPECT_EQ(fusion.count(), 120U);
     EXPECT_FALSE(fusion.steady(kLimit));

@@ -41,7 +41,7 @@ TEST_F(PreviewTest, DrawsASphereIntoTheCorner) {
   EXPECT_GT(edge, 50) << "soft";
 }
 
-TEST_F(PreviewTest, IsDrawnAnewOnlyWhereThatCanBeSeen) {
+TEST_F(PreviewTest, IsDrawnAgainOnlyIfVisible) {
   const Extent extent{40, 30};
   const Plane frame = plane(extent, random_pixels(extent, 4)), picture = plane(extent);
   MaterialPreview preview(device);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Which networks run for a frame, and which are left out, without a device.
+// Which networks run for a frame, and which are skipped, without a device.
 #include "kernels/material/networks/network_schedule.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace inverse::testing {
 namespace {
 
-/// A schedule and the video that it plans: an object that rests, whose material is known.
+/// A schedule and the video that it plans: an unchanged object of confirmed material.
 struct Video {
   NetworkSchedule schedule;
   NetworkSchedule::Params params{true, 8};
@@ -42,7 +42,7 @@ struct Video {
 
 }  // namespace
 
-TEST(NetworkSchedule, ARestingObjectIsLookedAtOnceInSoManyFrames) {
+TEST(NetworkSchedule, AnUnchangedObjectIsEstimatedOnceInSoManyFrames) {
   Video video;
   for (unsigned k = 1; k <= 32; ++k) {
     const auto plan = video.next();
@@ -56,7 +56,7 @@ TEST(NetworkSchedule, ARestingObjectIsLookedAtOnceInSoManyFrames) {
   EXPECT_EQ(video.estimated(5), 5U);
 }
 
-TEST(NetworkSchedule, OfAPictureThatRestsNotEvenTheMaskIsLookedFor) {
+TEST(NetworkSchedule, AnUnchangedPictureSkipsEvenTheMask) {
   Video video;
   video.known.still = true;
   for (unsigned k = 1; k <= 32; ++k) {
@@ -66,7 +66,7 @@ TEST(NetworkSchedule, OfAPictureThatRestsNotEvenTheMaskIsLookedFor) {
   }
 }
 
-TEST(NetworkSchedule, WhatMovesOrIsNotSureDoesNotRest) {
+TEST(NetworkSchedule, AMovingOrUncertainObjectIsNotSkipped) {
   const auto estimated = [](const auto& change) {
     Video video;
     change(video);
@@ -81,7 +81,7 @@ TEST(NetworkSchedule, WhatMovesOrIsNotSureDoesNotRest) {
   EXPECT_EQ(estimated([](Video& v) { v.params.adaptive = false; }), 16U);
 }
 
-TEST(NetworkSchedule, WithoutAnObjectOnlyItIsLookedForAndInEachPictureOnce) {
+TEST(NetworkSchedule, WithoutAnObjectOnlyDetectionRunsOncePerPicture) {
   Video video;
   video.known.found = video.known.placed = false;
   for (int k = 0; k < 3; ++k) {
@@ -134,7 +134,7 @@ TEST(NetworkSchedule, TheFirstViewsGoIntoTheLightAndThenOneInFour) {
   EXPECT_FALSE(video.next().lights) << "of what?";
 }
 
-TEST(NetworkSchedule, LampsThatChangeOverARestingObjectBeginAnotherLight) {
+TEST(NetworkSchedule, ChangedLampsOverAnUnchangedObjectBeginAnotherLight) {
   const CropChange::Difference same{.largest = 0.005F, .mean = 0.001F},
       lamps{.largest = 0.3F, .mean = 0.1F};
   Video video;
@@ -144,14 +144,14 @@ TEST(NetworkSchedule, LampsThatChangeOverARestingObjectBeginAnotherLight) {
   EXPECT_EQ(video.lit_anew(16), 0U);
   video.known.changed = lamps;
   EXPECT_EQ(video.lit_anew(100), NetworkSchedule::kFollow) << "they never rest: that is no light";
-  // Once it rests again, the next change counts.
+  // Once it is unchanged again, the next change counts.
   video.known.changed = same;
   EXPECT_EQ(video.lit_anew(16), 0U);
   video.known.changed = lamps;
   EXPECT_EQ(video.lit_anew(5), 5U);
   video.known.changed = same;
   EXPECT_EQ(video.lit_anew(16), 0U) << "its lamps rest: views are averaged";
-  // The same where they fade: little from one estimate to the next, and more since it rests.
+  // The same if they fade: little from one estimate to the next, more since the last change.
   video.known.relit = {.largest = 0.02F, .mean = 1.01F * NetworkSchedule::kRelit, .moved = 0};
   EXPECT_EQ(video.lit_anew(1), 1U);
   video.known.relit = same;  // since that light

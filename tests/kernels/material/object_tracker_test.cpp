@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where limematerial looks for its object.
+// Where limematerial searches for its object.
 #include "kernels/material/object/object_tracker.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(ObjectTracker, FindsAnObjectAndStaysWithIt) {
   }
 }
 
-TEST(ObjectTracker, TheSquareRestsWithTheObject) {
+TEST(ObjectTracker, TheSquareIsUnchangedWithTheObject) {
   ObjectTracker tracker({320, 240});
   for (int i = 0; i < 5; ++i)
     tracker.update(look(tracker.square(), 64, 160, 120, 40), 64, 1, Square(tracker.square()));
@@ -82,7 +82,7 @@ TEST(ObjectTracker, WhatIsSuddenlyElsewhereIsAnotherObject) {
   EXPECT_FALSE(see(108, 1e-3F)) << "gone is not elsewhere";
 }
 
-TEST(ObjectTracker, ACloserLookThatLosesTheObjectIsNotTaken) {
+TEST(ObjectTracker, ARefinementThatLosesTheObjectIsRejected) {
   // A poster: from afar it is one thing, from near the dots on it are.
   for (const float dot : {30.0F, 0.0F}) {
     ObjectTracker tracker({640, 480});
@@ -125,7 +125,7 @@ TEST(ObjectTracker, OtherObjectsAreForeign) {
     return points[static_cast<size_t>((y - square.y) / scale) * 64 +
                   static_cast<size_t>((x - square.x) / scale)];
   };
-  // In a look at another square, too.
+  // In an estimate on another square, too.
   for (const Square& square : {whole, Square{60, 20, 260}}) {
     const auto foreign = tracker.foreign(square, 64);
     ASSERT_EQ(foreign.size(), 64u * 64);
@@ -140,7 +140,7 @@ TEST(ObjectTracker, OtherObjectsAreForeign) {
   EXPECT_TRUE(tracker.foreign({60, 20, 260}, 64).empty());
 }
 
-TEST(ObjectTracker, AFailedCloserLookIsTriedAgainLater) {
+TEST(ObjectTracker, AFailedRefinementIsTriedAgainLater) {
   // How many looks are under way makes no difference.
   for (const size_t under_way : {1u, 3u}) {
     ObjectTracker tracker({640, 480});
@@ -161,7 +161,7 @@ TEST(ObjectTracker, AFailedCloserLookIsTriedAgainLater) {
   }
 }
 
-TEST(ObjectTracker, WhatAllowsACloserLookIsLookedAtMoreClosely) {
+TEST(ObjectTracker, APossibleRefinementIsMade) {
   ObjectTracker tracker({640, 480});
   for (int i = 0; i < 400; ++i) {
     const Square square = tracker.square();
@@ -173,7 +173,7 @@ TEST(ObjectTracker, WhatAllowsACloserLookIsLookedAtMoreClosely) {
   EXPECT_NEAR(tracker.square().size, 200 / .66F, 30);
 }
 
-TEST(ObjectTracker, LooksEverywhereAgainWhenItIsGone) {
+TEST(ObjectTracker, SearchesEverywhereAgainAfterALoss) {
   ObjectTracker tracker({640, 360});
   for (int i = 0; i < 4; ++i)
     tracker.update(look(tracker.square(), 32, 300, 200, 50), 32, 1, Square(tracker.square()));
@@ -199,7 +199,7 @@ TEST(ObjectTracker, AnObjectThatTheSquareCutsIsFollowedOutward) {
 
 TEST(ObjectTracker, WhatIsBeyondTheFrameIsNoObject) {
   ObjectTracker tracker({200, 100});
-  // The frame's border goes on in the square, and with it an object that touches it.
+  // The frame's border is extended in the square, and with it an object that touches it.
   for (int i = 0; i < 6; ++i)
     tracker.update(look(tracker.square(), 64, 100, 100, 60), 64, 1, Square(tracker.square()));
   EXPECT_LE(tracker.box().bottom, 100);

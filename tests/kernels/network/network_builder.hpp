@@ -9,7 +9,7 @@
 
 namespace inverse::testing {
 
-/// Puts graphs together, with random weights that keep values near 1 however deep the graph.
+/// Builds graphs with random weights that hold values near 1 however deep the graph.
 class NetworkBuilder {
  public:
   explicit NetworkBuilder(unsigned seed) : random_(seed) {}

@@ -80,7 +80,7 @@ TEST(NetworkFile, EveryChangedByteIsRefused) {
   }
 }
 
-// With a checksum that is right, so that the graph itself is looked at: no byte makes it crash,
+// With a correct checksum, so that the graph itself is parsed: no byte makes it crash,
 // hang or eat memory.
 TEST(NetworkFile, NoGraphOfRandomBytesIsTrusted) {
   const auto bytes = network::to_file(small_graph());

@@ -143,7 +143,7 @@ TEST_F(NetworkTest, ConcatenationsAgreeWithReferenceFusedAndAlone) {
     const uint32_t up = b.simple(Op::upsample, small);
     const uint32_t both = b.concat(up, large),
                    turned = b.concat(large, b.simple(Op::upsample, small));
-    b.output(both);  // which keeps it from being fused
+    b.output(both);  // which prevents fusion
     b.output(b.convolution(both, 5, 3));
     b.output(b.convolution(turned, 5, 3));
     b.output(b.convolution(b.concat(b.simple(Op::upsample, small), large), 7, 3));

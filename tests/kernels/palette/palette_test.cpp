@@ -73,7 +73,7 @@ TEST_F(PaletteTest, AgreesWithReferenceOverTime) {
   }
 }
 
-TEST_F(PaletteTest, ForgetsColorsThatAreGoneAsFastAsItIsTold) {
+TEST_F(PaletteTest, RemovesVanishedColorsAtTheGivenRate) {
   const Extent extent{64, 48};
   const Pixels both = blobs(extent, 2, 7, 0.001f);
   Pixels one = both;
@@ -101,9 +101,9 @@ TEST_F(PaletteTest, ForgetsColorsThatAreGoneAsFastAsItIsTold) {
       frames = t - 2;
     }
     // Some 1500 pixels of several bins fade to a thousandth of one.
-    const float most = fade < 1 ? std::log(1.5e6f) / -std::log(1 - fade) : 1;
-    EXPECT_LE(static_cast<float>(frames), most + 1) << fade;
-    EXPECT_GE(static_cast<float>(frames), 0.4f * most) << fade;
+    const float largest = fade < 1 ? std::log(1.5e6f) / -std::log(1 - fade) : 1;
+    EXPECT_LE(static_cast<float>(frames), largest + 1) << fade;
+    EXPECT_GE(static_cast<float>(frames), 0.4f * largest) << fade;
   }
 }
 

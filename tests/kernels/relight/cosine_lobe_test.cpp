@@ -239,7 +239,7 @@ TEST_F(CosineLobeTest, AllLightsTogetherGiveTheSubjectUnderAllLights) {
   const Pixels summed = download(sum.buffer), looked = download(table.buffer);
   for (size_t i = 0; i < pair.extent().pixels(); ++i) {
     const auto lobe = found(got.full, got.lobes, i);
-    if (lobe.direction[1] < -.6) continue;  // it looks at the floor, where lights are too few
+    if (lobe.direction[1] < -.6) continue;  // it faces the floor, where lights are too few
     for (size_t c = 0; c < 3; ++c) {
       ASSERT_NEAR(summed[4 * i + c], lobe.full[c], .15 * lobe.full[c] + 1e-5) << i;
       ASSERT_NEAR(looked[4 * i + c], lobe.full[c], 1e-3 * lobe.full[c] + 1e-5) << i;
@@ -276,7 +276,7 @@ TEST_F(CosineLobeTest, LightAddsUp) {
   }
 }
 
-TEST_F(CosineLobeTest, NothingSpreadsThatIsNoNumber) {
+TEST_F(CosineLobeTest, NonFiniteValuesDoNotSpread) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const std::array<float, 9> values{0, kNan, kInf, -kInf, -1, 1e-30F, 1, 65504, 1e38F};

@@ -182,7 +182,7 @@ TEST(SplitLight, IsAsSpecified) {
       }
 }
 
-TEST(SplitLight, LeavesAFewBrightLightsToTheNetwork) {
+TEST(SplitLight, GivesTheNetworkAFewBrightLights) {
   const auto lights = geodesic_directions(331);
   std::vector<Rgb> weights(331);
   weights[17] = {300, 200, 100};
@@ -298,7 +298,7 @@ TEST_F(RelightNetworkTest, WithoutANetworkThereIsAnErrorAndNoCrash) {
   });
 }
 
-TEST_F(RelightNetworkTest, FewLightsStayWithinTheErrorTheyPromise) {
+TEST_F(RelightNetworkTest, FewLightsStayWithinTheirPredictedError) {
   use_stage(geodesic_directions(331));
   const auto stage_of = std::make_shared<const RelightStage>(directions);
   const RelightModels models = random_models(23);

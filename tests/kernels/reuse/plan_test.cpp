@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is left out of a frame, and when that is looked at again, without a device.
+// What a frame skips, and when that is estimated again, without a device.
 #include "kernels/reuse/plan.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ struct Video {
 
 }  // namespace
 
-TEST(Plan, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
+TEST(Plan, AStaticVideoIsSolvedByTilesAndSometimesWhole) {
   Video video;
   EXPECT_EQ(video.next().mode, Mode::whole) << "there is no frame before";
   EXPECT_EQ(video.next().mode, Mode::whole) << "which held nothing";
@@ -71,7 +71,7 @@ TEST(Plan, ACalmVideoComesToBeWorkedOnByTilesAndAllOfThemAtTimes) {
   EXPECT_EQ(all, 4U);
 }
 
-TEST(Plan, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
+TEST(Plan, AChangeOfMostTilesIsSolvedWhole) {
   const auto mode = [](const auto& change) {
     Video video;
     EXPECT_EQ(video.after(8).mode, Mode::tiles);
@@ -99,7 +99,7 @@ TEST(Plan, WhatConcernsMostTilesIsWorkedOnAsAWhole) {
   EXPECT_EQ(mode([](Video& v) { v.policy.restart(); }), Mode::watched);
 }
 
-TEST(Plan, SkippedBinsAndAnchorAreMeasuredMoreOften) {
+TEST(Plan, SkippedBinsAndAnchorAreEstimatedMoreOften) {
   const auto looks = [](bool binds, float changed) {
     Video video;
     video.frame.changed = changed;
@@ -137,7 +137,7 @@ TEST(Plan, SkippedBinsAndAnchorAreMeasuredMoreOften) {
   EXPECT_TRUE(off.next().bins && off.next().compares_pixels) << "adaptive=false leaves nothing out";
 }
 
-TEST(Plan, EdgesAreComparedRarelyWhereMostAreDecidedAnewAnyway) {
+TEST(Plan, EdgesAreComparedRarelyIfMostAreRecomputed) {
   Video video;
   video.frame.changed = 1;
   video.found.plan.edges = Plan::Edges::compare;
@@ -238,7 +238,7 @@ TEST(Plan, RecordedFactsOfTheAdaptivityScenesLeadToTheRecordedPlans) {
   }
 }
 
-TEST(ResolutionPlan, HalfIsChosenBelowItsBoundAndLeftAboveIt) {
+TEST(ResolutionPlan, HalfIsChosenBelowItsBoundOnly) {
   // Distances that comparisons find, and what follows three frames later.
   struct Row {
     float distance;
@@ -260,7 +260,7 @@ TEST(ResolutionPlan, HalfIsChosenBelowItsBoundAndLeftAboveIt) {
     EXPECT_EQ(choice.halvings, row.half ? 1U : 0U) << row.distance;
     EXPECT_EQ(choice.crosses, row.half) << row.distance;
     EXPECT_EQ(choice.half_far, row.far) << row.distance;
-    // Nothing is chosen if it is asked for, or if nothing may be skipped.
+    // Nothing is chosen if it is set, or if nothing may be skipped.
     EXPECT_EQ(planner.next({true, 2, 0.06F}, found).halvings, 2U);
     EXPECT_EQ(planner.next({false, 0, 0.06F}, found).halvings, 0U);
     EXPECT_EQ(planner.next({true, 0, 0}, found).halvings, 0U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The scale of reflectance over a video: against its reference, and for what it promises.
+// The scale of reflectance over a video: against its reference, and its bounds.
 #include "kernels/solve/scale_normalization.hpp"
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using reference::ScaleCell;
 
-/// A plane that goes on in all directions: smooth paint and light, waves of 6 to 20 cells.
+/// A plane without borders: smooth paint and light, waves of 6 to 20 cells.
 ScaleCell world(double x, double y) {
   const double paint = 0.5 * std::sin(0.61 * x + 0.2 * y) + 0.4 * std::sin(0.83 * y - 0.31 * x + 1);
   const double light = 0.5 * std::sin(0.07 * x) + 0.3 * std::cos(0.09 * y);
@@ -51,15 +51,15 @@ class ScaleNormalizationTest : public GpuTest {
     std::vector<float> numbers;
     for (const ScaleCell& cell : cells)
       for (const double v : cell) numbers.push_back(static_cast<float>(v));
-    const float asked[] = {static_cast<float>(wanted.offset), wanted.dark ? 0.0F : 1.0F, 0, 0};
+    const float values[] = {static_cast<float>(wanted.offset), wanted.dark ? 0.0F : 1.0F, 0, 0};
     const float decision[] = {0, carries ? 1.0F : 0.0F, 0, 0};
     const auto uploaded = upload(gpu::Element::vec4, numbers.data(), cells.size());
-    const auto asked_for = upload(gpu::Element::vec4, asked, 1);
+    const auto requested = upload(gpu::Element::vec4, values, 1);
     const auto decided = upload(gpu::Element::vec4, decision, 1);
     run([&](gpu::Commands& commands) {
       commands.copy(uploaded, scale.cells(), uploaded->bytes());
       scale.record(commands,
-                   {asked_for, decided, ScaleNormalization::History::decided, white_level, frozen});
+                   {requested, decided, ScaleNormalization::History::decided, white_level, frozen});
     });
     return download(scale.value())[0];
   }
@@ -134,13 +134,13 @@ TEST_F(ScaleNormalizationTest, ACutAndALostViewGetTheScaleThatTheyAskFor) {
   EXPECT_FLOAT_EQ(at(0, -0.5, false), -0.5F);
   EXPECT_NEAR(at(0, -1.5, true), -0.5F, 1e-3F);
   EXPECT_FLOAT_EQ(at(900, -1.5, false), -1.5F) << "a cut";
-  // Nothing is found again and nobody calls it a cut: a tenth of the way a frame.
+  // Nothing is found again and no cut is reported: a tenth of the way a frame.
   const float before = at(900, -1.5, true);
   EXPECT_NEAR(at(9000.3, -0.5, true), before + 0.1F * (-0.5F - before), 1e-3F);
 }
 
 TEST_F(ScaleNormalizationTest, ASceneThatLightsUpGetsItsScale) {
-  // Of a dark first frame little is known; what it asked for must not stay for good.
+  // A dark first frame gives a bad scale; it must not stay for good.
   const Extent extent{120, 67};
   ScaleNormalization scale(device, extent);
   float last = 0;

@@ -6,7 +6,7 @@
 
 namespace inverse::testing {
 
-TEST_F(GlobalThesisTest, FindsTheBaseColorsAndLeavesOutWhatIsGray) {
+TEST_F(GlobalThesisTest, FindsTheBaseColorsAndIgnoresGray) {
   const Extent extent{96, 72};
   GlobalThesis method(device, extent);
   const auto decompose = [&](const Pixels& pixels, Layers& output) {
@@ -141,7 +141,7 @@ TEST_F(GlobalThesisTest, RefinementAgreesWithReference) {
   }
 }
 
-TEST_F(GlobalThesisTest, RefinementHoldsUpNoFrameAndEnds) {
+TEST_F(GlobalThesisTest, RefinementBlocksNoFrameAndEnds) {
   const Extent extent{64, 48};
   GlobalThesis method(device, extent);
   GlobalThesisParams params;
@@ -282,7 +282,7 @@ TEST_F(GlobalThesisTest, ResetForgetsThePast) {
 }
 
 TEST_F(GlobalThesisTest, FindingColorsIsNoFrame) {
-  // Three frames are in flight when the scene begins anew.
+  // Three frames are in flight at the cut.
   const Extent extent{32, 24};
   GlobalThesis method(device, extent);
   const Plane frame = plane(extent, room(extent, 1));
@@ -302,7 +302,7 @@ TEST_F(GlobalThesisTest, FindingColorsIsNoFrame) {
   }
 }
 
-TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
+TEST_F(GlobalThesisTest, ACutDiscardsTheSceneAndBlocksNoFrame) {
   const Extent extent{64, 48};
   constexpr size_t kCut = 12;
   for (const float fraction : {0.2f, 0.0f}) {
@@ -374,7 +374,7 @@ TEST_F(GlobalThesisTest, ACutForgetsTheSceneAndHoldsUpNoFrame) {
   }
 }
 
-TEST_F(GlobalThesisTest, ACutKeepsTheColorsThatWereGiven) {
+TEST_F(GlobalThesisTest, ACutPreservesTheGivenColors) {
   const Extent extent{32, 24};
   GlobalThesis method(device, extent);
   method.set_base_colors(kRoom);
@@ -399,7 +399,7 @@ TEST_F(GlobalThesisTest, ACutKeepsTheColorsThatWereGiven) {
   EXPECT_EQ(method.scene_since(), 0u);
 }
 
-TEST(BaseColors, RefinementKeepsWhatWouldNotBeFinite) {
+TEST(BaseColors, RefinementRejectsNonFiniteValues) {
   BaseColors colors;
   colors.set(kRoom);
   const auto before = colors.layer_colors();

@@ -82,7 +82,7 @@ TEST_F(GlobalThesisTest, StepsAreShortenedAsInTheReference) {
   }
 }
 
-TEST_F(GlobalThesisTest, AStepThatIsNotTakenLeavesNothing) {
+TEST_F(GlobalThesisTest, ARejectedStepChangesNothing) {
   const float infinite = std::numeric_limits<float>::infinity(),
               nan = std::numeric_limits<float>::quiet_NaN();
   const Extent extent{70, 3};
@@ -156,24 +156,24 @@ TEST_F(GlobalThesisTest, SamplesRaiseTheRestOfTheEnergyByLittleInAll) {
   EXPECT_GT(highest, 1.01) << "the samples do not pull at all";
 }
 
-TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreLeftOut) {
+TEST_F(GlobalThesisTest, LayersThatTheDeviceCannotBindAreOmitted) {
   EXPECT_EQ(GlobalThesis::most_layers(*device, {64, 48}), static_cast<int>(kMaxBases));
   // The first of these sizes that does not take all.
   Extent extent{640, 480};
   while (GlobalThesis::most_layers(*device, extent) == static_cast<int>(kMaxBases) &&
          extent.pixels() < 8'000'000)
     extent.width += 640;
-  const int most = GlobalThesis::most_layers(*device, extent);
-  if (most == static_cast<int>(kMaxBases)) GTEST_SKIP() << "the device binds all of them";
-  EXPECT_EQ(most, 12) << extent.width;
+  const int largest = GlobalThesis::most_layers(*device, extent);
+  if (largest == static_cast<int>(kMaxBases)) GTEST_SKIP() << "the device binds all of them";
+  EXPECT_EQ(largest, 12) << extent.width;
   GlobalThesis method(device, extent);
   GlobalThesisParams params;
   params.clusters = 16;
   method.set_params(params);
-  EXPECT_EQ(method.params().clusters, most);
-  EXPECT_NO_THROW(method.set_base_colors(random_colors(static_cast<size_t>(most), 1)));
+  EXPECT_EQ(method.params().clusters, largest);
+  EXPECT_NO_THROW(method.set_base_colors(random_colors(static_cast<size_t>(largest), 1)));
   try {
-    method.set_base_colors(random_colors(static_cast<size_t>(most) + 1, 1));
+    method.set_base_colors(random_colors(static_cast<size_t>(largest) + 1, 1));
     FAIL() << "refused only when a frame needs it";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::limit);

@@ -109,7 +109,7 @@ TEST_F(GlobalThesisTest, EveryParameterReachesTheSolution) {
   printf("  log_floor changes the solution by %.2e\n", change);
 }
 
-// Base colors that cannot be told apart or give no light, and pictures with nothing to find.
+// Indistinguishable base colors or such without light, and pictures with nothing to find.
 TEST_F(GlobalThesisTest, DegenerateScenesAgreeWithReference) {
   const Extent extent{37, 21};
   const std::vector<std::vector<Rgb>> palettes = {

@@ -210,7 +210,7 @@ TEST_F(MarkedRegionsTest, AClickTakesOverWhateverTheNumbers) {
   EXPECT_EQ(lost[1].loss, MarkedRegions::Loss::taken_over);
 }
 
-TEST_F(MarkedRegionsTest, TellsWhyARegionWent) {
+TEST_F(MarkedRegionsTest, ReportsWhyARegionWasRemoved) {
   using Loss = MarkedRegions::Loss;
   const Extent extent{40, 20};
   const std::vector<int> none(extent.pixels(), -1), red(extent.pixels(), 0),
@@ -263,7 +263,7 @@ class MisclusteringTest : public GlobalThesisTest {
   GlobalThesisParams params;
 };
 
-TEST_F(MisclusteringTest, RegionsOverruleClustersAndTheScoreTellsWhichColorIsSparsest) {
+TEST_F(MisclusteringTest, RegionsOverrideClustersAndTheScoreFindsTheSparsestColor) {
   const Extent extent = kExtent;
   const Plane frame = plane(extent, pixels);
   std::vector<float> scores;
@@ -353,7 +353,7 @@ TEST_F(MisclusteringTest, TheCorrectionFindsTheColorInTheBackground) {
   EXPECT_EQ(results[0], results[1]);  // frames are what they are without it
 }
 
-TEST_F(MisclusteringTest, TheCorrectionLeavesWhatIsGone) {
+TEST_F(MisclusteringTest, TheCorrectionIgnoresVanishedRegions) {
   GlobalThesis method(device, kExtent);
   method.set_params(params);
   method.set_base_colors(kRoom);

@@ -55,15 +55,15 @@ SurveyResult search(const Pixels& pixels, int region = 0, int given = -1, const 
   for (size_t n = 0; n < kExtent.pixels(); ++n) {
     std::copy_n(&pixels[4 * n], 3, &survey[4 * n]);
     const float mean = (survey[4 * n] + survey[4 * n + 1] + survey[4 * n + 2]) / 3 + 3e-3F;
-    float least = 3.4e38F;
+    float smallest = 3.4e38F;
     for (const auto& color : colors.colors()) {
       float d2 = 0;
       for (size_t c = 0; c < 3; ++c) {
         const float d = std::log((survey[4 * n + c] + 3e-3F) / mean) - color.center[c];
         d2 += d * d;
       }
-      if (d2 >= least) continue;
-      least = d2;
+      if (d2 >= smallest) continue;
+      smallest = d2;
       survey[4 * n + 3] = static_cast<float>(color.slot + 1);
     }
     if (in_shade(stage, n)) survey[4 * n + 3] += static_cast<float>(Survey::kClusterCodes * region);
@@ -74,7 +74,7 @@ SurveyResult search(const Pixels& pixels, int region = 0, int given = -1, const 
   return find_misclustered(of);
 }
 
-TEST(FindMisclustered, FindsTheShadeThatLooksLikeTheWall) {
+TEST(FindMisclustered, FindsShadeOfTheWallsColor) {
   for (const float noise : {0.0F, 0.05F}) {
     const SurveyResult result = search(stage_pixels({.noise = noise}));
     ASSERT_EQ(result.found.size(), 1U) << noise;
@@ -92,7 +92,7 @@ TEST(FindMisclustered, FindsTheShadeThatLooksLikeTheWall) {
   }
 }
 
-TEST(FindMisclustered, LeavesPaintAndWhatNothingAroundExplains) {
+TEST(FindMisclustered, IgnoresPaintAndUnexplainedRegions) {
   EXPECT_TRUE(search(stage_pixels({.shade = false})).found.empty());
   EXPECT_TRUE(search(stage_pixels({.painted = true})).found.empty());
   // The same shade without any red around it: it can only be paint.
@@ -103,7 +103,7 @@ TEST(FindMisclustered, LeavesPaintAndWhatNothingAroundExplains) {
   EXPECT_TRUE(search(alone).found.empty());
 }
 
-TEST(FindMisclustered, TellsInWhichMarkedRegionItIs) {
+TEST(FindMisclustered, ReportsTheMarkedRegionOfAPixel) {
   const SurveyResult result = search(stage_pixels({}), 3, kGray);
   ASSERT_EQ(result.found.size(), 1U);
   EXPECT_EQ(result.found[0].region, 3);
@@ -223,11 +223,11 @@ TEST_F(RegionProposalsTest, MarksAndGivesTheColor) {
   EXPECT_TRUE(regions->regions().empty());
 }
 
-TEST_F(RegionProposalsTest, WhatDoesNotLookMisclusteredAnyMoreIsWithdrawn) {
+TEST_F(RegionProposalsTest, OutdatedProposalsAreWithdrawn) {
   play(stage_pixels({}), Mode::correct, 30);
   ASSERT_EQ(regions->regions().size(), 1U);
   regions->take_lost();
-  // The light goes on, and it turns out to be paint.
+  // The light is turned on, and it turns out to be paint.
   play(stage_pixels({.painted = true}), Mode::correct, 60);
   EXPECT_TRUE(regions->regions().empty());
   const auto lost = regions->take_lost();
@@ -235,7 +235,7 @@ TEST_F(RegionProposalsTest, WhatDoesNotLookMisclusteredAnyMoreIsWithdrawn) {
   EXPECT_EQ(lost[0].loss, MarkedRegions::Loss::withdrawn);
 }
 
-TEST_F(RegionProposalsTest, TakesANoForAnAnswer) {
+TEST_F(RegionProposalsTest, RejectedProposalsAreNotRepeated) {
   ASSERT_EQ(play(stage_pixels({}), Mode::correct, 30).size(), 1U);
   proposals->refuse(1);
   EXPECT_TRUE(regions->remove(1));
@@ -247,7 +247,7 @@ TEST_F(RegionProposalsTest, TakesANoForAnAnswer) {
 }
 
 TEST_F(RegionProposalsTest, ClicksComeFirst) {
-  // Somebody clicked there already.
+  // There is a click already.
   ASSERT_EQ(regions->click(40, 30), 1);
   EXPECT_TRUE(play(stage_pixels({}), Mode::correct, 30).empty());
   regions->reset();
@@ -298,7 +298,7 @@ TEST_F(RegionProposalsTest, AProposalTakesNoClickOver) {
     regions->reset();
     regions->take_lost();
   }
-  // What is proposed already goes on only where no click was.
+  // Earlier proposals stay only where no click was.
   const int proposal = regions->propose(42, 35, kRed, kGray);
   play(pixels, Mode::off, 2);
   const int click = regions->click(40, 30);
@@ -321,7 +321,7 @@ TEST_F(RegionProposalsTest, OffStopsWhatIsUnderWay) {
   }
 }
 
-TEST_F(RegionProposalsTest, WhatWasProposedGoesWithTheMode) {
+TEST_F(RegionProposalsTest, ProposalsEndWithTheMode) {
   const Pixels pixels = stage_pixels({});
   for (const Mode mode : {Mode::off, Mode::report}) {
     ASSERT_EQ(play(pixels, Mode::correct, 30).size(), 1U);
@@ -342,7 +342,7 @@ TEST_F(RegionProposalsTest, WhatWasProposedGoesWithTheMode) {
   EXPECT_EQ(regions->regions().size(), 1U);
 }
 
-TEST_F(RegionProposalsTest, WithoutRoomForMoreNothingIsTold) {
+TEST_F(RegionProposalsTest, WithoutRoomForMoreNothingIsProposed) {
   proposals.emplace(device, kExtent, 0);
   for (const Mode mode : {Mode::report, Mode::correct}) {
     EXPECT_TRUE(play(stage_pixels({}), mode, 40).empty());

@@ -66,7 +66,7 @@ class WarmUp : public OnANewDevice<GlobalThesisTest> {
   }
 };
 
-TEST_F(WarmUp, LeavesNothingToBeBuiltInMidStream) {
+TEST_F(WarmUp, BuildsEveryKernelBeforeTheStream) {
   GlobalThesis method(device, kExtent);
   GlobalThesisParams params;
   params.steps = params.pcg_iterations = 2;
@@ -79,7 +79,7 @@ TEST_F(WarmUp, LeavesNothingToBeBuiltInMidStream) {
   EXPECT_EQ(device->kernels_used(), warm);
 }
 
-TEST_F(WarmUp, IsWhatSparesTheStreamIt) {
+TEST_F(WarmUp, WithoutItTheStreamBuildsKernels) {
   GlobalThesis method(device, kExtent);
   GlobalThesisParams params;
   params.steps = params.pcg_iterations = 2;

@@ -215,7 +215,7 @@ TEST_F(VirtualStageTest, SumsAreRightInAnySplitOfBuffers) {
   for (const float x : sum(stack, std::vector<LightColor>(50))) EXPECT_TRUE(x == 0 || x == 1);
 }
 
-TEST_F(VirtualStageTest, SumsAreKeptAndNotMixedUp) {
+TEST_F(VirtualStageTest, SumsArePerLight) {
   const Extent extent{20, 20};
   OlatStack stack = random_stack(extent, 20, 1);
   std::vector<std::vector<LightColor>> all;
@@ -314,18 +314,18 @@ TEST_F(VirtualStageTest, NoiseHasTheSizeItSays) {
 TEST(CameraSchedule, RatesAreWhatTheySay) {
   const CameraFaults faults{.02F, .01F, .05F, .3F, 6};
   int dropped = 0, duplicated = 0, late = 0;
-  double least = 0, most = 0;
+  double smallest = 0, most = 0;
   for (uint64_t i = 0; i < 100000; ++i) {
     const FrameFate fate = fate_of(i, faults);
     dropped += fate.dropped, duplicated += fate.duplicated;
     late += fate.shift > .31;
-    least = std::min(least, fate.shift);
+    smallest = std::min(smallest, fate.shift);
     most = std::max(most, fate.shift);
   }
   EXPECT_NEAR(dropped, 2000, 150);
   EXPECT_NEAR(duplicated, 1000, 110);
   EXPECT_NEAR(late, 4700, 400);  // some of these were early otherwise
-  EXPECT_NEAR(least, -.3, 1e-3);
+  EXPECT_NEAR(smallest, -.3, 1e-3);
   EXPECT_NEAR(most, 1.3, 3e-2);
   for (uint64_t i = 0; i < 1000; ++i) {
     const FrameFate none = fate_of(i, {}), all = fate_of(i, {1, 1, 0, 0, 0});

@@ -38,12 +38,12 @@ std::vector<double> selected_shares(const std::vector<Base>& bases, const std::v
   for (size_t n = 0; n < model.size(); ++n) {
     const Rgba p = finite(model[n]);
     const Rgb r{p[0], p[1], p[2]};
-    double least = 1e300;
+    double smallest = 1e300;
     size_t nearest = bases.size();
     for (size_t k = 0; k < bases.size(); ++k) {
       const double distance = chroma_distance(r, bases[k].color);
-      if (!bases[k].exists || distance >= least) continue;
-      least = distance;
+      if (!bases[k].exists || distance >= smallest) continue;
+      smallest = distance;
       nearest = k;
     }
     if (nearest == bases.size()) continue;

@@ -19,10 +19,10 @@ Moments moments(const AmountCost& cost, double trust, const AmountParams& params
     const double off = std::log(candidate(i) / params.typical) / params.spread;
     energy[std::size_t(i)] = trust * cost[std::size_t(i)] + 0.5 * off * off;
   }
-  const double least = *std::min_element(energy.begin(), energy.end());
+  const double smallest = *std::min_element(energy.begin(), energy.end());
   double all = 0, first = 0, second = 0;
   for (int i = 0; i < kCandidates; ++i) {
-    const double p = std::exp(least - energy[std::size_t(i)]), k = std::log(candidate(i));
+    const double p = std::exp(smallest - energy[std::size_t(i)]), k = std::log(candidate(i));
     all += p, first += p * k, second += p * k * k;
   }
   const double mean = first / all;

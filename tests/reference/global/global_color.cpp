@@ -54,9 +54,9 @@ Chroma tint_of(double shading, const Vec3& indirect) {
   return chroma_of({s.direct + s.indirect[0], s.direct + s.indirect[1], s.direct + s.indirect[2]});
 }
 
-int grid_factor(int width, int height, int most) {
+int grid_factor(int width, int height, int largest) {
   int factor = 1;
-  while ((std::max(width, height) + factor - 1) / factor > most) factor *= 2;
+  while ((std::max(width, height) + factor - 1) / factor > largest) factor *= 2;
   return factor;
 }
 

@@ -109,7 +109,7 @@ TEST(GlobalIntrinsic, KeepsSlotsAndAmountOverTime) {
   }
 }
 
-TEST(GlobalIntrinsic, StartsAnewAtACut) {
+TEST(GlobalIntrinsic, RestartsAtACut) {
   const Made made = make_frame(0.7);
   std::vector<double> other = made.image;  // channels exchanged: nothing is the color that it was
   for (std::size_t i = 0; i < other.size(); i += 3) std::swap(other[i], other[i + 2]);

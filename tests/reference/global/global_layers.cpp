@@ -12,8 +12,8 @@ constexpr double kTiny = 1e-6;
 
 Vec3 base_color(const Chroma& chroma) {
   Vec3 b = color_of(chroma);
-  const double most = *std::max_element(b.begin(), b.end());
-  for (double& v : b) v /= most;
+  const double largest = *std::max_element(b.begin(), b.end());
+  for (double& v : b) v /= largest;
   return b;
 }
 

@@ -66,16 +66,16 @@ namespace {
 
 /// The edge between two aggregates: the sum `crossing` of the edges that cross their border, in
 /// series with half of what holds either together along the same direction, `before` and `after`.
-/// At least the share `least` of the sum. A single pixel needs nothing to hold it together.
-double in_series(double crossing, double before, double after, bool single, double least) {
+/// At least the share `smallest` of the sum. A single pixel needs nothing to hold it together.
+double in_series(double crossing, double before, double after, bool single, double smallest) {
   if (crossing <= 0) return 0;
   const double resistance = 1 / before + (single ? 0 : 1 / after);
-  return crossing * std::max(least, 1 / (1 + 0.5 * crossing * resistance));
+  return crossing * std::max(smallest, 1 / (1 + 0.5 * crossing * resistance));
 }
 
 }  // namespace
 
-Level coarsen(const Level& fine, double least) {
+Level coarsen(const Level& fine, double smallest) {
   Level c((fine.width + 1) / 2, (fine.height + 1) / 2);
   Level inside(c.width, c.height);
   for (int y = 0; y < fine.height; ++y)
@@ -90,11 +90,11 @@ Level coarsen(const Level& fine, double least) {
       const std::size_t at = c.at(x, y);
       if (x + 1 < c.width)
         c.right[at] = in_series(c.right[at], inside.right[at], inside.right[at + 1],
-                                2 * x + 3 == fine.width, least);
+                                2 * x + 3 == fine.width, smallest);
       const auto below = at + static_cast<std::size_t>(c.width);
       if (y + 1 < c.height)
         c.down[at] = in_series(c.down[at], inside.down[at], inside.down[below],
-                               2 * y + 3 == fine.height, least);
+                               2 * y + 3 == fine.height, smallest);
     }
   return c;
 }

@@ -117,9 +117,9 @@ Measured measured_light(const std::vector<Lamp>& lamps) {
         }
       for (std::size_t k = 0; k < 4; ++k) plane[k] = rows[k][4] / rows[k][k];
     }
-    double most = 0;
-    for (const double p : plane) most = std::max(most, std::abs(p));
-    if (most < 1e-2 * mean) continue;
+    double largest = 0;
+    for (const double p : plane) largest = std::max(largest, std::abs(p));
+    if (largest < 1e-2 * mean) continue;
     result.even[c] = plane[0];
     for (std::size_t k = 0; k < 3; ++k) result.along[k][c] = (k == c ? 1 : 0.7) * plane[k + 1];
   }

@@ -45,7 +45,7 @@ struct ThesisParams {
 /// NaN and −∞ become 0, +∞ becomes 1; the rest is clamped to 0 … 65504.
 double finite_light(double value);
 
-/// What a pyramid level knows before anything is solved on it.
+/// What a pyramid level holds before anything is solved on it.
 struct ThesisLevel {
   Plane image;         ///< linear light I, sanitized
   Plane log_image;     ///< i = ln max(I, log_floor); w: ω_iw (3.6)

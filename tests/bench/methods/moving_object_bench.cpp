@@ -3,7 +3,7 @@
 // layers from those of adaptive=false. The object crosses the image, then keeps moving in a corner,
 // so that its former tiles have time to converge.
 //
-//   trail-bench [--frames N] [--cross N] [--every N] [--setting NAME=VALUE …] FILE…
+//   moving-object-bench [--frames N] [--cross N] [--every N] [--setting NAME=VALUE …] FILE…
 //
 // The files are scenes of ./dev bench (build-bench/tests/bench/scenes; import-scenes) or, named
 // .dump, frames without truth (frames.hpp); the first frame of each is the static image. Both
@@ -160,7 +160,8 @@ void run(int argc, char** argv) {
   }
   if (files.empty())
     throw std::runtime_error(
-        "usage: trail-bench [--frames N] [--cross N] [--every N] [--setting NAME=VALUE …] FILE…");
+        "usage: moving-object-bench [--frames N] [--cross N] [--every N] [--setting NAME=VALUE …] "
+        "FILE…");
   DeviceSession session("");
   for (const auto& file : files) {
     const Image still = first_frame(file);
@@ -199,6 +200,6 @@ int main(int argc, char** argv) try {
   inverse::bench::run(argc, argv);
   return 0;
 } catch (const std::exception& error) {
-  std::fprintf(stderr, "trail-bench: %s\n", error.what());
+  std::fprintf(stderr, "moving-object-bench: %s\n", error.what());
   return 1;
 }

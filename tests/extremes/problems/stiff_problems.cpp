@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The ladder of stiff systems. Strokes (Eq. 4.7: a weight on a pixel's diagonal, weight · target on
-// its right-hand side) are not a feature yet: a pull of one pixel towards a constant, which is the
-// same system, stands in for them in intrinsicdecompthesis, and the anchor of one cell in
-// intrinsicdecomp.
+// Stiff systems of increasing condition. Strokes (Eq. 4.7: a weight on a pixel's diagonal, weight ·
+// target on its right-hand side) are not a feature yet: a pull of one pixel towards a constant,
+// which is the same system, stands in for them in intrinsicdecompthesis, and the anchor of one cell
+// in intrinsicdecomp.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -162,7 +162,7 @@ Problem grid_problem(const std::string& name, const GridSystem& system) {
           static_cast<int>(kCycles)};
 }
 
-/// Edges 10^low … 10^high, uniform in the logarithm; every cell held by `screen`.
+/// Edges 10^low … 10^high, uniform in the logarithm; every cell screened by `screen`.
 GridSystem random_grid(unsigned seed, double low, double high, float screen) {
   GridSystem system(kGrid);
   std::mt19937 random(seed);
@@ -229,7 +229,7 @@ const char* name_of(Solver solver) {
   return "";
 }
 
-std::vector<Problem> ladder() {
+std::vector<Problem> stiff_problems() {
   std::vector<Problem> problems;
   add_grids(problems);
   add_thesis(problems, Solver::pcg);

@@ -10,20 +10,20 @@
 
 namespace inverse::bench {
 
-/// The levels of `ladder`, for stills (curve "ladder") and for videos ("video ladder"), including
+/// The levels of `table`, for stills (curve "quality") and for videos ("video quality"), including
 /// the named qualities. `make(params)` returns a Setting's solvers. Other levels are measured with
 /// `others`, in videos with --full and on the project's own scenes only. Params: ScaledIntrinsic's,
 /// and those of the method.
 template <typename Params, typename MakeOf>
-std::vector<Setting> level_settings(const QualityLevels<Params>& ladder, const MakeOf& make,
-                                    Setting::Effort others) {
+std::vector<Setting> quality_level_settings(const QualityLevels<Params>& table, const MakeOf& make,
+                                            Setting::Effort others) {
   std::vector<Setting> all;
-  for (std::size_t k = 0; k < ladder.levels.size(); ++k) {
+  for (std::size_t k = 0; k < table.levels.size(); ++k) {
     Params params;
-    ladder.levels[k].set(params);
-    Setting s{.curve = "ladder", .order = double(k), .make = make(params)};
+    table.levels[k].set(params);
+    Setting s{.curve = "quality", .order = double(k), .make = make(params)};
     for (const auto& [quality, name] : kQualities)
-      if (ladder.top(quality) == k) s.preset = name;
+      if (table.top(quality) == k) s.preset = name;
     s.parameters = {{"half-resolution", params.half_resolution ? "true" : "false"},
                     {"quarter-resolution", params.quarter_resolution ? "true" : "false"},
                     {"cycles", std::to_string(params.cycles)},
@@ -34,16 +34,16 @@ std::vector<Setting> level_settings(const QualityLevels<Params>& ladder, const M
     const std::string half = params.halvings() == 0   ? ""
                              : params.halvings() == 1 ? "half, "
                                                       : "quarter, ";
-    s.base = k == ladder.top(Quality::medium);
+    s.base = k == table.top(Quality::medium);
     s.name = half + std::to_string(params.cycles);
     // Levels that differ only in temporal settings are equal for stills.
-    const bool again = k + 1 < ladder.levels.size() && [&] {
+    const bool again = k + 1 < table.levels.size() && [&] {
       Params next;
-      ladder.levels[k + 1].set(next);
+      table.levels[k + 1].set(next);
       return next.halvings() == params.halvings() && next.cycles == params.cycles;
     }();
     if (!again) all.push_back(s);
-    s.curve = "video ladder", s.stills = false, s.video = true, s.base = false;
+    s.curve = "video quality", s.stills = false, s.video = true, s.base = false;
     if (s.preset.empty()) s.effort = Setting::Effort::full, s.sets = {"own"};
     s.name =
         half + std::to_string(params.warm_cycles) + ", " + text_of(double(params.edge_tolerance));
