@@ -72,7 +72,7 @@ class RepeatedFrames : public ::testing::TestWithParam<const char*> {
       const auto shown = harness.process(picture);
       if (Stats(harness, GetParam()).flag("reused")) return shown;
     }
-    ADD_FAILURE() << "never kept";
+    ADD_FAILURE() << "never reused";
     return {};
   }
   bool kept(VideoHarness& harness) { return Stats(harness, GetParam()).flag("reused"); }

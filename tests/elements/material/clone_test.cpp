@@ -362,7 +362,7 @@ TEST_F(CloneTest, ASecondRunIsAsTheFirst) {
     EXPECT_TRUE(run.eos) << run.first_error();
     ASSERT_EQ(run.frames.size(), 4u);
     EXPECT_EQ(run.frames, runs[0].frames);
-    EXPECT_EQ(run.warnings.size(), 1u) << "no material comes, which is told at each start";
+    EXPECT_EQ(run.warnings.size(), 1u) << "without a material each start warns";
   }
   EXPECT_NE(runs[0].frames[0], runs[0].frames[3]);
 }

@@ -94,7 +94,7 @@ TEST_F(LimeLight, NormalMapsThatHelpLittleGetAWarning) {
   const std::vector<uint8_t> left_alone{128, 218, 218, 0, 0, 0};
   EXPECT_TRUE(warnings_of(left_alone, 14).empty());
   const auto beside = warnings_of(left_alone, 84);
-  ASSERT_EQ(beside.size(), 1U) << "told once";
+  ASSERT_EQ(beside.size(), 1U) << "reported once";
   EXPECT_NE(beside.front().find("normals.png has no normals where the object is"),
             std::string::npos)
       << beside.front();
@@ -191,7 +191,7 @@ TEST_F(LimeLight, AFileThatCannotBeWrittenIsAnErrorAtTheStartAndAWarningAtTheEnd
   const auto unknown = run_line("videotestsrc num-buffers=3 pattern=black ! " +
                                 line("environment-location=" + file) + " ! fakesink");
   EXPECT_TRUE(unknown.eos);
-  ASSERT_EQ(unknown.warnings.size(), 1u) << "told once";
+  ASSERT_EQ(unknown.warnings.size(), 1u) << "reported once";
   EXPECT_NE(unknown.warnings.front().find("there is no light yet"), std::string::npos);
   EXPECT_EQ(unknown.warnings.front().find("light=true"), std::string::npos)
       << "environment-location asks for the light itself";

@@ -49,7 +49,7 @@ TEST_F(LimeElementTest, ReportsTheMaterialInPropertiesStatsAndMeta) {
   gst_buffer_unref(copy);
   EXPECT_FALSE(freed);
   g_bytes_unref(light);
-  EXPECT_TRUE(freed) << "no buffer kept it";
+  EXPECT_TRUE(freed) << "no buffer references it";
 }
 
 TEST_F(LimeElementTest, SaysWhenAnObjectComesAndGoes) {
@@ -117,7 +117,7 @@ TEST_F(LimeElementTest, EveryShowHasAPicture) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(half[c], whole[c], 2) << quarters[i];
   }
   EXPECT_GT(std::abs(pixel("specular", 60, 30)[0] - pixel("mirror", 60, 30)[0]), 4)
-      << "or it tells nothing";
+      << "or it shows nothing";
 }
 
 TEST_F(LimeElementTest, SkipsWorkForAnUnchangedObject) {

@@ -151,7 +151,7 @@ TEST_F(MaterialLayers, SplitSendsThem) {
                             return text.find("no direct") != std::string::npos;
                           }),
             1)
-      << "told once";
+      << "reported once";
   const auto other =
       run_line(source + "intrinsicdecomp ! intrinsicsplit name=s s.mirror ! fakesink")
           .first_error();

@@ -371,7 +371,7 @@ TEST_F(RelightTest, GrayGradientsAreAWarning) {
       "videotestsrc num-buffers=3 ! video/x-raw,format=GRAY8,width=64,height=32 ! olatrelight ! "
       "fakesink");
   EXPECT_TRUE(result.eos) << result.first_error();
-  ASSERT_EQ(result.warnings.size(), 1u) << "told once";
+  ASSERT_EQ(result.warnings.size(), 1u) << "reported once";
   EXPECT_NE(result.warnings[0].find("gray video"), std::string::npos) << result.warnings[0];
   // As layers they no longer report it.
   const auto pairs = run_line(
