@@ -50,9 +50,9 @@ std::vector<Setting> settings(const std::string& element, bool parts) {
   std::vector<Setting> all{{"off", element + " adaptive=false"}, {"on", element}};
   if (!parts) return all;
   const std::pair<const char*, const char*> named[] = {
-      {"whole frames", "repeat-tolerance"},          {"tiles", "tile-tolerance"},
-      {"edges of tiles", "edge-tolerance"},       {"cycles", "cycle-tolerance"},
-      {"comparing chroma", "chroma-tolerance"},    {"comparing pixels", "gate-tolerance"},
+      {"whole frames", "repeat-tolerance"},     {"tiles", "tile-tolerance"},
+      {"edges of tiles", "edge-tolerance"},     {"cycles", "cycle-tolerance"},
+      {"comparing chroma", "chroma-tolerance"}, {"comparing pixels", "gate-tolerance"},
       {"half resolution", "half-tolerance"}};
   for (const auto& [name, kept] : named) {
     std::string others;
