@@ -5,8 +5,8 @@
 #include "image/pack4.glsl"
 
 // Flags the tiles whose edges have to be evaluated again: those with a cell of guide level 1, in the tile or up to two cells around
-// it, that differs by more than the tolerance from the saved one; all tiles if the frame's statistics differ so, or if no edges
-// are evaluated yet (all = 1). One tile an invocation.
+// it, that differs by more than the tolerance from the saved one; all tiles if the frame's statistics differ so (its mean by four
+// times the tolerance), or if no edges are evaluated yet (all = 1). One tile an invocation.
 PLANE_IN(0, level1);
 PLANE_IN(1, kept);
 PLANE_IN(2, statistics);
@@ -23,15 +23,16 @@ const int kTileCells = 8;  // along a tile
 void main() {
   uvec2 tiles = (push.size + uint(kTileCells) - 1u) / uint(kTileCells), tile = grid_position(tiles.x);
   if (tile.y >= tiles.y) return;
-  vec4 worst = abs(FETCH(statistics, 1) - FETCH(kept_statistics, 1));
-  worst = max(worst, abs(FETCH(statistics, 0) - FETCH(kept_statistics, 0))) * 0.25;
+  // The mean may differ by four times the tolerance. Comparisons are false for NaN.
+  vec4 tolerance = vec4(push.tolerance);
+  bool same = abs(FETCH(statistics, 0).x - FETCH(kept_statistics, 0).x) <= 4.0 * push.tolerance &&
+              all(lessThanEqual(abs(FETCH(statistics, 1) - FETCH(kept_statistics, 1)), tolerance));
   ivec2 first = max(ivec2(tile) * kTileCells - 2, ivec2(0));
   ivec2 last = min(ivec2(tile) * kTileCells + kTileCells + 1, ivec2(push.size) - 1);
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       int at = y * int(push.size.x) + x;
-      worst = max(worst, abs(FETCH(level1, at) - FETCH(kept, at)));
+      same = same && all(lessThanEqual(abs(FETCH(level1, at) - FETCH(kept, at)), tolerance));
     }
-  bool same = max(max(worst.x, worst.y), max(worst.z, worst.w)) <= push.tolerance;  // false for NaN
   STORE(flags, tile.y * tiles.x + tile.x, push.all == 1u || !same ? 1u : 0u);
 }
