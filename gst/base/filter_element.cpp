@@ -81,7 +81,7 @@ void FilterElement::close() {
 }
 
 void FilterElement::finish_all() {
-  if (device_ && device_->silent()) return;  // a wait for it timed out before
+  if (device_ && device_->unresponsive()) return;  // a wait for it timed out before
   try {
     for (size_t i = 0; i < slots_.size(); ++i) finish(slots_[next_slot_ + i]);
   } catch (const std::exception& error) {

@@ -62,10 +62,10 @@ Commands::Commands(std::shared_ptr<Device> device) : device_(std::move(device)) 
 }
 
 Commands::~Commands() {
-  const uint64_t patience = timed_out_ || device_->silent() ? 0 : device_->patience_ns();
+  const uint64_t timeout = timed_out_ || device_->unresponsive() ? 0 : device_->timeout_ns();
   if (in_flight_ &&
-      vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience) == VK_TIMEOUT) {
-    device_->note_silent(true);
+      vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout) == VK_TIMEOUT) {
+    device_->note_unresponsive(true);
     kept_.push_back(device_);  // the pools, the fence and the queries live as long as it does
     abandon(std::move(kept_));
     return;
@@ -302,6 +302,7 @@ void Commands::image_layout(VkImage image, VkImageLayout from, VkImageLayout to)
 }
 
 void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& target) {
+  refuse_when("a copy");
   touch(target->handle(), false, true);
   barrier_if_needed();
   kept_.push_back(target);
@@ -315,6 +316,7 @@ void Commands::copy_from_image(const ImageRegion& region, const BufferPtr& targe
 }
 
 void Commands::copy_to_image(const BufferPtr& source, const ImageRegion& region) {
+  refuse_when("a copy");
   touch(source->handle(), true, false);
   barrier_if_needed();
   kept_.push_back(source);
@@ -351,15 +353,15 @@ void Commands::submit() {
 
 void Commands::wait() {
   if (!in_flight_) return;
-  const uint64_t patience = timed_out_ ? 0 : device_->patience_ns();
-  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, patience);
+  const uint64_t timeout = timed_out_ ? 0 : device_->timeout_ns();
+  const VkResult result = vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, timeout);
   timed_out_ = result == VK_TIMEOUT;
-  device_->note_silent(timed_out_);
+  device_->note_unresponsive(timed_out_);
   if (timed_out_)
     throw Error(ErrorKind::device_lost,
                 "the Vulkan device \"" + device_->name() + "\" did not finish a frame within " +
-                    std::to_string(device_->patience_ns() / 1'000'000'000) +
-                    " seconds; use a smaller frame or another device, or raise INVERSE_PATIENCE");
+                    std::to_string(device_->timeout_ns() / 1'000'000'000) +
+                    " seconds; use a smaller frame or another device, or raise INVERSE_TIMEOUT");
   in_flight_ = false;
   if (result == VK_ERROR_DEVICE_LOST) device_->note_lost();
   check(result, "waiting for a frame");

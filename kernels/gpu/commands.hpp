@@ -36,9 +36,8 @@ class Commands {
   explicit Commands(std::shared_ptr<Device> device);
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
-  /// Waits for work still in flight. Where the device does not finish it in time
-  /// (`Device::patience_ns`; at once where it is silent already), everything that the work may use
-  /// is left to it for good.
+  /// Waits for work still in flight, not at all if the device is unresponsive. If the device does
+  /// not finish it within `Device::timeout_ns`, everything that the work may use is never freed.
   ~Commands();
 
   const std::shared_ptr<Device>& device() const { return device_; }
@@ -71,10 +70,10 @@ class Commands {
                  offset);
   }
 
-  /// Records kernels that the device leaves out where the word at `offset` bytes of `condition` is
-  /// 0 when it comes to them; all of them run on a device that cannot
-  /// (`Device::variant().conditional`). What a kernel left out would have written stays as it was.
-  /// Copies run always, so there must be none: throws Error(internal). Not nested.
+  /// Records kernels that the device skips if the word at `offset` bytes of `condition` is 0 when
+  /// it reaches them. What a skipped kernel would have written stays unchanged. On a device without
+  /// `Device::variant().conditional` all of them run. Copies would always run: they throw
+  /// Error(internal) here. Not nested.
   template <typename Record>
   void when(const BufferPtr& condition, uint64_t offset, Record record) {
     begin_when(condition, offset);
@@ -98,7 +97,7 @@ class Commands {
     VkImageLayout layout_after;  ///< and after
     uint32_t width, height;
   };
-  /// Copies a whole 4-byte-per-pixel image into a buffer of words, and back.
+  /// Copies a whole 4-byte-per-pixel image into a buffer of words, and back. Not inside of `when`.
   void copy_from_image(const ImageRegion& region, const BufferPtr& target);
   void copy_to_image(const BufferPtr& source, const ImageRegion& region);
 
@@ -112,9 +111,8 @@ class Commands {
 
   /// Hands the recorded work to the device.
   void submit();
-  /// Waits until the submitted work is done. Throws Error(device_lost), also where there is no
-  /// answer in time (`Device::patience_ns`); further waits then throw at once until the work is
-  /// done.
+  /// Waits until the submitted work is done. Throws Error(device_lost) if the device is lost, or
+  /// after `Device::timeout_ns`; further waits then throw at once until the work is done.
   void wait();
   bool in_flight() const { return in_flight_; }
   /// Whether `wait` would return at once.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -163,9 +164,19 @@ uint32_t compute_family(VkPhysicalDevice device) {
               "the Vulkan device \"" + name_of(device) + "\" has no compute queue");
 }
 
-uint32_t environment_number(const char* name, uint32_t fallback) {
+/// The number in an environment variable, `fallback` if that is unset or empty. Throws
+/// Error(unsupported) if it is anything but a whole number of at most `max`.
+uint32_t environment_number(const char* name, uint32_t fallback, uint32_t max = 1) {
   const char* text = std::getenv(name);
-  return text && *text ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : fallback;
+  if (!text || !*text) return fallback;
+  uint32_t number = 0;
+  const char* end = text + std::strlen(text);
+  if (const auto [last, error] = std::from_chars(text, end, number);
+      error != std::errc() || last != end || number > max)
+    throw Error(ErrorKind::unsupported, std::string("the environment variable ") + name + " is \"" +
+                                            text + "\"; set a whole number from 0 to " +
+                                            std::to_string(max) + ", or unset it");
+  return number;
 }
 
 bool has_conditional(VkPhysicalDevice device) {
@@ -297,8 +308,10 @@ void Device::read_properties() {
   vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
 
   // A plane of 2^24 pixels (4096 x 4096) must fit one texel view, else read storage buffers.
+  // Partial sums have one slot for every four invocations (SUM_PARTIALS).
   const bool arithmetic = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
-                          (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
+                          (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) &&
+                          subgroup.subgroupSize >= 4;
   variant_.portable = !arithmetic || limits_.texel_elements < (1u << 24);
   variant_.portable = environment_number("INVERSE_PORTABLE", variant_.portable) != 0;
   variant_.own_tables = environment_number("INVERSE_OWN_TABLES", is_cpu_) != 0;
@@ -311,11 +324,13 @@ void Device::read_properties() {
         vkGetDeviceProcAddr(handles_.device, "vkCmdEndConditionalRenderingEXT"));
   }
   const auto lanes = [&](const char* name, uint32_t fallback) {
-    return std::clamp(environment_number(name, fallback) / 8 * 8, 8u,
+    return std::clamp(environment_number(name, fallback, 1024) / 8 * 8, 8u,
                       std::min(256u, limits_.workgroup_invocations));
   };
   variant_.workgroup = lanes("INVERSE_WORKGROUP", is_cpu_ ? 64 : 128);
   variant_.lone_workgroup = lanes("INVERSE_LONE_WORKGROUP", is_cpu_ ? 32 : 256);
+  set_timeout(environment_number("INVERSE_TIMEOUT", is_cpu_ ? 30 : 10, 86400));
+  lose_at_ = environment_number("INVERSE_LOSE_DEVICE", 0, UINT32_MAX);
 }
 
 void Device::warm_up_once(const std::string& what, const std::function<void()>& run) {
@@ -340,10 +355,6 @@ std::shared_ptr<Kernel> Device::kernel(const KernelSource& source,
   return {shared_from_this(), kernel.get()};  // who holds a kernel holds the device
 }
 
-uint64_t Device::patience_ns() const {
-  return environment_number("INVERSE_PATIENCE", is_cpu_ ? 30 : 10) * uint64_t{1'000'000'000};
-}
-
 void Device::count_memory(int64_t bytes) {
   const uint64_t now =
       memory_bytes_.fetch_add(static_cast<uint64_t>(bytes)) + static_cast<uint64_t>(bytes);
@@ -366,11 +377,10 @@ void Device::submit(VkCommandBuffer commands, VkFence fence) {
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
-  // Rehearses the loss of the device: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process
-  // fail as a driver would, and all that follow on the same device.
-  static const uint32_t lost_at = environment_number("INVERSE_LOSE_DEVICE", 0);
+  // For tests: INVERSE_LOSE_DEVICE=N makes the Nth submit of the process fail as a driver would,
+  // and all that follow on the same device.
   static std::atomic<uint32_t> submits{0};
-  if (lost_at && ++submits == lost_at) note_lost();
+  if (lose_at_ && ++submits == lose_at_) note_lost();
   if (lost()) check(VK_ERROR_DEVICE_LOST, "submitting a frame");
   VkResult result = VK_SUCCESS;
   if (owned_) {

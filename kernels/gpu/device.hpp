@@ -90,15 +90,14 @@ class Device : public std::enable_shared_from_this<Device> {
   void note_lost() { lost_ = true; }
   const Limits& limits() const { return limits_; }
   const Variant& variant() const { return variant_; }
-  /// How long to wait for a frame before the device counts as lost, in nanoseconds: 10 s, which is
-  /// what drivers allow themselves, 30 s for a software device (which is slower and shares its
-  /// processors with whatever else runs), or the environment variable `INVERSE_PATIENCE` in
-  /// seconds.
-  uint64_t patience_ns() const;
-  /// Whether patience ran out on the last work that was waited for: then nobody who only tidies up
-  /// waits as long again.
-  bool silent() const { return silent_.load(); }
-  void note_silent(bool silent) { silent_ = silent; }
+  /// How long to wait for a frame before the device counts as lost, in nanoseconds: the environment
+  /// variable `INVERSE_TIMEOUT` in seconds, else 10 s, which is what drivers allow themselves, and
+  /// 30 s for a software device.
+  uint64_t timeout_ns() const { return timeout_ns_.load(); }
+  void set_timeout(uint32_t seconds) { timeout_ns_ = seconds * uint64_t{1'000'000'000}; }
+  /// Whether the last wait timed out. Cleanup then does not wait again.
+  bool unresponsive() const { return unresponsive_.load(); }
+  void note_unresponsive(bool unresponsive) { unresponsive_ = unresponsive; }
 
   /// The kernel built from `source` with these specialization constants (ids 1, 2, …; id 0 is the
   /// workgroup size). Built once and kept as long as the device: to compile it
@@ -152,7 +151,9 @@ class Device : public std::enable_shared_from_this<Device> {
   std::mutex kernels_mutex_;
   std::map<std::string, std::unique_ptr<Kernel>> kernels_;
   std::set<std::string> done_;  // warm_up_once
-  std::atomic<bool> lost_{false}, silent_{false};
+  std::atomic<bool> lost_{false}, unresponsive_{false};
+  std::atomic<uint64_t> timeout_ns_{0};
+  uint32_t lose_at_ = 0;  // which submit fails, for tests; 0: none
   std::atomic<uint64_t> kernels_used_{0};
   std::atomic<uint64_t> memory_bytes_{0};
   std::atomic<uint64_t> memory_peak_bytes_{0};

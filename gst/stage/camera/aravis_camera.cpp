@@ -90,9 +90,10 @@ std::pair<int, int> fraction(double rate) {
 
 void AravisError::check(const std::string& what) const {
   if (!error_) return;
-  const bool silent = is(ARV_DEVICE_ERROR_TIMEOUT) || is(ARV_DEVICE_ERROR_NOT_CONNECTED) ||
-                      is(ARV_DEVICE_ERROR_TRANSFER_ERROR) || is(ARV_DEVICE_ERROR_NOT_CONTROLLER);
-  throw Error(silent ? ErrorKind::connection : ErrorKind::unsupported, what + ": " + text());
+  const bool unreachable = is(ARV_DEVICE_ERROR_TIMEOUT) || is(ARV_DEVICE_ERROR_NOT_CONNECTED) ||
+                           is(ARV_DEVICE_ERROR_TRANSFER_ERROR) ||
+                           is(ARV_DEVICE_ERROR_NOT_CONTROLLER);
+  throw Error(unreachable ? ErrorKind::connection : ErrorKind::unsupported, what + ": " + text());
 }
 
 std::mutex& mutex_of(ArvCamera* camera) {

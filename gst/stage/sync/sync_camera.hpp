@@ -60,7 +60,7 @@ struct SyncCamera {
   }
   /// Whether frames are here that have no label yet, and may get one.
   bool waits_for_labels() const {
-    return !silent && std::ranges::any_of(line, [](const Item& item) {
+    return !stalled && std::ranges::any_of(line, [](const Item& item) {
       return item.state == Item::State::waiting && !item.label;
     });
   }
@@ -100,7 +100,7 @@ struct SyncCamera {
   bool program_ended = false;  // and that is on its way to the assembler
   bool blocked = false;        // its thread waits because there is no room
   bool left_alone = false;     // sets do not wait for it any more
-  bool silent = false;         // and that was reported
+  bool stalled = false;        // and that was reported
   bool begun = false;          // caps or a frame have come
   Clock::time_point last_arrival{};
   GstFlowReturn flow = GST_FLOW_OK;  // of the last push

@@ -73,7 +73,7 @@ void SyncElement::stop() {
     camera->linear.reset();
     camera->last_trigger.reset();
     camera->stream_id.clear();
-    camera->ended = camera->left_alone = camera->silent = camera->was_anchored =
+    camera->ended = camera->left_alone = camera->stalled = camera->was_anchored =
         camera->upstream_known = camera->program_ended = camera->begun = false;
     camera->id_bits = 0;
     camera->sinks_wait = 0;

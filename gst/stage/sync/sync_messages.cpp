@@ -7,7 +7,7 @@
 namespace inverse {
 namespace {
 
-constexpr auto kSilent = std::chrono::seconds(2);     // without a frame
+constexpr auto kStalled = std::chrono::seconds(2);    // without a frame
 constexpr auto kNotBegun = std::chrono::seconds(30);  // the same, while a source makes itself ready
 constexpr uint32_t kFewPeriods = 4;                   // the same, in slow programs
 constexpr auto kBetweenWarnings = std::chrono::seconds(1);
@@ -97,7 +97,7 @@ void SyncElement::post(Lock& lock) {
 
 SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& camera) const {
   const auto timeout = std::chrono::duration<double>(frame_timeout());
-  return std::max<Clock::duration>({camera.begun ? kSilent : kNotBegun,
+  return std::max<Clock::duration>({camera.begun ? kStalled : kNotBegun,
                                     std::chrono::duration_cast<Clock::duration>(timeout),
                                     periods(kFewPeriods)});
 }
@@ -105,7 +105,7 @@ SyncElement::Clock::duration SyncElement::longest_silence(const SyncCamera& came
 /// Whether the frames of a camera can come late, because its source waits. A camera that has not
 /// begun may be live; the others decide.
 bool SyncElement::can_wait(const SyncCamera& camera) const {
-  if (camera.silent) return false;
+  if (camera.stalled) return false;
   if (camera.begun) return !camera.live;
   return std::ranges::none_of(cameras_, [](const auto& other) { return other.second->live; });
 }
@@ -119,11 +119,11 @@ void SyncElement::look_for_silence() {
     return;
   }
   for (auto& [number, camera] : cameras_) {
-    if (camera->silent || camera->ended || camera->blocked || camera->flushing ||
+    if (camera->stalled || camera->ended || camera->blocked || camera->flushing ||
         camera->in_sets >= max_in_sets(*camera) ||
         now - camera->last_arrival < longest_silence(*camera))
       continue;
-    camera->silent = true;
+    camera->stalled = true;
     report_event("camera-stopped", *camera);
     const auto silence = std::to_string(static_cast<int>(seconds(now - camera->last_arrival)));
     if (camera->begun)
@@ -196,8 +196,8 @@ void SyncElement::lacked_ended(uint32_t number) {
 
 /// Reports events of a camera's frames; losses at most once a second.
 void SyncElement::report(SyncCamera& camera) {
-  if (camera.silent) {
-    camera.silent = false;
+  if (camera.stalled) {
+    camera.stalled = false;
     report_event("camera-sends", camera);
   }
   if (trigger_) return;  // the trigger reports

@@ -103,7 +103,7 @@ class Parts:
             out.unlink(missing_ok=True)
             try:
                 # A machine at work on other things takes its time; who waits for it is no error here.
-                follow([program, *arguments, out], self.progress, **{"INVERSE_PATIENCE": "600", **environment})
+                follow([program, *arguments, out], self.progress, **{"INVERSE_TIMEOUT": "600", **environment})
             except Failed as failure:
                 self.failures.append({"part": name, "why": str(failure)})
                 return None

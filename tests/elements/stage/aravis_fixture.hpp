@@ -87,11 +87,11 @@ class FakeCamera : public ::testing::Test {
   }
 
   /// Takes frames from the appsink `out` and holds them. Fewer where they stop coming.
-  void take(size_t count, double patience = 10) {
+  void take(size_t count, double seconds = 10) {
     GstElement* out = gst_bin_get_by_name(GST_BIN(pipeline_), "out");
     for (size_t i = 0; i < count; ++i) {
       GstSample* sample = gst_app_sink_try_pull_sample(
-          GST_APP_SINK(out), static_cast<GstClockTime>(patience * GST_SECOND));
+          GST_APP_SINK(out), static_cast<GstClockTime>(seconds * GST_SECOND));
       if (!sample) break;
       frames_.push_back(gst_buffer_ref(gst_sample_get_buffer(sample)));
       gst_sample_unref(sample);
